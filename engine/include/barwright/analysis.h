@@ -1,0 +1,172 @@
+/* analysis: stresses, error estimate, weak regions, worst loads, brute force, drops. */
+#ifndef BARWRIGHT_ANALYSIS_H
+#define BARWRIGHT_ANALYSIS_H
+
+#include "barwright/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- stress fields: tensors xx yy zz yz zx xy -------------------------------------------------
+ */
+
+/* Mean stress of every element (exact for tet4; the volume mean for tet10): element_count x 6. */
+bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, double *stress);
+/* Stress at nodes: element stresses evaluated at the nodes, averaged by volume: node_count x 6. */
+bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          const double *displacement, double *stress);
+/* Strain energy of every element, J. */
+bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, double *energy);
+/* Row-wise over `count` tensors. `values` count x 3 descending; `directions` count x 9 or NULL. */
+bw_status bw_von_mises_field(bw_context *context, int64_t count, const double *stress,
+                             double *von_mises);
+bw_status bw_principal_field(bw_context *context, int64_t count, const double *stress,
+                             double *values, double *directions);
+/* max_i |sigma_i| (worst-case eq. 6). */
+bw_status bw_max_principal_field(bw_context *context, int64_t count, const double *stress,
+                                 double *value);
+bw_status bw_utilisation_field(bw_context *context, const bw_material *material, int64_t count,
+                               const double *stress, double *value);
+/* Zienkiewicz-Zhu: error energy of every element against the averaged nodal stress (element may be
+ * NULL); *relative is the estimated energy-norm error over the energy norm of the solution, times
+ * 1.5 (the agile paper, section 8). */
+bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, double *element, double *relative);
+
+/* ---- weak regions (worst-case, section 4) -------------------------------------------------------
+ */
+
+typedef enum bw_weak_measure { BW_WEAK_STRESS, BW_WEAK_ENERGY } bw_weak_measure;
+typedef enum bw_worst_target { BW_WORST_STRESS, BW_WORST_DISPLACEMENT } bw_worst_target;
+
+typedef struct bw_weak_options {
+  bw_weak_measure measure; /* what the threshold is on; default stress (max principal) */
+  double fraction;         /* epsilon, of the volume; default 0.025 */
+  int regions;             /* per mode; default 5 */
+  bw_worst_target target; /* stress: w from the modal stress; displacement: from the modal motion */
+} bw_weak_options;
+void bw_weak_options_default(bw_weak_options *options);
+
+typedef struct bw_weak_region {
+  int mode;      /* 0-based */
+  int rank;      /* 0-based, by energy */
+  int32_t count; /* elements */
+  int32_t *element;
+  double *weight; /* count signed weights (stress), or count x 3 (displacement) */
+  double volume, energy, peak;
+} bw_weak_region;
+typedef struct bw_weak_regions {
+  bw_object object;
+  const bw_mesh *mesh; /* retained */
+  bw_weak_options options;
+  int count;
+  bw_weak_region *region; /* by mode, then rank */
+} bw_weak_regions;
+/* The regions of all modes (elastic or Laplacian). */
+bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
+                               const bw_material *material, const bw_modes *modes,
+                               const bw_weak_options *options, bw_weak_regions **regions);
+/* Every element (or the given ones) as a region of its own with weight `sign`: brute force. */
+bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64_t count,
+                                 const int32_t *element, double sign, bw_weak_regions **regions);
+/* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
+bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
+                              const bw_material *material, double *right_hand_side);
+
+/* ---- worst loads (worst-case, eq. 14)
+ * ------------------------------------------------------------ */
+
+/* Pressures at boundary corner nodes, linear over facets. force = G p (N A of eq. 10, consistent
+ * also for tet10). */
+typedef struct bw_pressure_basis {
+  bw_object object;
+  const bw_mesh *mesh; /* retained */
+  int32_t count;       /* n_b */
+  int32_t *node;       /* mesh node of each pressure */
+  double *area;        /* A: integral of the pressure's hat function */
+  int64_t *start;      /* count + 1: columns of G */
+  int32_t *row;        /* node numbers */
+  double *coefficient; /* 3 per entry */
+} bw_pressure_basis;
+bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
+                                   bw_pressure_basis **basis);
+/* force (node_count x 3, overwritten) = G p */
+void bw_pressure_force(const bw_pressure_basis *basis, const double *pressure, double *force);
+/* f = G^T q */
+void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q, double *f);
+
+typedef struct bw_worst_load_options {
+  double pressure; /* p_max, Pa */
+  double force;    /* F_tot, N */
+  bool at_most;    /* the total force may also be smaller; default false: fixed */
+} bw_worst_load_options;
+/* For `count` objectives f (basis->count each, one after the other): pressures (same layout) and
+ * objective values. GLPK, dual simplex with the bound-flipping ratio test; regions in parallel.
+ * Balance rows are those of the numbering's free motions. BW_INFEASIBLE says which bound is in the
+ * way. `dual` (may be NULL): count x rows multipliers, for optimality checks. */
+bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
+                         const bw_numbering *numbering, const bw_worst_load_options *options,
+                         int64_t count, const double *objective, double *pressure, double *value);
+
+/* Regions -> right-hand sides -> solves -> programmes -> solves -> stresses, in batches of
+ * `batch` (0: 16) with progress "worst loads". `visit` is called in region order. */
+typedef struct bw_worst_case_visit {
+  int region;
+  const double *pressure;      /* basis->count */
+  const double *displacement;  /* node_count x 3 */
+  const double *stress;        /* element_count x 6 */
+  const double *max_principal; /* element_count */
+  double objective;            /* of the programme */
+  double seconds;
+} bw_worst_case_visit;
+bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
+                            const bw_weak_regions *regions, const bw_worst_load_options *options,
+                            int batch,
+                            bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
+                            void *data);
+
+/* Sum a pressure's forces into a few arrows: clusters of loaded nodes within `radius`. */
+typedef struct bw_arrow {
+  double at[3], force[3];
+  double area; /* loaded */
+} bw_arrow;
+bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basis,
+                              const double *pressure, double radius, int *count, bw_arrow **arrows);
+
+/* ---- drop test (worst-case, section 5)
+ * -------------------------------------------------------------- */
+
+typedef struct bw_drop_options {
+  int64_t drops;     /* default 2000 */
+  double height;     /* m, default 1 */
+  double peg_radius; /* m: radius of the contact patch; default 2 % of the box diagonal */
+  double duration;   /* s: of the contact; the force is 2 m v / duration; default 1e-3 */
+  uint64_t seed;
+} bw_drop_options;
+void bw_drop_options_default(bw_drop_options *options);
+typedef struct bw_drop_result {
+  double *exceedance; /* element_count: fraction of drops whose max principal stress is beyond the
+                         strength (where none is known: beyond the 97.5th percentile of all) */
+  double *mean_peak;  /* element_count: mean over drops of the max principal stress, Pa */
+  double *contact;    /* drops x 3 */
+  double *peak;       /* drops: largest stress */
+  int64_t drops;
+} bw_drop_result;
+bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_options *options,
+                       bw_drop_result *result);
+void bw_drop_result_clear(bw_drop_result *result);
+
+/* Spearman's rank correlation of two series, ties averaged. */
+bw_status bw_rank_correlation(bw_context *context, int64_t count, const double *a, const double *b,
+                              double *rho);
+/* The p-th quantile (0..1) of values weighted (volumes); e.g. 0.9975 in figure 7. */
+bw_status bw_weighted_quantile(bw_context *context, int64_t count, const double *value,
+                               const double *weight, double p, double *quantile);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

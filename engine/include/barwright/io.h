@@ -1,0 +1,118 @@
+/* io: files of surfaces and meshes. A reader decides by content first, by name second. Every
+ * message of a refusal names the file and the line (text) or byte (binary), and what was expected.
+ * Writers write beside the target and rename: the old file or the new one, never a part. */
+#ifndef BARWRIGHT_IO_H
+#define BARWRIGHT_IO_H
+
+#include "barwright/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- bytes and whole files ------------------------------------------------------------- */
+
+/* A file being written: bytes go to "PATH.partial-PID"; commit renames, discard removes. */
+typedef struct bw_writer bw_writer;
+bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writer);
+bw_status bw_writer_bytes(bw_writer *writer, const void *bytes, size_t count);
+bw_status bw_writer_print(bw_writer *writer, const char *format, ...) BW_PRINTF(2, 3);
+/* Flushes, syncs, renames, closes; the writer is gone whatever comes back. */
+bw_status bw_writer_commit(bw_writer *writer);
+void bw_writer_discard(bw_writer *writer); /* NULL is fine */
+
+/* The whole file in memory, followed by a 0 byte that is not counted. Release with bw_free. */
+bw_status bw_read_file(bw_context *context, const char *path, unsigned char **bytes, size_t *count);
+
+/* ---- surfaces: STL OBJ OFF PLY MSH VTU ---------------------------------------------------- */
+
+typedef struct bw_read_info {
+  char format[40];  /* "STL binary", "OBJ", "PLY binary little endian", "MSH 4.1", ... */
+  int64_t polygons; /* facets with more than three corners that were cut into triangles */
+  int64_t skipped;  /* records that were passed over (lines, points, unknown elements) */
+  int group_count;
+} bw_read_info;
+
+/* Points as in the file (no unit conversion); exactly equal points of STL facets are welded.
+ * `info` may be NULL. A volume mesh (MSH, VTU) gives its boundary. */
+bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,
+                          bw_read_info *info);
+/* From memory, for fuzzing and tests; `name` stands for the file in messages and its ending
+ * decides where the content does not. */
+bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                           size_t count, bw_surface **surface, bw_read_info *info);
+/* By the ending of the path: .stl (binary; `ascii` for text), .obj .ply .off .vtu .msh */
+bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
+                           bool ascii);
+
+/* ---- tetrahedral meshes: VTU MSH MEDIT TetGen INP ------------------------------------------ */
+
+/* A named array over nodes, elements or boundary facets; rows in mesh order. */
+typedef enum bw_field_place { BW_ON_NODES, BW_ON_ELEMENTS } bw_field_place;
+typedef struct bw_field {
+  const char *name;
+  bw_field_place place;
+  const bw_array *array; /* rows x components; 6 components are xx yy zz yz zx xy */
+} bw_field;
+
+/* What a mesh file holds beyond the mesh. Cleared by bw_mesh_file_clear. */
+typedef struct bw_named_set {
+  char *name;
+  bool of_elements; /* else of nodes */
+  int64_t count;
+  int32_t *member;
+} bw_named_set;
+typedef struct bw_mesh_file {
+  bw_mesh *mesh;
+  int field_count;
+  char **field_name;
+  bw_field_place *field_place;
+  bw_array **field_array;
+  int set_count;
+  bw_named_set *set;
+  bw_read_info info;
+} bw_mesh_file;
+void bw_mesh_file_clear(bw_mesh_file *file);
+/* .vtu (ascii, base64 and appended raw, zlib or not), .msh 2.2 and 4.1 (ascii, binary), .mesh
+ * (MEDIT), .node/.ele (either name finds both), .inp (nodes, C3D4, C3D10, NSET, ELSET).
+ * Nodes are kept in file order except unused ones. Elements that are not tetrahedra are counted in
+ * info.skipped; none at all is BW_FORMAT. */
+bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file);
+bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                        size_t count, bw_mesh_file *file);
+/* By the ending: .vtu (appended raw, zlib), .msh (4.1 binary), .mesh, .node or .ele (writes both),
+ * .inp (nodes and elements only). Fields go where the format has a place (.vtu, .msh). */
+bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
+                        const bw_field *fields);
+bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *path,
+                         int field_count, const bw_field *fields);
+/* A surface with fields on its points or facets, as .vtu (BW_ON_ELEMENTS = facets). */
+bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
+                               int field_count, const bw_field *fields);
+
+/* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). */
+typedef struct bw_inp_deck {
+  const bw_mesh *mesh;
+  const char *title;
+  bool isotropic;
+  double young, poisson; /* when isotropic */
+  double stiffness[21];  /* else the upper triangle of the 6x6 matrix in CalculiX's order
+                            D1111 D1122 D2222 D1133 D2233 D3333 D1112 ... D2323 (ANISO) */
+  double density;        /* 0: none written */
+  double gravity[3];     /* m/s2 */
+  int64_t fixed_count;   /* single displacements: node, direction 0..2, value */
+  const int32_t *fixed_node;
+  const int *fixed_direction;
+  const double *fixed_value;
+  int64_t equation_count; /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
+  const int32_t *equation_node;
+  const double *equation_normal; /* equation_count x 3 */
+  const double *force;           /* node_count x 3, or NULL */
+  int modes;                     /* > 0: a *FREQUENCY step for so many modes instead */
+} bw_inp_deck;
+bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,72 @@
+/* material: linear elastic laws and a small library of measured materials. */
+#ifndef BARWRIGHT_MATERIAL_H
+#define BARWRIGHT_MATERIAL_H
+
+#include "barwright/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bw_value {
+  double mean, scatter; /* scatter: one standard deviation; 0 when not known */
+  const char *source;   /* a static string: where the value comes from; NULL: given by the user */
+} bw_value;
+
+typedef struct bw_material {
+  bw_object object;
+  char name[48];
+  bool isotropic;
+  double density;        /* kg/m3; 0 when not given */
+  double elasticity[36]; /* 6x6, global axes, order xx yy zz yz zx xy, engineering shears: Pa */
+  double axes[9];        /* rows: material axes 1 2 3 in global coordinates */
+  double young[3];       /* Y1 Y2 Y3, Pa */
+  double poisson[3];     /* nu23 nu31 nu12 */
+  double shear[3];       /* G23 G31 G12, Pa */
+  double strength[3];    /* tensile strength along axes 1 2 3, Pa; 0 when not known */
+  double lame_lambda, lame_mu; /* when isotropic */
+  bw_value young_value[3], strength_value[3], density_value;
+} bw_material;
+
+typedef struct bw_isotropic {
+  const char *name;
+  double young, poisson, density, strength; /* density and strength may be 0 */
+} bw_isotropic;
+/* young > 0 and -1 < poisson < 1/2, or BW_INVALID. */
+bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constants,
+                                bw_material **material);
+
+typedef struct bw_orthotropic {
+  const char *name;
+  double young[3];     /* Y1 Y2 Y3 */
+  double poisson[3];   /* nu23 nu31 nu12 */
+  double poisson_t[3]; /* nu32 nu13 nu21, checked against nu_ij/Y_i = nu_ji/Y_j; 0: derived */
+  double shear[3];     /* G23 G31 G12; 0: the worst-case paper's formula (section 6) */
+  double axes[9];      /* rotation, rows are the material axes; all zero: identity */
+  double density;
+  double strength[3];
+} bw_orthotropic;
+/* Checked for positive definiteness, for the reciprocal relation (relative 1e-6) and for axes being
+ * a rotation: BW_INVALID names the constants. */
+bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *constants,
+                                  bw_material **material);
+/* The same material turned by a rotation (3x3, row by row): axes' = axes * rotation^T. */
+bw_status bw_material_rotated(bw_context *context, const bw_material *material,
+                              const double rotation[9], bw_material **rotated);
+
+/* The library: steel, aluminium, pla, green_state_stainless_steel, nylon_pa2200, zp150, ... */
+int bw_material_library_count(void);
+const char *bw_material_library_name(int i);
+bw_status bw_material_named(bw_context *context, const char *name, bw_material **material);
+
+/* Strength in direction n (unit vector), by the quadratic interpolation
+ * 1/s(n)^2 = sum n_i^2 ... over the axes (docs/theory/worst_case.md); 0 when not known. */
+double bw_material_strength(const bw_material *material, const double direction[3]);
+/* Utilisation of a stress tensor: the largest over the principal stresses of
+ * |sigma_i| / strength(direction i); 0 when the strength is not known. */
+double bw_material_utilisation(const bw_material *material, const double stress[6]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

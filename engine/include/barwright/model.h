@@ -1,0 +1,174 @@
+/* model: selections on a mesh, supports, loads, unknown numbering, free rigid motions. */
+#ifndef BARWRIGHT_MODEL_H
+#define BARWRIGHT_MODEL_H
+
+#include "barwright/io.h"
+#include "barwright/material.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- selections ---------------------------------------------------------------------------- */
+
+/* Boundary facets and boundary nodes of a mesh, both ascending. A geometric selection holds the
+ * boundary nodes that fulfil it and the facets all of whose corners do; one made of facets holds
+ * their nodes. An empty selection (no node) is BW_EMPTY: the message gives the box of the mesh and
+ * the distance of the nearest node. */
+typedef struct bw_selection {
+  bw_object object;
+  const bw_mesh *mesh; /* retained */
+  int32_t facet_count, node_count;
+  int32_t *facet; /* numbers of boundary facets */
+  int32_t *node;  /* numbers of mesh nodes */
+} bw_selection;
+
+bw_status bw_select_all(bw_context *context, const bw_mesh *mesh, bw_selection **selection);
+bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],
+                        const double high[3], bw_selection **selection);
+/* (x - point) . normal <= tolerance */
+bw_status bw_select_half_space(bw_context *context, const bw_mesh *mesh, const double point[3],
+                               const double normal[3], double tolerance, bw_selection **selection);
+/* |(x - point) . normal| <= tolerance */
+bw_status bw_select_plane(bw_context *context, const bw_mesh *mesh, const double point[3],
+                          const double normal[3], double tolerance, bw_selection **selection);
+bw_status bw_select_sphere(bw_context *context, const bw_mesh *mesh, const double centre[3],
+                           double radius, bw_selection **selection);
+/* Facets whose outward normal is within `angle` of `direction`. */
+bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const double direction[3],
+                                double angle, bw_selection **selection);
+/* Facets reached from the one nearest to `point` without crossing an edge whose facets' normals
+ * differ by more than `angle`. */
+bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double point[3],
+                          double angle, bw_selection **selection);
+/* The `count` boundary nodes nearest to a point (and the facets they span). */
+bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const double point[3],
+                            int32_t count, bw_selection **selection);
+/* By masks: facet_mask (facet_count) or node_mask (node_count); either may be NULL. */
+bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
+                         const uint8_t *node_mask, bw_selection **selection);
+typedef enum bw_set_operation { BW_UNION, BW_INTERSECTION, BW_DIFFERENCE } bw_set_operation;
+bw_status bw_select_combine(bw_context *context, const bw_selection *a, const bw_selection *b,
+                            bw_set_operation operation, bw_selection **selection);
+double bw_selection_area(const bw_selection *selection);
+void bw_selection_centre(const bw_selection *selection,
+                         double centre[3]); /* of area, or of nodes */
+void bw_selection_normal(const bw_selection *selection, double normal[3]); /* mean outward, unit */
+
+/* ---- models -----------------------------------------------------------------------------------
+ */
+
+typedef enum bw_load_kind {
+  BW_LOAD_PRESSURE, /* Pa, positive pushes inwards */
+  BW_LOAD_TRACTION, /* Pa, a vector per area */
+  BW_LOAD_FORCE,    /* N, the total, spread evenly over the area */
+  BW_LOAD_TORQUE,   /* N m about a point, by tangential traction rotating with the distance */
+  BW_LOAD_GRAVITY,  /* m/s2 on the whole body */
+  BW_LOAD_NODAL     /* N at single nodes */
+} bw_load_kind;
+
+typedef struct bw_load {
+  bw_load_kind kind;
+  const bw_selection *on;         /* retained; NULL for gravity and nodal */
+  double vector[3];               /* pressure in vector[0] */
+  double about[3];                /* torque */
+  const bw_array *nodal;          /* node_count x 3, retained */
+  double area;                    /* of the selection */
+  double resultant[3], moment[3]; /* force, and moment about the origin */
+} bw_load;
+
+typedef struct bw_support {
+  const bw_selection *on; /* retained */
+  bool slide;             /* held along `normal` only (zero normal: the facets' own normals) */
+  bool held[3];           /* else: which directions */
+  double normal[3];
+  double value[3]; /* prescribed displacement, m */
+} bw_support;
+
+/* The revision of a model's object moves with every support and load added. */
+typedef struct bw_model {
+  bw_object object;
+  const bw_mesh *mesh;         /* retained */
+  const bw_material *material; /* retained */
+  int load_count, support_count;
+  bw_load *load;
+  bw_support *support;
+} bw_model;
+
+bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          bw_model **model);
+bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on);
+bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
+                         const double normal[3]); /* NULL: along each node's surface */
+bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
+                             const bool held[3], const double value[3]);
+bw_status bw_model_gravity(bw_context *context, bw_model *model, const double acceleration[3]);
+bw_status bw_model_pressure(bw_context *context, bw_model *model, const bw_selection *on,
+                            double pressure);
+bw_status bw_model_traction(bw_context *context, bw_model *model, const bw_selection *on,
+                            const double traction[3]);
+bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selection *on,
+                         const double force[3]);
+bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
+                          const double torque[3], const double about[3]); /* NULL: area centre */
+bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
+/* Drop all supports or all loads. */
+void bw_model_clear_supports(bw_model *model);
+void bw_model_clear_loads(bw_model *model);
+/* Consistent nodal forces of all loads, node_count x 3 (overwritten). */
+bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force);
+/* Several lines that say mesh, material, each support and each load with area and resultant.
+ * Release with bw_free. */
+bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
+/* As an .inp for CalculiX; modes > 0 writes a frequency step instead of a static one. */
+bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
+                             int modes);
+
+/* ---- rigid motions and unknowns
+ * ------------------------------------------------------------------ */
+
+/* A rigid motion u(x) = translation + rotation x (x - centre) of one body (component). */
+typedef struct bw_rigid_motion {
+  int32_t component;
+  double centre[3];
+  double translation[3], rotation[3];
+  char text[120]; /* "translation along (0, 0, 1)", "rotation about the axis through (...) along
+                     (...)" */
+} bw_rigid_motion;
+
+/* Which unknowns there are. At every node the three displacement components are taken in a frame
+ * (the global one, unless an oblique slide needs another); each is an unknown, prescribed, or
+ * pinned. A body whose supports leave rigid motions free is pinned at as many well-chosen
+ * components as there are free motions, which adds no stress when the load is balanced; the free
+ * motions are listed, orthonormal in the mass (volume) inner product over their body. */
+typedef struct bw_numbering {
+  bw_object object;
+  const bw_mesh *mesh; /* retained */
+  int32_t unknown_count;
+  int32_t *unknown;  /* node_count x 3: the unknown's number, or -1 */
+  int32_t *frame_of; /* node_count: row of `frame`, or -1 for the global frame */
+  int32_t frame_count;
+  double *frame;        /* frame_count x 9: rows are the frame's directions */
+  double *value;        /* node_count x 3: prescribed value in the frame; 0 elsewhere */
+  bool prescribed;      /* some value is not zero */
+  int32_t motion_count; /* free rigid motions of all bodies */
+  bw_rigid_motion *motion;
+} bw_numbering;
+/* From a model's supports. Contradicting prescriptions are BW_INVALID. */
+bw_status bw_numbering_create(bw_context *context, const bw_model *model, bw_numbering **numbering);
+/* Without any support: every body free. */
+bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering);
+/* The free motions as text, for messages: "3 rigid motions are free: ...". Release with bw_free. */
+bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
+                                     char **text);
+/* a[m] = <motion m, f> (f node_count x 3: forces, plain sum), and u += sum a[m] motion m. */
+void bw_motions_dot(const bw_numbering *numbering, const double *force, double *a);
+void bw_motions_add(const bw_numbering *numbering, const double *a, double *displacement);
+/* <motion m, u> in the mass inner product (consistent volume weighting; unit: total 1 per motion),
+ * and the forces V * motion (so that dot = displacement . weighted). */
+void bw_motions_weighted(const bw_numbering *numbering, const double *a, double *force);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,39 @@
+/* picture: images of a result without a display. */
+#ifndef BARWRIGHT_PICTURE_H
+#define BARWRIGHT_PICTURE_H
+
+#include "barwright/analysis.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bw_picture_options {
+  int width, height;   /* pixels, default 1200 x 900 */
+  double direction[3]; /* from the object to the viewer; default (1, -1.4, 0.8) */
+  double up[3];        /* default (0, 0, 1) */
+  double zoom;         /* default 1: the box fills the picture */
+  const char *title;   /* may be NULL */
+  const char *unit;    /* of the colour bar, with a name: "max principal stress, MPa" */
+  double scale;        /* values are multiplied by this for the bar's labels; default 1 */
+  double low, high;    /* colour range; both 0: from the values */
+  bool edges;          /* draw facet edges */
+  int arrow_count;
+  const bw_arrow *arrow; /* longest arrow is drawn a fifth of the box */
+  double deformation;    /* factor on the displacement; 0 with a displacement: chosen so that the
+                            largest is a twentieth of the box */
+  const double *displacement; /* points x 3, or NULL */
+  bool ghost;                 /* draw the undeformed outline behind in grey */
+} bw_picture_options;
+void bw_picture_options_default(bw_picture_options *options);
+/* A shaded surface coloured by values at its points (or by facets when `on_facets`; NULL: plain),
+ * with colour bar, to a PNG file. */
+bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
+                             bool on_facets, const bw_picture_options *options, const char *path);
+/* The colour map (0..1 -> sRGB bytes), shared with the report. */
+void bw_colour(double t, unsigned char rgb[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

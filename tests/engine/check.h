@@ -1,0 +1,72 @@
+/* What every engine test includes: cmocka, the engine, and a few checks of its own. */
+#ifndef CHECK_H
+#define CHECK_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "barwright.h"
+
+/* A call that must succeed: prints the engine's message when it does not. */
+#define check_ok(context, call)                                                                    \
+  do {                                                                                             \
+    bw_status check_status_ = (call);                                                              \
+    if (check_status_ != BW_OK)                                                                    \
+      fail_msg("%s: %s (%s)", #call, bw_message(context), bw_status_word(check_status_));          \
+  } while (0)
+
+/* A call that must fail with this status, and with a message that holds this text. */
+#define check_fails(context, expected, text, call)                                                 \
+  do {                                                                                             \
+    bw_status check_status_ = (call);                                                              \
+    if (check_status_ != (expected))                                                               \
+      fail_msg("%s: %s instead of %s (%s)", #call, bw_status_word(check_status_),                  \
+               bw_status_word(expected), bw_message(context));                                     \
+    if (!strstr(bw_message(context), (text)))                                                      \
+      fail_msg("%s: message \"%s\" lacks \"%s\"", #call, bw_message(context), (text));             \
+  } while (0)
+
+#define check_near(value, expected, tolerance)                                                     \
+  do {                                                                                             \
+    double check_value_ = (value), check_expected_ = (expected);                                   \
+    if (!(fabs(check_value_ - check_expected_) <= (tolerance)))                                    \
+      fail_msg("%s = %.17g, expected %.17g within %g", #value, check_value_, check_expected_,      \
+               (double)(tolerance));                                                               \
+  } while (0)
+
+/* Fixture: a context as *state, and at the end no block may be alive that was not before. */
+typedef struct check_state {
+  bw_context *context;
+  int64_t blocks;
+} check_state;
+
+static inline int check_setup(void **state) {
+  check_state *check = (check_state *)malloc(sizeof *check);
+  check->blocks = bw_live_blocks();
+  check->context = bw_context_create();
+  *state = check;
+  return check->context ? 0 : -1;
+}
+
+static inline int check_teardown(void **state) {
+  check_state *check = (check_state *)*state;
+  bw_context_destroy(check->context);
+  int64_t left = bw_live_blocks() - check->blocks;
+  free(check);
+  if (left != 0)
+    printf("%lld blocks were not freed\n", (long long)left);
+  return left == 0 ? 0 : -1;
+}
+
+#define check_context(state) (((check_state *)*(state))->context)
+#define check_test(function) cmocka_unit_test_setup_teardown(function, check_setup, check_teardown)
+
+#endif
