@@ -1,0 +1,29 @@
+/* Shared between the surface files: welding maps, edges, predicates.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#ifndef BARWRIGHT_MESH_SURFACE_INTERNAL_H
+#define BARWRIGHT_MESH_SURFACE_INTERNAL_H
+
+#include "barwright/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+double bwi_surface_diagonal(const bw_surface *surface);
+/* Twice the area, along the normal. */
+void bwi_facet_normal(const double *point, const int32_t *triangle, double normal[3]);
+/* The signed volume of the tetrahedron over a facet from origin. */
+double bwi_facet_volume(const double *point, const int32_t *triangle, const double origin[3]);
+
+/* Number points so that merged ones share a number: to[i] in 0..*count-1, in order of first
+ * appearance. Points merge when they are exactly equal (tolerance 0) or lie within tolerance of the
+ * first point of their cluster: no point moves by more than the tolerance, and clusters do not
+ * chain. With `used`, only points i with used[i] take part; to[i] = -1 for the others. */
+bw_status bwi_weld_map(bw_context *context, int64_t points, const double *point,
+                       const uint8_t *used, double tolerance, int32_t *to, int32_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
