@@ -1,0 +1,30 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of tetrahedral meshes share. */
+#ifndef BWI_MESH_INTERNAL_H
+#define BWI_MESH_INTERNAL_H
+
+#include "barwright/mesh.h"
+
+/* Behind every bw_mesh. A mesh whose nodes were moved borrows the topology of another one and keeps
+ * that one alive; all other meshes own every array. */
+typedef struct bwi_mesh {
+  bw_mesh mesh;
+  const bw_mesh *topology; /* retained; NULL: the arrays are our own */
+} bwi_mesh;
+
+/* An empty mesh object with one reference, for the constructors. */
+bw_mesh *bwi_mesh_create(bw_context *context);
+
+/* Six times the signed volume of the tetrahedron, and a bound on the rounding error in it that
+ * covers the rounding of the coordinates themselves. */
+double bwi_tet_determinant(const double *x0, const double *x1, const double *x2, const double *x3,
+                           double *error);
+
+/* Sort items that carry a key and a tie-breaker: the order is total, so the result is unique. */
+typedef struct bwi_keyed {
+  uint64_t key;
+  int32_t item, part;
+} bwi_keyed;
+void bwi_sort_keyed(bwi_keyed *list, int64_t count);
+
+#endif
