@@ -1,0 +1,214 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The context: last failure with its details, remarks, progress, cancelling, and the thread pool.
+ * Failures may be recorded from pool threads, so the record is guarded by a lock. */
+#include "base/internal.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+enum { MESSAGE_BYTES = 2048, DETAIL_COUNT = 12, DETAIL_BYTES = 256, REMARK_COUNT = 64 };
+
+typedef struct detail {
+  char key[32];
+  bool is_text;
+  double number;
+  char text[DETAIL_BYTES];
+} detail;
+
+struct bw_context {
+  pthread_mutex_t lock;
+  char message[MESSAGE_BYTES];
+  int detail_count;
+  detail detail[DETAIL_COUNT];
+  int remark_count;
+  char *remark[REMARK_COUNT];
+  bw_progress_function *progress;
+  void *progress_data;
+  int cancel; /* accessed with __atomic builtins */
+  bwi_pool *pool;
+  int threads;
+};
+
+const char *bw_status_word(bw_status status) {
+  static const char *const word[] = {"ok",        "invalid",     "memory",     "io",
+                                     "format",    "geometry",    "empty",      "free",
+                                     "singular",  "convergence", "infeasible", "limit",
+                                     "cancelled", "unsupported", "internal"};
+  if (status == BW_BROKEN)
+    return "broken";
+  return (int)status >= 0 && (size_t)status < sizeof word / sizeof *word ? word[status] : "unknown";
+}
+
+bw_context *bw_context_create(void) {
+  bw_context *context = BW_NEW0(NULL, bw_context, 1);
+  if (!context)
+    return NULL;
+  pthread_mutex_init(&context->lock, NULL);
+  context->threads = bwi_default_threads();
+  return context;
+}
+
+void bw_context_destroy(bw_context *context) {
+  if (!context)
+    return;
+  bwi_pool_destroy(context->pool);
+  bw_clear_remarks(context);
+  pthread_mutex_destroy(&context->lock);
+  bw_free(context);
+}
+
+bw_status bw_fail(bw_context *context, bw_status status, const char *format, ...) {
+  if (!context)
+    return status;
+  /* Composed aside: an argument may be the present message itself. */
+  char text[MESSAGE_BYTES];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  pthread_mutex_lock(&context->lock);
+  memcpy(context->message, text, sizeof text);
+  context->detail_count = 0;
+  pthread_mutex_unlock(&context->lock);
+  return status;
+}
+
+/* The entry for a key, new or again; NULL when there is no room. Call with the lock held. */
+static detail *detail_entry(bw_context *context, const char *key) {
+  for (int i = 0; i < context->detail_count; i++)
+    if (strcmp(context->detail[i].key, key) == 0)
+      return &context->detail[i];
+  if (context->detail_count == DETAIL_COUNT)
+    return NULL;
+  detail *entry = &context->detail[context->detail_count++];
+  snprintf(entry->key, sizeof entry->key, "%s", key);
+  return entry;
+}
+
+static void set_detail(bw_context *context, const char *key, double number, const char *text) {
+  if (!context)
+    return;
+  pthread_mutex_lock(&context->lock);
+  detail *entry = detail_entry(context, key);
+  if (entry) {
+    entry->is_text = text != NULL;
+    entry->number = number;
+    if (text)
+      snprintf(entry->text, sizeof entry->text, "%s", text);
+  }
+  pthread_mutex_unlock(&context->lock);
+}
+
+void bw_detail_number(bw_context *context, const char *key, double value) {
+  set_detail(context, key, value, NULL);
+}
+
+void bw_detail_text(bw_context *context, const char *key, const char *value) {
+  set_detail(context, key, 0, value);
+}
+
+const char *bw_message(const bw_context *context) {
+  return context ? context->message : "";
+}
+
+bool bw_detail(const bw_context *context, int i, const char **key, double *number,
+               const char **text) {
+  if (!context || i < 0 || i >= context->detail_count)
+    return false;
+  const detail *entry = &context->detail[i];
+  *key = entry->key;
+  *number = entry->number;
+  *text = entry->is_text ? entry->text : NULL;
+  return true;
+}
+
+void bw_clear_failure(bw_context *context) {
+  context->message[0] = 0;
+  context->detail_count = 0;
+}
+
+void bw_set_progress(bw_context *context, bw_progress_function *function, void *data) {
+  context->progress = function;
+  context->progress_data = data;
+}
+
+void bw_progress(bw_context *context, const char *stage, double fraction) {
+  /* Pool threads have no business in the caller's callback. */
+  if (context && context->progress && !bwi_on_pool_thread())
+    context->progress(context->progress_data, stage, fraction);
+}
+
+void bw_cancel(bw_context *context) {
+  __atomic_store_n(&context->cancel, 1, __ATOMIC_RELAXED);
+}
+
+void bw_clear_cancel(bw_context *context) {
+  __atomic_store_n(&context->cancel, 0, __ATOMIC_RELAXED);
+}
+
+bool bw_cancelled(const bw_context *context) {
+  return context && __atomic_load_n(&context->cancel, __ATOMIC_RELAXED) != 0;
+}
+
+bw_status bw_check_cancel(bw_context *context) {
+  return bw_cancelled(context) ? bw_fail(context, BW_CANCELLED, "cancelled") : BW_OK;
+}
+
+void bw_remark(bw_context *context, const char *format, ...) {
+  if (!context)
+    return;
+  char text[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  pthread_mutex_lock(&context->lock);
+  if (context->remark_count < REMARK_COUNT) {
+    /* A remark is a courtesy: without memory it is left out, and no failure is recorded. */
+    char *copy = BW_NEW(NULL, char, strlen(text) + 1);
+    if (copy) {
+      memcpy(copy, text, strlen(text) + 1);
+      context->remark[context->remark_count++] = copy;
+    }
+  }
+  pthread_mutex_unlock(&context->lock);
+}
+
+const char *bw_remark_at(const bw_context *context, int i) {
+  return i >= 0 && i < context->remark_count ? context->remark[i] : NULL;
+}
+
+void bw_clear_remarks(bw_context *context) {
+  for (int i = 0; i < context->remark_count; i++)
+    bw_free(context->remark[i]);
+  context->remark_count = 0;
+}
+
+double bw_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+int bw_threads(const bw_context *context) {
+  return context ? context->threads : 1;
+}
+
+bw_status bw_set_threads(bw_context *context, int threads) {
+  if (threads < 1 || threads > 1024)
+    return bw_fail(context, BW_INVALID, "%d threads: expected a number from 1 to 1024", threads);
+  if (threads != context->threads) {
+    bwi_pool_destroy(context->pool);
+    context->pool = NULL;
+    context->threads = threads;
+  }
+  return BW_OK;
+}
+
+bwi_pool *bwi_context_pool(bw_context *context) {
+  if (!context->pool && context->threads > 1)
+    context->pool = bwi_pool_create(context->threads - 1);
+  return context->pool;
+}

@@ -1,0 +1,16 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of base share. */
+#ifndef BARWRIGHT_BASE_INTERNAL_H
+#define BARWRIGHT_BASE_INTERNAL_H
+
+#include "barwright/base.h"
+
+/* A pool of extra threads; the caller of bw_parallel works along. */
+typedef struct bwi_pool bwi_pool;
+bwi_pool *bwi_pool_create(int extra_threads); /* NULL: no memory, work runs serially */
+void bwi_pool_destroy(bwi_pool *pool);
+bwi_pool *bwi_context_pool(bw_context *context);
+bool bwi_on_pool_thread(void);
+int bwi_default_threads(void);
+
+#endif

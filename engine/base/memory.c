@@ -1,0 +1,101 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Allocation: overflow-checked, counted, and made to fail on request for tests. The counters are
+ * process-wide, so that a test can compare them around any piece of work. */
+#include "barwright/base.h"
+
+#include <stdlib.h>
+
+static int64_t live_blocks;
+static int64_t allocations;
+static int64_t failing_at; /* 0: never; counts down to 1 */
+static int failing_repeats;
+
+int64_t bw_live_blocks(void) {
+  return __atomic_load_n(&live_blocks, __ATOMIC_RELAXED);
+}
+
+int64_t bw_allocation_count(void) {
+  return __atomic_load_n(&allocations, __ATOMIC_RELAXED);
+}
+
+void bw_fail_allocation(int64_t n, bool repeat) {
+  __atomic_store_n(&failing_repeats, repeat ? 1 : 0, __ATOMIC_RELAXED);
+  __atomic_store_n(&failing_at, n, __ATOMIC_RELAXED);
+}
+
+static bool refuse(void) {
+  __atomic_add_fetch(&allocations, 1, __ATOMIC_RELAXED);
+  if (__atomic_load_n(&failing_at, __ATOMIC_RELAXED) <= 0)
+    return false;
+  if (__atomic_sub_fetch(&failing_at, 1, __ATOMIC_RELAXED) > 0)
+    return false;
+  if (__atomic_load_n(&failing_repeats, __ATOMIC_RELAXED))
+    __atomic_store_n(&failing_at, 1, __ATOMIC_RELAXED);
+  return true;
+}
+
+static void *no_memory(bw_context *context, size_t count, size_t size) {
+  bw_fail(context, BW_MEMORY, "out of memory: %zu items of %zu bytes were asked for", count, size);
+  return NULL;
+}
+
+static bool too_big(size_t count, size_t size) {
+  size_t bytes;
+  return __builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX;
+}
+
+void *bw_alloc(bw_context *context, size_t count, size_t size) {
+  if (too_big(count, size) || refuse())
+    return no_memory(context, count, size);
+  void *block = malloc(count * size ? count * size : 1);
+  if (!block)
+    return no_memory(context, count, size);
+  __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
+  return block;
+}
+
+void *bw_calloc(bw_context *context, size_t count, size_t size) {
+  if (too_big(count, size) || refuse())
+    return no_memory(context, count, size);
+  void *block = count * size ? calloc(count, size) : calloc(1, 1);
+  if (!block)
+    return no_memory(context, count, size);
+  __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
+  return block;
+}
+
+void *bw_resize(bw_context *context, void *block, size_t count, size_t size) {
+  if (!block)
+    return bw_alloc(context, count, size);
+  if (too_big(count, size) || refuse())
+    return no_memory(context, count, size);
+  void *larger = realloc(block, count * size ? count * size : 1);
+  return larger ? larger : no_memory(context, count, size);
+}
+
+void bw_free(void *block) {
+  if (!block)
+    return;
+  __atomic_sub_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
+  free(block);
+}
+
+bool bw_grow(bw_context *context, void **list, size_t *capacity, size_t count, size_t extra,
+             size_t size) {
+  if (*list && count + extra <= *capacity)
+    return true;
+  size_t wanted = *capacity ? *capacity : 16;
+  while (wanted < count + extra) {
+    if (wanted > SIZE_MAX / 2) {
+      no_memory(context, count, size);
+      return false;
+    }
+    wanted *= 2;
+  }
+  void *larger = bw_resize(context, *list, wanted, size);
+  if (!larger)
+    return false;
+  *list = larger;
+  *capacity = wanted;
+  return true;
+}
