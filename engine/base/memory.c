@@ -44,10 +44,15 @@ static bool too_big(size_t count, size_t size) {
   return __builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX;
 }
 
+/* Zero bytes give a valid pointer too. */
+static size_t at_least_one(size_t bytes) {
+  return bytes > 0 ? bytes : 1;
+}
+
 void *bw_alloc(bw_context *context, size_t count, size_t size) {
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *block = malloc(count * size ? count * size : 1);
+  void *block = malloc(at_least_one(count * size));
   if (!block)
     return no_memory(context, count, size);
   __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
@@ -57,7 +62,7 @@ void *bw_alloc(bw_context *context, size_t count, size_t size) {
 void *bw_calloc(bw_context *context, size_t count, size_t size) {
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *block = count * size ? calloc(count, size) : calloc(1, 1);
+  void *block = calloc(1, at_least_one(count * size));
   if (!block)
     return no_memory(context, count, size);
   __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
@@ -69,7 +74,7 @@ void *bw_resize(bw_context *context, void *block, size_t count, size_t size) {
     return bw_alloc(context, count, size);
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *larger = realloc(block, count * size ? count * size : 1);
+  void *larger = realloc(block, at_least_one(count * size));
   return larger ? larger : no_memory(context, count, size);
 }
 
