@@ -1,0 +1,236 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// The report's 3D view: a surface that turns, coloured by a field, deformed by a displacement or a
+// swinging mode, with the arrows of the chosen load. Reads the page's #data; needs no network.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { colour } from "./colour.mjs";
+import { data } from "./data.mjs";
+
+function bytes(base64) {
+  const text = atob(base64);
+  const out = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);
+  return out.buffer;
+}
+const floats = (base64) => new Float32Array(bytes(base64));
+const integers = (base64) => new Uint32Array(bytes(base64));
+
+const rest = floats(data.positions);
+const triangles = integers(data.triangles);
+const fields = (data.fields || []).map((f) => ({ ...f, values: floats(f.values) }));
+const motions = (data.displacements || []).map((d) => ({ ...d, values: floats(d.values) }));
+
+// ---- scene ---------------------------------------------------------------------------------------
+
+const view = document.getElementById("view");
+const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+view.appendChild(renderer.domElement);
+const scene = new THREE.Scene();
+scene.background = new THREE.Color(0xf7f8fa);
+
+const geometry = new THREE.BufferGeometry();
+const position = new THREE.BufferAttribute(new Float32Array(rest), 3);
+const paint = new THREE.BufferAttribute(new Float32Array(rest.length), 3);
+geometry.setAttribute("position", position);
+geometry.setAttribute("color", paint);
+geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+geometry.computeBoundingBox();
+const box = geometry.boundingBox;
+const centre = box.getCenter(new THREE.Vector3());
+const size = box.getSize(new THREE.Vector3()).length() || 1;
+
+const material = new THREE.MeshStandardMaterial({
+  vertexColors: true,
+  flatShading: true,
+  roughness: 0.75,
+  metalness: 0,
+  side: THREE.DoubleSide,
+});
+scene.add(new THREE.Mesh(geometry, material));
+scene.add(new THREE.HemisphereLight(0xffffff, 0xb0b4bc, 1.6));
+const lamp = new THREE.DirectionalLight(0xffffff, 1.8);
+
+const camera = new THREE.PerspectiveCamera(35, 1, size * 0.001, size * 20);
+camera.up.set(0, 0, 1);
+const start = data.view || [1, -1.4, 0.8];
+camera.position.copy(
+  new THREE.Vector3(...start).normalize().multiplyScalar(size * 1.75).add(centre),
+);
+camera.add(lamp);
+lamp.position.set(0.6, 0.8, 1);
+scene.add(camera);
+const controls = new OrbitControls(camera, renderer.domElement);
+controls.target.copy(centre);
+controls.update();
+
+const arrows = new THREE.Group();
+scene.add(arrows);
+
+// ---- state and controls ----------------------------------------------------------------------------
+
+const byId = (id) => document.getElementById(id);
+const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1 };
+const number = (x) => (Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4));
+
+function fill(select, names) {
+  for (const [i, name] of names.entries()) {
+    const option = document.createElement("option");
+    option.value = i;
+    option.textContent = name;
+    select.appendChild(option);
+  }
+  select.disabled = names.length === 0;
+}
+fill(byId("field"), fields.map((f) => f.name));
+fill(byId("motion"), motions.map((d) => d.name));
+
+function extent(field) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (const v of field.values)
+    if (Number.isFinite(v)) {
+      if (v < low) low = v;
+      if (v > high) high = v;
+    }
+  return low <= high ? [low, high] : [0, 1];
+}
+
+function recolour() {
+  const field = fields[state.field];
+  if (!field) {
+    paint.array.fill(0.72);
+    paint.needsUpdate = true;
+    return;
+  }
+  const [low, full] = extent(field);
+  const high = low + (full - low) * state.range;
+  const linear = new THREE.Color();
+  for (let i = 0; i < field.values.length; i++) {
+    const v = field.values[i];
+    if (Number.isFinite(v)) {
+      const rgb = colour(high > low ? (v - low) / (high - low) : 0);
+      linear.setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, THREE.SRGBColorSpace);
+    } else linear.setRGB(0.5, 0.5, 0.5);
+    paint.array[3 * i] = linear.r;
+    paint.array[3 * i + 1] = linear.g;
+    paint.array[3 * i + 2] = linear.b;
+  }
+  paint.needsUpdate = true;
+  byId("low").textContent = number(low);
+  byId("high").textContent = `${state.range < 1 ? "≥ " : ""}${number(high)}`;
+  byId("unit").textContent = field.unit || "";
+}
+
+function deform() {
+  const motion = motions[state.motion];
+  const p = position.array;
+  if (!motion || state.scale === 0) p.set(rest);
+  else {
+    let largest = 0;
+    for (let i = 0; i < motion.values.length; i += 3)
+      largest = Math.max(largest, Math.hypot(motion.values[i], motion.values[i + 1], motion.values[i + 2]));
+    // Slider 1: the largest motion is a tenth of the box's diagonal.
+    const factor = largest > 0 ? (state.scale * state.phase * 0.1 * size) / largest : 0;
+    for (let i = 0; i < p.length; i++) p[i] = rest[i] + factor * motion.values[i];
+    const shown = largest > 0 ? (state.scale * 0.1 * size) / largest : 0;
+    byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
+  }
+  position.needsUpdate = true;
+}
+
+// A mode keeps the arrows and stress of the load; a load's displacement brings its own.
+function showArrows() {
+  arrows.clear();
+  const motion = motions[state.motion];
+  const list = (motion && motion.arrows) || [];
+  const largest = Math.max(0, ...list.map((a) => Math.hypot(...a.force)));
+  for (const a of list) {
+    const force = new THREE.Vector3(...a.force);
+    const length = (size * 0.16 * force.length()) / largest;
+    if (!(length > 0)) continue;
+    const direction = force.clone().normalize();
+    const tail = new THREE.Vector3(...a.at).addScaledVector(direction, -length);
+    arrows.add(new THREE.ArrowHelper(direction, tail, length, 0xc62828, length * 0.3, length * 0.15));
+  }
+}
+
+function select(motion) {
+  state.motion = motion;
+  const chosen = motions[motion];
+  state.playing = !!chosen && chosen.kind === "mode";
+  byId("play").textContent = state.playing ? "Pause" : "Play";
+  state.phase = 1;
+  if (chosen && chosen.field !== undefined && chosen.field !== null) {
+    state.field = chosen.field;
+    byId("field").value = state.field;
+    recolour();
+  }
+  byId("motion").value = motion;
+  document.querySelectorAll("tr[data-motion]").forEach((row) =>
+    row.classList.toggle("chosen", Number(row.dataset.motion) === motion));
+  deform();
+  showArrows();
+}
+
+byId("field").addEventListener("change", (e) => {
+  state.field = Number(e.target.value);
+  recolour();
+});
+byId("motion").addEventListener("change", (e) => select(Number(e.target.value)));
+byId("scale").addEventListener("input", (e) => {
+  state.scale = Number(e.target.value);
+  deform();
+});
+byId("range").addEventListener("input", (e) => {
+  state.range = Math.max(0.02, Number(e.target.value));
+  recolour();
+});
+byId("play").addEventListener("click", () => {
+  state.playing = !state.playing;
+  state.phase = 1;
+  byId("play").textContent = state.playing ? "Pause" : "Play";
+  deform();
+});
+document.querySelectorAll("tr[data-motion]").forEach((row) =>
+  row.addEventListener("click", () => select(Number(row.dataset.motion))));
+
+const strip = byId("bar").getContext("2d");
+for (let x = 0; x < 256; x++) {
+  const [r, g, b] = colour(x / 255);
+  strip.fillStyle = `rgb(${r},${g},${b})`;
+  strip.fillRect(x, 0, 1, 14);
+}
+
+function resize() {
+  const { clientWidth, clientHeight } = view;
+  renderer.setSize(clientWidth, clientHeight);
+  camera.aspect = clientWidth / Math.max(1, clientHeight);
+  camera.updateProjectionMatrix();
+}
+new ResizeObserver(resize).observe(view);
+resize();
+recolour();
+if (motions.length > 0) select(0);
+
+function frame(now) {
+  if (state.playing) {
+    state.phase = Math.sin((now / 1000) * 2 * Math.PI * 0.7);
+    deform();
+  }
+  controls.update();
+  renderer.render(scene, camera);
+  requestAnimationFrame(frame);
+}
+requestAnimationFrame(frame);
+
+// For whoever drives the page by script.
+window.barwright = {
+  state: () => ({
+    ...state,
+    camera: camera.position.toArray(),
+    first: Array.from(position.array.slice(0, 3)),
+    arrows: arrows.children.length,
+    triangles: triangles.length / 3,
+  }),
+};
