@@ -19,13 +19,15 @@ typedef struct bw_material {
   bool isotropic;
   double density;        /* kg/m3; 0 when not given */
   double elasticity[36]; /* 6x6, global axes, order xx yy zz yz zx xy, engineering shears: Pa */
+  double compliance[36]; /* its inverse, 1/Pa */
   double axes[9];        /* rows: material axes 1 2 3 in global coordinates */
   double young[3];       /* Y1 Y2 Y3, Pa */
-  double poisson[3];     /* nu23 nu31 nu12 */
+  double poisson[3];     /* nu23 nu31 nu12: nu_ij is the contraction along j under load along i */
   double shear[3];       /* G23 G31 G12, Pa */
   double strength[3];    /* tensile strength along axes 1 2 3, Pa; 0 when not known */
   double lame_lambda, lame_mu; /* when isotropic */
-  bw_value young_value[3], strength_value[3], density_value;
+  /* with scatter and source, where they are known (the library's materials) */
+  bw_value young_value[3], poisson_value[3], strength_value[3], density_value;
 } bw_material;
 
 typedef struct bw_isotropic {
@@ -39,9 +41,11 @@ bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constan
 typedef struct bw_orthotropic {
   const char *name;
   double young[3];     /* Y1 Y2 Y3 */
-  double poisson[3];   /* nu23 nu31 nu12 */
-  double poisson_t[3]; /* nu32 nu13 nu21, checked against nu_ij/Y_i = nu_ji/Y_j; 0: derived */
-  double shear[3];     /* G23 G31 G12; 0: the worst-case paper's formula (section 6) */
+  double poisson[3];   /* nu23 nu31 nu12; 0: derived from poisson_t */
+  double poisson_t[3]; /* nu32 nu13 nu21; 0: derived from poisson by nu_ij/Y_i = nu_ji/Y_j. Where
+                          both are given they are checked against each other */
+  double shear[3];     /* G23 G31 G12; 0: the worst-case paper's formula (section 6), that is
+                          1/G_ij = 1/Y_i + 1/Y_j + 2 nu_ij/Y_i, the same for ij and ji */
   double axes[9];      /* rotation, rows are the material axes; all zero: identity */
   double density;
   double strength[3];
@@ -50,20 +54,24 @@ typedef struct bw_orthotropic {
  * a rotation: BW_INVALID names the constants. */
 bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *constants,
                                   bw_material **material);
-/* The same material turned by a rotation (3x3, row by row): axes' = axes * rotation^T. */
+/* The same material turned by a rotation (3x3, row by row): axes' = axes * rotation^T, so that each
+ * material axis e_i goes to rotation * e_i. BW_INVALID when the matrix is not a rotation. */
 bw_status bw_material_rotated(bw_context *context, const bw_material *material,
                               const double rotation[9], bw_material **rotated);
 
-/* The library: steel, aluminium, pla, green_state_stainless_steel, nylon_pa2200, zp150, ... */
+/* The library: steel, aluminium, pla, abs, resin, green_state_stainless_steel, nylon_pa2200, zp150
+ * (engine/material/library.c). NULL past the end. */
 int bw_material_library_count(void);
 const char *bw_material_library_name(int i);
+/* BW_INVALID lists the names there are. */
 bw_status bw_material_named(bw_context *context, const char *name, bw_material **material);
 
-/* Strength in direction n (unit vector), by the quadratic interpolation
- * 1/s(n)^2 = sum n_i^2 ... over the axes (docs/theory/worst_case.md); 0 when not known. */
+/* Strength in direction n (any length), interpolated over the material axes e_i by
+ * 1/s(n)^2 = sum_i (n . e_i)^2 / s_i^2; 0 when not known along all three. */
 double bw_material_strength(const bw_material *material, const double direction[3]);
 /* Utilisation of a stress tensor: the largest over the principal stresses of
- * |sigma_i| / strength(direction i); 0 when the strength is not known. */
+ * |sigma_i| / strength(direction i); 0 when the strength is not known. Where principal stresses
+ * coincide every direction between theirs is principal, and the weakest of them counts. */
 double bw_material_utilisation(const bw_material *material, const double stress[6]);
 
 #ifdef __cplusplus

@@ -1,0 +1,300 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Material laws: closed forms, the reciprocal relation, positive definiteness, rotations, strength
+ * by direction, and the library against the worst-case paper. */
+#include "check.h"
+
+static void make(bw_context *context, bw_material **material) {
+  bw_orthotropic c = {.name = "test",
+                      .young = {3e9, 2e9, 1e9},
+                      .poisson = {0.35, 0.12, 0.3},
+                      .shear = {0.7e9, 0.5e9, 0.9e9},
+                      .strength = {30e6, 20e6, 10e6},
+                      .density = 1100};
+  check_ok(context, bw_material_orthotropic(context, &c, material));
+}
+
+/* elasticity times compliance is the identity */
+static void check_inverse(const bw_material *m) {
+  for (int i = 0; i < 6; i++)
+    for (int j = 0; j < 6; j++) {
+      double sum = 0;
+      for (int k = 0; k < 6; k++)
+        sum += m->elasticity[6 * i + k] * m->compliance[6 * k + j];
+      check_near(sum, i == j, 1e-13);
+      assert_true(m->elasticity[6 * i + j] == m->elasticity[6 * j + i]);
+      assert_true(m->compliance[6 * i + j] == m->compliance[6 * j + i]);
+    }
+}
+
+static void isotropic_constants(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  bw_isotropic c = {"steel", 210e9, 0.3, 7850, 0};
+  check_ok(context, bw_material_isotropic(context, &c, &m));
+  check_near(m->lame_mu, 210e9 / 2.6, 1);
+  check_near(m->lame_lambda, 210e9 * 0.3 / (1.3 * 0.4), 1);
+  check_near(m->elasticity[0], m->lame_lambda + 2 * m->lame_mu, 1);
+  check_inverse(m);
+  double stress[6] = {1e6, 0, 0, 0, 0, 0};
+  check_near(bw_material_utilisation(m, stress), 0, 0); /* strength not known */
+  bw_release(m);
+}
+
+static void isotropic_refusals(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  const double bad_young[] = {0, -1, NAN, INFINITY};
+  for (int i = 0; i < 4; i++) {
+    bw_isotropic c = {"x", bad_young[i], 0.3, 0, 0};
+    check_fails(context, BW_INVALID, "Young", bw_material_isotropic(context, &c, &m));
+  }
+  const double bad_poisson[] = {0.5, -1, 0.7, NAN};
+  for (int i = 0; i < 4; i++) {
+    bw_isotropic c = {"x", 1e9, bad_poisson[i], 0, 0};
+    check_fails(context, BW_INVALID, "Poisson", bw_material_isotropic(context, &c, &m));
+  }
+  bw_isotropic heavy = {"x", 1e9, 0.3, -3, 0}, weak = {"x", 1e9, 0.3, 0, NAN};
+  check_fails(context, BW_INVALID, "density", bw_material_isotropic(context, &heavy, &m));
+  check_fails(context, BW_INVALID, "strength", bw_material_isotropic(context, &weak, &m));
+  assert_null(m);
+}
+
+/* The paper's compliance: uniaxial stress along i gives strain 1/Y_i, and -nu_ij/Y_i along j. */
+static void orthotropic_compliance(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  make(context, &m);
+  const double *s = m->compliance;
+  check_near(s[0] * 3e9, 1, 1e-14);
+  check_near(s[7] * 2e9, 1, 1e-14);
+  check_near(s[14] * 1e9, 1, 1e-14);
+  check_near(s[6 * 2 + 1] * 2e9, -0.35, 1e-14); /* load 2, contraction 3: nu23 */
+  check_near(s[6 * 0 + 2] * 1e9, -0.12, 1e-14); /* load 3, contraction 1: nu31 */
+  check_near(s[6 * 1 + 0] * 3e9, -0.3, 1e-14);  /* load 1, contraction 2: nu12 */
+  check_near(s[21] * 0.7e9, 1, 1e-14);
+  check_near(s[28] * 0.5e9, 1, 1e-14);
+  check_near(s[35] * 0.9e9, 1, 1e-14);
+  check_inverse(m);
+  bw_release(m);
+}
+
+static void orthotropic_with_equal_constants_is_isotropic(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL, *iso = NULL;
+  double a = 0.7;
+  bw_orthotropic c = {.young = {2e9, 2e9, 2e9},
+                      .poisson = {0.3, 0.3, 0.3},
+                      .axes = {cos(a), sin(a), 0, -sin(a), cos(a), 0, 0, 0, 1}};
+  bw_isotropic i = {"iso", 2e9, 0.3, 0, 0};
+  check_ok(context, bw_material_orthotropic(context, &c, &m));
+  check_ok(context, bw_material_isotropic(context, &i, &iso));
+  /* the paper's shear formula gives Y / (2 (1 + nu)) */
+  check_near(m->shear[0], iso->lame_mu, 1e-6);
+  for (int k = 0; k < 36; k++)
+    check_near(m->elasticity[k], iso->elasticity[k], 1e-14 * 2e9);
+  bw_release(m);
+  bw_release(iso);
+}
+
+static void reciprocal_relation(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  bw_orthotropic c = {.name = "test", .young = {3e9, 2e9, 1e9}, .poisson_t = {0.1, 0.36, 0.2}};
+  check_ok(context, bw_material_orthotropic(context, &c, &m));
+  check_near(m->poisson[0], 0.1 * 2 / 1, 1e-15);  /* nu23 = nu32 Y2/Y3 */
+  check_near(m->poisson[1], 0.36 * 1 / 3, 1e-15); /* nu31 = nu13 Y3/Y1 */
+  check_near(m->poisson[2], 0.2 * 3 / 2, 1e-15);  /* nu12 = nu21 Y1/Y2 */
+  bw_release(m);
+  c.poisson[2] = 0.3; /* both, and they agree */
+  check_ok(context, bw_material_orthotropic(context, &c, &m));
+  bw_release(m);
+  c.poisson[2] = 0.2;
+  m = NULL;
+  check_fails(context, BW_INVALID, "nu12 = 0.2 and nu21 = 0.2 contradict",
+              bw_material_orthotropic(context, &c, &m));
+  assert_null(m);
+}
+
+static void indefinite_constants_are_refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  bw_orthotropic pairwise = {.young = {1e9, 4e9, 1e9}, .poisson = {0, 0, 0.6}, .shear = {1, 1, 1}};
+  check_fails(context, BW_INVALID, "nu12 = 0.6", bw_material_orthotropic(context, &pairwise, &m));
+  /* every pair is fine, all three together are not: 1 - 3 nu^2 - 2 nu^3 = -0.1 */
+  bw_orthotropic whole = {.young = {1e9, 1e9, 1e9}, .poisson = {0.52, 0.52, 0.52}};
+  check_fails(context, BW_INVALID, "positive definite",
+              bw_material_orthotropic(context, &whole, &m));
+  bw_orthotropic shear = {.young = {1e9, 1e9, 1e9}, .shear = {1e9, -1, 1e9}};
+  check_fails(context, BW_INVALID, "G31", bw_material_orthotropic(context, &shear, &m));
+  bw_orthotropic young = {.young = {1e9, 0, 1e9}};
+  check_fails(context, BW_INVALID, "Y2", bw_material_orthotropic(context, &young, &m));
+  assert_null(m);
+}
+
+static void axes_must_be_a_rotation(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  bw_orthotropic mirrored = {.young = {1e9, 1e9, 1e9}, .axes = {1, 0, 0, 0, 1, 0, 0, 0, -1}};
+  check_fails(context, BW_INVALID, "left-handed", bw_material_orthotropic(context, &mirrored, &m));
+  bw_orthotropic skew = {.young = {1e9, 1e9, 1e9}, .axes = {1, 0, 0, 0.1, 1, 0, 0, 0, 1}};
+  check_fails(context, BW_INVALID, "right angles", bw_material_orthotropic(context, &skew, &m));
+  bw_orthotropic nan = {.young = {1e9, 1e9, 1e9}, .axes = {NAN, 0, 0, 0, 1, 0, 0, 0, 1}};
+  check_fails(context, BW_INVALID, "unit vectors", bw_material_orthotropic(context, &nan, &m));
+  assert_null(m);
+}
+
+/* Energy is a scalar: e' C' e' with the strain turned along equals e C e. Four quarter turns give
+ * the material back. */
+static void rotation_carries_the_law_along(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL, *turned = NULL;
+  make(context, &m);
+  double a = 0.3, b = 1.1, ca = cos(a), sa = sin(a), cb = cos(b), sb = sin(b);
+  double r[9] = {ca, -sa * cb, sa * sb, sa, ca * cb, -ca * sb, 0, sb, cb};
+  check_ok(context, bw_material_rotated(context, m, r, &turned));
+  double t[3][3] = {{1, 0.4, -0.2}, {0.4, -0.5, 0.3}, {-0.2, 0.3, 0.7}}, u[3][3];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      u[i][j] = 0;
+      for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++)
+          u[i][j] += r[3 * i + k] * r[3 * j + l] * t[k][l];
+    }
+  double e[2][6], energy[2] = {0};
+  for (int w = 0; w < 2; w++) {
+    double(*s)[3] = w ? u : t;
+    double six[6] = {s[0][0], s[1][1], s[2][2], 2 * s[1][2], 2 * s[2][0], 2 * s[0][1]};
+    memcpy(e[w], six, sizeof six);
+    const double *c = w ? turned->elasticity : m->elasticity;
+    for (int i = 0; i < 6; i++)
+      for (int j = 0; j < 6; j++)
+        energy[w] += six[i] * c[6 * i + j] * six[j];
+  }
+  check_near(energy[1], energy[0], 1e-13 * energy[0]);
+  check_inverse(turned);
+  bw_release(turned);
+
+  double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+  bw_material *now = bw_retain(m);
+  for (int i = 0; i < 4; i++) {
+    bw_material *next = NULL;
+    check_ok(context, bw_material_rotated(context, now, quarter, &next));
+    bw_release(now);
+    now = next;
+    if (i == 0) { /* axis 1 now points along y: Y1 is found there */
+      check_near(now->compliance[7] * 3e9, 1, 1e-14);
+      check_near(now->compliance[0] * 2e9, 1, 1e-14);
+    }
+  }
+  assert_memory_equal(now->elasticity, m->elasticity, sizeof m->elasticity);
+  bw_release(now);
+  bw_release(m);
+}
+
+static void strength_by_direction(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  make(context, &m);
+  double x[3] = {2, 0, 0}, y[3] = {0, -1, 0}, xy[3] = {1, 1, 0};
+  check_near(bw_material_strength(m, x), 30e6, 1e-6);
+  check_near(bw_material_strength(m, y), 20e6, 1e-6);
+  check_near(bw_material_strength(m, xy), sqrt(2 / (1 / 900e12 + 1 / 400e12)), 1e-6);
+
+  double pull[6] = {15e6, 0, 0, 0, 0, 0}, push[6] = {15e6, 0, -8e6, 0, 0, 0};
+  check_near(bw_material_utilisation(m, pull), 0.5, 1e-12);
+  check_near(bw_material_utilisation(m, push), 0.8, 1e-12);
+  /* equal principal stresses: the weakest direction of their plane, of space */
+  double disc[6] = {5e6, 5e6, 0, 0, 0, 0}, ball[6] = {5e6, 5e6, 5e6, 0, 0, 0}, none[6] = {0};
+  check_near(bw_material_utilisation(m, disc), 0.25, 1e-12);
+  check_near(bw_material_utilisation(m, ball), 0.5, 1e-12);
+  check_near(bw_material_utilisation(m, none), 0, 0);
+  bw_release(m);
+}
+
+static void library_has_the_papers_values(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  check_ok(context, bw_material_named(context, "zp150", &m));
+  assert_false(m->isotropic);
+  check_near(m->young[0], 1.22e9, 0);
+  check_near(m->young[2], 0.234e9, 0);
+  check_near(m->young_value[1].scatter, 0.07e9, 0);
+  /* G_xy = Ex Ey / (Ex + Ey + 2 Ey nu_xy), and alike for yz and xz, with 0.3 in all three */
+  double x = 1.22e9, y = 0.68e9, z = 0.234e9;
+  check_near(m->shear[2], x * y / (x + y + 0.6 * y), 1e-3);
+  check_near(m->shear[0], y * z / (y + z + 0.6 * z), 1e-3);
+  check_near(m->shear[1], x * z / (x + z + 0.6 * z), 1e-3);
+  check_near(m->poisson[2], 0.3, 1e-15);
+  check_near(m->poisson[0], 0.3, 1e-15);
+  check_near(m->poisson[1] * x / z, 0.3, 1e-15); /* nu13 */
+  bw_release(m);
+
+  check_ok(context, bw_material_named(context, "green_state_stainless_steel", &m));
+  check_near(m->young[0], 3.59e9, 0);
+  check_near(m->strength[0], 6.88e6, 0);
+  check_near(m->strength_value[0].scatter, 0.62e6, 0);
+  assert_string_equal(m->name, "green_state_stainless_steel");
+  bw_release(m);
+  check_fails(context, BW_INVALID, "zp150", bw_material_named(context, "unobtainium", &m));
+}
+
+static void every_library_value_names_its_source(void **state) {
+  bw_context *context = check_context(state);
+  assert_null(bw_material_library_name(-1));
+  assert_null(bw_material_library_name(bw_material_library_count()));
+  for (int i = 0; i < bw_material_library_count(); i++) {
+    bw_material *m = NULL;
+    check_ok(context, bw_material_named(context, bw_material_library_name(i), &m));
+    check_inverse(m);
+    assert_true(m->density > 0 && m->density == m->density_value.mean);
+    assert_non_null(m->density_value.source);
+    for (int k = 0; k < 3; k++) {
+      assert_non_null(m->young_value[k].source);
+      assert_non_null(m->poisson_value[k].source);
+      assert_non_null(m->strength_value[k].source);
+      assert_true(m->young_value[k].mean == m->young[k]);
+      assert_true(m->strength_value[k].mean == m->strength[k]);
+    }
+    bw_release(m);
+  }
+}
+
+static void out_of_memory(void **state) {
+  bw_context *context = check_context(state);
+  double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+  for (int n = 1;; n++) {
+    bw_material *m = NULL, *turned = NULL;
+    int64_t before = bw_live_blocks();
+    bw_fail_allocation(n, true);
+    bw_status status = bw_material_named(context, "zp150", &m);
+    if (status == BW_OK)
+      status = bw_material_rotated(context, m, quarter, &turned);
+    bw_fail_allocation(0, false);
+    bw_release(m);
+    if (status == BW_OK) {
+      bw_release(turned);
+      assert_true(n > 2);
+      break;
+    }
+    assert_int_equal(status, BW_MEMORY);
+    assert_int_equal(bw_live_blocks(), before);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(isotropic_constants),
+      check_test(isotropic_refusals),
+      check_test(orthotropic_compliance),
+      check_test(orthotropic_with_equal_constants_is_isotropic),
+      check_test(reciprocal_relation),
+      check_test(indefinite_constants_are_refused),
+      check_test(axes_must_be_a_rotation),
+      check_test(rotation_carries_the_law_along),
+      check_test(strength_by_direction),
+      check_test(library_has_the_papers_values),
+      check_test(every_library_value_names_its_source),
+      check_test(out_of_memory),
+  };
+  return cmocka_run_group_tests_name("material", tests, NULL, NULL);
+}
