@@ -1,0 +1,63 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The caller's side of a run of TetGen: start the child, take its mesh apart; and the wanted sizes,
+ * which the child asks for at every element. */
+#include "mesh/tetgen_run.h"
+
+#include <math.h>
+#include <string.h>
+
+double bwi_size_at(const bwi_size_field *field, const double at[3]) {
+  double wanted = 0;
+  for (int64_t i = 0; i < field->point_count; i++) {
+    const bw_size_point *p = &field->point[i];
+    double d[3] = {at[0] - p->at[0], at[1] - p->at[1], at[2] - p->at[2]};
+    double beyond = bw_norm(d) - p->radius;
+    double here = p->length + (beyond > 0 ? 0.3 * beyond : 0);
+    if (wanted == 0 || here < wanted)
+      wanted = here;
+  }
+  if (field->size) {
+    double here = field->size(field->data, at);
+    if (!(here >= 0))
+      return -1;
+    if (here > 0 && (wanted == 0 || here < wanted))
+      wanted = here;
+  }
+  return wanted;
+}
+
+bw_status bwi_tetgen_run(bw_context *context, const bwi_tetgen_job *job,
+                         bwi_tetgen_result *result) {
+  unsigned char *bytes = NULL;
+  size_t count = 0;
+  int64_t counts[2];
+  double *node = NULL;
+  int32_t *element = NULL;
+  bw_status status;
+  BW_TRY(bwi_child_run(context, "filling the surface with TetGen", &job->limits, bwi_tetgen_child,
+                       (void *)job, &bytes, &count));
+  if (count >= sizeof counts)
+    memcpy(counts, bytes, sizeof counts);
+  if (count < sizeof counts || counts[0] < 4 || counts[1] < 1 || counts[0] > INT32_MAX ||
+      counts[1] > INT32_MAX ||
+      count != sizeof counts + (size_t)counts[0] * 24 + (size_t)counts[1] * 16) {
+    status = bw_fail(context, BW_INTERNAL, "%zu bytes from TetGen's process are not a mesh", count);
+    goto done;
+  }
+  node = BW_NEW(context, double, 3 * counts[0]);
+  element = BW_NEW(context, int32_t, 4 * counts[1]);
+  if (!node || !element) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memcpy(node, bytes + sizeof counts, (size_t)counts[0] * 24);
+  memcpy(element, bytes + sizeof counts + (size_t)counts[0] * 24, (size_t)counts[1] * 16);
+  *result = (bwi_tetgen_result){counts[0], counts[1], node, element};
+done:
+  bw_free(bytes);
+  if (status != BW_OK) {
+    bw_free(node);
+    bw_free(element);
+  }
+  return status;
+}
