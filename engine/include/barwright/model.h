@@ -127,32 +127,49 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
 /* ---- rigid motions and unknowns
  * ------------------------------------------------------------------ */
 
-/* A rigid motion u(x) = translation + rotation x (x - centre) of one body (component). */
+/* A rigid motion u(x) = translation + rotation x (x - centre) of one body (component). For a
+ * rotation the centre is the point of its axis nearest to the body's centre of volume, and the
+ * translation is the part along the axis (zero, unless the supports leave a screw motion). */
 typedef struct bw_rigid_motion {
   int32_t component;
   double centre[3];
   double translation[3], rotation[3];
-  char text[120]; /* "translation along (0, 0, 1)", "rotation about the axis through (...) along
+  char text[256]; /* "translation along (0, 0, 1)", "rotation about the axis through (...) along
                      (...)" */
 } bw_rigid_motion;
 
 /* Which unknowns there are. At every node the three displacement components are taken in a frame
- * (the global one, unless an oblique slide needs another); each is an unknown, prescribed, or
- * pinned. A body whose supports leave rigid motions free is pinned at as many well-chosen
- * components as there are free motions, which adds no stress when the load is balanced; the free
- * motions are listed, orthonormal in the mass (volume) inner product over their body. */
+ * (the global one, unless an oblique slide needs another); each is an unknown, held (prescribed,
+ * often to zero), or pinned. A body whose supports leave rigid motions free is pinned at as many
+ * well-chosen components as there are free motions, which adds no stress when the load is balanced.
+ *
+ * The free motions are orthonormal in the inner product of their body
+ *     <r, s> = 1/V integral of r . s over the body = r^T W s,
+ * where V is the body's volume and W = M/V its consistent mass matrix at unit total mass. So a
+ * translation moves by 1 m, and a rotation turns by 1/radius of gyration. With R the motions as
+ * columns, R^T W R = 1: f - W R (R^T f) is f balanced by inertia, u - R (R^T W u) is u free of
+ * rigid motion. */
+typedef enum bw_unknown_state { BW_UNKNOWN, BW_HELD, BW_PINNED } bw_unknown_state;
 typedef struct bw_numbering {
   bw_object object;
   const bw_mesh *mesh; /* retained */
   int32_t unknown_count;
   int32_t *unknown;  /* node_count x 3: the unknown's number, or -1 */
+  uint8_t *state;    /* node_count x 3: bw_unknown_state */
   int32_t *frame_of; /* node_count: row of `frame`, or -1 for the global frame */
   int32_t frame_count;
   double *frame;        /* frame_count x 9: rows are the frame's directions */
   double *value;        /* node_count x 3: prescribed value in the frame; 0 elsewhere */
   bool prescribed;      /* some value is not zero */
-  int32_t motion_count; /* free rigid motions of all bodies */
+  int32_t motion_count; /* free rigid motions of all bodies, body by body */
   bw_rigid_motion *motion;
+  int32_t *motion_start; /* component_count + 1: the motions of each body */
+  int32_t *body_start;   /* component_count + 1: the nodes of each body in body_node, ascending */
+  int32_t *body_node;    /* node_count */
+  double *body_volume;   /* component_count, m3 */
+  double *body_centre;   /* component_count x 3: centres of volume */
+  double *weight;        /* node_count x 4: integral of the shape function over V, and of the shape
+                            function times (x - body centre) over V: all that W R needs */
 } bw_numbering;
 /* From a model's supports. Contradicting prescriptions are BW_INVALID. */
 bw_status bw_numbering_create(bw_context *context, const bw_model *model, bw_numbering **numbering);
@@ -161,12 +178,21 @@ bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numberi
 /* The free motions as text, for messages: "3 rigid motions are free: ...". Release with bw_free. */
 bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
                                      char **text);
-/* a[m] = <motion m, f> (f node_count x 3: forces, plain sum), and u += sum a[m] motion m. */
+
+/* Force and displacement are node_count x 3 in global directions; a has motion_count numbers. These
+ * allocate nothing and may run from any thread. */
+/* a = R^T f (plain sum over the nodes) */
 void bw_motions_dot(const bw_numbering *numbering, const double *force, double *a);
+/* a = R^T W u */
+void bw_motions_measure(const bw_numbering *numbering, const double *displacement, double *a);
+/* u += R a */
 void bw_motions_add(const bw_numbering *numbering, const double *a, double *displacement);
-/* <motion m, u> in the mass inner product (consistent volume weighting; unit: total 1 per motion),
- * and the forces V * motion (so that dot = displacement . weighted). */
+/* f = W R a (overwritten) */
 void bw_motions_weighted(const bw_numbering *numbering, const double *a, double *force);
+/* f -= W R (R^T f): balanced by inertia */
+void bw_motions_balance(const bw_numbering *numbering, double *force);
+/* u -= R (R^T W u): no rigid motion left */
+void bw_motions_remove(const bw_numbering *numbering, double *displacement);
 
 #ifdef __cplusplus
 }

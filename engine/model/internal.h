@@ -1,0 +1,100 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of the model share. */
+#ifndef BW_MODEL_INTERNAL_H
+#define BW_MODEL_INTERNAL_H
+
+#include "barwright/element.h"
+#include "barwright/model.h"
+
+/* ---- hold.c ---------------------------------------------------------------------------- */
+
+/* What the supports hold at each node: an orthonormal set of directions with values. */
+typedef struct bwi_hold {
+  int32_t node;
+  int count;              /* 1..3 */
+  double direction[3][3]; /* orthonormal */
+  double value[3];        /* displacement along each */
+} bwi_hold;
+/* The held nodes of a model, ascending. Release with bw_free. */
+bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *count, bwi_hold **hold);
+
+/* ---- rigid.c --------------------------------------------------------------------------- */
+
+/* The volume's moments of every body: fills body_volume, body_centre and weight (which must have
+ * room) and inertia, component_count x 9: 1/V integral of |y|^2 1 - y y^T, y = x - centre. */
+bw_status bwi_moments(bw_context *context, bw_numbering *numbering, double *inertia);
+
+/* m = integral of N and q = integral of N x (4 numbers per node) of one element. */
+void bwi_element_moments(int order, const double (*x)[3], double volume, double (*moment)[4]);
+
+/* The motions of one body that `row_count` rows of held components leave free. A row is
+ * [direction, y x direction / length] with y from the body's centre. At most 6; fills motion[]. */
+int bwi_free_motions(const bw_numbering *numbering, int32_t component, const double inertia[9],
+                     double length, int64_t row_count, const double (*row)[6],
+                     bw_rigid_motion *motion);
+
+/* u = r(x) */
+void bwi_motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]);
+
+/* ---- facet.c --------------------------------------------------------------------------- */
+
+/* The normal of a boundary facet at barycentric coordinates, of the size of twice the area that a
+ * unit of parameter area covers. */
+void bwi_boundary_normal(const bw_mesh *mesh, int32_t facet, const double barycentric[3],
+                         double normal[3]);
+/* The same at the facet's own node k: corners 0..2, middles 3..5. */
+void bwi_boundary_normal_at(const bw_mesh *mesh, int32_t facet, int k, double normal[3]);
+/* All middles on the middles of their edges (true for order 1). */
+bool bwi_boundary_is_straight(const bw_mesh *mesh, int32_t facet);
+
+/* Integration points of a facet: at most BW_QUADRATURE_POINTS. */
+typedef struct bwi_boundary_point {
+  double shape[6]; /* of the facet's nodes */
+  double at[3];
+  double area[3]; /* weight times outward vector area: sums to the facet's */
+} bwi_boundary_point;
+int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *point);
+
+/* The boundary facets at each mesh node: list[start[i]] .. list[start[i + 1] - 1] are
+ * facet * 8 + place of the node in the facet, ascending. */
+typedef struct bwi_incidence {
+  int64_t *start, *list;
+} bwi_incidence;
+bw_status bwi_incidence_of(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
+void bwi_incidence_clear(bwi_incidence *incidence);
+
+/* ---- loads.c --------------------------------------------------------------------------- */
+
+/* Fills area, resultant and moment. */
+bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *load);
+
+/* ---- select.c -------------------------------------------------------------------------- */
+
+/* A selection of what the masks mark (facet: facet_count, node: node_count; with the nodes of the
+ * facets). When that is nothing: BW_EMPTY with `what` was asked for, the mesh's box and, when
+ * nearest >= 0, node `nearest` at `distance` from fulfilling it. */
+bw_status bwi_selection_make(bw_context *context, const bw_mesh *mesh, const uint8_t *facet,
+                             const uint8_t *node, const char *what, int32_t nearest,
+                             double distance, bw_selection **selection);
+
+/* ---- text ------------------------------------------------------------------------------- */
+
+/* A growing text in a bw_alloc block. */
+typedef struct bwi_text {
+  bw_context *context;
+  char *bytes;
+  size_t count, capacity;
+  bool failed;
+} bwi_text;
+void bwi_text_add(bwi_text *text, const char *string);
+/* A number with `digits` significant ones, the point a '.' in any locale; what is below `zero` is
+ * written as 0. */
+void bwi_text_number(bwi_text *text, double value, int digits, double zero);
+void bwi_text_integer(bwi_text *text, int64_t value);
+/* "(x, y, z)" */
+void bwi_text_vector(bwi_text *text, const double v[3], int digits, double zero);
+/* "(x, y, z)" into a fixed buffer. */
+void bwi_vector_string(char *buffer, size_t size, const double v[3], int digits, double zero);
+void bwi_number_string(char *buffer, size_t size, double value, int digits, double zero);
+
+#endif

@@ -1,0 +1,251 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Models: a mesh and a material with supports and loads, each checked when it is added. */
+#include <math.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+static void clear_load(bw_load *load) {
+  bw_release(load->on);
+  bw_release(load->nodal);
+}
+
+static void model_destroy(void *object) {
+  bw_model *model = (bw_model *)object;
+  for (int i = 0; i < model->load_count; i++)
+    clear_load(&model->load[i]);
+  for (int i = 0; i < model->support_count; i++)
+    bw_release(model->support[i].on);
+  bw_free(model->load);
+  bw_free(model->support);
+  bw_release(model->mesh);
+  bw_release(model->material);
+  bw_free(model);
+}
+
+static size_t model_bytes(const void *object) {
+  const bw_model *model = (const bw_model *)object;
+  return sizeof *model + (size_t)model->load_count * sizeof *model->load +
+         (size_t)model->support_count * sizeof *model->support;
+}
+
+static const bw_kind model_kind = {"model", model_destroy, model_bytes};
+
+bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          bw_model **model) {
+  if (!mesh || !material)
+    return bw_fail(context, BW_INVALID, "a model needs a mesh and a material");
+  bw_model *made = BW_NEW0(context, bw_model, 1);
+  if (!made)
+    return BW_MEMORY;
+  bw_object_init(made, &model_kind);
+  made->mesh = (const bw_mesh *)bw_retain(mesh);
+  made->material = (const bw_material *)bw_retain(material);
+  *model = made;
+  return BW_OK;
+}
+
+/* ---- checks ------------------------------------------------------------------------------- */
+
+static bw_status check_finite(bw_context *context, const char *what, const double v[3]) {
+  for (int k = 0; k < 3; k++)
+    if (!isfinite(v[k]))
+      return bw_fail(context, BW_INVALID, "component %d of the %s is not a finite number", k + 1,
+                     what);
+  return BW_OK;
+}
+
+static bw_status check_selection(bw_context *context, const bw_model *model, const bw_selection *on,
+                                 bool facets, const char *what) {
+  if (!on)
+    return bw_fail(context, BW_INVALID, "%s needs a selection of the mesh's boundary", what);
+  if (on->mesh != model->mesh)
+    return bw_fail(
+        context, BW_INVALID,
+        "%s is given on a selection of another mesh (%d nodes; the model's mesh has %d): "
+        "select on the model's own mesh",
+        what, on->mesh->node_count, model->mesh->node_count);
+  if (on->node_count == 0)
+    return bw_fail(context, BW_EMPTY, "%s is given on an empty selection", what);
+  if (facets && on->facet_count == 0)
+    return bw_fail(context, BW_EMPTY,
+                   "%s acts on area, but the selection has %d nodes and no whole facet: make it "
+                   "larger than one facet, or give forces at nodes",
+                   what, on->node_count);
+  return BW_OK;
+}
+
+/* ---- supports ----------------------------------------------------------------------------- */
+
+static bw_status add_support(bw_context *context, bw_model *model, const bw_support *support) {
+  bw_support *list = (bw_support *)bw_resize(
+      context, model->support, (size_t)model->support_count + 1, sizeof *model->support);
+  if (!list)
+    return BW_MEMORY;
+  model->support = list;
+  list[model->support_count] = *support;
+  list[model->support_count].on = (const bw_selection *)bw_retain(support->on);
+  model->support_count++;
+  model->object.revision++;
+  return BW_OK;
+}
+
+bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on) {
+  bw_support support = {.on = on, .held = {true, true, true}};
+  bw_status status = check_selection(context, model, on, false, "a fixed support");
+  return status != BW_OK ? status : add_support(context, model, &support);
+}
+
+bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
+                         const double normal[3]) {
+  bw_support support = {.on = on, .slide = true};
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, false, "a sliding support"));
+  if (normal) {
+    BW_TRY(check_finite(context, "sliding support's normal", normal));
+    double most = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
+    if (most == 0) {
+      status = bw_fail(context, BW_INVALID, "the sliding support's normal is (0, 0, 0)");
+      goto done;
+    }
+    for (int k = 0; k < 3; k++)
+      support.normal[k] = normal[k] / most;
+    double size = bw_norm(support.normal);
+    for (int k = 0; k < 3; k++)
+      support.normal[k] /= size;
+  }
+  BW_TRY(add_support(context, model, &support));
+done:
+  return status;
+}
+
+bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
+                             const bool held[3], const double value[3]) {
+  bw_support support = {.on = on, .held = {held[0], held[1], held[2]}};
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, false, "a prescribed displacement"));
+  if (!held[0] && !held[1] && !held[2]) {
+    status = bw_fail(context, BW_INVALID, "a prescribed displacement holds no direction");
+    goto done;
+  }
+  for (int k = 0; k < 3; k++)
+    support.value[k] = held[k] && value ? value[k] : 0;
+  BW_TRY(check_finite(context, "prescribed displacement", support.value));
+  BW_TRY(add_support(context, model, &support));
+done:
+  return status;
+}
+
+/* ---- loads -------------------------------------------------------------------------------- */
+
+/* Measures the load (area, resultant, moment) and adds it. */
+static bw_status add_load(bw_context *context, bw_model *model, bw_load *load) {
+  bw_status status = bwi_load_measure(context, model, load);
+  if (status != BW_OK)
+    return status;
+  if (!isfinite(bw_norm(load->resultant)) || !isfinite(bw_norm(load->moment)))
+    return bw_fail(context, BW_INVALID, "the load's resultant is too large to be a number");
+  bw_load *list = (bw_load *)bw_resize(context, model->load, (size_t)model->load_count + 1,
+                                       sizeof *model->load);
+  if (!list)
+    return BW_MEMORY;
+  model->load = list;
+  list[model->load_count] = *load;
+  list[model->load_count].on = (const bw_selection *)bw_retain(load->on);
+  list[model->load_count].nodal = (const bw_array *)bw_retain(load->nodal);
+  model->load_count++;
+  model->object.revision++;
+  return BW_OK;
+}
+
+static bw_status add_on(bw_context *context, bw_model *model, const bw_selection *on,
+                        bw_load_kind kind, const double vector[3], const char *what) {
+  bw_load load = {.kind = kind, .on = on};
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, true, what));
+  BW_TRY(check_finite(context, what, vector));
+  memcpy(load.vector, vector, sizeof load.vector);
+  BW_TRY(add_load(context, model, &load));
+done:
+  return status;
+}
+
+bw_status bw_model_gravity(bw_context *context, bw_model *model, const double acceleration[3]) {
+  bw_load load = {.kind = BW_LOAD_GRAVITY};
+  bw_status status;
+  BW_TRY(check_finite(context, "acceleration of gravity", acceleration));
+  if (!(model->material->density > 0)) {
+    status = bw_fail(context, BW_INVALID,
+                     "gravity needs the density of the material \"%s\", which is not given",
+                     model->material->name);
+    goto done;
+  }
+  memcpy(load.vector, acceleration, sizeof load.vector);
+  BW_TRY(add_load(context, model, &load));
+done:
+  return status;
+}
+
+bw_status bw_model_pressure(bw_context *context, bw_model *model, const bw_selection *on,
+                            double pressure) {
+  double vector[3] = {pressure, 0, 0};
+  return add_on(context, model, on, BW_LOAD_PRESSURE, vector, "a pressure");
+}
+
+bw_status bw_model_traction(bw_context *context, bw_model *model, const bw_selection *on,
+                            const double traction[3]) {
+  return add_on(context, model, on, BW_LOAD_TRACTION, traction, "a traction");
+}
+
+bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selection *on,
+                         const double force[3]) {
+  return add_on(context, model, on, BW_LOAD_FORCE, force, "a force");
+}
+
+bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
+                          const double torque[3], const double about[3]) {
+  bw_load load = {.kind = BW_LOAD_TORQUE, .on = on};
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, true, "a torque"));
+  BW_TRY(check_finite(context, "torque", torque));
+  if (about) {
+    BW_TRY(check_finite(context, "point that the torque is about", about));
+    memcpy(load.about, about, sizeof load.about);
+  } else
+    bw_selection_centre(on, load.about);
+  memcpy(load.vector, torque, sizeof load.vector);
+  BW_TRY(add_load(context, model, &load));
+done:
+  return status;
+}
+
+bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force) {
+  bw_load load = {.kind = BW_LOAD_NODAL, .nodal = force};
+  if (!force || force->rows != model->mesh->node_count || force->columns != 3)
+    return bw_fail(context, BW_INVALID,
+                   "nodal forces need an array of %d rows (nodes) and 3 columns, not %lld x %lld",
+                   model->mesh->node_count, force ? (long long)force->rows : 0,
+                   force ? (long long)force->columns : 0);
+  for (int64_t i = 0; i < force->rows; i++)
+    for (int k = 0; k < 3; k++)
+      if (!isfinite(bw_array_get(force, i, k)))
+        return bw_fail(context, BW_INVALID, "component %d of the force at node %lld is not finite",
+                       k + 1, (long long)i);
+  return add_load(context, model, &load);
+}
+
+void bw_model_clear_supports(bw_model *model) {
+  for (int i = 0; i < model->support_count; i++)
+    bw_release(model->support[i].on);
+  if (model->support_count > 0)
+    model->object.revision++;
+  model->support_count = 0;
+}
+
+void bw_model_clear_loads(bw_model *model) {
+  for (int i = 0; i < model->load_count; i++)
+    clear_load(&model->load[i]);
+  if (model->load_count > 0)
+    model->object.revision++;
+  model->load_count = 0;
+}

@@ -1,0 +1,386 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Which displacement components are unknowns, held, or pinned.
+ *
+ * A body with free motions has a singular stiffness matrix. Pinning as many components as there are
+ * free motions, such that no free motion vanishes at all of them, makes it regular without making
+ * it stiffer: the pins are statically determinate, so their reactions are zero when the load is
+ * balanced. They are picked by pivoting: each one where the motions not yet pinned move most. */
+#include <math.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+/* Pins are looked for within this many radii of gyration: the far tips of thin limbs are soft and
+ * would make the matrix ill-conditioned. */
+#define PIN_REACH 1.5
+/* A pin this weak (relative to the first) calls for looking at all nodes. */
+#define PIN_WEAK 0.1
+
+static void numbering_destroy(void *object) {
+  bw_numbering *numbering = (bw_numbering *)object;
+  bw_release(numbering->mesh);
+  bw_free(numbering->unknown);
+  bw_free(numbering->state);
+  bw_free(numbering->frame_of);
+  bw_free(numbering->frame);
+  bw_free(numbering->value);
+  bw_free(numbering->motion);
+  bw_free(numbering->motion_start);
+  bw_free(numbering->body_start);
+  bw_free(numbering->body_node);
+  bw_free(numbering->body_volume);
+  bw_free(numbering->body_centre);
+  bw_free(numbering->weight);
+  bw_free(numbering);
+}
+
+static size_t numbering_bytes(const void *object) {
+  const bw_numbering *numbering = (const bw_numbering *)object;
+  size_t nodes = (size_t)numbering->mesh->node_count;
+  size_t bodies = (size_t)numbering->mesh->component_count;
+  return sizeof *numbering + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + 4 * 8) +
+         (size_t)numbering->frame_count * 72 + bodies * 40 +
+         (size_t)numbering->motion_count * sizeof *numbering->motion;
+}
+
+static const bw_kind numbering_kind = {"numbering", numbering_destroy, numbering_bytes};
+
+/* The displacement direction of component k at a node. */
+static void direction_of(const bw_numbering *numbering, int32_t node, int k, double d[3]) {
+  int32_t frame = numbering->frame_of[node];
+  for (int l = 0; l < 3; l++)
+    d[l] = frame < 0 ? k == l : numbering->frame[9 * (size_t)frame + (size_t)(3 * k + l)];
+}
+
+/* A unit vector orthogonal to `count` orthonormal ones, as near to a global axis as can be. */
+static void complete(int count, double (*row)[3]) {
+  double best = 0, pick[3] = {0, 0, 0};
+  for (int axis = 0; axis < 3; axis++) {
+    double v[3] = {axis == 0, axis == 1, axis == 2};
+    for (int i = 0; i < count; i++) {
+      double part = bw_dot(v, row[i]);
+      for (int k = 0; k < 3; k++)
+        v[k] -= part * row[i][k];
+    }
+    double size = bw_norm(v);
+    if (size > best + 1e-6) {
+      best = size;
+      for (int k = 0; k < 3; k++)
+        pick[k] = v[k] / size;
+    }
+  }
+  memcpy(row[count], pick, sizeof pick);
+}
+
+/* Turn what is held at nodes into states, values and frames. */
+static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32_t count,
+                             const bwi_hold *hold) {
+  int32_t frames = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    if (pass == 1 && frames > 0) {
+      numbering->frame = BW_NEW(context, double, 9 * (size_t)frames);
+      if (!numbering->frame)
+        return BW_MEMORY;
+    }
+    numbering->frame_count = frames;
+    frames = 0;
+    for (int32_t h = 0; h < count; h++) {
+      const bwi_hold *at = &hold[h];
+      size_t base = 3 * (size_t)at->node;
+      /* Global components serve when every global axis is either held or free. */
+      bool global = true, held[3];
+      double value[3] = {0, 0, 0};
+      for (int k = 0; k < 3; k++) {
+        double part = 0;
+        for (int i = 0; i < at->count; i++) {
+          part += at->direction[i][k] * at->direction[i][k];
+          value[k] += at->direction[i][k] * at->value[i];
+        }
+        held[k] = part > 0.5;
+        if (part > 1e-18 && part < 1 - 1e-9) /* squares: an angle of 1e-9 */
+          global = false;
+      }
+      if (global || at->count == 3) {
+        for (int k = 0; pass == 1 && k < 3; k++)
+          if (held[k]) {
+            numbering->state[base + (size_t)k] = BW_HELD;
+            numbering->value[base + (size_t)k] = value[k];
+          }
+        continue;
+      }
+      if (pass == 1) {
+        double row[3][3];
+        memcpy(row, at->direction, sizeof row);
+        if (at->count == 1)
+          complete(1, row);
+        bw_cross(row[0], row[1], row[2]);
+        memcpy(numbering->frame + 9 * (size_t)frames, row, sizeof row);
+        numbering->frame_of[at->node] = frames;
+        for (int i = 0; i < at->count; i++) {
+          numbering->state[base + (size_t)i] = BW_HELD;
+          numbering->value[base + (size_t)i] = at->value[i];
+        }
+      }
+      frames++;
+    }
+  }
+  for (size_t i = 0; i < 3 * (size_t)numbering->mesh->node_count; i++)
+    if (numbering->value[i] != 0)
+      numbering->prescribed = true;
+  return BW_OK;
+}
+
+/* Pin `count` components of a body whose first motion is `motion`; false when the free motions
+ * cannot be told apart at the candidates. `reach` limits the distance from the centre. */
+static bool pick_pins(const bw_numbering *numbering, int32_t body, int count,
+                      const bw_rigid_motion *motion, double reach, double weakest,
+                      int32_t *pin_node, int *pin_direction) {
+  const bw_mesh *mesh = numbering->mesh;
+  const double *centre = numbering->body_centre + 3 * (size_t)body;
+  double done[6][6], first = 0;
+  for (int pin = 0; pin < count; pin++) {
+    double best = 0, best_row[6] = {0};
+    for (int32_t j = numbering->body_start[body]; j < numbering->body_start[body + 1]; j++) {
+      int32_t i = numbering->body_node[j];
+      const double *x = mesh->node + 3 * (size_t)i;
+      double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, u[6][3];
+      if (bw_dot(y, y) > reach * reach)
+        continue;
+      for (int m = 0; m < count; m++)
+        bwi_motion_at(&motion[m], x, u[m]);
+      for (int k = 0; k < 3; k++) {
+        double d[3], row[6] = {0}, size = 0;
+        if (numbering->state[3 * (size_t)i + (size_t)k] != BW_UNKNOWN)
+          continue;
+        direction_of(numbering, i, k, d);
+        for (int m = 0; m < count; m++)
+          row[m] = bw_dot(d, u[m]);
+        for (int pass = 0; pass < 2; pass++)
+          for (int p = 0; p < pin; p++) {
+            double part = 0;
+            for (int m = 0; m < count; m++)
+              part += row[m] * done[p][m];
+            for (int m = 0; m < count; m++)
+              row[m] -= part * done[p][m];
+          }
+        for (int m = 0; m < count; m++)
+          size += row[m] * row[m];
+        if (size > best * (1 + 1e-6)) { /* ties go to the first, whatever the rounding */
+          best = size;
+          memcpy(best_row, row, sizeof row);
+          pin_node[pin] = i;
+          pin_direction[pin] = k;
+        }
+      }
+    }
+    best = sqrt(best);
+    if (pin == 0)
+      first = best;
+    if (!(best > weakest * first) || best == 0)
+      return false;
+    for (int m = 0; m < count; m++)
+      done[pin][m] = best_row[m] / best;
+  }
+  return true;
+}
+
+/* The free motions of every body, and their pins. */
+static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32_t hold_count,
+                             const bwi_hold *hold, const double *inertia) {
+  const bw_mesh *mesh = numbering->mesh;
+  bw_status status = BW_OK;
+  size_t capacity = 0, bodies = (size_t)mesh->component_count;
+  double(*row)[6] = NULL;
+  int64_t *start = BW_NEW0(context, int64_t, bodies + 1);
+  int32_t *order = BW_NEW(context, int32_t, hold_count);
+  if (!start || !order) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  /* holds by body */
+  for (int32_t h = 0; h < hold_count; h++)
+    start[mesh->component[hold[h].node] + 1]++;
+  int64_t most = 0;
+  for (size_t body = 0; body < bodies; body++) {
+    most = start[body + 1] > most ? start[body + 1] : most;
+    start[body + 1] += start[body];
+  }
+  for (int32_t h = hold_count - 1; h >= 0; h--) /* backwards, with ends as cursors, then restored */
+    order[--start[mesh->component[hold[h].node] + 1]] = h;
+  for (size_t body = 0; body < bodies; body++)
+    start[body] = start[body + 1];
+  start[bodies] = hold_count;
+  row = (double(*)[6])bw_alloc(context, 3 * (size_t)most, sizeof *row);
+  if (!row) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t body = 0; body < mesh->component_count; body++) {
+    const double *centre = numbering->body_centre + 3 * (size_t)body;
+    const double *j = inertia + 9 * (size_t)body;
+    double length = sqrt((j[0] + j[4] + j[8]) / 2); /* radius of gyration */
+    int64_t rows = 0;
+    for (int64_t o = start[body]; o < start[body + 1]; o++) {
+      const bwi_hold *at = &hold[order[o]];
+      const double *x = mesh->node + 3 * (size_t)at->node;
+      double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
+      for (int i = 0; i < at->count; i++, rows++) {
+        memcpy(row[rows], at->direction[i], 3 * sizeof **row);
+        bw_cross(y, at->direction[i], row[rows] + 3);
+        for (int k = 3; k < 6; k++)
+          row[rows][k] /= length;
+      }
+    }
+    BW_TRY(bw_check_cancel(context));
+    if (!bw_grow(context, (void **)&numbering->motion, &capacity, (size_t)numbering->motion_count,
+                 6, sizeof *numbering->motion)) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    bw_rigid_motion *motion = numbering->motion + numbering->motion_count;
+    int count = bwi_free_motions(numbering, body, j, length, rows, (const double(*)[6])row, motion);
+    int32_t pin_node[6];
+    int pin_direction[6];
+    if (!pick_pins(numbering, body, count, motion, PIN_REACH * length, PIN_WEAK, pin_node,
+                   pin_direction) &&
+        !pick_pins(numbering, body, count, motion, HUGE_VAL, 1e-9, pin_node, pin_direction)) {
+      status = bw_fail(context, BW_INTERNAL,
+                       "body %d has %d free rigid motions that its nodes cannot tell apart",
+                       body + 1, count);
+      goto done;
+    }
+    for (int p = 0; p < count; p++)
+      numbering->state[3 * (size_t)pin_node[p] + (size_t)pin_direction[p]] = BW_PINNED;
+    numbering->motion_count += count;
+    numbering->motion_start[body + 1] = numbering->motion_count;
+  }
+done:
+  bw_free(row);
+  bw_free(start);
+  bw_free(order);
+  return status;
+}
+
+static bw_status number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
+                        const bwi_hold *hold, bw_numbering **out) {
+  size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
+  double *inertia = NULL;
+  bw_status status = BW_OK;
+  if (mesh->node_count > INT32_MAX / 3)
+    return bw_fail(context, BW_LIMIT, "%d nodes have more than 2^31 - 1 displacement components",
+                   mesh->node_count);
+  bw_numbering *numbering = BW_NEW0(context, bw_numbering, 1);
+  if (!numbering)
+    return BW_MEMORY;
+  bw_object_init(numbering, &numbering_kind);
+  numbering->mesh = (const bw_mesh *)bw_retain(mesh);
+  numbering->unknown = BW_NEW(context, int32_t, 3 * nodes);
+  numbering->state = BW_NEW0(context, uint8_t, 3 * nodes);
+  numbering->frame_of = BW_NEW(context, int32_t, nodes);
+  numbering->value = BW_NEW0(context, double, 3 * nodes);
+  numbering->motion_start = BW_NEW0(context, int32_t, bodies + 1);
+  numbering->body_start = BW_NEW0(context, int32_t, bodies + 1);
+  numbering->body_node = BW_NEW(context, int32_t, nodes);
+  numbering->body_volume = BW_NEW(context, double, bodies);
+  numbering->body_centre = BW_NEW(context, double, 3 * bodies);
+  numbering->weight = BW_NEW(context, double, 4 * nodes);
+  inertia = BW_NEW(context, double, 9 * bodies);
+  if (!numbering->unknown || !numbering->state || !numbering->frame_of || !numbering->value ||
+      !numbering->motion_start || !numbering->body_start || !numbering->body_node ||
+      !numbering->body_volume || !numbering->body_centre || !numbering->weight || !inertia) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (size_t i = 0; i < nodes; i++) {
+    numbering->frame_of[i] = -1;
+    numbering->body_start[mesh->component[i] + 1]++;
+  }
+  for (size_t body = 0; body < bodies; body++)
+    numbering->body_start[body + 1] += numbering->body_start[body];
+  for (int32_t i = mesh->node_count - 1; i >= 0; i--) /* ends as cursors: they become the starts */
+    numbering->body_node[--numbering->body_start[mesh->component[i] + 1]] = i;
+  for (size_t body = 0; body < bodies; body++)
+    numbering->body_start[body] = numbering->body_start[body + 1];
+  numbering->body_start[bodies] = mesh->node_count;
+
+  BW_TRY(bwi_moments(context, numbering, inertia));
+  BW_TRY(apply_holds(context, numbering, hold_count, hold));
+  BW_TRY(free_bodies(context, numbering, hold_count, hold, inertia));
+  for (size_t i = 0; i < 3 * nodes; i++)
+    numbering->unknown[i] = numbering->state[i] == BW_UNKNOWN ? numbering->unknown_count++ : -1;
+  *out = numbering;
+done:
+  bw_free(inertia);
+  if (status != BW_OK)
+    bw_release(numbering);
+  return status;
+}
+
+bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering) {
+  return number(context, mesh, 0, NULL, numbering);
+}
+
+bw_status bw_numbering_create(bw_context *context, const bw_model *model,
+                              bw_numbering **numbering) {
+  int32_t count = 0;
+  bwi_hold *hold = NULL;
+  bw_status status;
+  BW_TRY(bwi_holds_of(context, model, &count, &hold));
+  BW_TRY(number(context, model->mesh, count, hold, numbering));
+done:
+  bw_free(hold);
+  return status;
+}
+
+/* ---- in words ------------------------------------------------------------------------------- */
+
+/* Bodies listed in a message; the rest are counted. */
+enum { BODIES_NAMED = 4 };
+
+bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
+                                     char **text) {
+  bwi_text out = {.context = context};
+  int32_t bodies = numbering->mesh->component_count, named = 0, more = 0;
+  if (numbering->motion_count == 0)
+    bwi_text_add(&out, "no rigid motion is free");
+  for (int32_t body = 0; body < bodies; body++) {
+    int32_t first = numbering->motion_start[body], next = numbering->motion_start[body + 1];
+    if (first == next)
+      continue;
+    if (named == BODIES_NAMED) {
+      more++;
+      continue;
+    }
+    if (named++ > 0)
+      bwi_text_add(&out, "; ");
+    if (bodies > 1) {
+      bwi_text_add(&out, "body ");
+      bwi_text_integer(&out, body + 1);
+      bwi_text_add(&out, " of ");
+      bwi_text_integer(&out, bodies);
+      bwi_text_add(&out, " (around ");
+      bwi_text_vector(&out, numbering->body_centre + 3 * (size_t)body, 4, 0);
+      bwi_text_add(&out, " m, ");
+      bwi_text_number(&out, numbering->body_volume[body], 4, 0);
+      bwi_text_add(&out, " m3): ");
+    }
+    bwi_text_integer(&out, next - first);
+    bwi_text_add(&out, next - first == 1 ? " rigid motion is free: " : " rigid motions are free: ");
+    for (int32_t m = first; m < next; m++) {
+      if (m > first)
+        bwi_text_add(&out, ", ");
+      bwi_text_add(&out, numbering->motion[m].text);
+    }
+  }
+  if (more > 0) {
+    bwi_text_add(&out, "; and ");
+    bwi_text_integer(&out, more);
+    bwi_text_add(&out, more == 1 ? " more body" : " more bodies");
+  }
+  if (out.failed) {
+    bw_free(out.bytes);
+    return BW_MEMORY;
+  }
+  *text = out.bytes;
+  return BW_OK;
+}

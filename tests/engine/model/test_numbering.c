@@ -1,0 +1,418 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#include "helpers.h"
+
+/* R^T W R = 1, R^T W from W R, and the pins tell the motions apart. */
+static void check_motions(const bw_numbering *numbering) {
+  int n = numbering->motion_count;
+  size_t size = 3 * (size_t)numbering->mesh->node_count;
+  double *r = calloc(size, sizeof *r), *w = calloc(size, sizeof *w);
+  double a[64], one[64];
+  assert_true(n <= 64);
+  for (int m = 0; m < n; m++) {
+    memset(one, 0, sizeof one);
+    one[m] = 1;
+    memset(r, 0, size * sizeof *r);
+    bw_motions_add(numbering, one, r);
+    bw_motions_measure(numbering, r, a);
+    for (int k = 0; k < n; k++)
+      check_near(a[k], k == m, 1e-12);
+    bw_motions_weighted(numbering, one, w);
+    bw_motions_dot(numbering, w, a);
+    for (int k = 0; k < n; k++)
+      check_near(a[k], k == m, 1e-12);
+    for (size_t i = 0; i < size; i++) /* no held component moves */
+      if (numbering->state[i] == BW_HELD && numbering->frame_of[i / 3] < 0)
+        check_near(r[i], 0, 1e-9);
+  }
+  int pinned = 0, unknowns = 0;
+  for (size_t i = 0; i < size; i++) {
+    pinned += numbering->state[i] == BW_PINNED;
+    if (numbering->state[i] == BW_UNKNOWN)
+      assert_int_equal(numbering->unknown[i], unknowns++);
+    else
+      assert_int_equal(numbering->unknown[i], -1);
+  }
+  assert_int_equal(pinned, n);
+  assert_int_equal(unknowns, numbering->unknown_count);
+  free(r);
+  free(w);
+}
+
+static void free_box_has_six_motions_about_its_principal_axes(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = box_mesh(context, 3, 2, 1, 3, 2, 1, order);
+    bw_numbering *numbering = NULL;
+    check_ok(context, bw_numbering_free(context, mesh, &numbering));
+    assert_int_equal(numbering->motion_count, 6);
+    assert_string_equal(numbering->motion[0].text, "translation along (1, 0, 0)");
+    assert_string_equal(numbering->motion[1].text, "translation along (0, 1, 0)");
+    assert_string_equal(numbering->motion[2].text, "translation along (0, 0, 1)");
+    /* smallest moment first: about the long side */
+    assert_string_equal(numbering->motion[3].text,
+                        "rotation about the axis through (1.5, 1, 0.5) along (1, 0, 0)");
+    check_near(numbering->motion[3].rotation[0], 1 / sqrt((4. + 1.) / 12), 1e-12);
+    check_near(numbering->motion[4].rotation[1], 1 / sqrt((9. + 1.) / 12), 1e-12);
+    check_near(numbering->motion[5].rotation[2], 1 / sqrt((9. + 4.) / 12), 1e-12);
+    check_near(numbering->body_volume[0], 6, 1e-12);
+    check_motions(numbering);
+    bw_release(numbering);
+    bw_release(mesh);
+  }
+}
+
+static void moved_and_turned_box_keeps_its_motions_orthonormal(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 3, 2, 1, 2, 2, 2, 1), *moved = NULL;
+  double *x = malloc(3 * sizeof *x * (size_t)mesh->node_count);
+  double c = cos(0.7), s = sin(0.7);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *p = mesh->node + 3 * (size_t)i;
+    x[3 * i] = 1000 + c * p[0] - s * p[1];
+    x[3 * i + 1] = -2000 + s * p[0] + c * p[1];
+    x[3 * i + 2] = 500 + p[2];
+  }
+  check_ok(context, bw_mesh_moved(context, mesh, x, &moved));
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_numbering_free(context, moved, &numbering));
+  assert_int_equal(numbering->motion_count, 6);
+  double turn = bw_norm(numbering->motion[3].rotation);
+  check_near(numbering->motion[3].rotation[0] / turn, c, 1e-9);
+  check_near(numbering->motion[3].rotation[1] / turn, s, 1e-9);
+  free(x);
+  bw_release(numbering);
+  bw_release(moved);
+  bw_release(mesh);
+}
+
+static void curved_octant_has_the_centre_of_half_a_ball(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = octant_mesh(context, 4, 2);
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  check_near(numbering->body_volume[0], acos(-1) / 6, 2e-4);
+  for (int k = 0; k < 3; k++)
+    check_near(numbering->body_centre[k], 3. / 8, 2e-4);
+  check_motions(numbering);
+  bw_release(numbering);
+  bw_release(mesh);
+}
+
+static void cube_takes_global_axes(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 1, 1, 1, 2, 2, 2, 2);
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  assert_string_equal(numbering->motion[4].text,
+                      "rotation about the axis through (0.5, 0.5, 0.5) along (0, 1, 0)");
+  check_motions(numbering);
+  bw_release(numbering);
+  bw_release(mesh);
+}
+
+static void three_symmetry_planes_hold_an_octant(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = octant_mesh(context, 3, 1);
+  bw_model *model = some_model(context, mesh);
+  for (int axis = 0; axis < 3; axis++) {
+    bw_selection *face = face_of(context, mesh, axis, 0);
+    double normal[3] = {axis == 0, axis == 1, axis == 2};
+    check_ok(context, bw_model_slide(context, model, face, normal));
+    bw_release(face);
+  }
+  bw_numbering *numbering = NULL;
+  char *text = NULL;
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->motion_count, 0);
+  assert_int_equal(numbering->frame_count, 0); /* global directions serve */
+  check_ok(context, bw_numbering_describe_free(context, numbering, &text));
+  assert_string_equal(text, "no rigid motion is free");
+  bw_free(text);
+  /* the corner at the origin is held in all three directions */
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (bw_norm(mesh->node + 3 * (size_t)i) == 0)
+      for (int k = 0; k < 3; k++)
+        assert_int_equal(numbering->state[3 * i + k], BW_HELD);
+  bw_release(numbering);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void box_on_one_plane_keeps_three_named_motions(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 2, 1, 1, 2, 1, 1, 2);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *face = face_of(context, mesh, 2, 0);
+  check_ok(context, bw_model_slide(context, model, face, NULL)); /* by the surface's own normal */
+  bw_numbering *numbering = NULL;
+  char *text = NULL;
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  check_ok(context, bw_numbering_describe_free(context, numbering, &text));
+  assert_string_equal(text, "3 rigid motions are free: translation along (1, 0, 0), translation "
+                            "along (0, 1, 0), rotation about the axis through (1, 0.5, 0.5) along "
+                            "(0, 0, 1)");
+  assert_int_equal(numbering->frame_count, 0);
+  check_motions(numbering);
+  bw_free(text);
+  bw_release(numbering);
+  bw_release(face);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void point_and_line_supports_leave_rotations(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 2, 1, 1, 2, 1, 1, 1);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *corner = NULL, *edge = NULL;
+  double origin[3] = {0, 0, 0}, far_end[3] = {2, 0, 0};
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_select_nearest(context, mesh, origin, 1, &corner));
+  check_ok(context, bw_model_fix(context, model, corner));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->motion_count, 3);
+  for (int m = 0; m < 3; m++) { /* all turn about the corner */
+    double u[3];
+    for (int k = 0; k < 3; k++)
+      u[k] = -numbering->motion[m].centre[k];
+    double c[3];
+    bw_cross(numbering->motion[m].rotation, u, c);
+    check_near(bw_norm(c), 0, 1e-12);
+    check_near(bw_norm(numbering->motion[m].translation), 0, 0);
+  }
+  check_motions(numbering);
+  bw_release(numbering);
+  check_ok(context, bw_select_nearest(context, mesh, far_end, 1, &edge));
+  check_ok(context, bw_model_fix(context, model, edge));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->motion_count, 1);
+  assert_string_equal(numbering->motion[0].text,
+                      "rotation about the axis through (1, 0, 0) along (1, 0, 0)");
+  check_motions(numbering);
+  bw_release(numbering);
+  bw_release(corner);
+  bw_release(edge);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void unheld_second_body_is_named(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = two_boxes(context);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *face = face_of(context, mesh, 0, 0);
+  bw_numbering *numbering = NULL;
+  char *text = NULL;
+  check_ok(context, bw_model_fix(context, model, face));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->motion_count, 6);
+  for (int m = 0; m < 6; m++)
+    assert_int_equal(numbering->motion[m].component, mesh->component[mesh->node_count - 1]);
+  check_ok(context, bw_numbering_describe_free(context, numbering, &text));
+  assert_non_null(strstr(text, "body 2 of 2 (around (3.5, 0.5, 0.5) m, 1 m3): 6 rigid motions"));
+  check_motions(numbering);
+  bw_free(text);
+  bw_release(numbering);
+  bw_release(face);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void oblique_slides_get_frames(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 1, 1, 1, 2, 2, 2, 1);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *top = face_of(context, mesh, 2, 1), *side = face_of(context, mesh, 0, 0);
+  double slope[3] = {0, 3, 4}, x[3] = {2, 0, 0};
+  check_ok(context, bw_model_slide(context, model, top, slope));
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->frame_count, top->node_count);
+  assert_int_equal(numbering->motion_count, 3);
+  for (int32_t f = 0; f < numbering->frame_count; f++) {
+    const double *frame = numbering->frame + 9 * (size_t)f;
+    double c[3];
+    check_near(frame[1], 0.6, 1e-15);
+    check_near(frame[2], 0.8, 1e-15);
+    bw_cross(frame, frame + 3, c);
+    for (int k = 0; k < 3; k++)
+      check_near(c[k], frame[6 + k], 1e-15);
+    check_near(bw_norm(frame + 3), 1, 1e-15);
+  }
+  check_motions(numbering);
+  bw_release(numbering);
+  /* where both meet, two directions are held; the third is free */
+  check_ok(context, bw_model_slide(context, model, side, x));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  int both = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    int held = 0;
+    for (int k = 0; k < 3; k++)
+      held += numbering->state[3 * i + k] == BW_HELD;
+    both += held == 2;
+  }
+  assert_int_equal(both, 3);
+  assert_int_equal(numbering->motion_count, 1); /* along (0, 4, -3) */
+  check_near(fabs(numbering->motion[0].translation[1]), 0.8, 1e-12);
+  check_motions(numbering);
+  bw_release(numbering);
+  bw_release(top);
+  bw_release(side);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void own_normals_hold_both_faces_at_an_edge(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 1, 1, 1, 2, 2, 2, 2);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *all = NULL;
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_select_all(context, mesh, &all));
+  check_ok(context, bw_model_slide(context, model, all, NULL));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->motion_count, 0);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      double x = mesh->node[3 * i + k];
+      assert_int_equal(numbering->state[3 * i + k], x == 0 || x == 1 ? BW_HELD : BW_UNKNOWN);
+    }
+  bw_release(numbering);
+  bw_release(all);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+static void prescribed_values_reach_the_nodes_and_contradictions_are_named(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 1, 1, 1, 1, 1, 1, 1);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *low = face_of(context, mesh, 0, 0), *high = face_of(context, mesh, 0, 1);
+  bw_selection *side = face_of(context, mesh, 1, 0);
+  bool all[3] = {true, true, true}, x[3] = {true, false, false};
+  double pull[3] = {1e-3, 0, 0};
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_model_fix(context, model, low));
+  check_ok(context, bw_model_prescribe(context, model, high, x, pull));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_true(numbering->prescribed);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    check_near(numbering->value[3 * i], mesh->node[3 * i] == 1 ? 1e-3 : 0, 0);
+  bw_release(numbering);
+  check_ok(context, bw_model_prescribe(context, model, side, all, pull));
+  check_fails(context, BW_INVALID, "support 3 moves node",
+              bw_numbering_create(context, model, &numbering));
+  assert_non_null(strstr(bw_message(context), "at (0, 0, 0) m"));
+  bw_release(low);
+  bw_release(high);
+  bw_release(side);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+/* A slide along one's own surface that is flat but for rounding to single precision must not hold
+ * the plane. */
+static void rounding_of_positions_does_not_hold(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box_mesh(context, 1, 0.7, 0.3, 6, 6, 3, 1), *moved = NULL;
+  double *x = malloc(3 * sizeof *x * (size_t)mesh->node_count);
+  double c = cos(0.5), s = sin(0.5);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *p = mesh->node + 3 * (size_t)i;
+    x[3 * i] = (float)p[0];
+    x[3 * i + 1] = (float)(c * p[1] - s * p[2]);
+    x[3 * i + 2] = (float)(s * p[1] + c * p[2]);
+  }
+  check_ok(context, bw_mesh_moved(context, mesh, x, &moved));
+  bw_model *model = some_model(context, moved);
+  bw_selection *face = NULL;
+  double normal[3] = {0, s, -c}; /* the low face, outwards */
+  check_ok(context, bw_select_normal_cone(context, moved, normal, 0.01, &face));
+  check_ok(context, bw_model_slide(context, model, face, NULL));
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  assert_int_equal(numbering->motion_count, 3);
+  check_motions(numbering);
+  free(x);
+  bw_release(numbering);
+  bw_release(face);
+  bw_release(model);
+  bw_release(moved);
+  bw_release(mesh);
+}
+
+static void projections_leave_nothing_rigid(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = octant_mesh(context, 2, 2);
+  bw_numbering *numbering = NULL;
+  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  size_t size = 3 * (size_t)mesh->node_count;
+  double *f = malloc(size * sizeof *f), a[6];
+  bw_random random;
+  bw_random_seed(&random, 7);
+  for (size_t i = 0; i < size; i++)
+    f[i] = bw_random_normal(&random);
+  bw_motions_balance(numbering, f);
+  bw_motions_dot(numbering, f, a);
+  for (int m = 0; m < 6; m++)
+    check_near(a[m], 0, 1e-11);
+  for (size_t i = 0; i < size; i++)
+    f[i] = bw_random_normal(&random);
+  bw_motions_remove(numbering, f);
+  bw_motions_measure(numbering, f, a);
+  for (int m = 0; m < 6; m++)
+    check_near(a[m], 0, 1e-12);
+  free(f);
+  bw_release(numbering);
+  bw_release(mesh);
+}
+
+static void failing_allocations_leave_nothing_behind(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = two_boxes(context);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *face = face_of(context, mesh, 0, 0);
+  double slope[3] = {1, 1, 0};
+  check_ok(context, bw_model_slide(context, model, face, slope));
+  check_ok(context, bw_model_slide(context, model, face, NULL));
+  for (int64_t n = 1;; n++) {
+    bw_numbering *numbering = NULL;
+    char *text = NULL;
+    int64_t before = bw_live_blocks();
+    bw_fail_allocation(n, true);
+    bw_status status = bw_numbering_create(context, model, &numbering);
+    if (status == BW_OK)
+      status = bw_numbering_describe_free(context, numbering, &text);
+    bw_fail_allocation(0, false);
+    bw_free(text);
+    bw_release(numbering);
+    assert_int_equal(bw_live_blocks(), before);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    assert_true(n < 1000);
+  }
+  bw_release(face);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(free_box_has_six_motions_about_its_principal_axes),
+      check_test(moved_and_turned_box_keeps_its_motions_orthonormal),
+      check_test(curved_octant_has_the_centre_of_half_a_ball),
+      check_test(cube_takes_global_axes),
+      check_test(three_symmetry_planes_hold_an_octant),
+      check_test(box_on_one_plane_keeps_three_named_motions),
+      check_test(point_and_line_supports_leave_rotations),
+      check_test(unheld_second_body_is_named),
+      check_test(oblique_slides_get_frames),
+      check_test(own_normals_hold_both_faces_at_an_edge),
+      check_test(prescribed_values_reach_the_nodes_and_contradictions_are_named),
+      check_test(rounding_of_positions_does_not_hold),
+      check_test(projections_leave_nothing_rigid),
+      check_test(failing_allocations_leave_nothing_behind),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
