@@ -98,18 +98,29 @@ void bw_pressure_force(const bw_pressure_basis *basis, const double *pressure, d
 /* f = G^T q */
 void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q, double *f);
 
+typedef enum bw_programme_solver {
+  BW_PROGRAMME_OWN, /* dual simplex of our own, every answer judged; GLPK where it fails */
+  BW_PROGRAMME_GLPK /* GLPK: dual simplex with the bound-flipping ratio test, then others */
+} bw_programme_solver;
 typedef struct bw_worst_load_options {
   double pressure; /* p_max, Pa */
   double force;    /* F_tot, N */
   bool at_most;    /* the total force may also be smaller; default false: fixed */
+  bool one_sign;   /* bw_worst_case_run only: maximise each region's objective as its weights are
+                      signed; default false: whichever sign reaches more, a mode's sign being
+                      arbitrary */
+  bw_programme_solver solver;
 } bw_worst_load_options;
-/* For `count` objectives f (basis->count each, one after the other): pressures (same layout) and
- * objective values. GLPK, dual simplex with the bound-flipping ratio test; regions in parallel.
- * Balance rows are those of the numbering's free motions. BW_INFEASIBLE says which bound is in the
- * way. `dual` (may be NULL): count x rows multipliers, for optimality checks. */
+/* For `count` objectives f (basis->count each, one after the other): the pressures p (same layout)
+ * that maximise f . p, and f . p. Objectives are worked on in parallel. Balance rows are those of
+ * the numbering's free motions. BW_INFEASIBLE says which bound is in the way. Every answer fulfils
+ * balance to 1e-9 of the force and its duality gap is below 1e-8. `dual` (may be NULL): count x
+ * (motion_count + 1) multipliers y, so that with reduced costs d_j = f_j - sum_m y_m <motion m,
+ * G e_j> - y_last A_j the optimum is y_last F_tot + p_max sum_j max(0, d_j). */
 bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
                          const bw_numbering *numbering, const bw_worst_load_options *options,
-                         int64_t count, const double *objective, double *pressure, double *value);
+                         int64_t count, const double *objective, double *pressure, double *value,
+                         double *dual);
 
 /* Regions -> right-hand sides -> solves -> programmes -> solves -> stresses, in batches of
  * `batch` (0: 16) with progress "worst loads". `visit` is called in region order. */
@@ -162,6 +173,9 @@ void bw_drop_result_clear(bw_drop_result *result);
 /* Spearman's rank correlation of two series, ties averaged. */
 bw_status bw_rank_correlation(bw_context *context, int64_t count, const double *a, const double *b,
                               double *rho);
+/* The same with weights (areas, volumes): a sample of twice the weight counts as two. */
+bw_status bw_weighted_rank_correlation(bw_context *context, int64_t count, const double *a,
+                                       const double *b, const double *weight, double *rho);
 /* The p-th quantile (0..1) of values weighted (volumes); e.g. 0.9975 in figure 7. */
 bw_status bw_weighted_quantile(bw_context *context, int64_t count, const double *value,
                                const double *weight, double p, double *quantile);

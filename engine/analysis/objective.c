@@ -1,0 +1,106 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The linear functional of a weak region as nodal forces: the right-hand side of the one adjoint
+ * solve that gives the objective (docs/theory/worst_case.md, "The objective by one solve").
+ *
+ * Stress: J(u) = sum_e w_e integral over e of tr sigma(u). With s = C : I (a symmetric tensor, the
+ * stress that a unit volumetric strain's dual asks for), tr sigma = s : grad u because C is
+ * symmetric, so the force at node a is sum_e w_e s (integral over e of grad phi_a).
+ * Displacement: J(u) = sum_e integral over e of w_e . u; the force is sum_e w_e (integral of
+ * phi_a). */
+#include "analysis/weak_internal.h"
+
+#include <string.h>
+
+double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3], double *value) {
+  int nodes = mesh->nodes_per_element;
+  const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
+  double x[10][3];
+  for (int a = 0; a < nodes; a++)
+    memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
+  if (mesh->order == 1 || bw_tet_is_straight((const double(*)[3])x)) {
+    double corner[4][3];
+    double volume = bw_tet_barycentric_gradient(x[0], x[1], x[2], x[3], corner);
+    if (mesh->order == 1) {
+      for (int a = 0; a < 4; a++) {
+        for (int k = 0; gradient && k < 3; k++)
+          gradient[a][k] = volume * corner[a][k];
+        if (value)
+          value[a] = volume / 4;
+      }
+      return volume;
+    }
+    /* phi = L (2 L - 1) at corners: mean gradient (4/4 - 1) grad L = 0; phi = 4 La Lb between. */
+    for (int a = 0; a < 4; a++) {
+      for (int k = 0; gradient && k < 3; k++)
+        gradient[a][k] = 0;
+      if (value)
+        value[a] = -volume / 20;
+    }
+    for (int m = 0; m < 6; m++) {
+      const double *a = corner[bw_tet_edge[m][0]], *b = corner[bw_tet_edge[m][1]];
+      for (int k = 0; gradient && k < 3; k++)
+        gradient[4 + m][k] = volume * (a[k] + b[k]);
+      if (value)
+        value[4 + m] = volume / 5;
+    }
+    return volume;
+  }
+  /* Curved: grad phi times the Jacobian is a polynomial of degree 5, phi times it of degree 5. */
+  double point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS], volume = 0;
+  int points = bw_tet_quadrature(5, point, weight);
+  for (int a = 0; a < nodes; a++) {
+    for (int k = 0; gradient && k < 3; k++)
+      gradient[a][k] = 0;
+    if (value)
+      value[a] = 0;
+  }
+  for (int q = 0; q < points; q++) {
+    double here[10][3], shape[10];
+    double w = weight[q] * bw_tet_gradient(2, (const double(*)[3])x, point[q], here) / 6;
+    bw_tet_shape(2, point[q], shape);
+    volume += w;
+    for (int a = 0; a < nodes; a++) {
+      for (int k = 0; gradient && k < 3; k++)
+        gradient[a][k] += w * here[a][k];
+      if (value)
+        value[a] += w * shape[a];
+    }
+  }
+  return volume;
+}
+
+bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
+                              const bw_material *material, double *right_hand_side) {
+  const bw_mesh *mesh = regions->mesh;
+  if (region < 0 || region >= regions->count)
+    return bw_fail(context, BW_INVALID, "region %d is asked for: there are %d (0 to %d)", region,
+                   regions->count, regions->count - 1);
+  const bw_weak_region *r = &regions->region[region];
+  int nodes = mesh->nodes_per_element;
+  bool stress = regions->options.target == BW_WORST_STRESS;
+  double s[6];
+  for (int i = 0; i < 6; i++)
+    s[i] = material->elasticity[6 * i] + material->elasticity[6 * i + 1] +
+           material->elasticity[6 * i + 2];
+  memset(right_hand_side, 0, 3 * (size_t)mesh->node_count * sizeof *right_hand_side);
+  for (int32_t i = 0; i < r->count; i++) {
+    int32_t e = r->element[i];
+    const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
+    double gradient[10][3], value[10];
+    bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
+    for (int a = 0; a < nodes; a++) {
+      double *to = right_hand_side + 3 * (size_t)node[a];
+      if (stress) {
+        const double *g = gradient[a];
+        double w = r->weight[i];
+        to[0] += w * (s[0] * g[0] + s[5] * g[1] + s[4] * g[2]);
+        to[1] += w * (s[5] * g[0] + s[1] * g[1] + s[3] * g[2]);
+        to[2] += w * (s[4] * g[0] + s[3] * g[1] + s[2] * g[2]);
+      } else {
+        for (int k = 0; k < 3; k++)
+          to[k] += r->weight[3 * i + k] * value[a];
+      }
+    }
+  }
+  return BW_OK;
+}

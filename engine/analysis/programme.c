@@ -1,0 +1,492 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Building the linear programme from a pressure basis and a numbering's free motions, and judging a
+ * vertex that a solver ended at. See programme.h for the form. */
+#include "analysis/programme.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Balance directions in which all pressures together reach less than this share of the natural size
+ * (force times lever arm) are fulfilled by every pressure: their rows would only hold rounding. */
+static const double negligible_row = 1e-9;
+/* A sample below this many columns is not worth a level of its own. */
+enum { LEVEL_FACTOR = 8, LEVEL_SMALLEST = 600 };
+
+void bwi_programme_free(bwi_programme *programme) {
+  if (!programme)
+    return;
+  bw_free(programme->entry);
+  bw_free(programme->upper);
+  bw_free(programme->source);
+  bw_free(programme->area);
+  bw_free(programme->first_row);
+  bw_free(programme->row_count);
+  bw_free(programme->segment);
+  bw_free(programme->body);
+  bw_free(programme);
+}
+
+/* ---- columns in levels and segments ------------------------------------------------------------
+ */
+
+static uint32_t scatter(uint32_t x) {
+  x ^= x >> 16;
+  x *= 0x7feb352du;
+  x ^= x >> 15;
+  x *= 0x846ca68bu;
+  return x ^ x >> 16;
+}
+
+/* The coarsest level (0) that holds column j. */
+static int level_of(int32_t j, int levels) {
+  uint32_t h = scatter((uint32_t)j + 1);
+  int level = levels - 1;
+  while (level > 0 && h % LEVEL_FACTOR == 0) {
+    h /= LEVEL_FACTOR;
+    level--;
+  }
+  return level;
+}
+
+/* Counting sort of the columns by level, then body, then number; segments and `source`. */
+static bw_status order_columns(bw_context *context, bwi_programme *programme,
+                               const bw_pressure_basis *basis, bool slack) {
+  int32_t n = basis->count, bodies = basis->mesh->component_count;
+  int32_t *place = NULL;
+  programme->levels = 1;
+  for (int64_t size = n / LEVEL_FACTOR; size >= LEVEL_SMALLEST && programme->levels < BWI_LEVELS;
+       size /= LEVEL_FACTOR)
+    programme->levels++;
+  size_t groups = (size_t)programme->levels * (size_t)bodies;
+  place = BW_NEW0(context, int32_t, groups + 1);
+  programme->segment = BW_NEW0(context, bwi_segment, groups + 1);
+  if (!place || !programme->segment) {
+    bw_free(place);
+    return BW_MEMORY;
+  }
+  const int32_t *component = basis->mesh->component;
+  for (int32_t j = 0; j < n; j++)
+    place[(size_t)level_of(j, programme->levels) * (size_t)bodies +
+          (size_t)component[basis->node[j]]]++;
+  int32_t at = 0;
+  for (int level = 0; level < programme->levels; level++) {
+    if (level == 0 && slack) {
+      programme->source[0] = -1;
+      programme->segment[programme->segment_count++] = (bwi_segment){0, 1, 0, 0};
+      at = 1;
+    }
+    for (int32_t body = 0; body < bodies; body++) {
+      size_t group = (size_t)level * (size_t)bodies + (size_t)body;
+      int32_t size = place[group];
+      place[group] = at;
+      at += size;
+      if (size == 0)
+        continue;
+      bwi_segment *segment = &programme->segment[programme->segment_count++];
+      *segment = (bwi_segment){at - size, at, 0, 0};
+      for (int32_t k = 0; k < programme->body_count; k++)
+        if (programme->body[k].component == body) {
+          segment->row = programme->body[k].row;
+          segment->rows = programme->body[k].rows;
+        }
+    }
+    programme->level_end[level] = at;
+    programme->level_segments[level] = programme->segment_count;
+  }
+  for (int32_t j = 0; j < n; j++)
+    programme->source[place[(size_t)level_of(j, programme->levels) * (size_t)bodies +
+                            (size_t)component[basis->node[j]]]++] = j;
+  bw_free(place);
+  return BW_OK;
+}
+
+/* ---- balance rows
+ * -------------------------------------------------------------------------------- */
+
+static void motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]) {
+  double arm[3] = {x[0] - motion->centre[0], x[1] - motion->centre[1], x[2] - motion->centre[2]};
+  bw_cross(motion->rotation, arm, u);
+  for (int k = 0; k < 3; k++)
+    u[k] += motion->translation[k];
+}
+
+/* <motion, G e_j> / A_j for the body's motions. */
+static void raw_rows(const bw_pressure_basis *basis, const bw_numbering *numbering,
+                     const bwi_balance *body, int32_t j, double raw[BWI_LOCAL_ROWS]) {
+  for (int m = 0; m < body->motions; m++) {
+    const bw_rigid_motion *motion = &numbering->motion[body->motion[m]];
+    double sum = 0;
+    for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++) {
+      double u[3];
+      motion_at(motion, basis->mesh->node + 3 * (size_t)basis->row[k], u);
+      sum += bw_dot(u, basis->coefficient + 3 * k);
+    }
+    raw[m] = sum / basis->area[j];
+  }
+}
+
+/* Eigenvalues (diagonal of a) and eigenvectors (rows of v) of a small symmetric matrix, by cyclic
+ * Jacobi rotations. */
+static void jacobi(int n, double a[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS],
+                   double v[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS]) {
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      v[i][j] = i == j;
+  for (int sweep = 0; sweep < 40; sweep++) {
+    double off = 0, on = 0;
+    for (int i = 0; i < n; i++) {
+      on += a[i][i] * a[i][i];
+      for (int j = 0; j < i; j++)
+        off += a[i][j] * a[i][j];
+    }
+    if (off <= 1e-40 * on)
+      return;
+    for (int p = 0; p < n; p++)
+      for (int q = p + 1; q < n; q++) {
+        if (a[p][q] == 0)
+          continue;
+        double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(1 + theta * theta));
+        double c = 1 / sqrt(1 + t * t), s = t * c;
+        for (int k = 0; k < n; k++) {
+          double x = a[k][p], y = a[k][q];
+          a[k][p] = c * x - s * y;
+          a[k][q] = s * x + c * y;
+        }
+        for (int k = 0; k < n; k++) {
+          double x = a[p][k], y = a[q][k], f = v[p][k], g = v[q][k];
+          a[p][k] = c * x - s * y;
+          a[q][k] = s * x + c * y;
+          v[p][k] = c * f - s * g;
+          v[q][k] = s * f + c * g;
+        }
+      }
+  }
+}
+
+/* Orthonormal combinations of a body's rows, weighted with A, without those that are negligible. */
+static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *numbering,
+                           bwi_balance *body) {
+  int n = body->motions;
+  double natural[BWI_LOCAL_ROWS] = {0}, gram[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS] = {{0}};
+  double vector[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS], area = 0;
+  for (int32_t j = 0; j < basis->count; j++) {
+    if (basis->mesh->component[basis->node[j]] != body->component)
+      continue;
+    for (int m = 0; m < n; m++) {
+      double u[3];
+      motion_at(&numbering->motion[body->motion[m]], basis->mesh->node + 3 * (size_t)basis->node[j],
+                u);
+      natural[m] = fmax(natural[m], bw_norm(u));
+    }
+  }
+  for (int32_t j = 0; j < basis->count; j++) {
+    double raw[BWI_LOCAL_ROWS];
+    if (basis->mesh->component[basis->node[j]] != body->component)
+      continue;
+    raw_rows(basis, numbering, body, j, raw);
+    area += basis->area[j];
+    for (int m = 0; m < n; m++)
+      for (int k = 0; k < n; k++)
+        gram[m][k] += basis->area[j] * raw[m] / natural[m] * (raw[k] / natural[k]);
+  }
+  jacobi(n, gram, vector);
+  body->rows = 0;
+  for (int i = 0; i < n; i++) {
+    double size = sqrt(fmax(0, gram[i][i] / area));
+    if (!(size > negligible_row))
+      continue;
+    for (int m = 0; m < n; m++)
+      body->transform[body->rows][m] = vector[i][m] / natural[m] / size;
+    body->rows++;
+  }
+}
+
+static bw_status make_bodies(bw_context *context, bwi_programme *programme,
+                             const bw_pressure_basis *basis, const bw_numbering *numbering) {
+  programme->motion_count = numbering->motion_count;
+  programme->body = BW_NEW0(context, bwi_balance, numbering->motion_count + 1);
+  if (!programme->body)
+    return BW_MEMORY;
+  for (int32_t m = 0; m < numbering->motion_count; m++) {
+    int32_t k = 0;
+    while (k < programme->body_count &&
+           programme->body[k].component != numbering->motion[m].component)
+      k++;
+    bwi_balance *body = &programme->body[k];
+    if (k == programme->body_count) {
+      programme->body_count++;
+      body->component = numbering->motion[m].component;
+    }
+    if (body->motions == BWI_LOCAL_ROWS)
+      return bw_fail(context, BW_INTERNAL, "body %d has more than six rigid motions",
+                     body->component);
+    body->motion[body->motions++] = m;
+  }
+  for (int32_t k = 0; k < programme->body_count; k++) {
+    programme->body[k].row = programme->rows;
+    orthonormalise(basis, numbering, &programme->body[k]);
+    programme->rows += programme->body[k].rows;
+  }
+  programme->rows++; /* the shares */
+  return BW_OK;
+}
+
+/* ---- the whole
+ * ------------------------------------------------------------------------------------ */
+
+static bw_status check_options(bw_context *context, const bw_pressure_basis *basis,
+                               const bw_worst_load_options *options) {
+  double area = 0;
+  if (!(options->pressure > 0) || isinf(options->pressure))
+    return bw_fail(context, BW_INVALID, "the largest pressure is %g Pa: it must be positive",
+                   options->pressure);
+  if (!(options->force > 0) || isinf(options->force))
+    return bw_fail(context, BW_INVALID, "the total force is %g N: it must be positive",
+                   options->force);
+  if (basis->count < 1)
+    return bw_fail(context, BW_INVALID, "the mesh has no boundary to press on");
+  for (int32_t j = 0; j < basis->count; j++)
+    area += basis->area[j];
+  if (!options->at_most && options->force > options->pressure * area) {
+    bw_status status = bw_fail(
+        context, BW_INFEASIBLE,
+        "a total force of %g N is asked for, but a pressure of at most %g Pa on the whole boundary "
+        "of %g m2 gives %g N: raise the pressure or lower the force",
+        options->force, options->pressure, area, options->pressure * area);
+    bw_detail_number(context, "force", options->force);
+    bw_detail_number(context, "largest_force", options->pressure * area);
+    return status;
+  }
+  return BW_OK;
+}
+
+bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *basis,
+                               const bw_numbering *numbering, const bw_worst_load_options *options,
+                               bwi_programme **result) {
+  bw_status status = check_options(context, basis, options);
+  if (status != BW_OK)
+    return status;
+  bwi_programme *programme = BW_NEW0(context, bwi_programme, 1);
+  if (!programme)
+    return BW_MEMORY;
+  size_t n = (size_t)basis->count + (options->at_most ? 1 : 0);
+  programme->columns = (int32_t)n;
+  programme->force = options->force;
+  programme->pressure = options->pressure;
+  programme->entry = BW_NEW0(context, double, BWI_LOCAL_ROWS *n);
+  programme->upper = BW_NEW(context, double, n);
+  programme->source = BW_NEW(context, int32_t, n);
+  programme->area = BW_NEW(context, double, n);
+  programme->first_row = BW_NEW0(context, int32_t, n);
+  programme->row_count = BW_NEW0(context, int32_t, n);
+  if (!programme->entry || !programme->upper || !programme->source || !programme->area ||
+      !programme->first_row || !programme->row_count) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(make_bodies(context, programme, basis, numbering));
+  BW_TRY(order_columns(context, programme, basis, options->at_most));
+  for (int32_t s = 0; s < programme->segment_count; s++) {
+    const bwi_segment *segment = &programme->segment[s];
+    const bwi_balance *body = NULL;
+    for (int32_t k = 0; k < programme->body_count && segment->rows > 0; k++)
+      if (programme->body[k].row == segment->row && programme->body[k].rows > 0)
+        body = &programme->body[k];
+    for (int32_t j = segment->begin; j < segment->end; j++) {
+      int32_t from = programme->source[j];
+      programme->area[j] = from < 0 ? 1 : basis->area[from];
+      programme->upper[j] =
+          from < 0 ? 1 : programme->area[j] * (options->pressure / options->force);
+      programme->first_row[j] = segment->row;
+      programme->row_count[j] = segment->rows;
+      if (!body)
+        continue;
+      double raw[BWI_LOCAL_ROWS];
+      raw_rows(basis, numbering, body, from, raw);
+      for (int l = 0; l < body->rows; l++) {
+        double sum = 0;
+        for (int m = 0; m < body->motions; m++)
+          sum += body->transform[l][m] * raw[m];
+        programme->entry[(size_t)l * n + (size_t)j] = sum;
+      }
+    }
+  }
+done:
+  if (status == BW_OK)
+    *result = programme;
+  else
+    bwi_programme_free(programme);
+  return status;
+}
+
+/* ---- dense systems
+ * ---------------------------------------------------------------------------------- */
+
+bool bwi_dense_factor(int32_t n, double *a, int32_t *pivot) {
+  double largest = 0;
+  for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
+    largest = fmax(largest, fabs(a[i]));
+  for (int32_t k = 0; k < n; k++) {
+    int32_t p = k;
+    for (int32_t i = k + 1; i < n; i++)
+      if (fabs(a[(size_t)i * (size_t)n + (size_t)k]) > fabs(a[(size_t)p * (size_t)n + (size_t)k]))
+        p = i;
+    pivot[k] = p;
+    double *row_k = a + (size_t)k * (size_t)n, *row_p = a + (size_t)p * (size_t)n;
+    if (!(fabs(row_p[k]) > 1e-13 * largest))
+      return false;
+    for (int32_t j = 0; j < n && p != k; j++) {
+      double t = row_k[j];
+      row_k[j] = row_p[j];
+      row_p[j] = t;
+    }
+    for (int32_t i = k + 1; i < n; i++) {
+      double *row = a + (size_t)i * (size_t)n;
+      if (row[k] == 0)
+        continue;
+      double factor = row[k] /= row_k[k];
+      for (int32_t j = k + 1; j < n; j++)
+        row[j] -= factor * row_k[j];
+    }
+  }
+  return true;
+}
+
+void bwi_dense_solve(int32_t n, const double *a, const int32_t *pivot, double *x) {
+  for (int32_t k = 0; k < n; k++) {
+    double t = x[k];
+    x[k] = x[pivot[k]];
+    x[pivot[k]] = t;
+  }
+  for (int32_t i = 0; i < n; i++)
+    for (int32_t j = 0; j < i; j++)
+      x[i] -= a[(size_t)i * (size_t)n + (size_t)j] * x[j];
+  for (int32_t i = n - 1; i >= 0; i--) {
+    for (int32_t j = i + 1; j < n; j++)
+      x[i] -= a[(size_t)i * (size_t)n + (size_t)j] * x[j];
+    x[i] /= a[(size_t)i * (size_t)n + (size_t)i];
+  }
+}
+
+void bwi_dense_solve_transposed(int32_t n, const double *a, const int32_t *pivot, double *x) {
+  for (int32_t i = 0; i < n; i++) {
+    for (int32_t j = 0; j < i; j++)
+      x[i] -= a[(size_t)j * (size_t)n + (size_t)i] * x[j];
+    x[i] /= a[(size_t)i * (size_t)n + (size_t)i];
+  }
+  for (int32_t i = n - 1; i >= 0; i--)
+    for (int32_t j = i + 1; j < n; j++)
+      x[i] -= a[(size_t)j * (size_t)n + (size_t)i] * x[j];
+  for (int32_t k = n - 1; k >= 0; k--) {
+    double t = x[k];
+    x[k] = x[pivot[k]];
+    x[pivot[k]] = t;
+  }
+}
+
+/* ---- judging a vertex
+ * ------------------------------------------------------------------------------- */
+
+static void add_column(const bwi_programme *programme, int32_t j, double factor, double *sum) {
+  for (int32_t l = 0; l < programme->row_count[j]; l++)
+    sum[programme->first_row[j] + l] +=
+        factor * programme->entry[(size_t)l * (size_t)programme->columns + (size_t)j];
+  sum[programme->rows - 1] += factor;
+}
+
+/* b - A t, with the basic columns taken from `basic` when it is given. */
+static void residual(const bwi_programme *programme, const double *share, double *rest) {
+  int32_t m = programme->rows;
+  for (int32_t i = 0; i < m; i++)
+    rest[i] = i == m - 1;
+  for (int32_t j = 0; j < programme->columns; j++)
+    if (share[j] != 0)
+      add_column(programme, j, -share[j], rest);
+}
+
+bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *programme,
+                                 const double *cost, const bwi_vertex *vertex,
+                                 bwi_solution *solution) {
+  bw_status status = BW_OK;
+  int32_t m = programme->rows, n = programme->columns;
+  double *share = solution->share, *y = solution->multiplier;
+  double *basis = BW_NEW0(context, double, (size_t)m *(size_t)m);
+  double *rest = BW_NEW(context, double, m), *x = BW_NEW(context, double, m);
+  int32_t *pivot = BW_NEW(context, int32_t, m);
+  if (!basis || !rest || !x || !pivot) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  solution->value = 0;
+  solution->violation = solution->gap = INFINITY;
+  for (int32_t j = 0; j < n; j++)
+    share[j] = vertex->at_upper[j] ? programme->upper[j] : 0;
+  for (int32_t i = 0; i < m; i++) {
+    /* The transpose of the basis is filled: column i as row i. */
+    double *column = basis + (size_t)i * (size_t)m;
+    if (vertex->basic[i] < 0) {
+      column[-1 - vertex->basic[i]] = 1;
+    } else {
+      add_column(programme, vertex->basic[i], 1, column);
+      share[vertex->basic[i]] = 0;
+    }
+    y[i] = vertex->basic[i] < 0 ? 0 : cost[vertex->basic[i]];
+  }
+  if (!bwi_dense_factor(m, basis, pivot))
+    goto done;
+  bwi_dense_solve(m, basis, pivot, y); /* B^T y = c_B */
+
+  /* Basic values, with one step of refinement: x on top of what the shares already hold. */
+  double artificial = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    residual(programme, share, rest);
+    if (pass == 1)
+      for (int32_t i = 0; i < m; i++)
+        if (vertex->basic[i] < 0)
+          rest[-1 - vertex->basic[i]] -= x[i];
+    double *step = rest;
+    bwi_dense_solve_transposed(m, basis, pivot, step); /* B step = rest */
+    for (int32_t i = 0; i < m; i++) {
+      x[i] = pass == 0 ? step[i] : x[i] + step[i];
+      if (vertex->basic[i] >= 0)
+        share[vertex->basic[i]] = x[i];
+    }
+  }
+  double violation = 0;
+  for (int32_t i = 0; i < m; i++) {
+    int32_t j = vertex->basic[i];
+    if (j < 0) {
+      artificial = fmax(artificial, fabs(x[i]));
+      continue;
+    }
+    violation = fmax(violation, fmax(-share[j], share[j] - programme->upper[j]));
+    share[j] = fmin(fmax(share[j], 0), programme->upper[j]);
+  }
+  residual(programme, share, rest);
+  for (int32_t i = 0; i < m; i++)
+    violation = fmax(violation, fabs(rest[i]));
+  solution->violation = fmax(violation, artificial);
+
+  /* Weak duality: the multipliers bound every feasible value from above. */
+  double bound = y[m - 1], value = 0, largest = 0;
+  for (int32_t j = 0; j < n; j++) {
+    double reduced = cost[j] - y[m - 1];
+    for (int32_t l = 0; l < programme->row_count[j]; l++)
+      reduced -=
+          y[programme->first_row[j] + l] * programme->entry[(size_t)l * (size_t)n + (size_t)j];
+    if (reduced > 0)
+      bound += programme->upper[j] * reduced;
+    value += cost[j] * share[j];
+    largest = fmax(largest, fabs(cost[j]));
+  }
+  solution->value = value;
+  solution->gap = largest > 0 ? fabs(bound - value) / (fabs(value) + 1e-3 * largest) : 0;
+done:
+  bw_free(basis);
+  bw_free(rest);
+  bw_free(x);
+  bw_free(pivot);
+  return status;
+}

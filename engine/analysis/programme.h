@@ -1,0 +1,96 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The linear programme (14) of worst-case in scaled form, and its solvers.
+ *
+ *     maximise c . t   subject to   A t = b,  0 <= t <= u,  b = (0, ..., 0, 1)
+ *
+ * t_j = A_j p_j / F_tot is the share of the total force that pressure j carries, u_j = A_j p_max /
+ * F_tot. The last row of A is all ones: the shares add up to one. The rows before it balance force
+ * and moment, body by body, and are orthonormalised (weights A_j): a column has entries of order
+ * one only in the rows of its own body. Rows that every pressure fulfils anyway (a sphere's
+ * moments) are dropped. Columns are permuted: levels are nested samples of the boundary, coarse
+ * first, and inside a level columns are sorted by body into segments. */
+#ifndef BARWRIGHT_ANALYSIS_PROGRAMME_H
+#define BARWRIGHT_ANALYSIS_PROGRAMME_H
+
+#include "barwright/analysis.h"
+
+enum { BWI_LOCAL_ROWS = 6, BWI_LEVELS = 8 };
+
+/* Columns begin..end-1 have their local rows 0..rows-1 at global rows row.. */
+typedef struct bwi_segment {
+  int32_t begin, end, row, rows;
+} bwi_segment;
+
+/* Balance rows of one body: kept scaled rows = transform (rows x motions) times raw rows, a raw row
+ * being <motion, G e_j> / A_j. */
+typedef struct bwi_balance {
+  int32_t component, motions, row, rows;
+  int32_t motion[BWI_LOCAL_ROWS];
+  double transform[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS];
+} bwi_balance;
+
+typedef struct bwi_programme {
+  int32_t rows;    /* balance rows kept, and the row of shares */
+  int32_t columns; /* pressures, and a slack when the force may be smaller */
+  double *entry;   /* BWI_LOCAL_ROWS x columns: local row l of column j at [l * columns + j] */
+  double *upper;   /* columns */
+  int32_t *source; /* columns: number of the pressure, -1 for the slack */
+  double *area;    /* columns: A of the pressure; 1 for the slack */
+  int32_t *first_row, *row_count; /* columns: where the local rows stand */
+  int32_t segment_count;
+  bwi_segment *segment;
+  int levels;
+  int32_t level_end[BWI_LEVELS];      /* columns of levels 0..k */
+  int32_t level_segments[BWI_LEVELS]; /* their segments */
+  int32_t body_count;
+  bwi_balance *body;
+  int32_t motion_count;
+  double force, pressure; /* F_tot, p_max */
+} bwi_programme;
+
+bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *basis,
+                               const bw_numbering *numbering, const bw_worst_load_options *options,
+                               bwi_programme **programme);
+void bwi_programme_free(bwi_programme *programme);
+
+/* Where a solver ended: `rows` basic columns (-1 - r: the unit column of row r, for a row without a
+ * basic column of its own) and for the others whether they sit at their upper bound. */
+typedef struct bwi_vertex {
+  int32_t *basic;
+  uint8_t *at_upper;
+  int iterations;
+} bwi_vertex;
+
+/* The exact solution at a vertex: basic values and multipliers by a dense factor of the basis.
+ * `share` has `columns` entries, `multiplier` has `rows`. Says how far the vertex is from being
+ * optimal: violation of bounds and rows (shares), and the duality gap over |c| . t. */
+typedef struct bwi_solution {
+  double *share, *multiplier;
+  double value, violation, gap;
+} bwi_solution;
+bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *programme,
+                                 const double *cost, const bwi_vertex *vertex,
+                                 bwi_solution *solution);
+
+/* Solve a dense system in place by elimination with column pivoting; false when singular. */
+bool bwi_dense_factor(int32_t n, double *a, int32_t *pivot);
+void bwi_dense_solve(int32_t n, const double *a, const int32_t *pivot, double *x);
+void bwi_dense_solve_transposed(int32_t n, const double *a, const int32_t *pivot, double *x);
+
+/* GLPK. `attempt` 0: dual simplex with the bound-flipping ratio test; 1: the same after scaling,
+ * textbook ratio test; 2: primal simplex. */
+typedef struct bwi_glpk bwi_glpk;
+bw_status bwi_glpk_create(bw_context *context, const bwi_programme *programme, bwi_glpk **glpk);
+bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost, int attempt,
+                         bwi_vertex *vertex);
+void bwi_glpk_free(bwi_glpk *glpk); /* in the thread that created it */
+
+/* The dual simplex method of our own (dual_simplex.c). */
+typedef struct bwi_simplex bwi_simplex;
+bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme,
+                             bwi_simplex **simplex);
+bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *simplex, const double *cost,
+                            bool sampled, bwi_vertex *vertex);
+void bwi_simplex_free(bwi_simplex *simplex);
+
+#endif

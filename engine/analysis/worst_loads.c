@@ -1,0 +1,195 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Worst loads: one linear programme per objective, solved in parallel, every answer judged by its
+ * own violation and duality gap before it is believed.
+ *
+ * Our dual simplex goes first; where its answer fails the judgement, GLPK is asked, with its dual
+ * and then its primal simplex. Every programme starts from the same place, so an answer depends
+ * neither on its neighbours nor on the number of threads. */
+#include "analysis/programme.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double violation_limit = 1e-9; /* of the total force */
+static const double gap_limit = 1e-8;
+
+typedef struct loads_scratch {
+  double *cost, *share, *multiplier;
+  bwi_vertex vertex;
+  bwi_simplex *simplex;
+} loads_scratch;
+
+typedef struct loads_work {
+  bw_context *context;
+  const bwi_programme *programme;
+  const bw_worst_load_options *options;
+  int32_t pressures;
+  const double *objective;
+  double *pressure, *value, *dual;
+  loads_scratch *scratch; /* per worker */
+} loads_work;
+
+static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
+  size_t n = (size_t)work->programme->columns, m = (size_t)work->programme->rows;
+  bw_context *context = work->context;
+  if (!scratch->cost)
+    scratch->cost = BW_NEW(context, double, n);
+  if (!scratch->share)
+    scratch->share = BW_NEW(context, double, n);
+  if (!scratch->multiplier)
+    scratch->multiplier = BW_NEW(context, double, m);
+  if (!scratch->vertex.basic)
+    scratch->vertex.basic = BW_NEW(context, int32_t, m);
+  if (!scratch->vertex.at_upper)
+    scratch->vertex.at_upper = BW_NEW(context, uint8_t, n);
+  if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->vertex.basic ||
+      !scratch->vertex.at_upper)
+    return BW_MEMORY;
+  if (!scratch->simplex && work->options->solver == BW_PROGRAMME_OWN)
+    return bwi_simplex_create(context, work->programme, &scratch->simplex);
+  return BW_OK;
+}
+
+static void scratch_clear(loads_scratch *scratch) {
+  bw_free(scratch->cost);
+  bw_free(scratch->share);
+  bw_free(scratch->multiplier);
+  bw_free(scratch->vertex.basic);
+  bw_free(scratch->vertex.at_upper);
+  bwi_simplex_free(scratch->simplex);
+}
+
+/* Gains per share of the total force, scaled to a largest one of 1. Returns the scale. */
+static bw_status gains(const loads_work *work, int64_t i, double *cost, double *scale) {
+  const bwi_programme *programme = work->programme;
+  const double *f = work->objective + (size_t)i * (size_t)work->pressures;
+  *scale = 0;
+  for (int32_t j = 0; j < programme->columns; j++) {
+    int32_t from = programme->source[j];
+    cost[j] = from < 0 ? 0 : f[from] / programme->area[j];
+    if (!isfinite(cost[j]))
+      return bw_fail(work->context, BW_INVALID, "objective %lld has the entry %g for pressure %d",
+                     (long long)i, f[from], from);
+    *scale = fmax(*scale, fabs(cost[j]));
+  }
+  for (int32_t j = 0; j<programme->columns && * scale> 0; j++)
+    cost[j] /= *scale;
+  return BW_OK;
+}
+
+/* Pressures, value and raw multipliers from scaled ones. */
+static void hand_over(const loads_work *work, int64_t i, const bwi_solution *solution,
+                      double scale) {
+  const bwi_programme *programme = work->programme;
+  double *p = work->pressure + (size_t)i * (size_t)work->pressures;
+  const double *f = work->objective + (size_t)i * (size_t)work->pressures;
+  double value = 0;
+  for (int32_t j = 0; j < programme->columns; j++) {
+    if (programme->source[j] < 0)
+      continue;
+    /* At its bound a pressure is p_max exactly. */
+    p[programme->source[j]] =
+        solution->share[j] >= programme->upper[j]
+            ? programme->pressure
+            : fmin(programme->pressure, solution->share[j] * programme->force / programme->area[j]);
+  }
+  for (int32_t j = 0; j < work->pressures; j++)
+    value += f[j] * p[j];
+  work->value[i] = value;
+  if (!work->dual)
+    return;
+  double *dual = work->dual + (size_t)i * ((size_t)programme->motion_count + 1);
+  for (int32_t k = 0; k < programme->body_count; k++) {
+    const bwi_balance *body = &programme->body[k];
+    for (int m = 0; m < body->motions; m++) {
+      double sum = 0;
+      for (int l = 0; l < body->rows; l++)
+        sum += solution->multiplier[body->row + l] * body->transform[l][m];
+      dual[body->motion[m]] = sum * scale;
+    }
+  }
+  dual[programme->motion_count] = solution->multiplier[programme->rows - 1] * scale;
+}
+
+static bool good(const bwi_solution *solution) {
+  return solution->violation <= violation_limit && solution->gap <= gap_limit;
+}
+
+enum { OWN_ATTEMPTS = 2, GLPK_ATTEMPTS = 3 };
+
+static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scratch,
+                           bwi_glpk **glpk) {
+  bw_status status = BW_OK;
+  bwi_solution solution = {scratch->share, scratch->multiplier, 0, INFINITY, INFINITY};
+  double scale;
+  bool own = work->options->solver == BW_PROGRAMME_OWN;
+  BW_TRY(bw_check_cancel(work->context));
+  BW_TRY(gains(work, i, scratch->cost, &scale));
+  for (int attempt = own ? 0 : OWN_ATTEMPTS; attempt < OWN_ATTEMPTS + GLPK_ATTEMPTS; attempt++) {
+    if (attempt < OWN_ATTEMPTS) {
+      status = bwi_simplex_solve(work->context, scratch->simplex, scratch->cost, attempt == 0,
+                                 &scratch->vertex);
+    } else {
+      if (!*glpk)
+        BW_TRY(bwi_glpk_create(work->context, work->programme, glpk));
+      status = bwi_glpk_solve(work->context, *glpk, scratch->cost, attempt - OWN_ATTEMPTS,
+                              &scratch->vertex);
+    }
+    if (status == BW_CONVERGENCE)
+      continue;
+    if (status != BW_OK)
+      goto done;
+    BW_TRY(bwi_programme_evaluate(work->context, work->programme, scratch->cost, &scratch->vertex,
+                                  &solution));
+    if (good(&solution)) {
+      hand_over(work, i, &solution, scale);
+      goto done;
+    }
+  }
+  status = bw_fail(work->context, BW_CONVERGENCE,
+                   "no optimal pressure for objective %lld: the last attempt misses balance by %g "
+                   "of the total force and the optimum by %g of its value",
+                   (long long)i, solution.violation, solution.gap);
+done:
+  return status;
+}
+
+static bw_status loads_body(void *data, int64_t begin, int64_t end, int worker) {
+  const loads_work *work = (const loads_work *)data;
+  bw_status status = BW_OK;
+  loads_scratch *scratch = &work->scratch[worker];
+  bwi_glpk *glpk = NULL;
+  BW_TRY(scratch_fill(work, scratch));
+  for (int64_t i = begin; i < end; i++)
+    BW_TRY(solve_one(work, i, scratch, &glpk));
+done:
+  bwi_glpk_free(glpk);
+  return status;
+}
+
+bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
+                         const bw_numbering *numbering, const bw_worst_load_options *options,
+                         int64_t count, const double *objective, double *pressure, double *value,
+                         double *dual) {
+  bw_status status = BW_OK;
+  bwi_programme *programme = NULL;
+  int threads = bw_threads(context);
+  loads_work work = {context, NULL, options, basis->count, objective, pressure, value, dual, NULL};
+  if (basis->mesh->node_count != numbering->mesh->node_count)
+    return bw_fail(context, BW_INVALID, "the pressures have %d nodes and the numbering has %d",
+                   basis->mesh->node_count, numbering->mesh->node_count);
+  BW_TRY(bwi_programme_create(context, basis, numbering, options, &programme));
+  work.programme = programme;
+  work.scratch = BW_NEW0(context, loads_scratch, threads);
+  if (!work.scratch) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_parallel(context, count, count > 64 ? 4 : 1, loads_body, &work));
+done:
+  for (int t = 0; work.scratch && t < threads; t++)
+    scratch_clear(&work.scratch[t]);
+  bw_free(work.scratch);
+  bwi_programme_free(programme);
+  return status;
+}

@@ -1,0 +1,613 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The pressure basis and the worst-load programme, without any solve: closed surfaces, balance,
+ * enumeration of vertices, GLPK against our own method, weak duality, random feasible pressures. */
+#include "bodies.h"
+
+#include "analysis/programme.h"
+
+/* A numbering with nothing but six rigid motions about the middle of each body. */
+typedef struct free_body {
+  bw_numbering numbering;
+  bw_rigid_motion motion[12];
+} free_body;
+
+static void free_all(free_body *body, const bw_mesh *mesh) {
+  memset(body, 0, sizeof *body);
+  body->numbering.mesh = mesh;
+  body->numbering.motion = body->motion;
+  for (int32_t c = 0; c < mesh->component_count; c++) {
+    double centre[3] = {0, 0, 0}, count = 0;
+    for (int32_t i = 0; i < mesh->node_count; i++)
+      if (mesh->component[i] == c) {
+        for (int k = 0; k < 3; k++)
+          centre[k] += mesh->node[3 * i + k];
+        count++;
+      }
+    for (int m = 0; m < 6; m++) {
+      bw_rigid_motion *motion = &body->motion[body->numbering.motion_count++];
+      motion->component = c;
+      for (int k = 0; k < 3; k++)
+        motion->centre[k] = centre[k] / count;
+      (m < 3 ? motion->translation : motion->rotation)[m % 3] = 1;
+    }
+  }
+}
+
+static double motion_dot(const bw_rigid_motion *motion, const bw_mesh *mesh, const double *force) {
+  double sum = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    if (mesh->component[i] != motion->component)
+      continue;
+    double arm[3], u[3];
+    for (int k = 0; k < 3; k++)
+      arm[k] = mesh->node[3 * i + k] - motion->centre[k];
+    bw_cross(motion->rotation, arm, u);
+    for (int k = 0; k < 3; k++)
+      sum += (u[k] + motion->translation[k]) * force[3 * i + k];
+  }
+  return sum;
+}
+
+/* The largest force or moment about the middle that a pressure leaves. */
+static double imbalance(bw_context *context, const free_body *body, const bw_pressure_basis *basis,
+                        const double *pressure) {
+  const bw_mesh *mesh = basis->mesh;
+  double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), worst = 0;
+  bw_pressure_force(basis, pressure, force);
+  for (int32_t m = 0; m < body->numbering.motion_count; m++)
+    worst = fmax(worst, fabs(motion_dot(&body->motion[m], mesh, force)));
+  bw_free(force);
+  return worst;
+}
+
+static void bulge(void *data, const double unit[3], double out[3]) {
+  (void)data;
+  out[0] = unit[0] + 0.1 * sin(3 * unit[1]);
+  out[1] = unit[1] * (1 + 0.3 * unit[0] * unit[0]);
+  out[2] = 0.5 * unit[2] + 0.2 * unit[0] * unit[1];
+}
+
+static void uniform_pressure_is_balanced(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 4; kind++) {
+    bw_mesh *mesh = NULL;
+    const int cells[3] = {3, 4, 2};
+    if (kind < 2)
+      mesh = make_box(context, 1, 2, 0.5, 3, 4, 2, 1 + kind);
+    else
+      check_ok(context, bw_mesh_mapped_box(context, cells, kind - 1, bulge, NULL, &mesh));
+    bw_pressure_basis *basis = NULL;
+    check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+    free_body body;
+    free_all(&body, mesh);
+    double *p = BW_NEW(context, double, basis->count), area = 0;
+    for (int32_t j = 0; j < basis->count; j++) {
+      p[j] = 3;
+      area += basis->area[j];
+    }
+    check_near(imbalance(context, &body, basis, p), 0, 3 * area * 1e-14);
+    if (kind < 2)
+      check_near(area, 2 * (1 * 2 + 1 * 0.5 + 2 * 0.5), 1e-13);
+    bw_free(p);
+    bw_release(basis);
+    bw_release(mesh);
+  }
+}
+
+/* Pressure x on the end faces x = 0 and 1 only, so to speak: work of the pressure's forces on a
+ * linear displacement field equals the surface integral, by hand for a box. */
+static void work_on_a_linear_field(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 3, 2, order);
+    bw_pressure_basis *basis = NULL;
+    check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+    double *p = BW_NEW(context, double, basis->count);
+    double *q = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+    double *f = BW_NEW(context, double, basis->count), work = 0;
+    double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), other = 0;
+    for (int32_t j = 0; j < basis->count; j++)
+      p[j] = mesh->node[3 * basis->node[j]] + 2 * mesh->node[3 * basis->node[j] + 1];
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+      const double *x = mesh->node + 3 * i;
+      q[3 * i] = x[1];            /* u = (y, */
+      q[3 * i + 1] = x[0] + x[2]; /*      x + z, */
+      q[3 * i + 2] = 1;           /*      1) */
+    }
+    bw_pressure_gradient(basis, q, f);
+    bw_pressure_force(basis, p, force);
+    for (int32_t j = 0; j < basis->count; j++)
+      work += f[j] * p[j];
+    for (int32_t i = 0; i < 3 * mesh->node_count; i++)
+      other += force[i] * q[i];
+    /* -integral of p n.u, p = x + 2 y: by the divergence theorem -integral of div(p u), and
+     * div(p u) = grad p . u + p div u = y + 2 (x + z): -(1/2 + 2) */
+    check_near(work, -2.5, 1e-13);
+    check_near(other, work, 1e-13);
+    bw_free(p);
+    bw_free(q);
+    bw_free(f);
+    bw_free(force);
+    bw_release(basis);
+    bw_release(mesh);
+  }
+}
+
+/* A programme small enough for every basis to be tried: one row (a held body). */
+static void agrees_with_a_sorted_fill(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  bw_numbering held = {.mesh = mesh};
+  bw_random random;
+  bw_random_seed(&random, 7);
+  double f[26], p[26], value, dual;
+  assert_int_equal(basis->count, 26);
+  for (int trial = 0; trial < 20; trial++) {
+    bw_worst_load_options options = {.pressure = 2, .force = 0.4 * (trial + 1)};
+    for (int j = 0; j < 26; j++)
+      f[j] = bw_random_normal(&random);
+    check_ok(context, bw_worst_loads(context, basis, &held, &options, 1, f, p, &value, &dual));
+    /* Fill up to p_max by falling gain per force. */
+    double left = options.force, best = 0;
+    bool used[26] = {false};
+    while (left > 1e-12) {
+      int top = -1;
+      for (int j = 0; j < 26; j++)
+        if (!used[j] && (top < 0 || f[j] / basis->area[j] > f[top] / basis->area[top]))
+          top = j;
+      used[top] = true;
+      double part = fmin(left, 2 * basis->area[top]);
+      best += part * f[top] / basis->area[top];
+      left -= part;
+    }
+    check_near(value, best, 1e-12 * fmax(1, fabs(best)));
+  }
+  bw_release(basis);
+  bw_release(mesh);
+}
+
+/* One tetrahedron, fixed against turning only in part: all vertices by enumeration. Rows: the three
+ * forces and the shares; four pressures. A tetrahedron's balance leaves one free pressure pattern,
+ * so use two tetrahedra joined to a bipyramid: five pressures, one degree of freedom. */
+static void agrees_with_enumeration(void **state) {
+  bw_context *context = check_context(state);
+  const double x[15] = {1, 0, 0, -0.5, 0.8, 0, -0.4, -0.9, 0, 0.1, 0, 1, 0, 0.1, -1.3};
+  const int32_t e[8] = {0, 1, 2, 3, 0, 2, 1, 4};
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_copy(context, 1, 5, x, 2, e, NULL, &mesh));
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  free_body body;
+  free_all(&body, mesh);
+  body.numbering.motion_count = 2; /* forces along x and y only */
+  bw_random random;
+  bw_random_seed(&random, 3);
+  double area = 0;
+  for (int j = 0; j < 5; j++)
+    area += basis->area[j];
+  for (int trial = 0; trial < 50; trial++) {
+    bw_worst_load_options options = {.pressure = 1, .force = area * (0.1 + 0.017 * trial)};
+    double f[5], p[5], value, dual[3], best = -INFINITY;
+    for (int j = 0; j < 5; j++)
+      f[j] = bw_random_normal(&random);
+    check_ok(context,
+             bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, dual));
+    /* Rows: force x, force y, total. Three basic columns out of five, two at either bound. */
+    double row[3][5];
+    for (int j = 0; j < 5; j++) {
+      double unit[5] = {0}, force[15];
+      unit[j] = 1;
+      bw_pressure_force(basis, unit, force);
+      row[0][j] = motion_dot(&body.motion[0], mesh, force);
+      row[1][j] = motion_dot(&body.motion[1], mesh, force);
+      row[2][j] = basis->area[j];
+    }
+    for (int a = 0; a < 5; a++)
+      for (int b = a + 1; b < 5; b++)
+        for (int bounds = 0; bounds < 4; bounds++) {
+          double m[9], inverse[9], rest[3] = {0, 0, options.force}, q[5];
+          int basic[3], k = 0;
+          for (int j = 0; j < 5; j++)
+            if (j != a && j != b)
+              basic[k++] = j;
+          q[a] = bounds & 1;
+          q[b] = bounds >> 1;
+          for (int i = 0; i < 3; i++) {
+            rest[i] -= row[i][a] * q[a] + row[i][b] * q[b];
+            for (int l = 0; l < 3; l++)
+              m[3 * i + l] = row[i][basic[l]];
+          }
+          if (fabs(bw_inverse3(m, inverse)) < 1e-12)
+            continue;
+          bool inside = true;
+          double total = f[a] * q[a] + f[b] * q[b];
+          for (int l = 0; l < 3; l++) {
+            double v = bw_dot(inverse + 3 * l, rest);
+            inside = inside && v >= -1e-12 && v <= 1 + 1e-12;
+            total += f[basic[l]] * v;
+          }
+          if (inside)
+            best = fmax(best, total);
+        }
+    check_near(value, best, 1e-10);
+    /* The multipliers prove it. */
+    double bound = dual[2] * options.force;
+    for (int j = 0; j < 5; j++)
+      bound += fmax(0, f[j] - dual[0] * row[0][j] - dual[1] * row[1][j] - dual[2] * row[2][j]);
+    check_near(bound, value, 1e-9);
+  }
+  bw_release(basis);
+  bw_release(mesh);
+}
+
+static double smooth_objective(const double x[3], int which) {
+  return sin(7 * x[0] + which) * cos(5 * x[1] - which) + x[2] * x[2] - 0.3 * which * x[0] * x[1] +
+         0.05 * sin(90 * x[0] + 70 * x[1] + 50 * x[2]);
+}
+
+static void own_method_agrees_with_glpk(void **state) {
+  bw_context *context = check_context(state);
+  enum { OBJECTIVES = 12 };
+  for (int kind = 0; kind < 3; kind++) {
+    bw_mesh *mesh = kind == 0   ? make_bar(context, dumbbell_profile, 20, 6, 1)
+                    : kind == 1 ? make_bar(context, dumbbell_profile, 10, 4, 2)
+                                : make_box(context, 1, 1, 1, 16, 16, 16, 1);
+    bw_pressure_basis *basis = NULL;
+    check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+    free_body body;
+    free_all(&body, mesh);
+    size_t n = (size_t)basis->count;
+    double *f = BW_NEW(context, double, n *OBJECTIVES), *p = BW_NEW(context, double, n *OBJECTIVES);
+    double *g = BW_NEW(context, double, n *OBJECTIVES);
+    double value[OBJECTIVES], other[OBJECTIVES], dual[7 * OBJECTIVES], area = 0;
+    for (size_t j = 0; j < n; j++) {
+      area += basis->area[j];
+      for (int i = 0; i < OBJECTIVES; i++)
+        f[(size_t)i * n + j] =
+            basis->area[j] * smooth_objective(mesh->node + 3 * basis->node[j], i);
+    }
+    for (int tight = 0; tight < 3; tight++) {
+      double share[3] = {0.002, 0.1, 0.97};
+      bw_worst_load_options options = {.pressure = 1e5, .force = 1e5 * area * share[tight]};
+      options.at_most = kind == 2 && tight == 1;
+      check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, p,
+                                       value, dual));
+      options.solver = BW_PROGRAMME_GLPK;
+      check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, g,
+                                       other, NULL));
+      for (int i = 0; i < OBJECTIVES; i++) {
+        double total = 0, bound = dual[7 * i + 6] * options.force;
+        check_near(value[i], other[i], 1e-8 * fabs(other[i]));
+        check_near(imbalance(context, &body, basis, p + (size_t)i * n), 0, 1e-8 * options.force);
+        for (size_t j = 0; j < n; j++) {
+          assert_true(p[(size_t)i * n + j] >= 0 && p[(size_t)i * n + j] <= options.pressure);
+          total += basis->area[j] * p[(size_t)i * n + j];
+        }
+        if (options.at_most)
+          assert_true(total <= options.force * (1 + 1e-9));
+        else
+          check_near(total, options.force, 1e-9 * options.force);
+        /* Weak duality in raw terms: what `dual` promises. */
+        double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+        double *gradient = BW_NEW(context, double, n);
+        memset(force, 0, 24 * (size_t)mesh->node_count);
+        for (int32_t k = 0; k < mesh->node_count; k++)
+          for (int m = 0; m < 6; m++) {
+            double arm[3], u[3];
+            for (int c = 0; c < 3; c++)
+              arm[c] = mesh->node[3 * k + c] - body.motion[m].centre[c];
+            bw_cross(body.motion[m].rotation, arm, u);
+            for (int c = 0; c < 3; c++)
+              force[3 * k + c] += dual[7 * i + m] * (u[c] + body.motion[m].translation[c]);
+          }
+        bw_pressure_gradient(basis, force, gradient);
+        for (size_t j = 0; j < n; j++)
+          bound += options.pressure *
+                   fmax(0, f[(size_t)i * n + j] - gradient[j] - dual[7 * i + 6] * basis->area[j]);
+        check_near(bound, value[i], 1e-7 * fabs(value[i]));
+        bw_free(force);
+        bw_free(gradient);
+      }
+    }
+    bw_free(f);
+    bw_free(p);
+    bw_free(g);
+    bw_release(basis);
+    bw_release(mesh);
+  }
+}
+
+/* The two solvers must not fall back on each other unseen: each alone, in the scaled form. */
+static void each_solver_alone(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_box(context, 1, 1, 1, 40, 40, 10, 1);
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  free_body body;
+  free_all(&body, mesh);
+  bw_worst_load_options options = {.pressure = 1, .force = 0.2};
+  bwi_programme *programme = NULL;
+  check_ok(context, bwi_programme_create(context, basis, &body.numbering, &options, &programme));
+  assert_int_equal(programme->rows, 7);
+  assert_true(programme->levels > 1);
+  bwi_simplex *simplex = NULL;
+  bwi_glpk *glpk = NULL;
+  check_ok(context, bwi_simplex_create(context, programme, &simplex));
+  check_ok(context, bwi_glpk_create(context, programme, &glpk));
+  size_t n = (size_t)programme->columns;
+  double *cost = BW_NEW(context, double, n), *share = BW_NEW(context, double, n), y[7], first = 0;
+  bwi_vertex vertex = {BW_NEW(context, int32_t, 7), BW_NEW(context, uint8_t, n), 0};
+  for (int i = 0; i < 5; i++) {
+    for (size_t j = 0; j < n; j++)
+      cost[j] = smooth_objective(mesh->node + 3 * basis->node[programme->source[j]], i);
+    for (int way = 0; way < 5; way++) {
+      double start = bw_seconds();
+      if (way < 2)
+        check_ok(context, bwi_simplex_solve(context, simplex, cost, way == 0, &vertex));
+      else
+        check_ok(context, bwi_glpk_solve(context, glpk, cost, way - 2, &vertex));
+      double seconds = bw_seconds() - start;
+      bwi_solution solution = {share, y, 0, 0, 0};
+      check_ok(context, bwi_programme_evaluate(context, programme, cost, &vertex, &solution));
+      if (getenv("BARWRIGHT_FULL"))
+        printf("  %zu columns, way %d: %d iterations, %.2f ms, violation %.1e, gap %.1e\n", n, way,
+               vertex.iterations, 1e3 * seconds, solution.violation, solution.gap);
+      assert_true(solution.violation < 1e-9 && solution.gap < 1e-8);
+      if (way == 0)
+        first = solution.value;
+      check_near(solution.value, first, 1e-9 * fabs(first));
+    }
+  }
+  bw_free(cost);
+  bw_free(share);
+  bw_free(vertex.basic);
+  bw_free(vertex.at_upper);
+  bwi_simplex_free(simplex);
+  bwi_glpk_free(glpk);
+  bwi_programme_free(programme);
+  bw_release(basis);
+  bw_release(mesh);
+}
+
+/* Random pressures, brought to balance and total force by moving along the rows, that stay within
+ * the bounds: none may beat the optimum. */
+static void no_feasible_pressure_beats_the_optimum(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_bar(context, dumbbell_profile, 12, 4, 1);
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  free_body body;
+  free_all(&body, mesh);
+  size_t n = (size_t)basis->count;
+  double *row = BW_NEW(context, double, 7 * n), *f = BW_NEW(context, double, n);
+  double *p = BW_NEW(context, double, n), *best = BW_NEW(context, double, n), value, area = 0;
+  double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+  for (size_t j = 0; j < n; j++) {
+    memset(p, 0, n * sizeof *p);
+    p[j] = 1;
+    bw_pressure_force(basis, p, force);
+    for (int m = 0; m < 6; m++)
+      row[(size_t)m * n + j] = motion_dot(&body.motion[m], mesh, force);
+    row[6 * n + j] = basis->area[j];
+    area += basis->area[j];
+  }
+  bw_worst_load_options options = {.pressure = 1, .force = 0.3 * area};
+  bw_random random;
+  bw_random_seed(&random, 11);
+  int tried = 0;
+  for (int trial = 0; trial < 300; trial++) {
+    if (trial % 30 == 0) {
+      for (size_t j = 0; j < n; j++)
+        f[j] = basis->area[j] * bw_random_normal(&random);
+      check_ok(context,
+               bw_worst_loads(context, basis, &body.numbering, &options, 1, f, best, &value, NULL));
+    }
+    /* Half of them near the optimum, where beating it would be easiest. */
+    for (size_t j = 0; j < n; j++) {
+      double any = bw_random_uniform(&random);
+      p[j] = trial % 2 ? any : fmin(1, fmax(0, best[j] + 0.2 * (any - 0.5)));
+    }
+    for (int round = 0; round < 200; round++) {
+      /* One projection onto the rows, then onto the box; alternate. */
+      double gram[49] = {0}, rest[7];
+      int32_t pivot[7];
+      for (int a = 0; a < 7; a++) {
+        rest[a] = a == 6 ? options.force : 0;
+        for (size_t j = 0; j < n; j++)
+          rest[a] -= row[(size_t)a * n + j] * p[j];
+        for (int b = 0; b < 7; b++)
+          for (size_t j = 0; j < n; j++)
+            gram[7 * a + b] += row[(size_t)a * n + j] * row[(size_t)b * n + j];
+      }
+      assert_true(bwi_dense_factor(7, gram, pivot));
+      bwi_dense_solve(7, gram, pivot, rest);
+      double outside = 0;
+      for (size_t j = 0; j < n; j++) {
+        for (int a = 0; a < 7; a++)
+          p[j] += row[(size_t)a * n + j] * rest[a];
+        outside = fmax(outside, fmax(-p[j], p[j] - 1));
+      }
+      if (outside <= 1e-9) {
+        double total = 0;
+        for (size_t j = 0; j < n; j++)
+          total += f[j] * p[j];
+        assert_true(total <= value + 1e-7 * fabs(value));
+        tried++;
+        break;
+      }
+      for (size_t j = 0; j < n; j++)
+        p[j] = fmin(1, fmax(0, p[j]));
+    }
+  }
+  assert_true(tried > 100);
+  bw_free(row);
+  bw_free(f);
+  bw_free(p);
+  bw_free(best);
+  bw_free(force);
+  bw_release(basis);
+  bw_release(mesh);
+}
+
+static void two_bodies_are_balanced_apart(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *one = make_box(context, 1, 1, 1, 3, 3, 3, 1), *mesh = NULL;
+  size_t nodes = (size_t)one->node_count, elements = (size_t)one->element_count;
+  double *x = BW_NEW(context, double, 6 * nodes);
+  int32_t *e = BW_NEW(context, int32_t, 8 * elements);
+  for (size_t i = 0; i < 3 * nodes; i++) {
+    x[i] = one->node[i];
+    x[3 * nodes + i] = one->node[i] + (i % 3 == 0 ? 3 : 0);
+  }
+  for (size_t i = 0; i < 4 * elements; i++) {
+    e[i] = one->element[i];
+    e[4 * elements + i] = one->element[i] + (int32_t)nodes;
+  }
+  check_ok(context, bw_mesh_copy(context, 1, (int64_t)(2 * nodes), x, (int64_t)(2 * elements), e,
+                                 NULL, &mesh));
+  assert_int_equal(mesh->component_count, 2);
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  free_body body;
+  free_all(&body, mesh);
+  size_t n = (size_t)basis->count;
+  double *f = BW_NEW(context, double, n), *p = BW_NEW(context, double, n), value, other;
+  /* Gains that would love to push the two bodies together. */
+  for (size_t j = 0; j < n; j++) {
+    const double *at = mesh->node + 3 * basis->node[j];
+    f[j] = basis->area[j] * (fabs(at[0] - 2) + 0.1 * at[1] * at[2]);
+  }
+  bw_worst_load_options options = {.pressure = 1, .force = 2};
+  check_ok(context,
+           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  check_near(imbalance(context, &body, basis, p), 0, 1e-9 * options.force);
+  options.solver = BW_PROGRAMME_GLPK;
+  check_ok(context,
+           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &other, NULL));
+  check_near(value, other, 1e-9 * other);
+  bw_free(f);
+  bw_free(p);
+  bw_free(x);
+  bw_free(e);
+  bw_release(basis);
+  bw_release(mesh);
+  bw_release(one);
+}
+
+static void bad_options_are_refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  free_body body;
+  free_all(&body, mesh);
+  double f[26] = {0}, p[26], value;
+  bw_worst_load_options options = {.pressure = 1, .force = 7};
+  check_fails(context, BW_INFEASIBLE, "7 N",
+              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  check_fails(context, BW_INFEASIBLE, "gives 6 N",
+              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  options.at_most = true;
+  check_ok(context,
+           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  options = (bw_worst_load_options){.pressure = 1, .force = 6};
+  check_ok(context,
+           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  for (int j = 0; j < 26; j++)
+    check_near(p[j], 1, 1e-9);
+  options.force = -1;
+  check_fails(context, BW_INVALID, "force",
+              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  options = (bw_worst_load_options){.pressure = NAN, .force = 1};
+  check_fails(context, BW_INVALID, "pressure",
+              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  options.pressure = 1;
+  f[3] = NAN;
+  check_fails(context, BW_INVALID, "objective 0",
+              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  bw_release(basis);
+  bw_release(mesh);
+}
+
+static void same_bits_for_any_number_of_threads(void **state) {
+  bw_context *context = check_context(state);
+  enum { OBJECTIVES = 9 };
+  bw_mesh *mesh = make_box(context, 1, 1, 0.3, 24, 24, 6, 1);
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  free_body body;
+  free_all(&body, mesh);
+  size_t n = (size_t)basis->count;
+  double *f = BW_NEW(context, double, n *OBJECTIVES), value[OBJECTIVES];
+  double *p[3] = {NULL, NULL, NULL};
+  for (int i = 0; i < OBJECTIVES; i++)
+    for (size_t j = 0; j < n; j++)
+      f[(size_t)i * n + j] = basis->area[j] * smooth_objective(mesh->node + 3 * basis->node[j], i);
+  bw_worst_load_options options = {.pressure = 1, .force = 0.1};
+  for (int solver = 0; solver < 2; solver++) {
+    options.solver = (bw_programme_solver)solver;
+    for (int threads = 1; threads <= 3; threads++) {
+      check_ok(context, bw_set_threads(context, threads));
+      double *to = p[threads - 1] = BW_NEW(context, double, n *OBJECTIVES);
+      check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, to,
+                                       value, NULL));
+      assert_memory_equal(to, p[0], n * OBJECTIVES * sizeof *to);
+    }
+    for (int threads = 0; threads < 3; threads++)
+      bw_free(p[threads]);
+  }
+  bw_free(f);
+  bw_release(basis);
+  bw_release(mesh);
+}
+
+static void allocation_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_box(context, 1, 1, 1, 3, 3, 3, 1);
+  free_body body;
+  free_all(&body, mesh);
+  check_ok(context, bw_set_threads(context, 1));
+  for (int solver = 0; solver < 2; solver++) {
+    bw_worst_load_options options = {.pressure = 1, .force = 1};
+    options.solver = (bw_programme_solver)solver;
+    for (int64_t fail = 1;; fail++) {
+      double f[56], p[56], value;
+      bw_pressure_basis *basis = NULL;
+      for (int j = 0; j < 56; j++)
+        f[j] = j % 7;
+      int64_t blocks = bw_live_blocks();
+      bw_fail_allocation(fail, true);
+      bw_status status = bw_pressure_basis_create(context, mesh, &basis);
+      if (status == BW_OK)
+        status = bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL);
+      bw_fail_allocation(0, false);
+      bw_release(basis);
+      assert_int_equal(bw_live_blocks(), blocks);
+      if (status == BW_OK) {
+        assert_true(fail > 10);
+        break;
+      }
+      assert_int_equal(status, BW_MEMORY);
+    }
+  }
+  bw_release(mesh);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(uniform_pressure_is_balanced),
+      check_test(work_on_a_linear_field),
+      check_test(agrees_with_a_sorted_fill),
+      check_test(agrees_with_enumeration),
+      check_test(own_method_agrees_with_glpk),
+      check_test(each_solver_alone),
+      check_test(no_feasible_pressure_beats_the_optimum),
+      check_test(two_bodies_are_balanced_apart),
+      check_test(bad_options_are_refused),
+      check_test(same_bits_for_any_number_of_threads),
+      check_test(allocation_failures),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
