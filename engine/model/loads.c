@@ -183,12 +183,19 @@ static void add_vector(void *data, int32_t node, const double force[3]) {
     f[k] += force[k];
 }
 
-bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force) {
+bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity,
+                           double *force) {
   memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);
   for (int i = 0; i < model->load_count; i++) {
+    if (!gravity && model->load[i].kind == BW_LOAD_GRAVITY)
+      continue;
     bw_status status = spread(context, model, &model->load[i], add_vector, force);
     if (status != BW_OK)
       return status;
   }
   return BW_OK;
+}
+
+bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force) {
+  return bwi_force_vector(context, model, true, force);
 }
