@@ -122,4 +122,6 @@ bw_status bwi_stl_write(bw_writer *writer, const bw_surface *surface, bool ascii
 bw_status bwi_obj_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
 bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface);
 
+bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh);
+
 #endif
