@@ -57,11 +57,12 @@ int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *
 
 /* The boundary facets at each mesh node: list[start[i]] .. list[start[i + 1] - 1] are
  * facet * 8 + place of the node in the facet, ascending. */
-typedef struct bwi_incidence {
+typedef struct bwi_facet_incidence {
   int64_t *start, *list;
-} bwi_incidence;
-bw_status bwi_incidence_of(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
-void bwi_incidence_clear(bwi_incidence *incidence);
+} bwi_facet_incidence;
+bw_status bwi_facet_incidence_of(bw_context *context, const bw_mesh *mesh,
+                                 bwi_facet_incidence *incidence);
+void bwi_facet_incidence_clear(bwi_facet_incidence *incidence);
 
 /* ---- loads.c --------------------------------------------------------------------------- */
 
