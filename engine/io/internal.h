@@ -90,6 +90,7 @@ typedef struct bwi_soup {
   size_t triangle_count, triangle_capacity, group_capacity;
   int32_t current_group, group_count; /* groups that have a facet */
   bool group_used;                    /* the current one has one */
+  bool numbered;                      /* groups have the numbers that the file gives */
   int64_t polygons, skipped;
 } bwi_soup;
 
@@ -101,6 +102,8 @@ bw_status bwi_soup_triangle(bwi_soup *soup, int32_t a, int32_t b, int32_t c);
 bw_status bwi_soup_polygon(bwi_soup *soup, const int32_t *corner, size_t count);
 /* Facets from now on belong to a new group (unless the current one is still empty). */
 void bwi_soup_next_group(bwi_soup *soup);
+/* Facets from `first` on belong to the group of this number, which the file gives. */
+void bwi_soup_regroup(bwi_soup *soup, size_t first, int32_t group);
 /* Hands the arrays over; BW_FORMAT when there is no facet. `weld`: merge equal points. */
 bw_status bwi_soup_finish(bwi_soup *soup, const char *format, bool weld, bw_surface **surface,
                           bw_read_info *info);
@@ -122,6 +125,10 @@ bw_status bwi_stl_write(bw_writer *writer, const bw_surface *surface, bool ascii
 bw_status bwi_obj_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
 bw_status bwi_obj_write(bw_writer *writer, const bw_surface *surface);
 
+bw_status bwi_off_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
+bw_status bwi_off_write(bw_writer *writer, const bw_surface *surface);
+bw_status bwi_ply_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
+bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface, bool ascii);
 bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh);
 
 #endif

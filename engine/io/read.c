@@ -142,6 +142,10 @@ bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned
     return bwi_stl_parse(&cursor, surface, info);
   case BWI_OBJ:
     return bwi_obj_parse(&cursor, surface, info);
+  case BWI_OFF:
+    return bwi_off_parse(&cursor, surface, info);
+  case BWI_PLY:
+    return bwi_ply_parse(&cursor, surface, info);
   default:
     return bwi_fail_unknown(&cursor, "STL (text beginning with 'solid', or a binary size of 84 + "
                                      "50 n bytes), OBJ, OFF, PLY, MSH, VTU, MEDIT, INP");
@@ -164,7 +168,8 @@ bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const
                            bool ascii) {
   bw_writer *writer = NULL;
   bool stl = has_ending(path, "stl"), obj = has_ending(path, "obj");
-  if (!stl && !obj)
+  bool off = has_ending(path, "off"), ply = has_ending(path, "ply");
+  if (!stl && !obj && !off && !ply)
     return bw_fail(context, BW_INVALID,
                    "%s: the ending '%s' names no format that surfaces are written in: use .stl "
                    ".obj .ply .off .vtu or .msh",
@@ -172,7 +177,10 @@ bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const
   bw_status status = bw_writer_open(context, path, &writer);
   if (status != BW_OK)
     return status;
-  status = stl ? bwi_stl_write(writer, surface, ascii) : bwi_obj_write(writer, surface);
+  status = stl   ? bwi_stl_write(writer, surface, ascii)
+           : obj ? bwi_obj_write(writer, surface)
+           : off ? bwi_off_write(writer, surface)
+                 : bwi_ply_write(writer, surface, ascii);
   if (status == BW_OK)
     return bw_writer_commit(writer);
   bw_writer_discard(writer);

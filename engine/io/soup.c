@@ -4,6 +4,7 @@
 #include "io/internal.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void bwi_soup_init(bwi_soup *soup, bw_context *context, const char *name) {
@@ -79,6 +80,33 @@ void bwi_soup_next_group(bwi_soup *soup) {
   soup->group_used = false;
 }
 
+void bwi_soup_regroup(bwi_soup *soup, size_t first, int32_t group) {
+  for (size_t i = first; i < soup->triangle_count; i++)
+    soup->group[i] = group;
+  soup->numbered = soup->numbered || first < soup->triangle_count;
+}
+
+static int compare_groups(const void *a, const void *b) {
+  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+  return (x > y) - (x < y);
+}
+
+/* How many different numbers there are, when the file gave them. */
+static bw_status count_groups(bwi_soup *soup) {
+  if (!soup->numbered)
+    return BW_OK;
+  int32_t *sorted = BW_NEW(soup->context, int32_t, soup->triangle_count);
+  if (!sorted)
+    return BW_MEMORY;
+  memcpy(sorted, soup->group, soup->triangle_count * sizeof *sorted);
+  qsort(sorted, soup->triangle_count, sizeof *sorted, compare_groups);
+  soup->group_count = 1;
+  for (size_t i = 1; i < soup->triangle_count; i++)
+    soup->group_count += sorted[i] != sorted[i - 1];
+  bw_free(sorted);
+  return BW_OK;
+}
+
 bw_status bwi_soup_finish(bwi_soup *soup, const char *format, bool weld, bw_surface **surface,
                           bw_read_info *info) {
   bw_status status = BW_OK;
@@ -89,6 +117,7 @@ bw_status bwi_soup_finish(bwi_soup *soup, const char *format, bool weld, bw_surf
     bw_detail_text(soup->context, "file", soup->name);
     return BW_FORMAT;
   }
+  BW_TRY(count_groups(soup));
   if (soup->group_count < 2) {
     bw_free(soup->group);
     soup->group = NULL;
