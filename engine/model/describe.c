@@ -81,8 +81,10 @@ static void describe_support(bwi_text *out, const bw_support *support, int numbe
     else
       bwi_text_add(out, "its surface's normal");
   } else if (support->held[0] && support->held[1] && support->held[2] &&
-             bw_norm(support->value) == 0)
+             bw_norm(support->value) == 0 && !support->field)
     bwi_text_add(out, ": fixed");
+  else if (support->field)
+    bwi_text_add(out, ": moved by a field");
   else {
     static const char *const name[3] = {"x", "y", "z"};
     bool first = true;
@@ -123,16 +125,21 @@ static void sizes_of(const bw_load *load, double size, double *force, double *tu
 }
 
 static void describe_load(bwi_text *out, const bw_load *load, int number, double size) {
-  static const char *const name[] = {": pressure ", ": traction ", ": force ",
-                                     ": torque ",   ": gravity ",  ": forces at nodes"};
-  static const char *const unit[] = {" Pa", " Pa", " N", " N m", " m/s2", ""};
+  static const char *const name[] = {": pressure ",
+                                     ": traction ",
+                                     ": force ",
+                                     ": torque ",
+                                     ": gravity ",
+                                     ": forces at nodes",
+                                     ": change of temperature"};
+  static const char *const unit[] = {" Pa", " Pa", " N", " N m", " m/s2", "", ""};
   double force, turn;
   bwi_text_add(out, "load ");
   bwi_text_integer(out, number);
   bwi_text_add(out, name[load->kind]);
   if (load->kind == BW_LOAD_PRESSURE)
     bwi_text_number(out, load->vector[0], 5, 0);
-  else if (load->kind != BW_LOAD_NODAL)
+  else if (!load->nodal)
     bwi_text_vector(out, load->vector, 5, 0);
   bwi_text_add(out, unit[load->kind]);
   if (load->kind == BW_LOAD_TORQUE) {

@@ -171,7 +171,9 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
           for (int k = 0; k < 3; k++) {
             double axis[3] = {k == 0, k == 1, k == 2};
             if (support->held[k])
-              BW_TRY(add_condition(context, model, s, node, axis, support->value[k]));
+              BW_TRY(add_condition(context, model, s, node, axis,
+                                   support->field ? bw_array_get(support->field, node->node, k)
+                                                  : support->value[k]));
           }
         else if (rank == 1) {
           memcpy(normal[0], support->normal, sizeof normal[0]);

@@ -71,6 +71,12 @@ bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *
 /* As bw_model_force_vector, gravity left out when false. */
 bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity, double *force);
 
+/* ---- thermal.c ------------------------------------------------------------------------- */
+
+/* Nodal forces of one element that expands. */
+void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
+                       double (*force)[3]);
+
 /* ---- select.c -------------------------------------------------------------------------- */
 
 /* A selection of what the masks mark (facet: facet_count, node: node_count; with the nodes of the

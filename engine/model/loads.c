@@ -135,6 +135,17 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
       add(data, i, force);
     }
     break;
+  case BW_LOAD_TEMPERATURE:
+    for (int32_t e = 0; e < mesh->element_count; e++) {
+      const int32_t *node = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+      double force[10][3];
+      if (e % 65536 == 0)
+        BW_TRY(bw_check_cancel(context));
+      bwi_thermal_force(model, load, e, force);
+      for (int a = 0; a < mesh->nodes_per_element; a++)
+        add(data, node[a], force[a]);
+    }
+    break;
   default: {
     surface_load surface;
     BW_TRY(prepare(context, load, &surface));

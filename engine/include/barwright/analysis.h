@@ -18,6 +18,10 @@ bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_m
  * volume: node_count x 6. */
 bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                           const double *displacement, double *stress);
+/* Stress of a static solution with what its model knows (thermal expansion taken off): as
+ * bw_nodal_stress or bw_element_stress. */
+bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
+                           double *stress);
 /* Strain energy of every element, J. */
 bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *energy);
@@ -77,8 +81,8 @@ bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side);
 
-/* ---- worst loads (worst-case, eq. 14)
- * ------------------------------------------------------------ */
+/* ---- worst loads (worst-case, eq. 14) ----------------------------------------------------------
+ */
 
 /* Pressures at boundary corner nodes, linear over facets. force = G p (N A of eq. 10, consistent
  * also for tet10). */
@@ -148,8 +152,8 @@ typedef struct bw_arrow {
 bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basis,
                               const double *pressure, double radius, int *count, bw_arrow **arrows);
 
-/* ---- drop test (worst-case, section 5)
- * -------------------------------------------------------------- */
+/* ---- drop test (worst-case, section 5) ---------------------------------------------------------
+ */
 
 typedef struct bw_drop_options {
   int64_t drops;     /* default 2000 */

@@ -80,19 +80,16 @@ static void errors(bw_context *context, const bw_material *material, int cells, 
   bw_mesh *mesh = shaken_grid(context, cells, order);
   bw_model *model;
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  uint8_t *mask = BW_NEW0(context, uint8_t, mesh->node_count);
   const bool held[3] = {true, true, true};
-  for (int32_t i = 0; i < mesh->boundary_node_count; i++) {
-    int32_t node = mesh->boundary_node[i];
-    bw_selection *one;
-    double u[3], gradient[3][3];
-    mask[node] = 1;
-    check_ok(context, bw_select_mask(context, mesh, NULL, mask, &one));
-    mask[node] = 0;
-    exact(mesh->node + 3 * (size_t)node, u, gradient);
-    check_ok(context, bw_model_prescribe(context, model, one, held, u));
-    bw_release(one);
+  bw_selection *surface;
+  bw_array *field;
+  check_ok(context, bw_select_all(context, mesh, &surface));
+  check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &field));
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    double gradient[3][3];
+    exact(mesh->node + 3 * (size_t)i, (double *)field->data + 3 * (size_t)i, gradient);
   }
+  check_ok(context, bw_model_prescribe_field(context, model, surface, held, field));
   bw_array *force;
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &force));
   double *f = (double *)force->data;
@@ -147,7 +144,8 @@ static void errors(bw_context *context, const bw_material *material, int cells, 
   }
   *l2 = sqrt(squares);
   *energy = sqrt(strain_squares);
-  bw_free(mask);
+  bw_release(field);
+  bw_release(surface);
   bw_release(result);
   bw_release(force);
   bw_release(model);
