@@ -8,8 +8,7 @@
 extern "C" {
 #endif
 
-/* ---- stress fields: tensors xx yy zz yz zx xy -------------------------------------------------
- */
+/* ---- stress fields: tensors xx yy zz yz zx xy ---------------------------------------------- */
 
 /* Mean stress of every element (exact for tet4; the volume mean for tet10): element_count x 6. */
 bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
@@ -41,8 +40,7 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
 bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *element, double *relative);
 
-/* ---- weak regions (worst-case, section 4) -------------------------------------------------------
- */
+/* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 
 typedef enum bw_weak_measure { BW_WEAK_STRESS, BW_WEAK_ENERGY } bw_weak_measure;
 typedef enum bw_worst_target { BW_WORST_STRESS, BW_WORST_DISPLACEMENT } bw_worst_target;
@@ -81,8 +79,7 @@ bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side);
 
-/* ---- worst loads (worst-case, eq. 14) ----------------------------------------------------------
- */
+/* ---- worst loads (worst-case, eq. 14) ------------------------------------------------------ */
 
 /* Pressures at boundary corner nodes, linear over facets. force = G p (N A of eq. 10, consistent
  * also for tet10). */
@@ -152,8 +149,7 @@ typedef struct bw_arrow {
 bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basis,
                               const double *pressure, double radius, int *count, bw_arrow **arrows);
 
-/* ---- drop test (worst-case, section 5) ---------------------------------------------------------
- */
+/* ---- drop test (worst-case, section 5) ----------------------------------------------------- */
 
 typedef struct bw_drop_options {
   int64_t drops;     /* default 2000 */

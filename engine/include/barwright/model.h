@@ -56,7 +56,6 @@ void bw_selection_centre(const bw_selection *selection,
 void bw_selection_normal(const bw_selection *selection, double normal[3]); /* mean outward, unit */
 
 /* ---- models -------------------------------------------------------------------------------- */
- */
 
 typedef enum bw_load_kind {
   BW_LOAD_PRESSURE,   /* Pa, positive pushes inwards */
@@ -139,7 +138,6 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
                              int modes);
 
 /* ---- rigid motions and unknowns ------------------------------------------------------------ */
- */
 
 /* A rigid motion u(x) = translation + rotation x (x - centre) of one body (component). For a
  * rotation the centre is the point of its axis nearest to the body's centre of volume, and the
