@@ -1,0 +1,184 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Flat elements on the boundary. Facets of a plane part of a surface lie in one plane only to
+ * within rounding or a hair's breadth; where four of their points span an element it has next to no
+ * volume, and the surface being fixed TetGen cannot get rid of it. Taking it out exchanges the
+ * facets outside it for those inside:
+ *
+ *   one facet on the boundary     its three other faces come to light, if the fourth corner lies
+ *                                 inside the mesh;
+ *   two                           the diagonal is exchanged, if the new one is no edge of the
+ *                                 boundary yet;
+ *   three                         the common corner goes.
+ *
+ * In each case the boundary stays a manifold, and moves by the height of the element at most. */
+#include "mesh/fill_internal.h"
+#include "mesh/mesh_internal.h"
+
+#include <math.h>
+
+/* Smallest height and smallest dihedral angle (its sine). */
+static void flatness(const bw_mesh *mesh, int32_t element, double *height, double *sine) {
+  const int32_t *e = mesh->element + 4 * (size_t)element;
+  double area[4], largest = 0;
+  for (int k = 0; k < 4; k++) {
+    double a[3], b[3], n[3];
+    const double *x = mesh->node + 3 * (size_t)e[bw_tet_face[k][0]];
+    for (int i = 0; i < 3; i++) {
+      a[i] = mesh->node[3 * (size_t)e[bw_tet_face[k][1]] + (size_t)i] - x[i];
+      b[i] = mesh->node[3 * (size_t)e[bw_tet_face[k][2]] + (size_t)i] - x[i];
+    }
+    bw_cross(a, b, n);
+    area[k] = bw_norm(n) / 2;
+    largest = fmax(largest, area[k]);
+  }
+  *height = 3 * mesh->volume[element] / largest;
+  *sine = INFINITY;
+  /* sin(angle) = 3/2 V l / (A_i A_j) along the edge l of faces i and j */
+  static const int faces[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 3}, {1, 2}, {2, 3}};
+  static const int edge[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  for (int k = 0; k < 6; k++) {
+    double d[3];
+    for (int i = 0; i < 3; i++)
+      d[i] = mesh->node[3 * (size_t)e[edge[k][1]] + (size_t)i] -
+             mesh->node[3 * (size_t)e[edge[k][0]] + (size_t)i];
+    *sine = fmin(*sine, 1.5 * mesh->volume[element] * bw_norm(d) /
+                            (area[faces[k][0]] * area[faces[k][1]]));
+  }
+}
+
+/* Is there a boundary facet with both nodes? Asked only for the few candidates. */
+static bool on_boundary_edge(const bwi_keyed *edge, int64_t count, int32_t a, int32_t b) {
+  uint64_t key = a < b ? (uint64_t)a << 32 | (uint64_t)b : (uint64_t)b << 32 | (uint64_t)a;
+  int64_t low = 0, high = count;
+  while (low < high) {
+    int64_t middle = (low + high) / 2;
+    if (edge[middle].key < key)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < count && edge[low].key == key;
+}
+
+/* Edges of the boundary whose nodes are both `asked` for, sorted. */
+static bw_status boundary_edges(bw_context *context, const bw_mesh *mesh, const uint8_t *asked,
+                                bwi_keyed **edge, int64_t *count) {
+  size_t found = 0, capacity = 0;
+  bwi_keyed *list = NULL;
+  for (int32_t f = 0; f < mesh->facet_count; f++)
+    for (int k = 0; k < 3; k++) {
+      int32_t a = mesh->facet[3 * (size_t)f + (size_t)k];
+      int32_t b = mesh->facet[3 * (size_t)f + (size_t)(k + 1) % 3];
+      if (a > b || !asked[a] || !asked[b])
+        continue;
+      if (!bw_grow(context, (void **)&list, &capacity, found, 1, sizeof *list)) {
+        bw_free(list);
+        return BW_MEMORY;
+      }
+      list[found++] = (bwi_keyed){.key = (uint64_t)a << 32 | (uint64_t)b};
+    }
+  bwi_sort_keyed(list, (int64_t)found);
+  *edge = list;
+  *count = (int64_t)found;
+  return BW_OK;
+}
+
+/* May the element go? Its faces on the boundary are given as bits. */
+static bool may_go(const bw_mesh *mesh, int32_t element, unsigned faces, const uint8_t *outside,
+                   const bwi_keyed *edge, int64_t edges) {
+  static const int opposite[4] = {3, 2, 0, 1}; /* the corner off face k */
+  const int32_t *e = mesh->element + 4 * (size_t)element;
+  int off[4], count = 0;
+  for (int k = 0; k < 4; k++)
+    if (faces & 1u << k)
+      off[count++] = opposite[k];
+  switch (count) {
+  case 1:
+    return !outside[e[off[0]]];
+  case 2: /* the facets off[0] and off[1] are missing from each hold the other one */
+    return !on_boundary_edge(edge, edges, e[off[0]], e[off[1]]);
+  case 3:
+    return true;
+  }
+  return false;
+}
+
+static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine_limit,
+                           bw_mesh **out, int64_t *gone, double *moved) {
+  bw_status status = BW_OK;
+  bwi_keyed *edge = NULL;
+  int64_t edges = 0;
+  uint8_t *keep = BW_NEW(context, uint8_t, mesh->element_count);
+  uint8_t *asked = BW_NEW0(context, uint8_t, mesh->node_count);
+  uint8_t *outside = BW_NEW0(context, uint8_t, mesh->node_count);
+  *gone = 0;
+  if (!keep || !asked || !outside) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t i = 0; i < mesh->boundary_node_count; i++)
+    outside[mesh->boundary_node[i]] = 1;
+  for (int32_t i = 0; i < mesh->element_count; i++) {
+    const int32_t *n = mesh->neighbour + 4 * (size_t)i;
+    double height, sine = 1;
+    keep[i] = 1;
+    if (n[0] < 0 || n[1] < 0 || n[2] < 0 || n[3] < 0)
+      flatness(mesh, i, &height, &sine);
+    if (sine >= sine_limit)
+      continue;
+    keep[i] = 0; /* a candidate */
+    for (int k = 0; k < 4; k++)
+      asked[mesh->element[4 * (size_t)i + (size_t)k]] = 1;
+  }
+  BW_TRY(boundary_edges(context, mesh, asked, &edge, &edges));
+  for (int32_t i = 0; i < mesh->element_count; i++) {
+    if (keep[i])
+      continue;
+    const int32_t *e = mesh->element + 4 * (size_t)i, *n = mesh->neighbour + 4 * (size_t)i;
+    unsigned faces = 0;
+    bool free = true; /* nothing that has gone in this round touches it */
+    for (int k = 0; k < 4; k++) {
+      faces |= (n[k] < 0 ? 1u : 0u) << k;
+      free &= asked[e[k]] != 2;
+    }
+    if (!free || !may_go(mesh, i, faces, outside, edge, edges)) {
+      keep[i] = 1;
+      continue;
+    }
+    double height, sine;
+    flatness(mesh, i, &height, &sine);
+    *moved = fmax(*moved, height);
+    ++*gone;
+    for (int k = 0; k < 4; k++)
+      asked[e[k]] = 2;
+  }
+  if (*gone == mesh->element_count) /* never eat all of it */
+    *gone = 0;
+  if (*gone > 0)
+    BW_TRY(bw_mesh_subset(context, mesh, keep, out));
+done:
+  bw_free(edge);
+  bw_free(keep);
+  bw_free(asked);
+  bw_free(outside);
+  return status;
+}
+
+bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, int64_t *gone,
+                        double *moved) {
+  *gone = 0;
+  *moved = 0;
+  for (int round = 0; round < 4; round++) {
+    bw_mesh *made;
+    int64_t now;
+    bw_status status = peel_once(context, *mesh, sin(angle), &made, &now, moved);
+    if (status != BW_OK)
+      return status;
+    if (now == 0)
+      break;
+    bw_release(*mesh);
+    *mesh = made;
+    *gone += now;
+  }
+  return BW_OK;
+}
