@@ -137,9 +137,38 @@ function deform() {
     byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
   }
   position.needsUpdate = true;
+  placeArrows();
 }
 
-// A mode keeps the arrows and stress of the load; a load's displacement brings its own.
+// An arrow whose tip touches the surface and follows it: `point` is the nearest rest point.
+function nearest(at) {
+  let best = 0;
+  let least = Infinity;
+  for (let i = 0; i < rest.length; i += 3) {
+    const d = (rest[i] - at[0]) ** 2 + (rest[i + 1] - at[1]) ** 2 + (rest[i + 2] - at[2]) ** 2;
+    if (d < least) {
+      least = d;
+      best = i;
+    }
+  }
+  return best;
+}
+
+const red = new THREE.MeshStandardMaterial({ color: 0xc62828, roughness: 0.6 });
+const upwards = new THREE.Vector3(0, 1, 0);
+
+function arrow(force, length) {
+  const head = Math.min(0.35 * length, 0.05 * size);
+  const group = new THREE.Group();
+  const cone = new THREE.Mesh(new THREE.ConeGeometry(0.38 * head, head, 24), red);
+  cone.position.y = -head / 2;
+  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.13 * head, 0.13 * head, length - head, 16), red);
+  shaft.position.y = -(length + head) / 2;
+  group.add(cone, shaft);
+  group.quaternion.setFromUnitVectors(upwards, force.clone().normalize());
+  return group;
+}
+
 function showArrows() {
   arrows.clear();
   const motion = motions[state.motion];
@@ -147,11 +176,24 @@ function showArrows() {
   const largest = Math.max(0, ...list.map((a) => Math.hypot(...a.force)));
   for (const a of list) {
     const force = new THREE.Vector3(...a.force);
-    const length = (size * 0.16 * force.length()) / largest;
+    const length = (size * 0.18 * force.length()) / largest;
     if (!(length > 0)) continue;
-    const direction = force.clone().normalize();
-    const tail = new THREE.Vector3(...a.at).addScaledVector(direction, -length);
-    arrows.add(new THREE.ArrowHelper(direction, tail, length, 0xc62828, length * 0.3, length * 0.15));
+    const one = arrow(force, length);
+    one.userData = { at: a.at, point: nearest(a.at) };
+    arrows.add(one);
+  }
+  placeArrows();
+}
+
+function placeArrows() {
+  for (const one of arrows.children) {
+    const { at, point } = one.userData;
+    const p = position.array;
+    one.position.set(
+      at[0] + p[point] - rest[point],
+      at[1] + p[point + 1] - rest[point + 1],
+      at[2] + p[point + 2] - rest[point + 2],
+    );
   }
 }
 

@@ -23,6 +23,9 @@ double bwi_facet_volume(const double *point, const int32_t *triangle, const doub
 bw_status bwi_weld_map(bw_context *context, int64_t points, const double *point,
                        const uint8_t *used, double tolerance, int32_t *to, int32_t *count);
 
+/* Give the facets of a surface just made, which has no groups, the groups of the nearest facets. */
+bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surface *to);
+
 #ifdef __cplusplus
 }
 #endif

@@ -83,7 +83,8 @@ int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *
   return count;
 }
 
-bw_status bwi_incidence_of(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence) {
+bw_status bwi_facet_incidence_of(bw_context *context, const bw_mesh *mesh,
+                                 bwi_facet_incidence *incidence) {
   int64_t entries = (int64_t)mesh->facet_count * mesh->nodes_per_facet;
   int64_t *start = BW_NEW0(context, int64_t, (size_t)mesh->node_count + 1);
   int64_t *list = BW_NEW(context, int64_t, entries);
@@ -106,7 +107,7 @@ bw_status bwi_incidence_of(bw_context *context, const bw_mesh *mesh, bwi_inciden
   return BW_OK;
 }
 
-void bwi_incidence_clear(bwi_incidence *incidence) {
+void bwi_facet_incidence_clear(bwi_facet_incidence *incidence) {
   bw_free(incidence->start);
   bw_free(incidence->list);
   incidence->start = incidence->list = NULL;

@@ -72,7 +72,7 @@ enum { CREASES = 8 };
 
 /* Mean normals of the smooth pieces of surface that meet at a node; facets with flag 0 are left
  * out, unless all are. */
-static int normals_at(const bw_mesh *mesh, const bwi_incidence *at, const uint8_t *flag,
+static int normals_at(const bw_mesh *mesh, const bwi_facet_incidence *at, const uint8_t *flag,
                       int32_t node, double (*normal)[3]) {
   double sum[CREASES][3];
   int pieces = 0;
@@ -123,7 +123,7 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
                        bwi_hold **hold) {
   const bw_mesh *mesh = model->mesh;
   bw_status status = BW_OK;
-  bwi_incidence at = {NULL, NULL};
+  bwi_facet_incidence at = {NULL, NULL};
   uint8_t *flag = NULL;
   bwi_hold *list = NULL;
   int32_t held = 0;
@@ -154,7 +154,7 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
       BW_TRY(bw_check_cancel(context));
       if (rank == 2) {
         if (!at.start)
-          BW_TRY(bwi_incidence_of(context, mesh, &at));
+          BW_TRY(bwi_facet_incidence_of(context, mesh, &at));
         if (!flag && !(flag = BW_NEW(context, uint8_t, mesh->facet_count))) {
           status = BW_MEMORY;
           goto done;
@@ -171,7 +171,9 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
           for (int k = 0; k < 3; k++) {
             double axis[3] = {k == 0, k == 1, k == 2};
             if (support->held[k])
-              BW_TRY(add_condition(context, model, s, node, axis, support->value[k]));
+              BW_TRY(add_condition(context, model, s, node, axis,
+                                   support->field ? bw_array_get(support->field, node->node, k)
+                                                  : support->value[k]));
           }
         else if (rank == 1) {
           memcpy(normal[0], support->normal, sizeof normal[0]);
@@ -193,7 +195,7 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
 done:
   bw_free(place);
   bw_free(flag);
-  bwi_incidence_clear(&at);
+  bwi_facet_incidence_clear(&at);
   bw_free(list);
   return status;
 }

@@ -57,16 +57,25 @@ int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *
 
 /* The boundary facets at each mesh node: list[start[i]] .. list[start[i + 1] - 1] are
  * facet * 8 + place of the node in the facet, ascending. */
-typedef struct bwi_incidence {
+typedef struct bwi_facet_incidence {
   int64_t *start, *list;
-} bwi_incidence;
-bw_status bwi_incidence_of(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
-void bwi_incidence_clear(bwi_incidence *incidence);
+} bwi_facet_incidence;
+bw_status bwi_facet_incidence_of(bw_context *context, const bw_mesh *mesh,
+                                 bwi_facet_incidence *incidence);
+void bwi_facet_incidence_clear(bwi_facet_incidence *incidence);
 
 /* ---- loads.c --------------------------------------------------------------------------- */
 
 /* Fills area, resultant and moment. */
 bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *load);
+/* As bw_model_force_vector, gravity left out when false. */
+bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity, double *force);
+
+/* ---- thermal.c ------------------------------------------------------------------------- */
+
+/* Nodal forces of one element that expands. */
+void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
+                       double (*force)[3]);
 
 /* ---- select.c -------------------------------------------------------------------------- */
 

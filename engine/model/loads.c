@@ -135,6 +135,17 @@ static bw_status spread(bw_context *context, const bw_model *model, const bw_loa
       add(data, i, force);
     }
     break;
+  case BW_LOAD_TEMPERATURE:
+    for (int32_t e = 0; e < mesh->element_count; e++) {
+      const int32_t *node = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+      double force[10][3];
+      if (e % 65536 == 0)
+        BW_TRY(bw_check_cancel(context));
+      bwi_thermal_force(model, load, e, force);
+      for (int a = 0; a < mesh->nodes_per_element; a++)
+        add(data, node[a], force[a]);
+    }
+    break;
   default: {
     surface_load surface;
     BW_TRY(prepare(context, load, &surface));
@@ -183,12 +194,19 @@ static void add_vector(void *data, int32_t node, const double force[3]) {
     f[k] += force[k];
 }
 
-bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force) {
+bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity,
+                           double *force) {
   memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);
   for (int i = 0; i < model->load_count; i++) {
+    if (!gravity && model->load[i].kind == BW_LOAD_GRAVITY)
+      continue;
     bw_status status = spread(context, model, &model->load[i], add_vector, force);
     if (status != BW_OK)
       return status;
   }
   return BW_OK;
+}
+
+bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force) {
+  return bwi_force_vector(context, model, true, force);
 }

@@ -10,12 +10,17 @@ static void clear_load(bw_load *load) {
   bw_release(load->nodal);
 }
 
+static void clear_support(bw_support *support) {
+  bw_release(support->on);
+  bw_release(support->field);
+}
+
 static void model_destroy(void *object) {
   bw_model *model = (bw_model *)object;
   for (int i = 0; i < model->load_count; i++)
     clear_load(&model->load[i]);
   for (int i = 0; i < model->support_count; i++)
-    bw_release(model->support[i].on);
+    clear_support(&model->support[i]);
   bw_free(model->load);
   bw_free(model->support);
   bw_release(model->mesh);
@@ -75,6 +80,22 @@ static bw_status check_selection(bw_context *context, const bw_model *model, con
   return BW_OK;
 }
 
+/* Values at all nodes of the mesh, finite. */
+static bw_status check_nodal(bw_context *context, const bw_model *model, const bw_array *array,
+                             int columns, const char *what) {
+  if (!array || array->rows != model->mesh->node_count || array->columns != columns)
+    return bw_fail(context, BW_INVALID,
+                   "the %s needs an array of %d rows (nodes) and %d columns, not %lld x %lld", what,
+                   model->mesh->node_count, columns, array ? (long long)array->rows : 0,
+                   array ? (long long)array->columns : 0);
+  for (int64_t i = 0; i < array->rows; i++)
+    for (int k = 0; k < columns; k++)
+      if (!isfinite(bw_array_get(array, i, k)))
+        return bw_fail(context, BW_INVALID, "component %d of the %s at node %lld is not finite",
+                       k + 1, what, (long long)i);
+  return BW_OK;
+}
+
 /* ---- supports ----------------------------------------------------------------------------- */
 
 static bw_status add_support(bw_context *context, bw_model *model, const bw_support *support) {
@@ -85,6 +106,7 @@ static bw_status add_support(bw_context *context, bw_model *model, const bw_supp
   model->support = list;
   list[model->support_count] = *support;
   list[model->support_count].on = (const bw_selection *)bw_retain(support->on);
+  list[model->support_count].field = (const bw_array *)bw_retain(support->field);
   model->support_count++;
   model->object.revision++;
   return BW_OK;
@@ -131,6 +153,21 @@ bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_sele
   for (int k = 0; k < 3; k++)
     support.value[k] = held[k] && value ? value[k] : 0;
   BW_TRY(check_finite(context, "prescribed displacement", support.value));
+  BW_TRY(add_support(context, model, &support));
+done:
+  return status;
+}
+
+bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const bw_selection *on,
+                                   const bool held[3], const bw_array *field) {
+  bw_support support = {.on = on, .held = {held[0], held[1], held[2]}, .field = field};
+  bw_status status;
+  BW_TRY(check_selection(context, model, on, false, "a prescribed displacement"));
+  if (!held[0] && !held[1] && !held[2]) {
+    status = bw_fail(context, BW_INVALID, "a prescribed displacement holds no direction");
+    goto done;
+  }
+  BW_TRY(check_nodal(context, model, field, 3, "prescribed displacement"));
   BW_TRY(add_support(context, model, &support));
 done:
   return status;
@@ -221,22 +258,22 @@ done:
 
 bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force) {
   bw_load load = {.kind = BW_LOAD_NODAL, .nodal = force};
-  if (!force || force->rows != model->mesh->node_count || force->columns != 3)
-    return bw_fail(context, BW_INVALID,
-                   "nodal forces need an array of %d rows (nodes) and 3 columns, not %lld x %lld",
-                   model->mesh->node_count, force ? (long long)force->rows : 0,
-                   force ? (long long)force->columns : 0);
-  for (int64_t i = 0; i < force->rows; i++)
-    for (int k = 0; k < 3; k++)
-      if (!isfinite(bw_array_get(force, i, k)))
-        return bw_fail(context, BW_INVALID, "component %d of the force at node %lld is not finite",
-                       k + 1, (long long)i);
-  return add_load(context, model, &load);
+  bw_status status = check_nodal(context, model, force, 3, "force at nodes");
+  return status != BW_OK ? status : add_load(context, model, &load);
+}
+
+bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
+                               double expansion) {
+  bw_load load = {.kind = BW_LOAD_TEMPERATURE, .nodal = change, .expansion = expansion};
+  if (!isfinite(expansion))
+    return bw_fail(context, BW_INVALID, "the coefficient of expansion is not a finite number");
+  bw_status status = check_nodal(context, model, change, 1, "change of temperature");
+  return status != BW_OK ? status : add_load(context, model, &load);
 }
 
 void bw_model_clear_supports(bw_model *model) {
   for (int i = 0; i < model->support_count; i++)
-    bw_release(model->support[i].on);
+    clear_support(&model->support[i]);
   if (model->support_count > 0)
     model->object.revision++;
   model->support_count = 0;

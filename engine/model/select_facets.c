@@ -126,7 +126,7 @@ static bool has_edge(const bw_mesh *mesh, int32_t f, int32_t a, int32_t b) {
 
 bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double point[3],
                           double angle, bw_selection **selection) {
-  bwi_incidence at = {NULL, NULL};
+  bwi_facet_incidence at = {NULL, NULL};
   uint8_t *facet = NULL;
   int32_t *stack = NULL, depth = 0, first = -1;
   double least = HUGE_VAL;
@@ -136,7 +136,7 @@ bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double
     status = bw_fail(context, BW_INVALID, "patch selection: the point is not finite");
     goto done;
   }
-  BW_TRY(bwi_incidence_of(context, mesh, &at));
+  BW_TRY(bwi_facet_incidence_of(context, mesh, &at));
   facet = BW_NEW0(context, uint8_t, mesh->facet_count);
   stack = BW_NEW(context, int32_t, mesh->facet_count);
   if (!facet || !stack) {
@@ -177,7 +177,7 @@ bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double
   }
   BW_TRY(bwi_selection_make(context, mesh, facet, NULL, "the patch", -1, 0, selection));
 done:
-  bwi_incidence_clear(&at);
+  bwi_facet_incidence_clear(&at);
   bw_free(facet);
   bw_free(stack);
   return status;

@@ -8,15 +8,19 @@
 extern "C" {
 #endif
 
-/* ---- stress fields: tensors xx yy zz yz zx xy -------------------------------------------------
- */
+/* ---- stress fields: tensors xx yy zz yz zx xy ---------------------------------------------- */
 
 /* Mean stress of every element (exact for tet4; the volume mean for tet10): element_count x 6. */
 bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *stress);
-/* Stress at nodes: element stresses evaluated at the nodes, averaged by volume: node_count x 6. */
+/* Stress at nodes: the stresses of the elements around a node, each at the node itself, averaged by
+ * volume: node_count x 6. */
 bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                           const double *displacement, double *stress);
+/* Stress of a static solution with what its model knows (thermal expansion taken off): as
+ * bw_nodal_stress or bw_element_stress. */
+bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
+                           double *stress);
 /* Strain energy of every element, J. */
 bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *energy);
@@ -30,14 +34,13 @@ bw_status bw_max_principal_field(bw_context *context, int64_t count, const doubl
                                  double *value);
 bw_status bw_utilisation_field(bw_context *context, const bw_material *material, int64_t count,
                                const double *stress, double *value);
-/* Zienkiewicz-Zhu: error energy of every element against the averaged nodal stress (element may be
- * NULL); *relative is the estimated energy-norm error over the energy norm of the solution, times
- * 1.5 (the agile paper, section 8). */
+/* Zienkiewicz-Zhu: error energy of every element, J, against the averaged nodal stress (element may
+ * be NULL); *relative is the estimated energy-norm error over the energy norm of the solution, for
+ * tet10 times the factor 1.5 of the agile paper (section 8), without which it falls short. */
 bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *element, double *relative);
 
-/* ---- weak regions (worst-case, section 4) -------------------------------------------------------
- */
+/* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 
 typedef enum bw_weak_measure { BW_WEAK_STRESS, BW_WEAK_ENERGY } bw_weak_measure;
 typedef enum bw_worst_target { BW_WORST_STRESS, BW_WORST_DISPLACEMENT } bw_worst_target;
@@ -76,8 +79,7 @@ bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side);
 
-/* ---- worst loads (worst-case, eq. 14)
- * ------------------------------------------------------------ */
+/* ---- worst loads (worst-case, eq. 14) ------------------------------------------------------ */
 
 /* Pressures at boundary corner nodes, linear over facets. force = G p (N A of eq. 10, consistent
  * also for tet10). */
@@ -147,8 +149,7 @@ typedef struct bw_arrow {
 bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basis,
                               const double *pressure, double radius, int *count, bw_arrow **arrows);
 
-/* ---- drop test (worst-case, section 5)
- * -------------------------------------------------------------- */
+/* ---- drop test (worst-case, section 5) ----------------------------------------------------- */
 
 typedef struct bw_drop_options {
   int64_t drops;     /* default 2000 */

@@ -55,16 +55,16 @@ void bw_selection_centre(const bw_selection *selection,
                          double centre[3]); /* of area, or of nodes */
 void bw_selection_normal(const bw_selection *selection, double normal[3]); /* mean outward, unit */
 
-/* ---- models -----------------------------------------------------------------------------------
- */
+/* ---- models -------------------------------------------------------------------------------- */
 
 typedef enum bw_load_kind {
-  BW_LOAD_PRESSURE, /* Pa, positive pushes inwards */
-  BW_LOAD_TRACTION, /* Pa, a vector per area */
-  BW_LOAD_FORCE,    /* N, the total, spread evenly over the area */
-  BW_LOAD_TORQUE,   /* N m about a point, by tangential traction rotating with the distance */
-  BW_LOAD_GRAVITY,  /* m/s2 on the whole body */
-  BW_LOAD_NODAL     /* N at single nodes */
+  BW_LOAD_PRESSURE,   /* Pa, positive pushes inwards */
+  BW_LOAD_TRACTION,   /* Pa, a vector per area */
+  BW_LOAD_FORCE,      /* N, the total, spread evenly over the area */
+  BW_LOAD_TORQUE,     /* N m about a point, by tangential traction rotating with the distance */
+  BW_LOAD_GRAVITY,    /* m/s2 on the whole body */
+  BW_LOAD_NODAL,      /* N at single nodes */
+  BW_LOAD_TEMPERATURE /* K at nodes: thermal expansion of the whole body */
 } bw_load_kind;
 
 typedef struct bw_load {
@@ -72,7 +72,8 @@ typedef struct bw_load {
   const bw_selection *on;         /* retained; NULL for gravity and nodal */
   double vector[3];               /* pressure in vector[0] */
   double about[3];                /* torque */
-  const bw_array *nodal;          /* node_count x 3, retained */
+  const bw_array *nodal;          /* node_count x 3 (forces) or x 1 (temperatures), retained */
+  double expansion;               /* temperature: the coefficient of linear expansion, 1/K */
   double area;                    /* of the selection */
   double resultant[3], moment[3]; /* force, and moment about the origin */
 } bw_load;
@@ -82,7 +83,8 @@ typedef struct bw_support {
   bool slide;             /* held along `normal` only (zero normal: the facets' own normals) */
   bool held[3];           /* else: which directions */
   double normal[3];
-  double value[3]; /* prescribed displacement, m */
+  double value[3];       /* prescribed displacement, m */
+  const bw_array *field; /* instead: node_count x 3, retained; or NULL */
 } bw_support;
 
 /* The revision of a model's object moves with every support and load added. */
@@ -112,6 +114,17 @@ bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selectio
 bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
                           const double torque[3], const double about[3]); /* NULL: area centre */
 bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
+/* As bw_model_prescribe, each node with its own value: rows of `field` (node_count x 3). */
+bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const bw_selection *on,
+                                   const bool held[3], const bw_array *field);
+/* Change of temperature at the nodes (node_count x 1, K) of a body that expands alike in all
+ * directions, 1/K. Stresses of such a model: bw_static_stress (analysis.h). */
+bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
+                               double expansion);
+/* Stress that free expansion would not have, C : (alpha dT 1), summed over the temperature loads:
+ * node_count x 6, or element means, element_count x 6 (overwritten). */
+bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
+                                  double *stress);
 /* Drop all supports or all loads. */
 void bw_model_clear_supports(bw_model *model);
 void bw_model_clear_loads(bw_model *model);
@@ -124,8 +137,7 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
 bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                              int modes);
 
-/* ---- rigid motions and unknowns
- * ------------------------------------------------------------------ */
+/* ---- rigid motions and unknowns ------------------------------------------------------------ */
 
 /* A rigid motion u(x) = translation + rotation x (x - centre) of one body (component). For a
  * rotation the centre is the point of its axis nearest to the body's centre of volume, and the

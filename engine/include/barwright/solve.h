@@ -66,8 +66,7 @@ typedef struct bw_statics_options {
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                      const bw_statics_options *options, bw_static **result);
 
-/* ---- modes -------------------------------------------------------------------------------------
- */
+/* ---- modes --------------------------------------------------------------------------------- */
 
 typedef struct bw_modes_options {
   int count;        /* elastic modes wanted; default 15 */

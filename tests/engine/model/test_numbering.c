@@ -329,6 +329,7 @@ static void rounding_of_positions_does_not_hold(void **state) {
   double normal[3] = {0, s, -c}; /* the low face, outwards */
   check_ok(context, bw_select_normal_cone(context, moved, normal, 0.01, &face));
   check_ok(context, bw_model_slide(context, model, face, NULL));
+  check_ok(context, bw_model_slide(context, model, face, normal)); /* the same but for rounding */
   bw_numbering *numbering = NULL;
   check_ok(context, bw_numbering_create(context, model, &numbering));
   assert_int_equal(numbering->motion_count, 3);

@@ -1,0 +1,57 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Strain and stress inside one element, for the stress fields and the error estimate.
+ *
+ * On a straight element grad u = sum_k D_k (x) grad L_k with D_k = sum_a u_a dN_a/dL_k, so that a
+ * point costs four vectors D_k and no Jacobian. Curved elements take the long way. */
+#ifndef BARWRIGHT_STRAIN_H
+#define BARWRIGHT_STRAIN_H
+
+#include "assemble/internal.h"
+
+typedef struct bwi_element_state {
+  int order, nodes;
+  bool straight;
+  double volume;   /* of the straight-edged element */
+  double g[4][3];  /* gradients of the barycentric coordinates, for straight elements */
+  double x[10][3]; /* node positions, for curved elements */
+  double u[10][3]; /* node displacements */
+} bwi_element_state;
+
+void bwi_element_state_load(const bw_mesh *mesh, const double *displacement, int64_t element,
+                            bwi_element_state *state);
+
+/* Strain (engineering shears) at a point; by_l holds dN_a/dL_k there, l the point itself. Returns
+ * the volume per reference volume there: the element's volume when it is straight. */
+double bwi_strain_at(const bwi_element_state *state, const double (*by_l)[4], const double l[4],
+                     double strain[6]);
+
+/* y = A x for a 6x6 matrix */
+static inline void bwi_multiply6(const double a[36], const double x[6], double y[6]) {
+  for (int i = 0; i < 6; i++) {
+    double sum = 0;
+    for (int j = 0; j < 6; j++)
+      sum += a[6 * i + j] * x[j];
+    y[i] = sum;
+  }
+}
+
+static inline double bwi_dot6(const double a[6], const double b[6]) {
+  double sum = 0;
+  for (int i = 0; i < 6; i++)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+/* A quadrature rule with the gradients (and values) of the shape functions at its points. */
+typedef struct bwi_rule {
+  int points;
+  double l[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
+  double value[BW_QUADRATURE_POINTS][10], by_l[BW_QUADRATURE_POINTS][10][4];
+} bwi_rule;
+void bwi_rule_make(int order, int degree, bwi_rule *rule);
+
+/* BW_INVALID when there is no displacement or material to work with. */
+bw_status bwi_check_stress_input(bw_context *context, const bw_material *material,
+                                 const double *displacement, const char *what);
+
+#endif

@@ -1,0 +1,165 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Stress and energy of elements, stress at nodes. Each element, or node, is computed by one thread
+ * from the displacement alone, so results do not depend on how the work was cut. */
+#include "analysis/strain.h"
+
+#include "barwright/analysis.h"
+
+#include <string.h>
+
+enum { ELEMENTS_PER_CHUNK = 1024, NODES_PER_CHUNK = 256 };
+
+typedef struct element_data {
+  const bw_mesh *mesh;
+  const bw_material *material;
+  const double *displacement;
+  double *out;
+  bwi_rule rule;             /* for curved elements */
+  double mean[10][4];        /* means of dN_a/dL_k over a straight element */
+  double at_node[10][10][4]; /* dN_a/dL_k at each node */
+  double node_l[10][4];
+} element_data;
+
+static void prepare(const bw_mesh *mesh, const bw_material *material, const double *displacement,
+                    double *out, element_data *d) {
+  static const double centre[4] = {0.25, 0.25, 0.25, 0.25};
+  d->mesh = mesh;
+  d->material = material;
+  d->displacement = displacement;
+  d->out = out;
+  bwi_rule_make(mesh->order, BWI_CURVED_DEGREE, &d->rule);
+  bw_tet_shape_gradient(mesh->order, centre, d->mean); /* linear: the centre has the mean */
+  for (int a = 0; a < mesh->nodes_per_element; a++) {
+    double *l = d->node_l[a];
+    memset(l, 0, sizeof d->node_l[a]);
+    if (a < 4)
+      l[a] = 1;
+    else
+      l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
+    bw_tet_shape_gradient(mesh->order, l, d->at_node[a]);
+  }
+}
+
+static bw_status stress_of_elements(void *data, int64_t begin, int64_t end, int worker) {
+  const element_data *d = (const element_data *)data;
+  (void)worker;
+  for (int64_t e = begin; e < end; e++) {
+    bwi_element_state state;
+    double strain[6];
+    bwi_element_state_load(d->mesh, d->displacement, e, &state);
+    if (state.straight)
+      bwi_strain_at(&state, d->mean, d->node_l[0], strain);
+    else { /* the volume mean */
+      double sum[6] = {0}, volume = 0;
+      for (int q = 0; q < d->rule.points; q++) {
+        double v = d->rule.weight[q] * bwi_strain_at(&state, d->rule.by_l[q], d->rule.l[q], strain);
+        volume += v;
+        for (int i = 0; i < 6; i++)
+          sum[i] += v * strain[i];
+      }
+      for (int i = 0; i < 6; i++)
+        strain[i] = sum[i] / volume;
+    }
+    bwi_multiply6(d->material->elasticity, strain, d->out + 6 * e);
+  }
+  return BW_OK;
+}
+
+/* A quadratic form of a field that is linear over a straight element, from its values s_k at the
+ * corners: mean of s.A.s = (sum_k s_k.A.s_k + (sum_k s_k).A.(sum_k s_k)) / 20. */
+static bw_status energy_of_elements(void *data, int64_t begin, int64_t end, int worker) {
+  const element_data *d = (const element_data *)data;
+  const double *c = d->material->elasticity;
+  (void)worker;
+  for (int64_t e = begin; e < end; e++) {
+    bwi_element_state state;
+    double strain[6], stress[6], sum[6] = {0}, energy = 0;
+    bwi_element_state_load(d->mesh, d->displacement, e, &state);
+    if (state.order == 1) {
+      bwi_strain_at(&state, d->mean, d->node_l[0], strain);
+      bwi_multiply6(c, strain, stress);
+      energy = state.volume * bwi_dot6(strain, stress);
+    } else if (state.straight) {
+      for (int k = 0; k < 4; k++) {
+        bwi_strain_at(&state, d->at_node[k], d->node_l[k], strain);
+        bwi_multiply6(c, strain, stress);
+        energy += bwi_dot6(strain, stress);
+        for (int i = 0; i < 6; i++)
+          sum[i] += strain[i];
+      }
+      bwi_multiply6(c, sum, stress);
+      energy = state.volume / 20 * (energy + bwi_dot6(sum, stress));
+    } else
+      for (int q = 0; q < d->rule.points; q++) {
+        double v = d->rule.weight[q] * bwi_strain_at(&state, d->rule.by_l[q], d->rule.l[q], strain);
+        bwi_multiply6(c, strain, stress);
+        energy += v * bwi_dot6(strain, stress);
+      }
+    d->out[e] = 0.5 * energy;
+  }
+  return BW_OK;
+}
+
+bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, double *stress) {
+  element_data d;
+  bw_status status = bwi_check_stress_input(context, material, displacement, "a stress field");
+  if (status != BW_OK)
+    return status;
+  prepare(mesh, material, displacement, stress, &d);
+  return bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, stress_of_elements, &d);
+}
+
+bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, double *energy) {
+  element_data d;
+  bw_status status = bwi_check_stress_input(context, material, displacement, "an energy field");
+  if (status != BW_OK)
+    return status;
+  prepare(mesh, material, displacement, energy, &d);
+  return bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, energy_of_elements, &d);
+}
+
+/* ---- stress at nodes --------------------------------------------------------------------------
+ */
+
+typedef struct node_data {
+  element_data element;
+  bwi_incidence incidence;
+} node_data;
+
+static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int worker) {
+  const node_data *d = (const node_data *)data;
+  const element_data *of = &d->element;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    double sum[6] = {0}, volume = 0;
+    for (int64_t k = d->incidence.start[i]; k < d->incidence.start[i + 1]; k++) {
+      bwi_element_state state;
+      double strain[6];
+      int a = d->incidence.local[k];
+      bwi_element_state_load(of->mesh, of->displacement, d->incidence.element[k], &state);
+      bwi_strain_at(&state, of->at_node[a], of->node_l[a], strain);
+      volume += state.volume;
+      for (int c = 0; c < 6; c++)
+        sum[c] += state.volume * strain[c];
+    }
+    for (int c = 0; c < 6; c++)
+      sum[c] = volume > 0 ? sum[c] / volume : 0;
+    bwi_multiply6(of->material->elasticity, sum, of->out + 6 * i);
+  }
+  return BW_OK;
+}
+
+bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                          const double *displacement, double *stress) {
+  bw_status status;
+  node_data d = {.incidence = {NULL, NULL, NULL}};
+  BW_TRY(bwi_check_stress_input(context, material, displacement, "a stress field"));
+  BW_TRY(bwi_incidence_create(context, mesh, &d.incidence));
+  prepare(mesh, material, displacement, stress, &d.element);
+  BW_TRY(bw_parallel(context, mesh->node_count, NODES_PER_CHUNK, stress_of_nodes, &d));
+done:
+  bwi_incidence_clear(&d.incidence);
+  return status;
+}

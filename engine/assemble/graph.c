@@ -1,0 +1,258 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The graph of nodes that share an element.
+ *
+ * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. The places
+ * upper_pair[upper_start[i]..] are those of the pairs (k, i) with k > i, k ascending. The
+ * contributions gather_start[p].. of pair p are in ascending order of elements: summed in this
+ * order, a value has the same bits whichever thread sums it. */
+#include "assemble/internal.h"
+
+#include <string.h>
+
+enum { ROWS_PER_CHUNK = 512 };
+
+static void destroy(void *object) {
+  bw_graph *graph = (bw_graph *)object;
+  bw_release(graph->mesh);
+  bw_free(graph->start);
+  bw_free(graph->column);
+  bw_free(graph->upper_start);
+  bw_free(graph->upper_pair);
+  bw_free(graph->upper_row);
+  bw_free(graph->gather_start);
+  bw_free(graph->gather_element);
+  bw_free(graph->gather_local);
+  bw_free(graph);
+}
+
+static size_t bytes(const void *object) {
+  const bw_graph *graph = (const bw_graph *)object;
+  size_t nodes = (size_t)graph->node_count + 1, pairs = (size_t)graph->pair_count;
+  return sizeof *graph + 2 * nodes * sizeof(int64_t) + pairs * sizeof(int32_t) +
+         (pairs + 1 - nodes) * (sizeof(int64_t) + sizeof(int32_t)) + (pairs + 1) * sizeof(int64_t) +
+         (size_t)graph->gather_start[pairs] * 5;
+}
+
+static const bw_kind graph_kind = {"graph", destroy, bytes};
+
+bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence) {
+  bw_status status = BW_OK;
+  int64_t total = (int64_t)mesh->element_count * mesh->nodes_per_element;
+  memset(incidence, 0, sizeof *incidence);
+  int64_t *start = incidence->start = BW_NEW0(context, int64_t, (int64_t)mesh->node_count + 1);
+  incidence->element = BW_NEW(context, int32_t, total);
+  incidence->local = BW_NEW(context, uint8_t, total);
+  if (!incidence->start || !incidence->element || !incidence->local) {
+    bwi_incidence_clear(incidence);
+    return BW_MEMORY;
+  }
+  /* Counted into start[i + 1]; then start[i] is where node i writes next, and in the end where node
+   * i + 1 starts, so that one shift puts it right. */
+  for (int64_t k = 0; k < total; k++)
+    start[mesh->element[k] + 1]++;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    start[i + 1] += start[i];
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      int64_t place = start[mesh->element[(int64_t)e * mesh->nodes_per_element + a]]++;
+      incidence->element[place] = e;
+      incidence->local[place] = (uint8_t)a;
+    }
+  memmove(start + 1, start, (size_t)mesh->node_count * sizeof *start);
+  start[0] = 0;
+  return status;
+}
+
+void bwi_incidence_clear(bwi_incidence *incidence) {
+  bw_free(incidence->start);
+  bw_free(incidence->element);
+  bw_free(incidence->local);
+  memset(incidence, 0, sizeof *incidence);
+}
+
+typedef struct builder {
+  const bw_mesh *mesh;
+  bwi_incidence incidence;
+  bw_graph *graph;
+  int32_t *mark;       /* threads x node_count, see find_or_add */
+  int64_t *row_gather; /* node_count + 1: contributions of the rows before */
+} builder;
+
+/* Rows are short; a star of elements around one node is not, and must not cost its square. */
+static void sort_columns(int32_t *list, int64_t count) {
+  int64_t gap = 1;
+  while (gap < count / 9)
+    gap = 3 * gap + 1;
+  for (; gap > 0; gap /= 3)
+    for (int64_t i = gap; i < count; i++) {
+      int32_t item = list[i];
+      int64_t j = i;
+      for (; j >= gap && list[j - gap] > item; j -= gap)
+        list[j] = list[j - gap];
+      list[j] = item;
+    }
+}
+
+/* Count columns into start[i + 1] and contributions into row_gather[i + 1]. Here mark[j] is one
+ * more than the last row that saw j. */
+static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
+  builder *b = (builder *)data;
+  int n = b->mesh->nodes_per_element;
+  int32_t *mark = b->mark + (int64_t)worker * b->mesh->node_count;
+  for (int64_t i = begin; i < end; i++) {
+    int64_t columns = 0, contributions = 0;
+    for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
+      const int32_t *node = b->mesh->element + (int64_t)b->incidence.element[k] * n;
+      for (int a = 0; a < n; a++)
+        if (node[a] <= i) {
+          contributions++;
+          columns += mark[node[a]] != i + 1;
+          mark[node[a]] = (int32_t)(i + 1);
+        }
+    }
+    b->graph->start[i + 1] = columns;
+    b->row_gather[i + 1] = contributions;
+  }
+  return BW_OK;
+}
+
+/* Fill columns and contributions of rows. Here mark[j] is the place of column j in the row, if that
+ * place is filled and holds j; anything may stand in mark before. */
+static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
+  builder *b = (builder *)data;
+  bw_graph *graph = b->graph;
+  int n = b->mesh->nodes_per_element;
+  int32_t *mark = b->mark + (int64_t)worker * b->mesh->node_count;
+  for (int64_t i = begin; i < end; i++) {
+    int32_t *column = graph->column + graph->start[i];
+    int64_t *gather = graph->gather_start + graph->start[i];
+    int32_t count = 0;
+    for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
+      const int32_t *node = b->mesh->element + (int64_t)b->incidence.element[k] * n;
+      for (int a = 0; a < n; a++) {
+        int32_t j = node[a], place = mark[j];
+        if (j > i || (place >= 0 && place < count && column[place] == j))
+          continue;
+        mark[j] = count;
+        column[count++] = j;
+      }
+    }
+    sort_columns(column, count);
+    for (int32_t p = 0; p < count; p++) {
+      mark[column[p]] = p;
+      gather[p] = 0;
+    }
+    /* counts, then starts, then, moved along by filling, the starts of the next pairs */
+    for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
+      const int32_t *node = b->mesh->element + (int64_t)b->incidence.element[k] * n;
+      for (int a = 0; a < n; a++)
+        if (node[a] <= i)
+          gather[mark[node[a]]]++;
+    }
+    int64_t next = b->row_gather[i];
+    for (int32_t p = 0; p < count; p++) {
+      int64_t here = gather[p];
+      gather[p] = next;
+      next += here;
+    }
+    for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
+      int32_t e = b->incidence.element[k];
+      const int32_t *node = b->mesh->element + (int64_t)e * n;
+      for (int a = 0; a < n; a++)
+        if (node[a] <= i) {
+          int64_t place = gather[mark[node[a]]]++;
+          graph->gather_element[place] = e;
+          graph->gather_local[place] = (uint8_t)(b->incidence.local[k] << 4 | a);
+        }
+    }
+    for (int32_t p = count - 1; p > 0; p--)
+      gather[p] = gather[p - 1];
+    gather[0] = b->row_gather[i];
+  }
+  return BW_OK;
+}
+
+static bw_status fill_upper(bw_context *context, bw_graph *graph) {
+  int64_t count = graph->pair_count - graph->node_count;
+  int64_t *start = graph->upper_start = BW_NEW0(context, int64_t, (int64_t)graph->node_count + 1);
+  graph->upper_pair = BW_NEW(context, int64_t, count);
+  graph->upper_row = BW_NEW(context, int32_t, count);
+  if (!graph->upper_start || !graph->upper_pair || !graph->upper_row)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < graph->node_count; i++)
+    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++)
+      start[graph->column[p] + 1]++;
+  for (int32_t i = 0; i < graph->node_count; i++)
+    start[i + 1] += start[i];
+  for (int32_t i = 0; i < graph->node_count; i++)
+    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++) {
+      int64_t place = start[graph->column[p]]++;
+      graph->upper_pair[place] = p;
+      graph->upper_row[place] = i;
+    }
+  memmove(start + 1, start, (size_t)graph->node_count * sizeof *start);
+  start[0] = 0;
+  return BW_OK;
+}
+
+bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph) {
+  bw_status status = BW_OK;
+  builder b = {.mesh = mesh};
+  int64_t nodes = mesh->node_count;
+  bw_graph *g = BW_NEW0(context, bw_graph, 1);
+  if (!g)
+    return BW_MEMORY;
+  bw_object_init(g, &graph_kind);
+  g->mesh = (const bw_mesh *)bw_retain(mesh);
+  g->node_count = mesh->node_count;
+  b.graph = g;
+
+  BW_TRY(bwi_incidence_create(context, mesh, &b.incidence));
+  b.mark = BW_NEW0(context, int32_t, nodes * bw_threads(context));
+  b.row_gather = BW_NEW0(context, int64_t, nodes + 1);
+  g->start = BW_NEW0(context, int64_t, nodes + 1);
+  if (!b.mark || !b.row_gather || !g->start) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, count_rows, &b));
+  for (int64_t i = 0; i < nodes; i++) {
+    g->start[i + 1] += g->start[i];
+    b.row_gather[i + 1] += b.row_gather[i];
+  }
+  g->pair_count = g->start[nodes];
+  g->column = BW_NEW(context, int32_t, g->pair_count);
+  g->gather_start = BW_NEW(context, int64_t, g->pair_count + 1);
+  g->gather_element = BW_NEW(context, int32_t, b.row_gather[nodes]);
+  g->gather_local = BW_NEW(context, uint8_t, b.row_gather[nodes]);
+  if (!g->column || !g->gather_start || !g->gather_element || !g->gather_local) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  g->gather_start[g->pair_count] = b.row_gather[nodes];
+  BW_TRY(bw_check_cancel(context));
+  BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, fill_rows, &b));
+  BW_TRY(fill_upper(context, g));
+  *graph = g;
+  g = NULL;
+done:
+  bwi_incidence_clear(&b.incidence);
+  bw_free(b.mark);
+  bw_free(b.row_gather);
+  bw_release(g);
+  return status;
+}
+
+bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_mesh *mesh) {
+  const bw_mesh *own = graph->mesh;
+  if (mesh == own || mesh->element == own->element)
+    return BW_OK;
+  if (mesh->node_count == own->node_count && mesh->element_count == own->element_count &&
+      mesh->nodes_per_element == own->nodes_per_element)
+    return BW_OK;
+  return bw_fail(context, BW_INVALID,
+                 "the graph belongs to a mesh of %d nodes and %d elements of %d nodes, not to this "
+                 "one of %d nodes and %d elements of %d nodes; create a graph of this mesh",
+                 own->node_count, own->element_count, own->nodes_per_element, mesh->node_count,
+                 mesh->element_count, mesh->nodes_per_element);
+}

@@ -1,0 +1,39 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of assemble share, and the stress fields use. */
+#ifndef BARWRIGHT_ASSEMBLE_INTERNAL_H
+#define BARWRIGHT_ASSEMBLE_INTERNAL_H
+
+#include "barwright/assemble.h"
+
+/* Degrees of the quadrature on curved elements: of gradient products, and of mass. */
+enum { BWI_CURVED_DEGREE = 5, BWI_MASS_DEGREE = 6 };
+
+/* The elements around every node, ascending, and which of its nodes it is there. */
+typedef struct bwi_incidence {
+  int64_t *start;   /* node_count + 1 */
+  int32_t *element; /* start[node_count] */
+  uint8_t *local;
+} bwi_incidence;
+bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
+void bwi_incidence_clear(bwi_incidence *incidence);
+
+/* Node positions of an element. */
+static inline void bwi_element_nodes(const bw_mesh *mesh, int64_t element, double (*x)[3]) {
+  const int32_t *node = mesh->element + element * mesh->nodes_per_element;
+  for (int a = 0; a < mesh->nodes_per_element; a++)
+    for (int k = 0; k < 3; k++)
+      x[a][k] = mesh->node[3 * (int64_t)node[a] + k];
+}
+
+/* BW_INVALID unless the mesh has the graph's topology (by its sizes). */
+bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_mesh *mesh);
+/* BW_GEOMETRY: the element has no positive volume (or Jacobian) at a place. */
+bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t element,
+                            double determinant);
+
+/* Which elements are curved: *number has an entry per element, its place among the curved ones or
+ * -1; NULL when all are straight (always for tet4). */
+bw_status bwi_find_curved(bw_context *context, const bw_mesh *mesh, int32_t **number,
+                          int64_t *count);
+
+#endif

@@ -1,0 +1,140 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Mass per unit density: consistent (integrals of N_i N_j) and lumped.
+ *
+ * On a straight element the integrals are the volume times constants,
+ *     tet4:  (1 + d_ij) / 20
+ *     tet10, in units of V/420: corners 6 (same) and 1; corner and middle -4 (of its own edge) and
+ *            -6; middles 32 (same), 16 (edges that meet) and 8 (opposite edges).
+ * Lumping scales the diagonal to the volume (Hinton, Rock, Zienkiewicz): V/4 per node of tet4, V/36
+ * per corner and 4V/27 per middle node of tet10. Row sums would give corners of tet10 a negative
+ * mass. */
+#include "assemble/internal.h"
+
+#include <string.h>
+
+enum { ROWS_PER_CHUNK = 512 };
+
+typedef struct mass_data {
+  const bw_graph *graph;
+  const bw_mesh *mesh;
+  int32_t *curved;
+  double *curved_mass; /* curved elements x 100 */
+  double factor[256];  /* of V, by local pair (a << 4 | b) */
+  double *values;
+} mass_data;
+
+static void make_table(int order, double factor[256]) {
+  memset(factor, 0, 256 * sizeof *factor);
+  for (int a = 0; a < (order == 1 ? 4 : 10); a++)
+    for (int b = 0; b < (order == 1 ? 4 : 10); b++) {
+      double *f = &factor[a << 4 | b];
+      if (order == 1) {
+        *f = (a == b ? 2 : 1) / 20.0;
+        continue;
+      }
+      int shared = 0; /* corners that the two nodes' edges (or corners) have in common */
+      for (int i = 0; i < 4; i++) {
+        bool of_a = a < 4 ? a == i : bw_tet_edge[a - 4][0] == i || bw_tet_edge[a - 4][1] == i;
+        bool of_b = b < 4 ? b == i : bw_tet_edge[b - 4][0] == i || bw_tet_edge[b - 4][1] == i;
+        shared += of_a && of_b;
+      }
+      if (a < 4 && b < 4)
+        *f = (shared ? 6 : 1) / 420.0;
+      else if (a >= 4 && b >= 4)
+        *f = 8 * (1 << shared) / 420.0;
+      else
+        *f = (shared ? -4 : -6) / 420.0;
+    }
+}
+
+static bw_status fill_curved(void *data, int64_t begin, int64_t end, int worker) {
+  const mass_data *m = (const mass_data *)data;
+  (void)worker;
+  for (int64_t e = begin; e < end; e++)
+    if (m->curved[e] >= 0) {
+      double x[10][3];
+      bwi_element_nodes(m->mesh, e, x);
+      bw_element_mass(2, (const double(*)[3])x, m->curved_mass + 100 * (int64_t)m->curved[e]);
+    }
+  return BW_OK;
+}
+
+static bw_status prepare(bw_context *context, const bw_mesh *mesh, mass_data *m) {
+  bw_status status;
+  int64_t curved_count;
+  m->mesh = mesh;
+  make_table(mesh->order, m->factor);
+  BW_TRY(bwi_find_curved(context, mesh, &m->curved, &curved_count));
+  if (curved_count) {
+    m->curved_mass = BW_NEW(context, double, 100 * curved_count);
+    if (!m->curved_mass)
+      return BW_MEMORY;
+    BW_TRY(bw_parallel(context, mesh->element_count, 64, fill_curved, m));
+  }
+done:
+  return status;
+}
+
+static void clear(mass_data *m) {
+  bw_free(m->curved);
+  bw_free(m->curved_mass);
+}
+
+static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
+  const mass_data *m = (const mass_data *)data;
+  const bw_graph *graph = m->graph;
+  (void)worker;
+  for (int64_t pair = graph->start[begin]; pair < graph->start[end]; pair++) {
+    double sum = 0;
+    for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
+      int32_t e = graph->gather_element[k];
+      int code = graph->gather_local[k];
+      if (m->curved && m->curved[e] >= 0)
+        sum += m->curved_mass[100 * (int64_t)m->curved[e] + 10 * (code >> 4) + (code & 15)];
+      else
+        sum += m->factor[code] * m->mesh->volume[e];
+    }
+    m->values[pair] = sum;
+  }
+  return BW_OK;
+}
+
+bw_status bw_mass(bw_context *context, const bw_graph *graph, const bw_mesh *mesh, double *values) {
+  bw_status status;
+  mass_data m = {.graph = graph, .values = values};
+  BW_TRY(bwi_graph_fits(context, graph, mesh));
+  BW_TRY(prepare(context, mesh, &m));
+  BW_TRY(bw_parallel(context, graph->node_count, ROWS_PER_CHUNK, gather_rows, &m));
+done:
+  clear(&m);
+  return status;
+}
+
+bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values) {
+  bw_status status;
+  int n = mesh->nodes_per_element;
+  mass_data m = {.graph = NULL};
+  BW_TRY(prepare(context, mesh, &m));
+  memset(values, 0, (size_t)mesh->node_count * sizeof *values);
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    const int32_t *node = mesh->element + e * n;
+    double volume = mesh->volume[e], trace = 0, diagonal[10];
+    if (m.curved && m.curved[e] >= 0) {
+      const double *mass = m.curved_mass + 100 * (int64_t)m.curved[e];
+      volume = 0;
+      for (int k = 0; k < 100; k++)
+        volume += mass[k];
+      for (int a = 0; a < 10; a++)
+        diagonal[a] = mass[11 * a];
+    } else
+      for (int a = 0; a < n; a++)
+        diagonal[a] = m.factor[a << 4 | a];
+    for (int a = 0; a < n; a++)
+      trace += diagonal[a];
+    for (int a = 0; a < n; a++)
+      values[node[a]] += diagonal[a] / trace * volume;
+  }
+done:
+  clear(&m);
+  return status;
+}

@@ -1,0 +1,239 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Input decks for CalculiX (and, but for the solution step, Abaqus): nodes and elements numbered
+ * from 1 in mesh order, sets NALL and EALL, one ELSET per region.
+ *
+ * CalculiX reads 20 characters of a number and silently drops the rest, exponent and all: numbers
+ * are written with as many digits as fit. */
+#include "io/internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "io/locale.h"
+
+static void write_number(bw_writer *writer, double value) {
+  enum { FIELD = 20 };
+  char text[BW_NUMBER_BYTES];
+  int length = bw_format_number(value, text);
+  if (length > FIELD) {
+    locale_t before = uselocale(bwi_c_locale());
+    for (int digits = 16; length > FIELD && digits > 9; digits--)
+      length = snprintf(text, sizeof text, "%.*g", digits, value);
+    uselocale(before);
+  }
+  bw_writer_bytes(writer, text, (size_t)length);
+}
+
+static void write_set(bw_writer *writer, const bw_mesh *mesh, int32_t region) {
+  bw_writer_print(writer, "*ELSET, ELSET=REGION_%s%lld\n", region < 0 ? "M" : "",
+                  region < 0 ? -(long long)region : (long long)region);
+  int in_line = 0;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (mesh->region[e] == region) {
+      bw_writer_integer(writer, (int64_t)e + 1);
+      bw_writer_bytes(writer, ++in_line % 16 ? "," : "\n", 1);
+    }
+  if (in_line % 16)
+    bw_writer_bytes(writer, "\n", 1);
+}
+
+/* The regions in ascending order, each once; at most MOST of them are written as sets. */
+static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
+  enum { MOST = 1000 };
+  bool any = true;
+  int64_t last = INT64_MIN;
+  for (int i = 0; any && i < MOST; i++) {
+    int64_t next = INT64_MAX;
+    for (int32_t e = 0; e < mesh->element_count; e++)
+      if (mesh->region[e] > last && mesh->region[e] < next)
+        next = mesh->region[e];
+    any = next != INT64_MAX;
+    if (any)
+      write_set(writer, mesh, (int32_t)next);
+    last = next;
+  }
+}
+
+static void write_mesh(bw_writer *writer, const bw_mesh *mesh) {
+  bw_writer_print(writer, "*NODE, NSET=NALL\n");
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    bw_writer_integer(writer, (int64_t)i + 1);
+    for (size_t k = 0; k < 3; k++) {
+      bw_writer_bytes(writer, ", ", 2);
+      write_number(writer, mesh->node[3 * (size_t)i + k]);
+    }
+    bw_writer_bytes(writer, "\n", 1);
+  }
+  bw_writer_print(writer, "*ELEMENT, TYPE=%s, ELSET=EALL\n", mesh->order == 2 ? "C3D10" : "C3D4");
+  size_t width = (size_t)mesh->nodes_per_element;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    bw_writer_integer(writer, (int64_t)e + 1);
+    for (size_t k = 0; k < width; k++) {
+      bw_writer_bytes(writer, ", ", 2);
+      bw_writer_integer(writer, (int64_t)mesh->element[(size_t)e * width + k] + 1);
+    }
+    bw_writer_bytes(writer, "\n", 1);
+  }
+  if (mesh->region)
+    write_regions(writer, mesh);
+}
+
+bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh) {
+  bw_writer_print(writer, "*HEADING\nbarwright\n");
+  write_mesh(writer, mesh);
+  return bw_writer_bytes(writer, NULL, 0);
+}
+
+/* ---- a whole analysis --------------------------------------------------------------------------
+ */
+
+static void write_material(bw_writer *writer, const bw_inp_deck *deck) {
+  bw_writer_print(writer, "*MATERIAL, NAME=MATERIAL\n");
+  if (deck->isotropic) {
+    bw_writer_print(writer, "*ELASTIC\n");
+    write_number(writer, deck->young);
+    bw_writer_bytes(writer, ", ", 2);
+    write_number(writer, deck->poisson);
+    bw_writer_bytes(writer, "\n", 1);
+  } else {
+    bw_writer_print(writer, "*ELASTIC, TYPE=ANISO\n");
+    for (int i = 0; i < 21; i++) { /* eight to a line, as the card asks */
+      write_number(writer, deck->stiffness[i]);
+      bw_writer_print(writer, i % 8 == 7 || i == 20 ? "\n" : ", ");
+    }
+  }
+  if (deck->density > 0) {
+    bw_writer_print(writer, "*DENSITY\n");
+    write_number(writer, deck->density);
+    bw_writer_bytes(writer, "\n", 1);
+  }
+  bw_writer_print(writer, "*SOLID SECTION, ELSET=EALL, MATERIAL=MATERIAL\n");
+}
+
+/* The first term of an equation is the one that CalculiX eliminates: the largest leads. */
+static void write_equation(bw_writer *writer, int32_t node, const double normal[3]) {
+  int most = 0, terms = 0;
+  for (int k = 0; k < 3; k++) {
+    terms += normal[k] != 0;
+    if (fabs(normal[k]) > fabs(normal[most]))
+      most = k;
+  }
+  if (terms == 0)
+    return;
+  if (terms == 1) {
+    bw_writer_print(writer, "*BOUNDARY\n%lld, %d, %d\n", (long long)node + 1, most + 1, most + 1);
+    return;
+  }
+  bw_writer_print(writer, "*EQUATION\n%d\n", terms);
+  for (int i = 0; i < 3; i++) {
+    int k = (most + i) % 3;
+    if (normal[k] == 0)
+      continue;
+    bw_writer_print(writer, "%s%lld, %d, ", i ? ", " : "", (long long)node + 1, k + 1);
+    write_number(writer, normal[k]);
+  }
+  bw_writer_bytes(writer, "\n", 1);
+}
+
+static void write_supports(bw_writer *writer, const bw_inp_deck *deck) {
+  for (int64_t i = 0; i < deck->equation_count; i++)
+    write_equation(writer, deck->equation_node[i], deck->equation_normal + 3 * i);
+  if (deck->fixed_count > 0)
+    bw_writer_print(writer, "*BOUNDARY\n");
+  for (int64_t i = 0; i < deck->fixed_count; i++) {
+    int direction = deck->fixed_direction[i] + 1;
+    /* Without a value: before the step CalculiX takes zero only; write_moved says the rest. */
+    bw_writer_print(writer, "%lld, %d, %d\n", (long long)deck->fixed_node[i] + 1, direction,
+                    direction);
+  }
+}
+
+static void write_moved(bw_writer *writer, const bw_inp_deck *deck) {
+  bool any = false;
+  for (int64_t i = 0; i < deck->fixed_count; i++) {
+    if (deck->fixed_value[i] == 0)
+      continue;
+    if (!any)
+      bw_writer_print(writer, "*BOUNDARY\n");
+    any = true;
+    int direction = deck->fixed_direction[i] + 1;
+    bw_writer_print(writer, "%lld, %d, %d, ", (long long)deck->fixed_node[i] + 1, direction,
+                    direction);
+    write_number(writer, deck->fixed_value[i]);
+    bw_writer_bytes(writer, "\n", 1);
+  }
+}
+
+static void write_loads(bw_writer *writer, const bw_inp_deck *deck) {
+  bool any = false;
+  for (int64_t i = 0; deck->force && i < 3 * (int64_t)deck->mesh->node_count; i++) {
+    if (deck->force[i] == 0)
+      continue;
+    if (!any)
+      bw_writer_print(writer, "*CLOAD\n");
+    any = true;
+    bw_writer_print(writer, "%lld, %d, ", (long long)(i / 3) + 1, (int)(i % 3) + 1);
+    write_number(writer, deck->force[i]);
+    bw_writer_bytes(writer, "\n", 1);
+  }
+  double size = bw_norm(deck->gravity);
+  if (size > 0) {
+    bw_writer_print(writer, "*DLOAD\nEALL, GRAV, ");
+    write_number(writer, size);
+    for (int k = 0; k < 3; k++) {
+      bw_writer_bytes(writer, ", ", 2);
+      write_number(writer, deck->gravity[k] / size);
+    }
+    bw_writer_bytes(writer, "\n", 1);
+  }
+}
+
+static void write_step(bw_writer *writer, const bw_inp_deck *deck) {
+  bw_writer_print(writer, "*STEP\n");
+  if (deck->modes > 0) {
+    bw_writer_print(writer, "*FREQUENCY\n%d\n", deck->modes);
+  } else {
+    bw_writer_print(writer, "*STATIC\n");
+    write_moved(writer, deck);
+    write_loads(writer, deck);
+  }
+  bw_writer_print(writer, "*NODE PRINT, NSET=NALL\nU\n*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n");
+}
+
+static bw_status check_deck(bw_context *context, const bw_inp_deck *deck) {
+  double size = bw_norm(deck->gravity);
+  if ((size > 0 || deck->modes > 0) && !(deck->density > 0))
+    return bw_fail(context, BW_INVALID,
+                   "an input deck with %s needs a density, but it is %g kg/m3: give the material "
+                   "one",
+                   deck->modes > 0 ? "a frequency step" : "gravity", deck->density);
+  for (int64_t i = 0; i < deck->fixed_count; i++)
+    if (deck->fixed_node[i] < 0 || deck->fixed_node[i] >= deck->mesh->node_count ||
+        deck->fixed_direction[i] < 0 || deck->fixed_direction[i] > 2)
+      return bw_fail(context, BW_INVALID,
+                     "support %lld of the input deck holds node %d in direction %d: there are %d "
+                     "nodes, counted from 0, and directions 0 to 2",
+                     (long long)i, (int)deck->fixed_node[i], deck->fixed_direction[i],
+                     (int)deck->mesh->node_count);
+  return BW_OK;
+}
+
+bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path) {
+  bw_writer *writer;
+  bw_status status = check_deck(context, deck);
+  if (status == BW_OK)
+    status = bw_writer_open(context, path, &writer);
+  if (status != BW_OK)
+    return status;
+  bw_writer_print(writer, "*HEADING\n");
+  /* The title is one line and must not look like a keyword. */
+  for (const char *at = deck->title ? deck->title : "barwright"; *at; at++)
+    bw_writer_bytes(writer, *at == '\n' || *at == '\r' || *at == '*' ? " " : at, 1);
+  bw_writer_bytes(writer, "\n", 1);
+  write_mesh(writer, deck->mesh);
+  write_material(writer, deck);
+  write_supports(writer, deck);
+  write_step(writer, deck);
+  return bw_writer_commit(writer);
+}

@@ -1,0 +1,188 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Which format a file has, by content first and by the ending of its name second; and the public
+ * functions that read and write surfaces in any of them. */
+#include "io/internal.h"
+
+#include <string.h>
+
+#include "io/formats.h"
+
+const char *bwi_ending(const char *path) {
+  const char *slash = strrchr(path, '/');
+  const char *dot = strrchr(slash ? slash : path, '.');
+  return dot ? dot + 1 : "";
+}
+
+static bool has_ending(const char *path, const char *ending) {
+  const char *own = bwi_ending(path);
+  return bwi_word_is_nocase((bwi_word){(const unsigned char *)own, strlen(own)}, ending);
+}
+
+static bool begins(const bwi_cursor *cursor, const char *text) {
+  size_t length = strlen(text);
+  return bwi_left(cursor) >= length && memcmp(cursor->at, text, length) == 0;
+}
+
+/* A file of a kind that barwright does not read but can name. */
+static const char *foreign_kind(const bwi_cursor *cursor) {
+  static const struct {
+    const char *magic;
+    const char *kind;
+  } known[] = {
+      {"\xFF\xFE", "text in UTF-16: save it as plain text (UTF-8)"},
+      {"\xFE\xFF", "text in UTF-16: save it as plain text (UTF-8)"},
+      {"\x1F\x8B", "compressed by gzip: unpack it first"},
+      {"PK\x03\x04", "a ZIP archive (3MF?): unpack it, or export STL"},
+      {"ISO-10303-21", "a STEP file, which holds curved surfaces: export a triangle mesh (STL)"},
+      {"glTF", "a glTF file: export STL, OBJ or PLY"},
+      {"# vtk DataFile", "a legacy VTK file: save it as VTU (.vtu)"},
+      {"$NOD", "a Gmsh file of version 1: save it as 4.1 or 2.2"},
+      {"#VRML", "a VRML file: export STL, OBJ or PLY"},
+      {"%PDF", "a PDF document"},
+      {"\x89PNG", "a PNG picture"},
+      {"\x89HDF", "an HDF5 file (MED, XDMF): save it as VTU or MSH"},
+  };
+  for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+    if (begins(cursor, known[i].magic))
+      return known[i].kind;
+  return NULL;
+}
+
+/* "OFF" with the prefixes that say what vertices carry. */
+static bool is_off_word(bwi_word word) {
+  return word.length >= 3 && word.length <= 8 && memcmp(word.at + word.length - 3, "OFF", 3) == 0;
+}
+
+/* The first line that is neither empty nor a comment starts like one of an OBJ file. */
+static bool looks_like_obj(bwi_cursor cursor) {
+  static const char *const words[] = {"v", "vn", "vt",     "f",      "o",     "g",
+                                      "s", "l",  "mtllib", "usemtl", "mtlib", "vp"};
+  bwi_cursor line;
+  while (bwi_next_line(&cursor, &line)) {
+    bwi_word word;
+    if (!bwi_next_word(&line, &word) || *word.at == '#')
+      continue;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+      if (bwi_word_is(word, words[i]))
+        return true;
+    return false;
+  }
+  return false;
+}
+
+/* The first line that is neither empty nor an INP comment ("**") is a keyword line. */
+static bool looks_like_inp(bwi_cursor cursor) {
+  bwi_cursor line;
+  while (bwi_next_line(&cursor, &line)) {
+    bwi_skip_blank(&line);
+    if (line.at == line.end || begins(&line, "**"))
+      continue;
+    return *line.at == '*' && line.end - line.at > 1 &&
+           ((line.at[1] | 0x20) >= 'a' && (line.at[1] | 0x20) <= 'z');
+  }
+  return false;
+}
+
+bwi_format bwi_detect(bwi_cursor *cursor) {
+  size_t count = (size_t)(cursor->end - cursor->begin);
+  if (count >= 84 && bwi_stl_is_binary(cursor->begin, count))
+    return BWI_STL;
+  bwi_word word = bwi_peek_word(cursor);
+  bwi_cursor text = *cursor;
+  bwi_skip_space(&text);
+  if (bwi_word_is(word, "ply"))
+    return BWI_PLY;
+  if (is_off_word(word))
+    return BWI_OFF;
+  if (begins(&text, "$MeshFormat") || begins(&text, "$Comment"))
+    return BWI_MSH;
+  if (begins(&text, "<?xml") || begins(&text, "<VTKFile") || begins(&text, "<!--"))
+    return BWI_VTU;
+  if (word.length >= 20 && bwi_word_is_nocase((bwi_word){word.at, 20}, "MeshVersionFormatted"))
+    return BWI_MEDIT;
+  if (foreign_kind(cursor))
+    return BWI_UNKNOWN;
+  if (word.length >= 5 && bwi_word_is_nocase((bwi_word){word.at, 5}, "solid"))
+    return BWI_STL;
+  static const struct {
+    const char *ending;
+    bwi_format format;
+  } by_name[] = {{"stl", BWI_STL},    {"obj", BWI_OBJ},     {"off", BWI_OFF},    {"ply", BWI_PLY},
+                 {"mesh", BWI_MEDIT}, {"node", BWI_TETGEN}, {"ele", BWI_TETGEN}, {"inp", BWI_INP}};
+  for (size_t i = 0; i < sizeof by_name / sizeof *by_name; i++)
+    if (has_ending(cursor->name, by_name[i].ending))
+      return by_name[i].format;
+  if (looks_like_inp(*cursor))
+    return BWI_INP;
+  if (looks_like_obj(*cursor))
+    return BWI_OBJ;
+  return BWI_UNKNOWN;
+}
+
+bw_status bwi_fail_unknown(bwi_cursor *cursor, const char *considered) {
+  if (cursor->begin == cursor->end)
+    return bwi_fail_byte(cursor, "the file is empty (0 bytes)");
+  const char *kind = foreign_kind(cursor);
+  cursor->at = cursor->begin;
+  if (kind)
+    return bwi_fail_byte(cursor, "this is %s", kind);
+  size_t left = bwi_left(cursor);
+  return bwi_fail_byte(cursor, "the content, beginning '%s', is of no format that is read here: %s",
+                       bwi_show((bwi_word){cursor->at, left < 41 ? left : 41}), considered);
+}
+
+bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                           size_t count, bw_surface **surface, bw_read_info *info) {
+  bwi_cursor cursor;
+  bwi_cursor_init(&cursor, context, name, bytes, count);
+  if (info)
+    memset(info, 0, sizeof *info);
+  switch (count ? bwi_detect(&cursor) : BWI_UNKNOWN) {
+  case BWI_STL:
+    return bwi_stl_parse(&cursor, surface, info);
+  case BWI_OBJ:
+    return bwi_obj_parse(&cursor, surface, info);
+  case BWI_OFF:
+    return bwi_off_parse(&cursor, surface, info);
+  case BWI_PLY:
+    return bwi_ply_parse(&cursor, surface, info);
+  default:
+    return bwi_fail_unknown(&cursor, "STL (text beginning with 'solid', or a binary size of 84 + "
+                                     "50 n bytes), OBJ, OFF, PLY, MSH, VTU, MEDIT, INP");
+  }
+}
+
+bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,
+                          bw_read_info *info) {
+  unsigned char *bytes;
+  size_t count;
+  bw_status status = bw_read_file(context, path, &bytes, &count);
+  if (status != BW_OK)
+    return status;
+  status = bw_surface_parse(context, path, bytes, count, surface, info);
+  bw_free(bytes);
+  return status;
+}
+
+bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
+                           bool ascii) {
+  bw_writer *writer = NULL;
+  bool stl = has_ending(path, "stl"), obj = has_ending(path, "obj");
+  bool off = has_ending(path, "off"), ply = has_ending(path, "ply");
+  if (!stl && !obj && !off && !ply)
+    return bw_fail(context, BW_INVALID,
+                   "%s: the ending '%s' names no format that surfaces are written in: use .stl "
+                   ".obj .ply .off .vtu or .msh",
+                   path, bwi_ending(path));
+  bw_status status = bw_writer_open(context, path, &writer);
+  if (status != BW_OK)
+    return status;
+  status = stl   ? bwi_stl_write(writer, surface, ascii)
+           : obj ? bwi_obj_write(writer, surface)
+           : off ? bwi_off_write(writer, surface)
+                 : bwi_ply_write(writer, surface, ascii);
+  if (status == BW_OK)
+    return bw_writer_commit(writer);
+  bw_writer_discard(writer);
+  return status;
+}

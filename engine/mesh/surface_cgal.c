@@ -1,0 +1,75 @@
+/* Taking surfaces from CGAL's children.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#include "mesh/surface_cgal.h"
+
+#include <string.h>
+
+#include "mesh/surface_internal.h"
+#include "mesh/surface_tree.h"
+
+static const double child_memory = 4e9; /* bytes */
+
+bw_status bwi_cgal_surface(bw_context *context, const char *what, double seconds,
+                           bwi_child_work *work, void *job, bw_surface **surface) {
+  bw_status status = BW_OK;
+  unsigned char *bytes = NULL;
+  size_t count = 0;
+  int64_t head[2] = {0, 0};
+  double *point = NULL;
+  int32_t *triangle = NULL;
+  bwi_child_limits limits = {seconds, child_memory};
+  BW_TRY(bwi_child_run(context, what, &limits, work, job, &bytes, &count));
+  if (count >= sizeof head)
+    memcpy(head, bytes, sizeof head);
+  if (count < sizeof head || head[0] < 0 || head[1] < 0 || head[0] > INT32_MAX ||
+      head[1] > INT32_MAX ||
+      count != sizeof head + (size_t)head[0] * 3 * sizeof *point +
+                   (size_t)head[1] * 3 * sizeof *triangle) {
+    status = bw_fail(context, BW_INTERNAL, "%s sent %zu bytes that are not a surface", what, count);
+    goto done;
+  }
+  point = BW_NEW(context, double, (size_t)head[0] * 3);
+  triangle = BW_NEW(context, int32_t, (size_t)head[1] * 3);
+  if (!point || !triangle) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  const unsigned char *at = bytes + sizeof head;
+  memcpy(point, at, (size_t)head[0] * 3 * sizeof *point);
+  memcpy(triangle, at + (size_t)head[0] * 3 * sizeof *point,
+         (size_t)head[1] * 3 * sizeof *triangle);
+  BW_TRY(bw_surface_own(context, head[0], point, head[1], triangle, NULL, surface));
+  point = NULL;
+  triangle = NULL;
+done:
+  bw_free(bytes);
+  bw_free(point);
+  bw_free(triangle);
+  return status;
+}
+
+bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surface *to) {
+  bw_status status = BW_OK;
+  bwi_tree *tree = NULL;
+  int32_t *group = NULL, nearest = -1;
+  if (!from->group || to->group || from->triangle_count == 0)
+    return BW_OK;
+  BW_TRY(bwi_tree_create(context, from->point, from->triangle_count, from->triangle, NULL, &tree));
+  group = BW_NEW(context, int32_t, to->triangle_count);
+  if (!group) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t t = 0; t < to->triangle_count; t++) {
+    double middle[3] = {0}, place[3];
+    for (int k = 0; k < 9; k++)
+      middle[k % 3] += to->point[3 * (int64_t)to->triangle[3 * t + k / 3] + k % 3] / 3;
+    bwi_tree_nearest(tree, middle, nearest, 0, place, &nearest);
+    group[t] = from->group[nearest];
+  }
+  to->group = group;
+done:
+  bwi_tree_free(tree);
+  return status;
+}

@@ -1,0 +1,89 @@
+/* Surfaces to CGAL's meshes and back.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#ifndef BARWRIGHT_MESH_SURFACE_CGAL_HPP
+#define BARWRIGHT_MESH_SURFACE_CGAL_HPP
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" /* in CGAL's own headers */
+#endif
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/number_utils.h>
+
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <vector>
+
+#include "mesh/surface_cgal.h"
+
+namespace bwi {
+
+/* The facets t with of[t] == wanted (all of them when `of` is NULL), turned round when `turn`.
+ * False where they are not manifold. */
+template <class Mesh>
+bool load(const bw_surface *surface, const std::int32_t *of, std::int32_t wanted, bool turn,
+          Mesh &mesh) {
+  using Vertex = typename Mesh::Vertex_index;
+  std::vector<Vertex> vertex(static_cast<std::size_t>(surface->point_count), Mesh::null_vertex());
+  for (std::int64_t t = 0; t < surface->triangle_count; t++) {
+    if (of && of[t] != wanted)
+      continue;
+    Vertex corner[3];
+    for (int k = 0; k < 3; k++) {
+      std::int32_t i = surface->triangle[3 * t + k];
+      const double *x = surface->point + 3 * static_cast<std::int64_t>(i);
+      Vertex &v = vertex[static_cast<std::size_t>(i)];
+      if (v == Mesh::null_vertex())
+        v = mesh.add_vertex(typename Mesh::Point(x[0], x[1], x[2]));
+      corner[k] = v;
+    }
+    if (mesh.add_face(corner[0], corner[turn ? 2 : 1], corner[turn ? 1 : 2]) == Mesh::null_face())
+      return false;
+  }
+  return true;
+}
+
+inline bw_status store(bwi_child_stream *out, const std::vector<double> &point,
+                       const std::vector<std::int32_t> &triangle) {
+  std::int64_t count[2] = {static_cast<std::int64_t>(point.size() / 3),
+                           static_cast<std::int64_t>(triangle.size() / 3)};
+  bw_status status = bwi_child_write(out, count, sizeof count);
+  if (status == BW_OK)
+    status = bwi_child_write(out, point.data(), point.size() * sizeof(double));
+  if (status == BW_OK)
+    status = bwi_child_write(out, triangle.data(), triangle.size() * sizeof(std::int32_t));
+  return status;
+}
+
+template <class Mesh> bw_status store(bwi_child_stream *out, const Mesh &mesh) {
+  std::vector<double> point;
+  std::vector<std::int32_t> triangle,
+      number(mesh.num_vertices() + mesh.number_of_removed_vertices());
+  std::int32_t next = 0;
+  for (auto v : mesh.vertices()) {
+    number[static_cast<std::size_t>(v)] = next++;
+    for (int k = 0; k < 3; k++)
+      point.push_back(CGAL::to_double(mesh.point(v)[k]));
+  }
+  for (auto f : mesh.faces())
+    for (auto v : mesh.vertices_around_face(mesh.halfedge(f)))
+      triangle.push_back(number[static_cast<std::size_t>(v)]);
+  return store(out, point, triangle);
+}
+
+/* To be called in a catch (...) block: the exception as a failure. */
+inline bw_status caught(bw_context *context, const char *what) {
+  try {
+    throw;
+  } catch (const std::bad_alloc &) {
+    return bw_fail(context, BW_MEMORY, "%s: memory ran out", what);
+  } catch (const std::exception &error) {
+    return bw_fail(context, BW_GEOMETRY, "%s was given up by CGAL: %s", what, error.what());
+  } catch (...) {
+    return bw_fail(context, BW_GEOMETRY, "%s was given up by CGAL", what);
+  }
+}
+
+} // namespace bwi
+#endif

@@ -1,0 +1,53 @@
+/* The steps of repair. Each takes a surface and gives a new one (or a new reference to the same,
+ * with *changed 0, when there is nothing to do).
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#ifndef BARWRIGHT_MESH_SURFACE_REPAIR_H
+#define BARWRIGHT_MESH_SURFACE_REPAIR_H
+
+#include "barwright/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Facets that repeat a corner after exact welding go. */
+bw_status bwi_drop_repeated(bw_context *context, const bw_surface *surface, bw_surface **out,
+                            int64_t *changed);
+/* Of facets that are the same triangle one stays. Where facets lie back to back, all of them go if
+ * that leaves fewer bad edges (a wall between two touching bodies), else one stays (a surface that
+ * was written twice). */
+bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw_surface **out,
+                              int64_t *changed);
+/* Facets whose corners lie on a line: the neighbour across the longest side is split at the middle
+ * corner and the facet goes. */
+bw_status bwi_split_flat(bw_context *context, const bw_surface *surface, bw_surface **out,
+                         int64_t *changed);
+/* Facets that stick out: with an open side and a side of three facets or more, one after another.
+ */
+bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surface **out,
+                        int64_t *changed);
+/* Close cracks: points of open edges closer than tolerance are merged, and open edges are split
+ * where such a point lies on them within tolerance. */
+bw_status bwi_stitch(bw_context *context, const bw_surface *surface, double tolerance,
+                     bw_surface **out, int64_t *changed);
+/* Fill loops of open edges that are small (within `size`) or flat. *left counts the others. */
+bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double size,
+                         double seconds, bw_surface **out, int64_t *changed, int64_t *left);
+/* Open shells that are nothing beside the whole: of less than `share` of the area. */
+bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double share,
+                          bw_surface **out, int64_t *changed);
+/* Pull fans of facets that touch in a point or along an edge apart by `gap`, into the body. */
+bw_status bwi_separate(bw_context *context, const bw_surface *surface, double gap, bw_surface **out,
+                       int64_t *changed);
+
+/* The facets with keep[t] (all when NULL) and `extra` more triangles of the same points (group:
+ * that of extra_from[i], when given). Points are welded exactly. */
+bw_status bwi_surface_select(bw_context *context, const bw_surface *surface, const uint8_t *keep,
+                             int64_t extra, const int32_t *extra_triangle,
+                             const int32_t *extra_from, bw_surface **out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,226 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A model in words: what a person checks before believing an answer. */
+#include <math.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+static void describe_mesh(bwi_text *out, const bw_mesh *mesh) {
+  double low[3], high[3];
+  bw_mesh_box(mesh, low, high);
+  bwi_text_add(out, "mesh: ");
+  bwi_text_integer(out, mesh->element_count);
+  bwi_text_add(out, mesh->order == 1 ? " tet4 elements, " : " tet10 elements, ");
+  bwi_text_integer(out, mesh->node_count);
+  bwi_text_add(out, " nodes, ");
+  bwi_text_integer(out, mesh->component_count);
+  bwi_text_add(out, mesh->component_count == 1 ? " body, volume " : " bodies, volume ");
+  bwi_text_number(out, bw_mesh_volume(mesh), 5, 0);
+  bwi_text_add(out, " m3, box ");
+  bwi_text_vector(out, low, 5, 0);
+  bwi_text_add(out, " to ");
+  bwi_text_vector(out, high, 5, 0);
+  bwi_text_add(out, " m\n");
+}
+
+/* One number when all three agree. */
+static void add_three(bwi_text *out, const char *name, const double v[3], const char *unit) {
+  bwi_text_add(out, name);
+  if (v[0] == v[1] && v[1] == v[2])
+    bwi_text_number(out, v[0], 5, 0);
+  else
+    bwi_text_vector(out, v, 5, 0);
+  bwi_text_add(out, unit);
+}
+
+static void describe_material(bwi_text *out, const bw_material *material) {
+  bwi_text_add(out, "material: ");
+  bwi_text_add(out, material->name[0] ? material->name : "unnamed");
+  bwi_text_add(out, material->isotropic ? ", isotropic" : ", orthotropic");
+  add_three(out, ", Young's modulus ", material->young, " Pa");
+  add_three(out, ", Poisson's ratio ", material->poisson, "");
+  if (!material->isotropic)
+    add_three(out, ", shear modulus ", material->shear, " Pa");
+  if (material->density > 0) {
+    bwi_text_add(out, ", density ");
+    bwi_text_number(out, material->density, 5, 0);
+    bwi_text_add(out, " kg/m3");
+  } else
+    bwi_text_add(out, ", density not given");
+  if (material->strength[0] > 0 || material->strength[1] > 0 || material->strength[2] > 0)
+    add_three(out, ", strength ", material->strength, " Pa");
+  else
+    bwi_text_add(out, ", strength not given");
+  bwi_text_add(out, "\n");
+}
+
+static void describe_place(bwi_text *out, const bw_selection *on, double size) {
+  double centre[3];
+  bw_selection_centre(on, centre);
+  bwi_text_integer(out, on->node_count);
+  bwi_text_add(out, on->node_count == 1 ? " node" : " nodes");
+  if (on->facet_count > 0) {
+    bwi_text_add(out, ", ");
+    bwi_text_integer(out, on->facet_count);
+    bwi_text_add(out, on->facet_count == 1 ? " facet, area " : " facets, area ");
+    bwi_text_number(out, bw_selection_area(on), 5, 0);
+    bwi_text_add(out, " m2");
+  }
+  bwi_text_add(out, ", centre ");
+  bwi_text_vector(out, centre, 5, 1e-9 * size);
+  bwi_text_add(out, " m");
+}
+
+static void describe_support(bwi_text *out, const bw_support *support, int number, double size) {
+  bwi_text_add(out, "support ");
+  bwi_text_integer(out, number);
+  if (support->slide) {
+    bwi_text_add(out, ": slides, held along ");
+    if (bw_norm(support->normal) > 0)
+      bwi_text_vector(out, support->normal, 5, 1e-12);
+    else
+      bwi_text_add(out, "its surface's normal");
+  } else if (support->held[0] && support->held[1] && support->held[2] &&
+             bw_norm(support->value) == 0 && !support->field)
+    bwi_text_add(out, ": fixed");
+  else if (support->field)
+    bwi_text_add(out, ": moved by a field");
+  else {
+    static const char *const name[3] = {"x", "y", "z"};
+    bool first = true;
+    bwi_text_add(out, ": moved by ");
+    for (int k = 0; k < 3; k++)
+      if (support->held[k]) {
+        bwi_text_add(out, first ? "" : ", ");
+        bwi_text_add(out, name[k]);
+        bwi_text_add(out, " = ");
+        bwi_text_number(out, support->value[k], 5, 0);
+        bwi_text_add(out, " m");
+        first = false;
+      }
+  }
+  bwi_text_add(out, "; ");
+  describe_place(out, support->on, size);
+  bwi_text_add(out, "\n");
+}
+
+static void describe_resultant(bwi_text *out, const double resultant[3], const double moment[3],
+                               double force, double turn) {
+  bwi_text_add(out, "resultant ");
+  bwi_text_vector(out, resultant, 5, 1e-10 * force);
+  bwi_text_add(out, " N, moment about the origin ");
+  bwi_text_vector(out, moment, 5, 1e-10 * turn);
+  bwi_text_add(out, " N m\n");
+}
+
+/* What counts as rounding in a resultant: forces that cancel leave about 1e-16 of their size. */
+static void sizes_of(const bw_load *load, double size, double *force, double *turn) {
+  double most = bw_norm(load->vector);
+  *force = bw_norm(load->resultant);
+  if (load->kind == BW_LOAD_PRESSURE || load->kind == BW_LOAD_TRACTION)
+    *force = fmax(*force, most * load->area);
+  else if (load->kind == BW_LOAD_TORQUE)
+    *force = fmax(*force, size > 0 ? most / size : 0);
+  *turn = fmax(bw_norm(load->moment), *force * size);
+}
+
+static void describe_load(bwi_text *out, const bw_load *load, int number, double size) {
+  static const char *const name[] = {": pressure ",
+                                     ": traction ",
+                                     ": force ",
+                                     ": torque ",
+                                     ": gravity ",
+                                     ": forces at nodes",
+                                     ": change of temperature"};
+  static const char *const unit[] = {" Pa", " Pa", " N", " N m", " m/s2", "", ""};
+  double force, turn;
+  bwi_text_add(out, "load ");
+  bwi_text_integer(out, number);
+  bwi_text_add(out, name[load->kind]);
+  if (load->kind == BW_LOAD_PRESSURE)
+    bwi_text_number(out, load->vector[0], 5, 0);
+  else if (!load->nodal)
+    bwi_text_vector(out, load->vector, 5, 0);
+  bwi_text_add(out, unit[load->kind]);
+  if (load->kind == BW_LOAD_TORQUE) {
+    bwi_text_add(out, " about ");
+    bwi_text_vector(out, load->about, 5, 1e-9 * size);
+    bwi_text_add(out, " m");
+  }
+  bwi_text_add(out, "; ");
+  if (load->on) {
+    describe_place(out, load->on, size);
+    bwi_text_add(out, "; ");
+  }
+  sizes_of(load, size, &force, &turn);
+  describe_resultant(out, load->resultant, load->moment, force, turn);
+}
+
+/* Which rigid motions the supports leave free, or why that cannot be said. */
+static bw_status describe_free(bw_context *context, bwi_text *out, const bw_model *model) {
+  bw_numbering *numbering = NULL;
+  char *text = NULL;
+  bw_status status = bw_numbering_create(context, model, &numbering);
+  if (status == BW_INVALID) {
+    bwi_text_add(out, "supports contradict each other: ");
+    bwi_text_add(out, bw_message(context));
+    bwi_text_add(out, "\n");
+    bw_clear_failure(context);
+    return BW_OK;
+  }
+  if (status != BW_OK)
+    goto done;
+  BW_TRY(bw_numbering_describe_free(context, numbering, &text));
+  bwi_text_add(out, "unknowns: ");
+  bwi_text_integer(out, numbering->unknown_count);
+  bwi_text_add(out, "; ");
+  bwi_text_add(out, text);
+  bwi_text_add(out, "\n");
+done:
+  bw_free(text);
+  bw_release(numbering);
+  return status;
+}
+
+bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text) {
+  bwi_text out = {.context = context};
+  double low[3], high[3], diagonal[3], total[3] = {0, 0, 0}, moment[3] = {0, 0, 0};
+  double all_force = 0, all_turn = 0;
+  bw_mesh_box(model->mesh, low, high);
+  for (int k = 0; k < 3; k++)
+    diagonal[k] = high[k] - low[k];
+  double size = bw_norm(diagonal);
+  describe_mesh(&out, model->mesh);
+  describe_material(&out, model->material);
+  if (model->support_count == 0)
+    bwi_text_add(&out, "no support\n");
+  for (int i = 0; i < model->support_count; i++)
+    describe_support(&out, &model->support[i], i + 1, size);
+  if (model->load_count == 0)
+    bwi_text_add(&out, "no load\n");
+  for (int i = 0; i < model->load_count; i++) {
+    const bw_load *load = &model->load[i];
+    double force, turn;
+    describe_load(&out, load, i + 1, size);
+    sizes_of(load, size, &force, &turn);
+    all_force += force;
+    all_turn += turn;
+    for (int k = 0; k < 3; k++) {
+      total[k] += load->resultant[k];
+      moment[k] += load->moment[k];
+    }
+  }
+  if (model->load_count > 1) {
+    bwi_text_add(&out, "all loads: ");
+    describe_resultant(&out, total, moment, all_force, all_turn);
+  }
+  bw_status status = describe_free(context, &out, model);
+  if (status == BW_OK && out.failed)
+    status = BW_MEMORY;
+  if (status != BW_OK) {
+    bw_free(out.bytes);
+    return status;
+  }
+  *text = out.bytes;
+  return BW_OK;
+}

@@ -1,0 +1,155 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A model as an input deck for CalculiX, from the same supports and nodal forces that the engine's
+ * own solution uses, so that the answers can be compared digit by digit. */
+#include <math.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+/* CalculiX lists the upper triangle of D_ijkl column by column over the pairs 11 22 33 12 13 23;
+ * the engine's order is xx yy zz yz zx xy. */
+static void anisotropic_constants(const double elasticity[36], double constants[21]) {
+  static const int pair[6] = {0, 1, 2, 5, 4, 3};
+  int at = 0;
+  for (int column = 0; column < 6; column++)
+    for (int row = 0; row <= column; row++)
+      constants[at++] = elasticity[6 * pair[row] + pair[column]];
+}
+
+typedef struct conditions {
+  int64_t fixed_count, equation_count;
+  int32_t *fixed_node, *equation_node;
+  int *fixed_direction;
+  double *fixed_value, *equation_normal;
+} conditions;
+
+static void fix(conditions *c, int32_t node, int direction, double value) {
+  c->fixed_node[c->fixed_count] = node;
+  c->fixed_direction[c->fixed_count] = direction;
+  c->fixed_value[c->fixed_count++] = value;
+}
+
+/* What is held at a node with its own frame, one or two directions (three hold it altogether and
+ * need no frame). Each equation must name a component that no other does, so two directions are
+ * written as u_i = (t_i / t_k) u_k with the one free direction t, k its largest component. */
+static bw_status oblique_node(bw_context *context, const bw_numbering *numbering, int32_t node,
+                              conditions *c) {
+  const double *frame = numbering->frame + 9 * (size_t)numbering->frame_of[node];
+  const uint8_t *state = numbering->state + 3 * (size_t)node;
+  const double *value = numbering->value + 3 * (size_t)node;
+  if (value[0] != 0 || value[1] != 0 || value[2] != 0) {
+    char at[96];
+    bwi_vector_string(at, sizeof at, numbering->mesh->node + 3 * (size_t)node, 6, 0);
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "node %d at %s m slides obliquely and is moved too: the .inp file has no form "
+                   "for that; prescribe the displacement along x, y, z instead",
+                   node, at);
+  }
+  int held = 0;
+  for (int k = 0; k < 3; k++) /* pins are wanted here too: they come as held directions */
+    held += state[k] != BW_UNKNOWN;
+  if (held == 3) {
+    for (int k = 0; k < 3; k++)
+      fix(c, node, k, 0);
+    return BW_OK;
+  }
+  if (held == 1) {
+    int k = state[0] != BW_UNKNOWN ? 0 : state[1] != BW_UNKNOWN ? 1 : 2;
+    c->equation_node[c->equation_count] = node;
+    memcpy(c->equation_normal + 3 * c->equation_count, frame + 3 * k, 3 * sizeof *frame);
+    c->equation_count++;
+    return BW_OK;
+  }
+  int open = state[0] == BW_UNKNOWN ? 0 : state[1] == BW_UNKNOWN ? 1 : 2, most = 0;
+  const double *t = frame + 3 * open;
+  for (int k = 1; k < 3; k++)
+    if (fabs(t[k]) > fabs(t[most]))
+      most = k;
+  for (int k = 0; k < 3; k++) {
+    if (k == most)
+      continue;
+    double ratio = t[k] / t[most];
+    if (fabs(ratio) < 1e-12) {
+      fix(c, node, k, 0);
+      continue;
+    }
+    double *normal = c->equation_normal + 3 * c->equation_count;
+    memset(normal, 0, 3 * sizeof *normal);
+    normal[k] = 1;
+    /* The writer leads with the largest coefficient: at 45 degrees that must be the first. */
+    normal[most] = -ratio * (1 - 1e-15);
+    c->equation_node[c->equation_count++] = node;
+  }
+  return BW_OK;
+}
+
+bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
+                             int modes) {
+  const bw_mesh *mesh = model->mesh;
+  bw_numbering *numbering = NULL;
+  conditions c = {0};
+  double *force = NULL;
+  bw_inp_deck deck = {.mesh = mesh, .title = "written by barwright", .modes = modes};
+  bw_status status;
+  if (modes < 0)
+    return bw_fail(context, BW_INVALID, "%d modes asked for: 0 for a static step, or more", modes);
+  BW_TRY(bw_numbering_create(context, model, &numbering));
+  int64_t most = 0;
+  for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
+    if (numbering->state[i] != BW_UNKNOWN)
+      most += 2; /* two conditions at most for one held direction */
+  c.fixed_node = BW_NEW(context, int32_t, most);
+  c.fixed_direction = BW_NEW(context, int, most);
+  c.fixed_value = BW_NEW(context, double, most);
+  c.equation_node = BW_NEW(context, int32_t, most);
+  c.equation_normal = BW_NEW(context, double, 3 * most);
+  force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+  if (!c.fixed_node || !c.fixed_direction || !c.fixed_value || !c.equation_node ||
+      !c.equation_normal || !force) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  /* Modes of a free body are free; a static step needs the pins, which bear no load. */
+  for (size_t i = 0; modes > 0 && i < 3 * (size_t)mesh->node_count; i++)
+    if (numbering->state[i] == BW_PINNED)
+      numbering->state[i] = BW_UNKNOWN;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const uint8_t *state = numbering->state + 3 * (size_t)i;
+    if (state[0] == BW_UNKNOWN && state[1] == BW_UNKNOWN && state[2] == BW_UNKNOWN)
+      continue;
+    if (numbering->frame_of[i] >= 0) {
+      BW_TRY(oblique_node(context, numbering, i, &c));
+      continue;
+    }
+    for (int k = 0; k < 3; k++)
+      if (state[k] != BW_UNKNOWN)
+        fix(&c, i, k, numbering->value[3 * (size_t)i + (size_t)k]);
+  }
+  BW_TRY(bwi_force_vector(context, model, false, force));
+  for (int i = 0; i < model->load_count; i++)
+    for (int k = 0; k < 3 && model->load[i].kind == BW_LOAD_GRAVITY; k++)
+      deck.gravity[k] += model->load[i].vector[k];
+  deck.isotropic = model->material->isotropic;
+  deck.young = model->material->young[0];
+  deck.poisson = model->material->poisson[0];
+  anisotropic_constants(model->material->elasticity, deck.stiffness);
+  deck.density = model->material->density;
+  deck.fixed_count = c.fixed_count;
+  deck.fixed_node = c.fixed_node;
+  deck.fixed_direction = c.fixed_direction;
+  deck.fixed_value = c.fixed_value;
+  deck.equation_count = c.equation_count;
+  deck.equation_node = c.equation_node;
+  deck.equation_normal = c.equation_normal;
+  deck.force = force;
+  BW_TRY(bw_inp_write(context, &deck, path));
+done:
+  bw_free(c.fixed_node);
+  bw_free(c.fixed_direction);
+  bw_free(c.fixed_value);
+  bw_free(c.equation_node);
+  bw_free(c.equation_normal);
+  bw_free(force);
+  bw_release(numbering);
+  return status;
+}

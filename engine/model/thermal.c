@@ -1,0 +1,84 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Thermal expansion: sigma = C : (epsilon - alpha dT 1), with the change of temperature dT between
+ * the nodes by the element's shape functions. The second part moves to the loads,
+ * f_a = integral (C : alpha dT 1) grad N_a, and is taken off the stress afterwards. */
+#include <string.h>
+
+#include "model/internal.h"
+
+/* C : 1, the stress per unit of expansion. */
+static void unit_stress(const bw_material *material, double stress[6]) {
+  for (int i = 0; i < 6; i++) {
+    const double *row = material->elasticity + 6 * i;
+    stress[i] = row[0] + row[1] + row[2];
+  }
+}
+
+/* Quadrature exact for the thermal force of straight elements: dT of the order times grad N. */
+static int points_of(int order, double (*point)[4], double *weight) {
+  return bw_tet_quadrature(order == 1 ? 1 : 4, point, weight);
+}
+
+static double change_at(const bw_mesh *mesh, const bw_load *load, const int32_t *node,
+                        const double at[4]) {
+  double shape[10], change = 0;
+  bw_tet_shape(mesh->order, at, shape);
+  for (int a = 0; a < mesh->nodes_per_element; a++)
+    change += shape[a] * bw_array_get(load->nodal, node[a], 0);
+  return change;
+}
+
+void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
+                       double (*force)[3]) {
+  const bw_mesh *mesh = model->mesh;
+  int nodes = mesh->nodes_per_element;
+  const int32_t *node = mesh->element + (size_t)element * (size_t)nodes;
+  double x[10][3], unit[6], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
+  for (int a = 0; a < nodes; a++)
+    memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
+  memset(force, 0, (size_t)nodes * sizeof *force);
+  unit_stress(model->material, unit);
+  int points = points_of(mesh->order, point, weight);
+  for (int q = 0; q < points; q++) {
+    double slope[10][3];
+    double volume = bw_tet_gradient(mesh->order, (const double(*)[3])x, point[q], slope) / 6;
+    double size = weight[q] * volume * load->expansion * change_at(mesh, load, node, point[q]);
+    for (int a = 0; a < nodes; a++) {
+      const double *g = slope[a];
+      force[a][0] += size * (unit[0] * g[0] + unit[5] * g[1] + unit[4] * g[2]);
+      force[a][1] += size * (unit[5] * g[0] + unit[1] * g[1] + unit[3] * g[2]);
+      force[a][2] += size * (unit[4] * g[0] + unit[3] * g[1] + unit[2] * g[2]);
+    }
+  }
+}
+
+bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
+                                  double *stress) {
+  const bw_mesh *mesh = model->mesh;
+  int32_t count = on_nodes ? mesh->node_count : mesh->element_count;
+  double unit[6], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
+  unit_stress(model->material, unit);
+  int points = points_of(mesh->order, point, weight);
+  memset(stress, 0, (size_t)count * 6 * sizeof *stress);
+  for (int l = 0; l < model->load_count; l++) {
+    const bw_load *load = &model->load[l];
+    if (load->kind != BW_LOAD_TEMPERATURE)
+      continue;
+    for (int32_t i = 0; i < count; i++) {
+      double change = 0;
+      if (i % 65536 == 0 && bw_cancelled(context))
+        return bw_check_cancel(context);
+      if (on_nodes)
+        change = bw_array_get(load->nodal, i, 0);
+      else
+        for (int q = 0; q < points; q++)
+          change +=
+              weight[q] * change_at(mesh, load,
+                                    mesh->element + (size_t)i * (size_t)mesh->nodes_per_element,
+                                    point[q]);
+      for (int k = 0; k < 6; k++)
+        stress[6 * (size_t)i + (size_t)k] += load->expansion * change * unit[k];
+    }
+  }
+  return BW_OK;
+}

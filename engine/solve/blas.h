@@ -1,0 +1,26 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The BLAS and LAPACK routines in use, by their Fortran names (32-bit integers, column-major).
+ *
+ * barwright makes its own threads: every BLAS call runs on the calling thread (one BLAS thread),
+ * and large products are cut into tiles that do not depend on the number of threads. That is what
+ * makes results bitwise the same for any thread count. */
+#ifndef BWI_SOLVE_BLAS_H
+#define BWI_SOLVE_BLAS_H
+
+void dgemm_(const char *, const char *, const int *, const int *, const int *, const double *,
+            const double *, const int *, const double *, const int *, const double *, double *,
+            const int *);
+void dsyrk_(const char *, const char *, const int *, const int *, const double *, const double *,
+            const int *, const double *, double *, const int *);
+void dtrsm_(const char *, const char *, const char *, const char *, const int *, const int *,
+            const double *, const double *, const int *, double *, const int *);
+void dpotrf_(const char *, const int *, double *, const int *, int *);
+void dsygv_(const int *, const char *, const char *, const int *, double *, const int *, double *,
+            const int *, double *, double *, const int *, int *);
+void dsyev_(const char *, const char *, const int *, double *, const int *, double *, double *,
+            const int *, int *);
+
+/* One BLAS thread from here on. Cheap; called at the start of every factorisation and solve. */
+void bwi_blas_serial(void);
+
+#endif

@@ -1,0 +1,449 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Multifrontal factorisation. Every supernode is a front: its panel (pivot columns) takes the
+ * matrix entries and the update matrices of its children, front.c eliminates the pivots, and what
+ * remains is its own update matrix for its parent.
+ *
+ * Invariants: children are added in ascending order, whoever computed them, so sums have one order.
+ * Within a task, and within the top, update matrices live on a stack: those of the children of the
+ * supernode at work are its uppermost blocks. A task's root keeps its update matrix in a block of
+ * its own, since it outlives the task's stack. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/blas.h"
+#include "solve/internal.h"
+
+/* Rows of a child that are next to each other in the parent too. */
+typedef struct run {
+  int32_t from, to, length;
+} run;
+
+typedef struct workspace {
+  int32_t *local; /* order->size: row of a position in the front at work */
+  run *runs;
+  double *scale;
+  double *panel; /* when L is not kept */
+  double *stack;
+  int64_t stack_size, fill;
+} workspace;
+
+typedef struct factorisation {
+  bw_context *context;
+  const bwi_symbolic *symbolic;
+  const bwi_matrix *matrix;
+  bool signs;
+  double *value;   /* all panels, or NULL when L is not kept */
+  double **update; /* super_count: update matrix while it waits for its parent */
+  int32_t *child;  /* super_count: first child, then `sibling`; -1 ends */
+  int32_t *sibling;
+  workspace *space; /* one for each worker */
+  int workers;
+  int64_t negative;     /* atomic */
+  int32_t failed, weak; /* lowest position of such a pivot, or INT32_MAX; atomic */
+} factorisation;
+
+static void lower_to(int32_t *place, int32_t value) {
+  int32_t old = __atomic_load_n(place, __ATOMIC_RELAXED);
+  while (value < old && !__atomic_compare_exchange_n(place, &old, value, false, __ATOMIC_RELAXED,
+                                                     __ATOMIC_RELAXED))
+    ;
+}
+
+/* ---- assembly of matrix entries ----------------------------------------------------------------
+ */
+
+/* block = F_row block F_column^T for nodes with frames of their own */
+static void turn_block(const bw_numbering *numbering, int32_t row, int32_t column, double *block) {
+  double half[9];
+  if (numbering->frame_of[row] >= 0) {
+    const double *frame = numbering->frame + 9 * (int64_t)numbering->frame_of[row];
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        half[3 * i + j] = frame[3 * i] * block[j] + frame[3 * i + 1] * block[3 + j] +
+                          frame[3 * i + 2] * block[6 + j];
+    memcpy(block, half, sizeof half);
+  }
+  if (numbering->frame_of[column] >= 0) {
+    const double *frame = numbering->frame + 9 * (int64_t)numbering->frame_of[column];
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        half[3 * i + j] = block[3 * i] * frame[3 * j] + block[3 * i + 1] * frame[3 * j + 1] +
+                          block[3 * i + 2] * frame[3 * j + 2];
+    memcpy(block, half, sizeof half);
+  }
+}
+
+/* Add the entries of pair `pair` to the panel: rows of mesh node `row`, columns of `column`. */
+static void add_pair(const factorisation *f, int64_t pair, bool transpose, int32_t row,
+                     int32_t column, int32_t row_offset, int32_t column_offset, double *panel,
+                     int32_t ld, double *scale) {
+  const bwi_matrix *matrix = f->matrix;
+  int components = f->symbolic->components;
+  double block[9];
+  if (components == 1)
+    block[0] = matrix->stiffness[pair];
+  else
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        block[3 * i + j] = matrix->stiffness[9 * pair + (transpose ? 3 * j + i : 3 * i + j)];
+  double mass = matrix->mass ? matrix->shift * matrix->mass[pair] : 0;
+  for (int i = 0; i < components; i++)
+    block[(components + 1) * i] += mass;
+  if (matrix->numbering && matrix->numbering->frame_count > 0)
+    turn_block(matrix->numbering, row, column, block);
+  const int32_t *at = f->symbolic->at;
+  for (int j = 0, b = 0; j < components; j++) {
+    if (at[(int64_t)column * components + j] < 0)
+      continue;
+    double *target = panel + (int64_t)(column_offset + b) * ld + row_offset;
+    for (int i = 0, a = 0; i < components; i++)
+      if (at[(int64_t)row * components + i] >= 0) {
+        target[a] += block[components * i + j];
+        if (row == column && i == j)
+          scale[column_offset + b] = fabs(block[components * i + j]) + 2 * fabs(mass);
+        a++;
+      }
+    b++;
+  }
+}
+
+static void add_matrix(const factorisation *f, int32_t s, const int32_t *local, double *panel,
+                       double *scale) {
+  const bwi_order *order = f->symbolic->order;
+  const bw_graph *graph = f->matrix->graph;
+  int32_t ld = f->symbolic->rows[s];
+  for (int32_t p = order->super[s]; p < order->super[s + 1]; p++) {
+    int32_t node = order->node_at[p];
+    for (int64_t k = graph->start[node]; k < graph->start[node + 1]; k++) {
+      int32_t other = graph->column[k];
+      if (order->place[other] >= p)
+        add_pair(f, k, true, other, node, local[order->place[other]], local[p], panel, ld, scale);
+    }
+    for (int64_t k = graph->upper_start[node]; k < graph->upper_start[node + 1]; k++) {
+      int32_t other = graph->upper_row[k];
+      if (order->place[other] >= p)
+        add_pair(f, graph->upper_pair[k], false, other, node, local[order->place[other]], local[p],
+                 panel, ld, scale);
+    }
+  }
+}
+
+/* ---- adding a child's update matrix ------------------------------------------------------------
+ */
+
+typedef struct addition {
+  const double *from;
+  int32_t size; /* of the child's update matrix */
+  const run *runs;
+  int32_t run_count;
+  double *panel, *update;
+  int32_t rows, pivots; /* of the parent */
+} addition;
+
+static bw_status add_columns(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const addition *add = data;
+  int64_t outer = add->rows - add->pivots;
+  int32_t r = 0;
+  for (int64_t j = begin; j < end; j++) {
+    while (add->runs[r].from + add->runs[r].length <= j)
+      r++;
+    int64_t column = add->runs[r].to + (j - add->runs[r].from);
+    double *target = column < add->pivots
+                         ? add->panel + column * add->rows
+                         : add->update + (column - add->pivots) * outer - add->pivots;
+    const double *source = add->from + j * add->size;
+    int64_t from = j, to = column, length = add->runs[r].length - (j - add->runs[r].from);
+    for (int32_t q = r;;) {
+      double *restrict a = target + to;
+      const double *restrict b = source + from;
+      for (int64_t i = 0; i < length; i++)
+        a[i] += b[i];
+      if (++q == add->run_count)
+        break;
+      from = add->runs[q].from;
+      to = add->runs[q].to;
+      length = add->runs[q].length;
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status add_child(const factorisation *f, int32_t s, int32_t child, workspace *space,
+                           double *panel, double *update) {
+  const bwi_symbolic *symbolic = f->symbolic;
+  const bwi_order *order = symbolic->order;
+  int32_t from = 0, count = 0;
+  run *runs = space->runs;
+  int64_t begin = order->row_start[child] + order->super[child + 1] - order->super[child];
+  for (int64_t k = begin; k < order->row_start[child + 1]; k++) {
+    int32_t p = order->row[k], length = symbolic->first[p + 1] - symbolic->first[p];
+    if (length == 0)
+      continue;
+    int32_t to = space->local[p];
+    if (count > 0 && runs[count - 1].to + runs[count - 1].length == to)
+      runs[count - 1].length += length;
+    else
+      runs[count++] = (run){from, to, length};
+    from += length;
+  }
+  if (from == 0)
+    return BW_OK;
+  addition add = {f->update[child],       from, runs, count, panel, update, symbolic->rows[s],
+                  bwi_pivots(symbolic, s)};
+  int64_t grain = 1 + (1 << 18) / from;
+  return bw_parallel(f->context, from, grain, add_columns, &add);
+}
+
+/* ---- one front ---------------------------------------------------------------------------------
+ */
+
+typedef struct clearing {
+  double *block;
+  int64_t ld;
+  bool lower;
+} clearing;
+
+static bw_status clear_columns(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const clearing *clear = data;
+  for (int64_t j = begin; j < end; j++) {
+    int64_t first = clear->lower ? j : 0;
+    memset(clear->block + j * clear->ld + first, 0, (size_t)(clear->ld - first) * sizeof(double));
+  }
+  return BW_OK;
+}
+
+/* Work supernode s off. `own`: its update matrix gets a block of its own. */
+static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *space) {
+  bw_status status = BW_OK;
+  bw_context *context = f->context;
+  const bwi_symbolic *symbolic = f->symbolic;
+  const bwi_order *order = symbolic->order;
+  int32_t rows = symbolic->rows[s], pivots = bwi_pivots(symbolic, s), outer = rows - pivots;
+  int64_t numbers = (int64_t)outer * outer, children = 0;
+
+  for (int64_t k = order->row_start[s], offset = 0; k < order->row_start[s + 1]; k++) {
+    int32_t p = order->row[k];
+    space->local[p] = (int32_t)offset;
+    offset += symbolic->first[p + 1] - symbolic->first[p];
+  }
+  double *panel = f->value ? f->value + symbolic->panel[s] : space->panel;
+  double *update = own ? BW_NEW(context, double, numbers) : space->stack + space->fill;
+  if (!update)
+    return BW_MEMORY;
+  clearing clear_panel = {panel, rows, false}, clear_update = {update, outer, true};
+  int64_t grain = 1 + (1 << 18) / (rows + 1);
+  BW_TRY(bw_parallel(context, pivots, grain, clear_columns, &clear_panel));
+  BW_TRY(bw_parallel(context, outer, grain, clear_columns, &clear_update));
+  add_matrix(f, s, space->local, panel, space->scale);
+  for (int32_t c = f->child[s]; c >= 0; c = f->sibling[c]) {
+    BW_TRY(add_child(f, s, c, space, panel, update));
+    int64_t size = symbolic->rows[c] - bwi_pivots(symbolic, c);
+    if (symbolic->task_of[c] >= 0 && f->update[c])
+      bw_free(f->update[c]);
+    else
+      children += size * size;
+    f->update[c] = NULL;
+  }
+  bwi_front front = {.rows = rows,
+                     .pivots = pivots,
+                     .panel = panel,
+                     .update = update,
+                     .scale = space->scale,
+                     .signs = f->signs};
+  status = bwi_front_eliminate(context, &front);
+  if (status == BW_SINGULAR)
+    lower_to(&f->failed, symbolic->first[order->super[s]] + front.failed);
+  if (status != BW_OK)
+    goto done;
+  if (front.weak >= 0)
+    lower_to(&f->weak, symbolic->first[order->super[s]] + front.weak);
+  __atomic_add_fetch(&f->negative, front.negative, __ATOMIC_RELAXED);
+  if (own) {
+    space->fill -= children;
+    f->update[s] = update;
+    update = NULL;
+  } else {
+    double *to = update - children;
+    if (children > 0)
+      memmove(to, update, (size_t)numbers * sizeof(double));
+    space->fill += numbers - children;
+    f->update[s] = to;
+  }
+done:
+  if (own)
+    bw_free(update);
+  return status;
+}
+
+static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
+  bw_status status = BW_OK;
+  factorisation *f = data;
+  workspace *space = &f->space[worker];
+  for (int64_t t = begin; t < end; t++) {
+    const bwi_task *task = &f->symbolic->task[t];
+    if (task->stack > space->stack_size) {
+      bw_free(space->stack);
+      space->stack_size = 0;
+      space->stack = BW_NEW(f->context, double, task->stack);
+      if (!space->stack)
+        return BW_MEMORY;
+      space->stack_size = task->stack;
+    }
+    space->fill = 0;
+    for (int32_t s = task->first; s <= task->root; s++) {
+      if (bw_cancelled(f->context))
+        return bw_check_cancel(f->context);
+      BW_TRY(do_front(f, s, s == task->root, space));
+    }
+  }
+done:
+  return status;
+}
+
+static bw_status factorise(factorisation *f) {
+  bw_status status = BW_OK;
+  bw_context *context = f->context;
+  const bwi_symbolic *symbolic = f->symbolic;
+  const bwi_order *order = symbolic->order;
+  int32_t supers = order->super_count;
+  bwi_blas_serial();
+  f->workers = bw_threads(context);
+  f->failed = f->weak = INT32_MAX;
+  f->update = BW_NEW0(context, double *, supers);
+  f->child = BW_NEW(context, int32_t, supers);
+  f->sibling = BW_NEW(context, int32_t, supers);
+  f->space = BW_NEW0(context, workspace, f->workers);
+  if (!f->update || !f->child || !f->sibling || !f->space) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t s = 0; s < supers; s++)
+    f->child[s] = -1;
+  for (int32_t s = supers - 1; s >= 0; s--)
+    if (order->parent[s] >= 0) {
+      f->sibling[s] = f->child[order->parent[s]];
+      f->child[order->parent[s]] = s;
+    }
+  for (int w = 0; w < f->workers; w++) {
+    workspace *space = &f->space[w];
+    space->local = BW_NEW(context, int32_t, order->size);
+    space->runs = BW_NEW(context, run, symbolic->max_rows);
+    space->scale = BW_NEW(context, double, symbolic->max_rows);
+    space->panel = f->value ? NULL : BW_NEW(context, double, symbolic->max_panel);
+    if (!space->local || !space->runs || !space->scale || (!f->value && !space->panel)) {
+      status = BW_MEMORY;
+      goto done;
+    }
+  }
+  BW_TRY(bw_parallel(context, symbolic->task_count, 1, do_tasks, f));
+  workspace *space = &f->space[0];
+  for (int w = 0; w < f->workers; w++) {
+    bw_free(f->space[w].stack);
+    f->space[w].stack = NULL;
+  }
+  if (symbolic->top_count > 0) {
+    space->stack = BW_NEW(context, double, symbolic->top_stack);
+    if (!space->stack) {
+      status = BW_MEMORY;
+      goto done;
+    }
+  }
+  space->fill = 0;
+  for (int32_t k = 0; k < symbolic->top_count; k++) {
+    BW_TRY(bw_check_cancel(context));
+    bw_progress(context, "factor", (double)k / symbolic->top_count);
+    BW_TRY(do_front(f, symbolic->top[k], false, space));
+  }
+done:
+  for (int32_t t = 0; f->update && t < symbolic->task_count; t++)
+    bw_free(f->update[symbolic->task[t].root]);
+  for (int w = 0; f->space && w < f->workers; w++) {
+    bw_free(f->space[w].local);
+    bw_free(f->space[w].runs);
+    bw_free(f->space[w].scale);
+    bw_free(f->space[w].panel);
+    bw_free(f->space[w].stack);
+  }
+  bw_free(f->space);
+  bw_free(f->update);
+  bw_free(f->child);
+  bw_free(f->sibling);
+  return status;
+}
+
+/* ---- what others call --------------------------------------------------------------------------
+ */
+
+static void factor_destroy(void *object) {
+  bwi_factor *factor = object;
+  bw_release(factor->symbolic);
+  bw_free(factor->value);
+  bw_free(factor);
+}
+
+static size_t factor_bytes(const void *object) {
+  const bwi_factor *factor = object;
+  const bwi_symbolic *symbolic = factor->symbolic;
+  return sizeof *factor + (size_t)symbolic->panel[symbolic->order->super_count] * sizeof(double);
+}
+
+static const bw_kind factor_kind = {"factor", factor_destroy, factor_bytes};
+
+static int32_t node_of_unknown(const bwi_symbolic *symbolic, int32_t unknown) {
+  int32_t low = 0, high = symbolic->order->size;
+  while (high - low > 1) {
+    int32_t middle = low + (high - low) / 2;
+    if (symbolic->first[middle] <= unknown)
+      low = middle;
+    else
+      high = middle;
+  }
+  return symbolic->order->node_at[low];
+}
+
+bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                            bwi_factor **out, int32_t *bad_node) {
+  bw_status status = BW_OK;
+  factorisation f = {.context = context, .symbolic = symbolic, .matrix = matrix};
+  bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
+  if (!factor)
+    return BW_MEMORY;
+  bw_object_init(factor, &factor_kind);
+  factor->symbolic = bw_retain(symbolic);
+  factor->value = BW_NEW(context, double, symbolic->panel[symbolic->order->super_count]);
+  if (!factor->value) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  f.value = factor->value;
+  status = factorise(&f);
+  if (status == BW_OK && f.weak < INT32_MAX)
+    status = BW_SINGULAR;
+  if (status == BW_SINGULAR) {
+    int32_t pivot = f.failed < f.weak ? f.failed : f.weak;
+    int32_t node = node_of_unknown(symbolic, pivot);
+    if (bad_node)
+      *bad_node = node;
+    bw_fail(context, BW_SINGULAR, "the matrix is not positive definite at node %d", node + 1);
+  }
+done:
+  if (status == BW_OK)
+    *out = factor;
+  else
+    bw_release(factor);
+  return status;
+}
+
+bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                             int64_t *negative, bool *trusted) {
+  factorisation f = {.context = context, .symbolic = symbolic, .matrix = matrix, .signs = true};
+  bw_status status = factorise(&f);
+  bool singular = status == BW_SINGULAR;
+  if (status != BW_OK && !singular)
+    return status;
+  *negative = f.negative;
+  *trusted = !singular && f.weak == INT32_MAX;
+  return BW_OK;
+}

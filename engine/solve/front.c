@@ -1,0 +1,210 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Elimination within one front: the dense part of the factorisation.
+ *
+ * The panel holds the pivot columns [A11; A21], the update matrix A22. On return
+ * A11 = L11 S L11^T, L21 = A21 L11^-T S, A22 - L21 S L21^T, with S = diag(+-1): the Cholesky
+ * factorisation where S = I. Keeping signs instead of a diagonal D lets Cholesky kernels do the
+ * work: a panel whose pivots are all positive (with a shift just above the lowest eigenvalues,
+ * nearly every one) costs what Cholesky costs, and the few negative columns are put right by a
+ * product of their own.
+ *
+ * Panels of WIDTH columns, left-looking; below the diagonal, and in the update matrix, tiles whose
+ * borders depend on the sizes only. No pivoting: the caller checks `weak`. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/blas.h"
+#include "solve/internal.h"
+
+enum { WIDTH = 128, TILE = 256 };
+
+/* A pivot below this fraction of its diagonal entry's size has no digits left. */
+static const double weak_fraction = 1e-13;
+
+static const double one = 1, minus_one = -1, two = 2;
+
+typedef struct elimination {
+  bwi_front *front;
+  double *minus; /* rows x minus_count: the columns of L with a negative sign */
+  int minus_count, minus_capacity;
+  int begin, end;   /* the panel at work */
+  int minus_before; /* negative columns before this panel */
+  uint8_t negative[WIDTH];
+  int negative_here;
+} elimination;
+
+/* Signed Cholesky of an n x n block with leading dimension ld, column by column. Returns the first
+ * column whose pivot is zero, or -1. */
+static int signed_block(int n, double *a, int ld, uint8_t *negative) {
+  for (int j = 0; j < n; j++) {
+    double *column = a + (size_t)j * (size_t)ld, d = column[j];
+    if (d == 0 || !isfinite(d))
+      return j;
+    negative[j] = d < 0;
+    double root = sqrt(fabs(d)), factor = 1 / (d < 0 ? -root : root);
+    column[j] = root;
+    for (int i = j + 1; i < n; i++)
+      column[i] *= factor;
+    double sign = d < 0 ? -1 : 1;
+    for (int k = j + 1; k < n; k++) {
+      double *target = a + (size_t)k * (size_t)ld, weight = sign * column[k];
+      for (int i = k; i < n; i++)
+        target[i] -= column[i] * weight;
+    }
+  }
+  return -1;
+}
+
+/* Remember the columns of this panel whose sign is negative (rows begin.. of the front). */
+static bw_status keep_minus(bw_context *context, elimination *work) {
+  bwi_front *front = work->front;
+  if (work->negative_here == 0)
+    return BW_OK;
+  size_t rows = (size_t)front->rows;
+  int wanted = work->minus_count + work->negative_here;
+  if (wanted > work->minus_capacity) {
+    int capacity = wanted > 2 * work->minus_capacity ? wanted : 2 * work->minus_capacity;
+    double *larger = bw_resize(context, work->minus, rows * (size_t)capacity, sizeof(double));
+    if (!larger)
+      return BW_MEMORY;
+    work->minus = larger;
+    work->minus_capacity = capacity;
+  }
+  for (int j = work->begin; j < work->end; j++)
+    if (work->negative[j - work->begin])
+      memcpy(work->minus + rows * (size_t)work->minus_count++, front->panel + rows * (size_t)j,
+             rows * sizeof(double));
+  return BW_OK;
+}
+
+static double *entry(const bwi_front *front, int row, int column) {
+  return front->panel + (size_t)front->rows * (size_t)column + row;
+}
+
+/* The diagonal block of the panel: bring it up to date and factor it. */
+static bw_status diagonal_block(bw_context *context, elimination *work) {
+  bwi_front *front = work->front;
+  int begin = work->begin, width = work->end - begin, info = 0, ld = front->rows;
+  double *block = entry(front, begin, begin);
+  memset(work->negative, 0, sizeof work->negative);
+  work->negative_here = 0;
+  if (begin > 0)
+    dsyrk_("L", "N", &width, &begin, &minus_one, entry(front, begin, 0), &ld, &one, block, &ld);
+  if (work->minus_count > 0)
+    dsyrk_("L", "N", &width, &work->minus_count, &two, work->minus + begin, &ld, &one, block, &ld);
+  if (front->signs) {
+    double *copy = BW_NEW(context, double, (size_t)width *(size_t)width);
+    if (!copy)
+      return BW_MEMORY;
+    for (int j = 0; j < width; j++)
+      memcpy(copy + (size_t)j * (size_t)width, entry(front, begin, begin + j),
+             (size_t)width * sizeof(double));
+    dpotrf_("L", &width, block, &ld, &info);
+    if (info != 0) {
+      for (int j = 0; j < width; j++)
+        memcpy(entry(front, begin, begin + j), copy + (size_t)j * (size_t)width,
+               (size_t)width * sizeof(double));
+      info = 1 + signed_block(width, block, ld, work->negative);
+    }
+    bw_free(copy);
+    for (int j = 0; j < width; j++)
+      work->negative_here += work->negative[j];
+    front->negative += work->negative_here;
+  } else
+    dpotrf_("L", &width, block, &ld, &info);
+  if (info != 0) {
+    front->failed = begin + info - 1;
+    return BW_SINGULAR;
+  }
+  for (int j = 0; j < width && front->weak < 0; j++) {
+    double l = *entry(front, begin + j, begin + j);
+    if (!(l * l > weak_fraction * front->scale[begin + j]))
+      front->weak = begin + j;
+  }
+  return BW_OK;
+}
+
+/* Rows below the diagonal block: up to date, then divided by it. */
+static bw_status panel_rows(void *data, int64_t low, int64_t high, int worker) {
+  (void)worker;
+  elimination *work = data;
+  bwi_front *front = work->front;
+  int begin = work->begin, width = work->end - begin, ld = front->rows;
+  int first = work->end + (int)low, rows = (int)(high - low);
+  double *target = entry(front, first, begin);
+  if (begin > 0)
+    dgemm_("N", "T", &rows, &width, &begin, &minus_one, entry(front, first, 0), &ld,
+           entry(front, begin, 0), &ld, &one, target, &ld);
+  if (work->minus_count > 0)
+    dgemm_("N", "T", &rows, &width, &work->minus_count, &two, work->minus + first, &ld,
+           work->minus + begin, &ld, &one, target, &ld);
+  dtrsm_("R", "L", "T", "N", &rows, &width, &one, entry(front, begin, begin), &ld, target, &ld);
+  for (int j = 0; j < width; j++)
+    if (work->negative[j]) {
+      double *column = entry(front, first, begin + j);
+      for (int i = 0; i < rows; i++)
+        column[i] = -column[i];
+    }
+  return BW_OK;
+}
+
+/* Tile number t of the lower triangle, row by row. */
+static void tile_of(int64_t t, int *row, int *column) {
+  int64_t i = (int64_t)((sqrt(8.0 * (double)t + 1) - 1) / 2);
+  while (i * (i + 1) / 2 > t)
+    i--;
+  while ((i + 1) * (i + 2) / 2 <= t)
+    i++;
+  *row = (int)i;
+  *column = (int)(t - i * (i + 1) / 2);
+}
+
+static bw_status update_tile(void *data, int64_t low, int64_t high, int worker) {
+  (void)worker;
+  elimination *work = data;
+  bwi_front *front = work->front;
+  int outer = front->rows - front->pivots, ld = front->rows, pivots = front->pivots;
+  for (int64_t t = low; t < high; t++) {
+    int i, j;
+    tile_of(t, &i, &j);
+    int row = i * TILE, column = j * TILE;
+    int rows = outer - row < TILE ? outer - row : TILE;
+    int columns = outer - column < TILE ? outer - column : TILE;
+    double *target = front->update + (size_t)outer * (size_t)column + row;
+    const double *left = entry(front, pivots + row, 0), *right = entry(front, pivots + column, 0);
+    const double *minus_left = work->minus ? work->minus + pivots + row : NULL;
+    const double *minus_right = work->minus ? work->minus + pivots + column : NULL;
+    if (i == j) {
+      dsyrk_("L", "N", &rows, &pivots, &minus_one, left, &ld, &one, target, &outer);
+      if (work->minus_count > 0)
+        dsyrk_("L", "N", &rows, &work->minus_count, &two, minus_left, &ld, &one, target, &outer);
+    } else {
+      dgemm_("N", "T", &rows, &columns, &pivots, &minus_one, left, &ld, right, &ld, &one, target,
+             &outer);
+      if (work->minus_count > 0)
+        dgemm_("N", "T", &rows, &columns, &work->minus_count, &two, minus_left, &ld, minus_right,
+               &ld, &one, target, &outer);
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bwi_front_eliminate(bw_context *context, bwi_front *front) {
+  bw_status status = BW_OK;
+  elimination work = {.front = front};
+  front->negative = 0;
+  front->failed = front->weak = -1;
+  for (int begin = 0; begin < front->pivots; begin += WIDTH) {
+    work.begin = begin;
+    work.end = front->pivots - begin < WIDTH ? front->pivots : begin + WIDTH;
+    BW_TRY(diagonal_block(context, &work));
+    BW_TRY(bw_parallel(context, front->rows - work.end, TILE, panel_rows, &work));
+    BW_TRY(keep_minus(context, &work));
+  }
+  int64_t outer = front->rows - front->pivots, tiles = (outer + TILE - 1) / TILE;
+  if (front->pivots > 0)
+    BW_TRY(bw_parallel(context, tiles * (tiles + 1) / 2, 1, update_tile, &work));
+done:
+  bw_free(work.minus);
+  return status;
+}

@@ -1,0 +1,178 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of solve/ share. Three objects, each depending on the one before:
+ *
+ *   bwi_order     nodes in elimination order and the supernodes of the factor, on nodes. Depends on
+ *                 topology and on which nodes take part.
+ *   bwi_symbolic  the same expanded to unknowns (1 to 3 at a node), and the plan of the work.
+ *   bwi_factor    the numbers: L (and signs) with A = L S L^T, S = diag(+-1), S = I when A is
+ *                 positive definite.
+ *
+ * Positions: a node's place in the elimination order. Unknowns are numbered by position, those of
+ * one node next to each other, so a row list on nodes says everything about rows. */
+#ifndef BWI_SOLVE_INTERNAL_H
+#define BWI_SOLVE_INTERNAL_H
+
+#include "barwright/solve.h"
+
+/* ---- order ------------------------------------------------------------------------------------
+ */
+
+typedef struct bwi_order {
+  bw_object object;
+  int32_t node_count; /* of the mesh */
+  int32_t size;       /* nodes that take part */
+  int32_t *node_at;   /* size: mesh node at each position */
+  int32_t *place;     /* node_count: position of each mesh node, or -1 */
+  int32_t super_count;
+  int32_t *super;     /* super_count + 1: first position of each supernode */
+  int32_t *parent;    /* super_count: parent supernode (larger), or -1 */
+  int64_t *row_start; /* super_count + 1 */
+  int32_t *row;       /* positions of each supernode's rows, ascending, its own columns first */
+} bwi_order;
+
+/* METIS nested dissection of the nodes with take[node] != 0 (NULL: all), CHOLMOD's supernodal
+ * analysis of that order. */
+bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                           bwi_order **order);
+
+/* ---- symbolic ---------------------------------------------------------------------------------
+ */
+
+/* A subtree of the supernodal tree, worked on by one thread; its supernodes are consecutive. */
+typedef struct bwi_task {
+  int32_t first, root; /* supernodes first..root */
+  double flops;
+  int64_t stack; /* numbers needed for its stack of update matrices */
+} bwi_task;
+
+typedef struct bwi_symbolic {
+  bw_object object;
+  bwi_order *order; /* retained */
+  int components;   /* of the field: 1 or 3 */
+  int32_t unknowns;
+  int32_t *first;     /* order->size + 1: first unknown at each position */
+  int32_t *at;        /* node_count x components: unknown in elimination order, or -1 */
+  int64_t *panel;     /* super_count + 1: where each supernode's panel starts in L */
+  int32_t *rows;      /* super_count: unknowns in the row list (pivots included) */
+  int32_t task_count; /* subtrees, largest first */
+  bwi_task *task;
+  int32_t top_count; /* supernodes above all tasks, ascending */
+  int32_t *top;
+  int64_t top_stack;           /* numbers needed for the stack of the top */
+  int32_t *task_of;            /* super_count: task whose root this is, or -1 */
+  int64_t max_rows, max_panel; /* over all supernodes */
+  double flops;
+} bwi_symbolic;
+
+/* `unknown`: node_count x components, >= 0 where there is an unknown (which number does not
+ * matter). Nodes with unknowns must be in the order. */
+bw_status bwi_symbolic_create(bw_context *context, bwi_order *order, int components,
+                              const int32_t *unknown, bwi_symbolic **symbolic);
+/* Whether `symbolic` was made for just these unknowns. */
+bool bwi_symbolic_fits(const bwi_symbolic *symbolic, int components, const int32_t *unknown);
+static inline int32_t bwi_pivots(const bwi_symbolic *symbolic, int32_t s) {
+  const bwi_order *o = symbolic->order;
+  return symbolic->first[o->super[s + 1]] - symbolic->first[o->super[s]];
+}
+
+/* ---- factor -----------------------------------------------------------------------------------
+ */
+
+/* The matrix stiffness + shift * mass on a graph's pairs, in frames where numbering asks. */
+typedef struct bwi_matrix {
+  const bw_graph *graph;
+  const double *stiffness; /* components^2 per pair */
+  const double *mass;      /* 1 per pair, or NULL */
+  double shift;
+  const bw_numbering *numbering; /* for its frames; NULL: global */
+} bwi_matrix;
+
+typedef struct bwi_factor {
+  bw_object object;
+  bwi_symbolic *symbolic; /* retained */
+  double *value;          /* panels, column-major, one leading dimension per supernode */
+  int64_t negative;       /* negative pivots */
+} bwi_factor;
+
+/* A = L L^T. *bad_node (may be NULL) is the mesh node of the failing pivot when BW_SINGULAR. */
+bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                            bwi_factor **factor, int32_t *bad_node);
+/* The number of negative eigenvalues of A, by L S L^T without keeping L. *trusted is false where a
+ * pivot was so small that rounding may have chosen its sign. */
+bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                             int64_t *negative, bool *trusted);
+/* x = A^-1 x for `width` right-hand sides next to each other: unknowns x width, row by row. Width
+ * 1, 2, 4, 8 or 16. */
+bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, double *x);
+enum { BWI_MAX_WIDTH = 16 };
+
+/* ---- dense kernels (front.c) ------------------------------------------------------------------
+ */
+
+typedef struct bwi_front {
+  int rows, pivots;    /* the panel is rows x pivots, column-major, leading dimension rows */
+  double *panel;       /* assembled in, L out */
+  double *update;      /* (rows - pivots)^2, lower triangle: assembled in, Schur complement out */
+  const double *scale; /* pivots: size of each diagonal entry before elimination */
+  bool signs;          /* allow negative pivots */
+  /* out */
+  int negative;
+  int failed; /* first pivot that is not positive (signs false), or -1 */
+  int weak;   /* a pivot lost nearly all its digits, or -1 */
+} bwi_front;
+/* Eliminate the pivots. Tiles run through bw_parallel where there are several. */
+bw_status bwi_front_eliminate(bw_context *context, bwi_front *front);
+
+/* ---- eigenvalues (krylov.c, sturm.c) ----------------------------------------------------------
+ */
+
+/* A symmetric generalised problem K x = lambda M x seen through an operator. Fields are `size`
+ * numbers each, one after the other. */
+typedef struct bwi_eigen_problem {
+  int64_t size;
+  void *data;
+  /* y = K^+ f, restricted to the wanted space */
+  bw_status (*solve)(bw_context *context, void *data, int64_t count, const double *f, double *y);
+  bw_status (*mass)(bw_context *context, void *data, int64_t count, const double *x, double *y);
+  bw_status (*stiffness)(bw_context *context, void *data, int64_t count, const double *x,
+                         double *y);
+  /* bring random fields into the wanted space */
+  bw_status (*project)(bw_context *context, void *data, int64_t count, double *x);
+  /* eigenvalues below sigma in the wanted space; *trusted as in bwi_count_negative. NULL: none */
+  bw_status (*below)(bw_context *context, void *data, double sigma, int64_t *count, bool *trusted);
+  int64_t dimension; /* of the wanted space */
+} bwi_eigen_problem;
+
+typedef struct bwi_eigen_result {
+  int count;
+  double *value;    /* ascending */
+  double *vector;   /* count x size, M-norm 1 */
+  double *residual; /* |K x - lambda M x| / |lambda M x| */
+  int solves, recovered;
+  bool counted;
+} bwi_eigen_result;
+void bwi_eigen_result_clear(bwi_eigen_result *result);
+bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
+                           const bw_modes_options *options, bwi_eigen_result *result);
+
+/* ---- fields and unknowns (fields.c) ------------------------------------------------------------
+ */
+
+/* displacement = A^-1 force for fields (node_count x components each, one after the other; the two
+ * may be the same block): 0 where there is no unknown. Frames by `numbering`, NULL: global. */
+bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
+                           const bw_numbering *numbering, int64_t count, const double *force,
+                           double *displacement);
+
+/* ---- systems (system.c) ------------------------------------------------------------------------
+ */
+
+/* Zero the components of a global field whose state's bit (1u << bw_unknown_state) is not in
+ * `states`, in each node's frame. */
+void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *field);
+/* The prescribed values as a global field, 0 elsewhere. */
+void bwi_prescribed_field(const bw_numbering *numbering, double *field);
+/* Same supports: a system made for one numbering serves the other. */
+bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b);
+
+#endif

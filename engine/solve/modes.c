@@ -1,0 +1,203 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Elastic modes K u = lambda M u of held and free bodies, with the system's own factor.
+ *
+ * The operator is P K_pinned^-1 P^T M: symmetric in M, zero on rigid motions, so no rigid mode
+ * appears and none has to be told from an elastic one. The Sturm count takes the unpinned
+ * K - sigma M, which is regular for sigma > 0; rigid motions count there and are taken off. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/modes.h"
+
+void bw_modes_options_default(bw_modes_options *options) {
+  *options = (bw_modes_options){.count = 15, .tolerance = 1e-8, .sturm = true, .seed = 1};
+}
+
+static void modes_destroy(void *object) {
+  bw_modes *modes = object;
+  bw_release(modes->mesh);
+  bw_free(modes->eigenvalue);
+  bw_free(modes->frequency);
+  bw_free(modes->shape);
+  bw_free(modes->residual);
+  bw_free(modes);
+}
+
+static size_t modes_bytes(const void *object) {
+  const bw_modes *modes = object;
+  return sizeof *modes + (size_t)modes->count *
+                             ((size_t)modes->components * (size_t)modes->mesh->node_count + 3) *
+                             sizeof(double);
+}
+
+static const bw_kind modes_kind = {"modes", modes_destroy, modes_bytes};
+
+bw_status bwi_modes_options_check(bw_context *context, const bw_modes_options *given,
+                                  bw_modes_options *options) {
+  bw_modes_options_default(options);
+  if (given)
+    *options = *given;
+  if (options->count < 1)
+    return bw_fail(context, BW_INVALID, "%d modes were asked for; at least 1", options->count);
+  if (!(options->tolerance > 0 && options->tolerance < 1))
+    return bw_fail(context, BW_INVALID, "the tolerance on modes is %g; it must lie between 0 and 1",
+                   options->tolerance);
+  return BW_OK;
+}
+
+/* Each shape's largest component is made positive; of several as large, the first decides. */
+static void fix_sign(double *shape, int64_t size) {
+  double largest = 0;
+  for (int64_t i = 0; i < size; i++)
+    largest = fmax(largest, fabs(shape[i]));
+  for (int64_t i = 0; i < size; i++)
+    if (fabs(shape[i]) >= largest * (1 - 1e-6)) {
+      if (shape[i] < 0)
+        for (int64_t k = 0; k < size; k++)
+          shape[k] = -shape[k];
+      return;
+    }
+}
+
+bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, int components, int rigid_count,
+                         bool frequencies, bwi_eigen_result *result, bw_modes **out) {
+  int64_t size = (int64_t)mesh->node_count * components;
+  bw_modes *modes = BW_NEW0(context, bw_modes, 1);
+  if (!modes)
+    return BW_MEMORY;
+  bw_object_init(modes, &modes_kind);
+  modes->mesh = bw_retain(mesh);
+  modes->count = result->count;
+  modes->components = components;
+  modes->rigid_count = rigid_count;
+  modes->solves = result->solves;
+  modes->recovered = result->recovered;
+  modes->counted = result->counted;
+  if (frequencies) {
+    modes->frequency = BW_NEW(context, double, result->count);
+    if (!modes->frequency) {
+      bw_release(modes);
+      return BW_MEMORY;
+    }
+    for (int k = 0; k < result->count; k++)
+      modes->frequency[k] = sqrt(fmax(result->value[k], 0)) / (2 * 3.14159265358979323846);
+  }
+  modes->eigenvalue = result->value;
+  modes->shape = result->vector;
+  modes->residual = result->residual;
+  result->value = result->vector = result->residual = NULL;
+  for (int k = 0; k < modes->count; k++)
+    fix_sign(modes->shape + k * size, size);
+  *out = modes;
+  return BW_OK;
+}
+
+/* ---- the elastic problem -----------------------------------------------------------------------
+ */
+
+typedef struct elastic {
+  bw_system *system;
+  bool held; /* some component is held */
+  bwi_symbolic *unpinned;
+} elastic;
+
+static bw_status elastic_solve(bw_context *context, void *data, int64_t count, const double *f,
+                               double *y) {
+  return bw_system_solve(context, ((elastic *)data)->system, count, f, y);
+}
+
+static bw_status multiply(bw_context *context, const elastic *problem, bool mass, int64_t count,
+                          const double *x, double *y) {
+  const bw_system *system = problem->system;
+  const bw_numbering *numbering = system->numbering;
+  bw_status status =
+      bw_graph_multiply(context, system->graph, mass ? system->mass : system->stiffness,
+                        mass ? 1 : 9, 3, count, x, y);
+  if (problem->held)
+    for (int64_t k = 0; status == BW_OK && k < count; k++)
+      bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED,
+                      y + k * 3 * (int64_t)system->mesh->node_count);
+  return status;
+}
+
+static bw_status elastic_mass(bw_context *context, void *data, int64_t count, const double *x,
+                              double *y) {
+  return multiply(context, data, true, count, x, y);
+}
+
+static bw_status elastic_stiffness(bw_context *context, void *data, int64_t count, const double *x,
+                                   double *y) {
+  return multiply(context, data, false, count, x, y);
+}
+
+static bw_status elastic_project(bw_context *context, void *data, int64_t count, double *x) {
+  (void)context;
+  const bw_numbering *numbering = ((elastic *)data)->system->numbering;
+  for (int64_t k = 0; k < count; k++) {
+    double *field = x + k * 3 * (int64_t)numbering->mesh->node_count;
+    bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, field);
+    if (numbering->motion_count > 0)
+      bw_motions_remove(numbering, field);
+  }
+  return BW_OK;
+}
+
+static bw_status elastic_below(bw_context *context, void *data, double sigma, int64_t *count,
+                               bool *trusted) {
+  bw_status status = BW_OK;
+  elastic *problem = data;
+  const bw_system *system = problem->system;
+  const bw_numbering *numbering = system->numbering;
+  bwi_symbolic *symbolic = system->factor->symbolic;
+  bwi_matrix matrix = {.graph = system->graph,
+                       .stiffness = system->stiffness,
+                       .mass = system->mass,
+                       .shift = -sigma,
+                       .numbering = numbering};
+  int64_t negative = 0;
+  if (numbering->motion_count > 0 && !problem->unpinned) {
+    int64_t entries = 3 * (int64_t)system->mesh->node_count;
+    int32_t *unknown = BW_NEW(context, int32_t, entries);
+    if (!unknown)
+      return BW_MEMORY;
+    for (int64_t i = 0; i < entries; i++)
+      unknown[i] = numbering->state[i] == BW_HELD ? -1 : 0;
+    status = bwi_symbolic_create(context, symbolic->order, 3, unknown, &problem->unpinned);
+    bw_free(unknown);
+    if (status != BW_OK)
+      return status;
+  }
+  if (problem->unpinned)
+    symbolic = problem->unpinned;
+  BW_TRY(bwi_count_negative(context, symbolic, &matrix, &negative, trusted));
+  *count = negative - numbering->motion_count;
+done:
+  return status;
+}
+
+bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
+                           bw_modes **modes) {
+  bw_status status = BW_OK;
+  bwi_eigen_result result = {0};
+  bw_modes_options options;
+  elastic problem = {.system = system};
+  const bw_numbering *numbering = system->numbering;
+  BW_TRY(bwi_modes_options_check(context, given, &options));
+  for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
+    problem.held |= numbering->state[i] == BW_HELD;
+  bwi_eigen_problem eigen = {.size = 3 * (int64_t)system->mesh->node_count,
+                             .data = &problem,
+                             .solve = elastic_solve,
+                             .mass = elastic_mass,
+                             .stiffness = elastic_stiffness,
+                             .project = elastic_project,
+                             .below = elastic_below,
+                             .dimension = numbering->unknown_count};
+  BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
+  BW_TRY(bwi_modes_from(context, system->mesh, 3, numbering->motion_count,
+                        system->material->density > 0, &result, modes));
+done:
+  bw_release(problem.unpinned);
+  bwi_eigen_result_clear(&result);
+  return status;
+}

@@ -1,0 +1,189 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions: u = u0 + v with u0 the prescribed values, K v = f - K u0 at the unknowns. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/internal.h"
+
+/* Refinement stops below this relative residual, or when it no longer helps. */
+static const double refine_to = 1e-10;
+enum { REFINEMENTS = 3 };
+
+static void static_destroy(void *object) {
+  bw_static *result = object;
+  bw_release(result->model);
+  bw_release(result->system);
+  bw_free(result->displacement);
+  bw_free(result->force);
+  bw_free(result->reaction);
+  bw_free(result);
+}
+
+static size_t static_bytes(const void *object) {
+  const bw_static *result = object;
+  return sizeof *result + 9 * (size_t)result->model->mesh->node_count * sizeof(double);
+}
+
+static const bw_kind static_kind = {"static solution", static_destroy, static_bytes};
+
+static double norm(const double *a, int64_t size) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += a[i] * a[i];
+  return sqrt(sum);
+}
+
+/* The load's work on each free motion, against the work it would do were all of it along the
+ * motion. */
+static bw_status check_balance(bw_context *context, const bw_numbering *numbering,
+                               const double *force, double tolerance) {
+  bw_status status = BW_OK;
+  char *text = NULL;
+  int32_t nodes = numbering->mesh->node_count, motions = numbering->motion_count;
+  double *part = BW_NEW(context, double, motions);
+  if (!part)
+    return BW_MEMORY;
+  bw_motions_dot(numbering, force, part);
+  int worst = -1;
+  double excess = tolerance, resultant[3] = {0};
+  for (int m = 0; m < motions; m++) {
+    const bw_rigid_motion *motion = &numbering->motion[m];
+    double size = 0;
+    for (int64_t i = 0; i < nodes; i++) {
+      if (numbering->mesh->component[i] != motion->component)
+        continue;
+      double arm[3], turn[3];
+      for (int c = 0; c < 3; c++)
+        arm[c] = numbering->mesh->node[3 * i + c] - motion->centre[c];
+      bw_cross(motion->rotation, arm, turn);
+      for (int c = 0; c < 3; c++)
+        turn[c] += motion->translation[c];
+      size += bw_norm(turn) * bw_norm(force + 3 * i);
+    }
+    if (size > 0 && fabs(part[m]) / size > excess) {
+      excess = fabs(part[m]) / size;
+      worst = m;
+    }
+  }
+  if (worst >= 0) {
+    for (int64_t i = 0; i < nodes; i++)
+      for (int c = 0; c < 3; c++)
+        resultant[c] += force[3 * i + c];
+    BW_TRY(bw_numbering_describe_free(context, numbering, &text));
+    status = bw_fail(context, BW_FREE,
+                     "the load is not balanced on a body that can move freely; %s. The load works "
+                     "on motion %d, %s: %.3g of its size is along it (allowed: %.3g); its "
+                     "resultant is (%g, %g, %g) N. Add supports, balance the load, or ask for "
+                     "inertia relief",
+                     text, worst + 1, numbering->motion[worst].text, excess, tolerance,
+                     resultant[0], resultant[1], resultant[2]);
+    bw_detail_number(context, "motions", motions);
+    bw_detail_text(context, "motion", numbering->motion[worst].text);
+  }
+done:
+  bw_free(part);
+  bw_free(text);
+  return status;
+}
+
+/* A system for the model: the one given where it fits, else a new one that reuses what it can. */
+static bw_status system_for(bw_context *context, const bw_model *model,
+                            const bw_numbering *numbering, bw_system *given, bw_system **system) {
+  if (given && given->mesh == model->mesh && given->material == model->material &&
+      bwi_same_supports(given->numbering, numbering)) {
+    *system = bw_retain(given);
+    return BW_OK;
+  }
+  return bw_system_create(context, model->mesh, model->material, numbering, given, system);
+}
+
+bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
+                     const bw_statics_options *options, bw_static **out) {
+  bw_status status = BW_OK;
+  bw_numbering *numbering = NULL;
+  double *load = NULL, *work = NULL, *step = NULL;
+  bw_statics_options wish = options ? *options : (bw_statics_options){0};
+  if (wish.tolerance == 0)
+    wish.tolerance = 1e-6;
+  if (!(wish.tolerance > 0))
+    return bw_fail(context, BW_INVALID, "the tolerance on balance is %g; it must be positive",
+                   wish.tolerance);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  bw_static *result = BW_NEW0(context, bw_static, 1);
+  if (!result)
+    return BW_MEMORY;
+  bw_object_init(result, &static_kind);
+  result->model = bw_retain(model);
+  result->displacement = BW_NEW(context, double, size);
+  result->force = BW_NEW(context, double, size);
+  result->reaction = BW_NEW(context, double, size);
+  load = BW_NEW(context, double, size);
+  work = BW_NEW(context, double, size);
+  step = BW_NEW(context, double, size);
+  if (!result->displacement || !result->force || !result->reaction || !load || !work || !step) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_numbering_create(context, model, &numbering));
+  BW_TRY(bw_model_force_vector(context, model, result->force));
+  if (numbering->motion_count > 0 && !wish.inertia_relief)
+    BW_TRY(check_balance(context, numbering, result->force, wish.tolerance));
+  BW_TRY(system_for(context, model, numbering, system, &result->system));
+  system = result->system;
+
+  double *u = result->displacement;
+  memcpy(load, result->force, (size_t)size * sizeof(double));
+  if (numbering->motion_count > 0)
+    bw_motions_balance(numbering, load);
+  /* work = load - K u at the unknowns, for u = u0 at first and the solution later */
+  bwi_prescribed_field(numbering, u);
+  memcpy(work, load, (size_t)size * sizeof(double));
+  if (numbering->prescribed) {
+    BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, step));
+    for (int64_t i = 0; i < size; i++)
+      work[i] -= step[i];
+  }
+  bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
+  double scale = norm(work, size);
+  result->residual = scale > 0 ? 1 : 0;
+  for (int pass = 0; scale > 0 && pass <= REFINEMENTS && result->residual > refine_to; pass++) {
+    BW_TRY(bw_system_solve(context, system, 1, work, step));
+    for (int64_t i = 0; i < size; i++)
+      step[i] += u[i];
+    if (numbering->motion_count > 0 && !numbering->prescribed)
+      bw_motions_remove(numbering, step);
+    BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, step, work));
+    for (int64_t i = 0; i < size; i++)
+      work[i] = load[i] - work[i];
+    bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
+    double residual = norm(work, size) / scale;
+    if (!isfinite(residual)) {
+      status = bw_fail(context, BW_SINGULAR, "the solution is not finite");
+      goto done;
+    }
+    if (residual >= result->residual && pass > 0)
+      break;
+    bool enough = residual > 0.25 * result->residual;
+    result->residual = residual;
+    memcpy(u, step, (size_t)size * sizeof(double));
+    if (enough)
+      break;
+  }
+  BW_TRY(
+      bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, result->reaction));
+  for (int64_t i = 0; i < size; i++) {
+    result->energy += 0.5 * u[i] * result->reaction[i];
+    result->reaction[i] -= load[i];
+  }
+  bwi_keep_states(numbering, 1u << BW_HELD, result->reaction);
+done:
+  bw_release(numbering);
+  bw_free(load);
+  bw_free(work);
+  bw_free(step);
+  if (status == BW_OK)
+    *out = result;
+  else
+    bw_release(result);
+  return status;
+}

@@ -1,0 +1,257 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The equations of a body. Prescribed components are left out of the matrix; so are the pinned ones
+ * of a body that is free, which makes the rest positive definite: with P = 1 - R R^T W (model.h)
+ *     u = P K_pinned^-1 P^T f
+ * is the solution free of rigid motion for the balanced load P^T f, whichever components were
+ * pinned. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/internal.h"
+
+static void system_destroy(void *object) {
+  bw_system *system = object;
+  bw_release(system->mesh);
+  bw_release(system->material);
+  bw_release(system->numbering);
+  bw_release(system->graph);
+  bw_release(system->factor);
+  bw_free(system->stiffness);
+  bw_free(system->mass);
+  bw_free(system);
+}
+
+static size_t system_bytes(const void *object) {
+  const bw_system *system = object;
+  size_t pairs = system->graph ? (size_t)system->graph->pair_count : 0;
+  return sizeof *system + pairs * 10 * sizeof(double) + bw_bytes(system->graph) +
+         bw_bytes(system->factor);
+}
+
+static const bw_kind system_kind = {"system", system_destroy, system_bytes};
+
+static bool same_topology(const bw_mesh *a, const bw_mesh *b) {
+  return a == b ||
+         (a->order == b->order && a->node_count == b->node_count &&
+          a->element_count == b->element_count &&
+          (a->element == b->element ||
+           memcmp(a->element, b->element,
+                  (size_t)a->element_count * (size_t)a->nodes_per_element * sizeof(int32_t)) == 0));
+}
+
+/* Nodes that take part in the order: all those of bodies with free motions (so that the order also
+ * serves the matrix without pins), and elsewhere those with an unknown. */
+static void nodes_taking_part(const bw_numbering *numbering, uint8_t *take) {
+  const bw_mesh *mesh = numbering->mesh;
+  for (int64_t i = 0; i < mesh->node_count; i++) {
+    int32_t body = mesh->component[i];
+    take[i] = numbering->motion_start[body + 1] > numbering->motion_start[body];
+    for (int c = 0; c < 3; c++)
+      take[i] |= numbering->unknown[3 * i + c] >= 0;
+  }
+}
+
+static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t nodes) {
+  for (int32_t i = 0; i < nodes; i++)
+    if ((order->place[i] >= 0) != (take[i] != 0))
+      return false;
+  return true;
+}
+
+static bw_status make_symbolic(bw_context *context, const bw_system *system,
+                               const bw_system *previous, bwi_symbolic **symbolic) {
+  bw_status status = BW_OK;
+  const bw_numbering *numbering = system->numbering;
+  int32_t nodes = system->mesh->node_count;
+  bwi_symbolic *old = previous ? previous->factor->symbolic : NULL;
+  bwi_order *order = NULL;
+  uint8_t *take = BW_NEW(context, uint8_t, nodes);
+  if (!take)
+    return BW_MEMORY;
+  nodes_taking_part(numbering, take);
+  if (old && order_fits(old->order, take, nodes)) {
+    if (bwi_symbolic_fits(old, 3, numbering->unknown)) {
+      *symbolic = bw_retain(old);
+      goto done;
+    }
+    order = bw_retain(old->order);
+  } else
+    BW_TRY(bwi_order_create(context, system->graph, take, &order));
+  BW_TRY(bwi_symbolic_create(context, order, 3, numbering->unknown, symbolic));
+done:
+  bw_free(take);
+  bw_release(order);
+  return status;
+}
+
+static bw_status say_singular(bw_context *context, const bw_system *system, int32_t node) {
+  const double *x = system->mesh->node + 3 * (int64_t)node;
+  bw_fail(context, BW_SINGULAR,
+          "the stiffness is singular at node %d, (%g, %g, %g) m, although the body is held: parts "
+          "that touch only in a node or an edge turn freely there, and elements almost without "
+          "volume have almost no stiffness. Join the parts properly, or mesh again",
+          node + 1, x[0], x[1], x[2]);
+  bw_detail_number(context, "node", node + 1);
+  bw_detail_number(context, "x", x[0]);
+  bw_detail_number(context, "y", x[1]);
+  bw_detail_number(context, "z", x[2]);
+  return BW_SINGULAR;
+}
+
+bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                           const bw_numbering *numbering, const bw_system *previous,
+                           bw_system **out) {
+  bw_status status = BW_OK;
+  bwi_symbolic *symbolic = NULL;
+  if (numbering->mesh != mesh && !same_topology(numbering->mesh, mesh))
+    return bw_fail(context, BW_INVALID, "the numbering belongs to another mesh");
+  bw_system *system = BW_NEW0(context, bw_system, 1);
+  if (!system)
+    return BW_MEMORY;
+  bw_object_init(system, &system_kind);
+  system->mesh = bw_retain(mesh);
+  system->material = bw_retain(material);
+  system->numbering = bw_retain(numbering);
+  system->density = material->density > 0 ? material->density : 1;
+  if (previous && !same_topology(previous->mesh, mesh))
+    previous = NULL;
+
+  double start = bw_seconds();
+  bw_progress(context, "assemble", 0);
+  if (previous)
+    system->graph = bw_retain(previous->graph);
+  else
+    BW_TRY(bw_graph_create(context, mesh, &system->graph));
+  system->times.graph = bw_seconds() - start;
+
+  start = bw_seconds();
+  int64_t pairs = system->graph->pair_count;
+  system->stiffness = BW_NEW(context, double, 9 * pairs);
+  system->mass = BW_NEW(context, double, pairs);
+  if (!system->stiffness || !system->mass) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_stiffness(context, system->graph, mesh, material, system->stiffness));
+  BW_TRY(bw_mass(context, system->graph, mesh, system->mass));
+  for (int64_t k = 0; k < pairs; k++)
+    system->mass[k] *= system->density;
+  system->times.stiffness = bw_seconds() - start;
+
+  start = bw_seconds();
+  bw_progress(context, "order", 0);
+  BW_TRY(make_symbolic(context, system, previous, &symbolic));
+  system->times.order = bw_seconds() - start;
+  system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
+  system->times.factor_flops = symbolic->flops;
+
+  start = bw_seconds();
+  bw_progress(context, "factor", 0);
+  bwi_matrix matrix = {
+      .graph = system->graph, .stiffness = system->stiffness, .numbering = system->numbering};
+  int32_t bad = 0;
+  status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
+  if (status == BW_SINGULAR)
+    status = say_singular(context, system, bad);
+  system->times.factor = bw_seconds() - start;
+done:
+  bw_release(symbolic);
+  if (status == BW_OK)
+    *out = system;
+  else
+    bw_release(system);
+  return status;
+}
+
+typedef struct projection {
+  const bw_numbering *numbering;
+  bool force;
+  double *fields;
+} projection;
+
+static bw_status project(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const projection *p = data;
+  int64_t size = 3 * (int64_t)p->numbering->mesh->node_count;
+  for (int64_t k = begin; k < end; k++)
+    if (p->force)
+      bw_motions_balance(p->numbering, p->fields + k * size);
+    else
+      bw_motions_remove(p->numbering, p->fields + k * size);
+  return BW_OK;
+}
+
+bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
+                          const double *force, double *displacement) {
+  bw_status status = BW_OK;
+  const bw_numbering *numbering = system->numbering;
+  size_t size = 3 * (size_t)system->mesh->node_count;
+  double start = bw_seconds();
+  projection balance = {numbering, true, displacement}, remove = {numbering, false, displacement};
+  if (numbering->motion_count == 0)
+    BW_TRY(bwi_solve_fields(context, system->factor, numbering, count, force, displacement));
+  else {
+    if (force != displacement)
+      memcpy(displacement, force, (size_t)count * size * sizeof(double));
+    BW_TRY(bw_parallel(context, count, 1, project, &balance));
+    BW_TRY(bwi_solve_fields(context, system->factor, numbering, count, displacement, displacement));
+    BW_TRY(bw_parallel(context, count, 1, project, &remove));
+  }
+done:
+  system->times.solve += bw_seconds() - start;
+  return status;
+}
+
+/* What the frame's directions with `keep` see of a vector at a node. */
+static void keep_at_node(const bw_numbering *numbering, int64_t node, const bool keep[3],
+                         double *vector) {
+  int32_t row = numbering->frame_of[node];
+  if (row < 0) {
+    for (int c = 0; c < 3; c++)
+      if (!keep[c])
+        vector[c] = 0;
+    return;
+  }
+  const double *frame = numbering->frame + 9 * (int64_t)row;
+  double kept[3] = {0, 0, 0};
+  for (int c = 0; c < 3; c++)
+    if (keep[c]) {
+      double part = bw_dot(frame + 3 * c, vector);
+      for (int d = 0; d < 3; d++)
+        kept[d] += part * frame[3 * c + d];
+    }
+  memcpy(vector, kept, sizeof kept);
+}
+
+void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *field) {
+  for (int64_t i = 0; i < numbering->mesh->node_count; i++) {
+    bool keep[3];
+    for (int c = 0; c < 3; c++)
+      keep[c] = states >> numbering->state[3 * i + c] & 1;
+    if (!keep[0] || !keep[1] || !keep[2])
+      keep_at_node(numbering, i, keep, field + 3 * i);
+  }
+}
+
+void bwi_prescribed_field(const bw_numbering *numbering, double *field) {
+  for (int64_t i = 0; i < numbering->mesh->node_count; i++) {
+    const double *value = numbering->value + 3 * i;
+    int32_t row = numbering->frame_of[i];
+    const double *frame = row < 0 ? NULL : numbering->frame + 9 * (int64_t)row;
+    for (int c = 0; c < 3; c++)
+      field[3 * i + c] =
+          frame ? frame[c] * value[0] + frame[3 + c] * value[1] + frame[6 + c] * value[2]
+                : value[c];
+  }
+}
+
+bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b) {
+  if (a == b)
+    return true;
+  size_t nodes = (size_t)a->mesh->node_count;
+  return a->mesh->node_count == b->mesh->node_count && a->frame_count == b->frame_count &&
+         a->motion_count == b->motion_count && memcmp(a->state, b->state, 3 * nodes) == 0 &&
+         memcmp(a->frame_of, b->frame_of, nodes * sizeof(int32_t)) == 0 &&
+         (a->frame_count == 0 ||
+          memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof(double)) == 0);
+}

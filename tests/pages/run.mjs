@@ -1,0 +1,145 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// Opens reports in headless Chromium and uses them: turns the model, moves the sliders, plays a
+// mode, clicks a row. Prints "ok NAME" or "not ok NAME", as the test command counts them.
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import os from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const { chromium } = await import(path.join(root, "web/node_modules/playwright-core/index.mjs"));
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "barwright-pages-"));
+let failures = 0;
+
+async function test(name, body) {
+  try {
+    await body();
+    console.log(`ok ${name}`);
+  } catch (error) {
+    failures++;
+    console.log(`not ok ${name}`);
+    console.log(`  ${error.stack}`);
+  }
+}
+
+function assert(condition, message) {
+  if (!condition) throw new Error(message);
+}
+
+execFileSync(path.join(root, "build/barwright"), [path.join(root, "tests/pages/report.lua"), folder], {
+  cwd: root,
+  stdio: ["ignore", "inherit", "inherit"],
+});
+
+const browser = await chromium.launch({
+  executablePath: "/usr/bin/chromium",
+  args: ["--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+});
+const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
+const page = await context.newPage();
+const problems = [];
+const requests = [];
+page.on("pageerror", (error) => problems.push(error.message));
+page.on("console", (line) => line.type() === "error" && problems.push(line.text()));
+page.on("request", (request) => requests.push(request.url()));
+
+const state = () => page.evaluate(() => window.barwright.state());
+const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+const slide = (id, value) =>
+  page.$eval(`#${id}`, (input, v) => {
+    input.value = v;
+    input.dispatchEvent(new Event("input"));
+  }, value);
+
+await page.goto(`file://${folder}/report.html`);
+await page.waitForFunction(() => window.barwright);
+
+await test("the report opens from disk without network or errors", async () => {
+  assert(requests.every((url) => url.startsWith("file:") || url.startsWith("data:") || url.startsWith("blob:")),
+    `asked for ${requests}`);
+  assert(problems.length === 0, problems.join("; "));
+  const now = await state();
+  assert(now.triangles > 100, `${now.triangles} triangles`);
+});
+
+await test("the view shows the body in colours", async () => {
+  const colours = await page.evaluate(() => {
+    const source = document.querySelector("#view canvas");
+    const copy = document.createElement("canvas");
+    copy.width = source.width;
+    copy.height = source.height;
+    const pen = copy.getContext("2d");
+    pen.drawImage(source, 0, 0);
+    const pixels = pen.getImageData(0, 0, copy.width, copy.height).data;
+    const seen = new Set();
+    let body = 0;
+    for (let i = 0; i < pixels.length; i += 4) {
+      const [r, g, b] = pixels.slice(i, i + 3);
+      if (Math.max(r, g, b) - Math.min(r, g, b) > 30) body++;
+      seen.add((r >> 4) * 256 + (g >> 4) * 16 + (b >> 4));
+    }
+    return { share: body / (pixels.length / 4), count: seen.size };
+  });
+  assert(colours.share > 0.02, `only ${colours.share} of the view is coloured`);
+  assert(colours.count > 20, `only ${colours.count} colours`);
+});
+
+await test("dragging turns the model", async () => {
+  const before = await state();
+  const box = await page.locator("#view canvas").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 180, box.y + box.height / 2 + 40, { steps: 6 });
+  await page.mouse.up();
+  await page.waitForTimeout(200);
+  const after = await state();
+  const radius = Math.hypot(...before.camera);
+  assert(distance(before.camera, after.camera) > 0.2 * radius, "the camera did not move");
+});
+
+await test("the deformation slider moves the shape", async () => {
+  await slide("scale", 0);
+  const rest = await state();
+  await slide("scale", 2);
+  const bent = await state();
+  assert(distance(rest.first, bent.first) > 0, "the first point stayed");
+});
+
+await test("the field selector and the colour range recolour", async () => {
+  const label = async () => page.textContent("#high");
+  const before = await label();
+  await slide("range", 0.5);
+  const after = await label();
+  assert(before !== after, `the end of the bar stayed ${before}`);
+  const options = await page.$$eval("#field option", (all) => all.length);
+  assert(options >= 2, `${options} fields`);
+  await page.selectOption("#field", String(options - 1));
+  assert((await state()).field === options - 1, "the field did not change");
+});
+
+await test("a mode swings and stops", async () => {
+  const mode = await page.$$eval("#motion option", (all) => all.findIndex((o) => /mode/i.test(o.textContent) && /Hz/.test(o.textContent)));
+  assert(mode >= 0, "no mode is listed");
+  await page.selectOption("#motion", String(mode));
+  const first = await state();
+  assert(first.playing, "a mode should play");
+  await page.waitForTimeout(300);
+  const second = await state();
+  assert(first.phase !== second.phase, "the phase stands still");
+  await page.click("#play");
+  assert(!(await state()).playing, "Pause does not pause");
+});
+
+await test("a row of the table shows its load with arrows", async () => {
+  await page.click('tr[data-motion="0"]');
+  const now = await state();
+  assert(now.motion === 0, `motion ${now.motion}`);
+  assert(now.arrows >= 2, `${now.arrows} arrows: a balanced load needs two or more`);
+});
+
+await browser.close();
+fs.rmSync(folder, { recursive: true });
+process.exit(failures ? 1 : 0);
