@@ -1,0 +1,126 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Methods of static results, modes and surfaces that put engine calls together: files and pictures.
+local core = require "barwright.core"
+
+local function copied(given)
+  local wish = {}
+  for key, value in pairs(given or {}) do wish[key] = value end
+  return wish
+end
+
+-- name -> what it is called, unit on the bar, factor
+local shown = {
+  von_mises = {"von Mises stress, MPa", 1e-6},
+  max_principal = {"largest principal stress, MPa", 1e-6},
+  element_von_mises = {"von Mises stress, MPa", 1e-6},
+  element_max_principal = {"largest principal stress, MPa", 1e-6},
+  utilisation = {"stress over strength, %", 100},
+  element_energy = {"strain energy of an element, mJ", 1e3},
+  displacement = {"displacement, mm", 1e3},
+  reaction = {"reaction, N", 1},
+}
+
+local static = core.classes.static.__methods
+
+--- Displacement, stress and what follows from it, as .vtu (or what the ending says).
+function static:write(path, given)
+  local wish = copied(given)
+  local fields = copied(wish.fields)
+  for _, name in ipairs {"displacement", "force", "reaction", "stress", "von_mises",
+    "max_principal"} do
+    fields[name] = fields[name] or {self[name], on = "nodes"}
+  end
+  fields.element_stress = fields.element_stress or {self.element_stress, on = "elements"}
+  wish.fields = fields
+  return self.mesh:write(path, wish)
+end
+
+--- The deformed shape coloured by {field = "von_mises"} or {field = an array over nodes or elements}.
+function static:picture(path, given)
+  local wish = copied(given)
+  local field = wish.field or "von_mises"
+  wish.field = nil
+  local values = field
+  if type(field) == "string" then
+    local about = shown[field]
+    if not about then
+      local names = {}
+      for name in pairs(shown) do names[#names + 1] = name end
+      error(("picture: unknown field '%s': did you mean '%s'?"):format(field,
+        core.nearest(field, names)), 2)
+    end
+    values = self[field]
+    wish.unit, wish.scale = wish.unit or about[1], wish.scale or about[2]
+  end
+  local mesh = self.mesh
+  local surface, nodes, details = mesh:surface()
+  if not surface then return nil, nodes, details end
+  if #values ~= mesh.node_count then values = mesh:to_nodes(values) end
+  if values.column_count > 1 then values = core.array.map("norm(a)", {a = values}) end
+  wish.values = values:gather(nodes)
+  wish.displacement = wish.displacement or self.displacement:gather(nodes)
+  return core.picture(surface, path, wish)
+end
+
+--- The sum of the reactions on a selection, N.
+function static:reaction_on(selection)
+  return self.reaction:gather(selection.nodes):column_sums()
+end
+
+local modes = core.classes.modes.__methods
+
+--- The shapes as .vtu, one field for each mode.
+function modes:write(path, given)
+  local wish = copied(given)
+  wish.fields = copied(wish.fields)
+  for i = 1, self.count do
+    wish.fields[("mode_%02d"):format(i)] = {self:shape(i), on = "nodes"}
+  end
+  return self.mesh:write(path, wish)
+end
+
+--- A mode's shape, deformed and coloured by how far each place moves.
+function modes:picture(i, path, given)
+  local wish = copied(given)
+  local shape = self:shape(i)
+  local surface, nodes, details = self.mesh:surface()
+  if not surface then return nil, nodes, details end
+  local frequencies = self.frequencies
+  if self.components == 3 then
+    wish.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
+    wish.displacement = shape:gather(nodes)
+  else
+    wish.values = shape:gather(nodes)
+  end
+  wish.title = wish.title or frequencies and ("mode %d: %.4g Hz"):format(i, frequencies[i])
+    or ("mode %d"):format(i)
+  return core.picture(surface, path, wish)
+end
+
+local surface = core.classes.surface.__methods
+
+--- A shaded picture; options of bw.picture (values over points or facets).
+function surface:picture(path, given)
+  return core.picture(self, path, given)
+end
+
+local mesh = core.classes.mesh.__methods
+
+--- The same mesh with all lengths times a factor.
+function mesh:scale(factor)
+  return self:moved(self.nodes * factor)
+end
+
+--- A picture of the mesh; values over nodes or elements.
+function mesh:picture(path, given)
+  local wish = copied(given)
+  local boundary, nodes, details = self:surface()
+  if not boundary then return nil, nodes, details end
+  if wish.values then
+    local values = wish.values
+    if #values ~= self.node_count then values = self:to_nodes(values) end
+    wish.values = values:gather(nodes)
+  end
+  if wish.edges == nil then wish.edges = true end
+  return core.picture(boundary, path, wish)
+end

@@ -1,0 +1,51 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright: what `require "barwright"` returns. Surfaces, meshes, materials, models and arrays come
+-- from the C module; the analyses that are loops over engine calls are Lua files beside this one.
+local core = require "barwright.core"
+
+local bw = {
+  array = core.array,
+  surface = core.surface,
+  mesh = core.mesh,
+  material = core.material,
+  model = core.model,
+  element_stress = core.element_stress,
+  nodal_stress = core.nodal_stress,
+  von_mises = core.von_mises,
+  principal = core.principal,
+  max_principal = core.max_principal,
+  rank_correlation = core.rank_correlation,
+  picture = core.picture,
+  progress = core.progress,
+  threads = core.threads,
+  remarks = core.remarks,
+  interrupted = core.interrupted,
+  seconds = core.seconds,
+  json = require "barwright.json",
+  results = require "barwright.results",
+  shapes = require "barwright.shapes",
+  worst_case = require "barwright.worst_case",
+  brute_force = require "barwright.brute_force",
+  drop_test = require "barwright.drop_test",
+}
+require "barwright.fields"
+
+-- bw.array{1, 2, 3} is short for bw.array.new{1, 2, 3}.
+setmetatable(bw.array, {__call = function(_, ...) return core.array.new(...) end})
+
+-- bw.material.steel: looked up in the library by name; an unknown name raises and names the nearest.
+setmetatable(bw.material, {__index = function(_, name) return core.material.named(name) end})
+
+--- "0.1.0", and the commit it was built from ("" when it was not known).
+function bw.version()
+  return core.version, core.commit
+end
+
+return setmetatable(bw, {
+  __index = function(_, name)
+    local names = {}
+    for known in pairs(bw) do names[#names + 1] = known end
+    error(("barwright has no '%s': did you mean '%s'?"):format(tostring(name),
+      core.nearest(tostring(name), names)), 2)
+  end,
+})

@@ -1,0 +1,177 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The report of a worst case: one HTML file that opens from disk and needs no network. The page is
+-- web/report.html, its view web/viewer.mjs; web/README.md names the placeholders and the data.
+local core = require "barwright.core"
+local json = require "barwright.json"
+local options = require "barwright.options"
+
+local report = {}
+
+local rules = {
+  title = {type = "string"},
+  manifest = {type = "table"},
+  loads = {type = "integer", default = 6, least = 1}, -- how many regions' loads can be shown
+  modes = {type = "integer", default = 15, least = 0},
+}
+
+local function here()
+  return debug.getinfo(1, "S").source:match "^@(.*)[/\\][^/\\]*$" or "."
+end
+
+local function read(path)
+  local file = io.open(path, "rb")
+  if not file then return nil end
+  local text = file:read "a"
+  file:close()
+  return text
+end
+
+-- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
+-- is seen through the link build/lua/barwright/report.lua.
+local function viewer()
+  local folder = here()
+  return read(folder .. "/viewer.js") or read(folder .. "/../../web/viewer.js")
+end
+
+local function template()
+  local folder = here()
+  return read(folder .. "/report.html") or read(folder .. "/../../web/report.html")
+end
+
+local function escape(text)
+  return (text:gsub("[&<>\"']", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;",
+    ["'"] = "&#39;"}))
+end
+
+local function floats(array)
+  return core.base64(array:tostring "<f4")
+end
+
+local function colours()
+  local knots = {}
+  for i = 0, 32 do knots[i + 1] = {core.colour(i / 32)} end
+  return knots
+end
+
+-- The regions whose loads are shown: the worst, then the others by how much stress they cause.
+local function chosen_regions(worst, count)
+  local order = {}
+  for i = 1, #worst.regions do order[i] = i end
+  table.sort(order, function(a, b)
+    if (a == worst.region) ~= (b == worst.region) then return a == worst.region end
+    local p, q = worst.regions[a].max_principal, worst.regions[b].max_principal
+    if p ~= q then return p > q end
+    return a < b
+  end)
+  local out = {}
+  for i = 1, math.min(count, #order) do out[i] = order[i] end
+  return out
+end
+
+local function add_loads(worst, nodes, data, shown)
+  local mesh = worst.mesh
+  for k, region in ipairs(shown) do
+    local u, message, details = worst:displacement(region)
+    if not u then return nil, message, details end
+    local stress
+    stress, message, details = worst:stress(region)
+    if not stress then return nil, message, details end
+    local about = worst.regions[region]
+    local name = ("mode %d, region %d"):format(about.mode, about.rank)
+    data.fields[#data.fields + 1] = {name = "stress under the load of " .. name, unit = "MPa",
+      values = floats(mesh:to_nodes(core.max_principal(stress)):gather(nodes) * 1e-6)}
+    data.displacements[k] = {name = "worst load of " .. name, kind = "load",
+      values = floats(u:gather(nodes)), field = #data.fields - 1,
+      arrows = json.list(worst:arrows(region))}
+  end
+  return true
+end
+
+local function add_modes(worst, nodes, data, count)
+  local modes = worst.modes
+  if modes.components ~= 3 then return end
+  local frequencies = modes.frequencies
+  for i = 1, math.min(count, modes.count) do
+    data.displacements[#data.displacements + 1] = {
+      name = frequencies and ("mode %d: %.4g Hz"):format(i, frequencies[i]) or ("mode %d"):format(i),
+      kind = "mode", values = floats(modes:shape(i):gather(nodes)), field = json.null,
+      arrows = json.list {}}
+  end
+end
+
+local function table_of_regions(worst, shown)
+  local motion = {}
+  for k, region in ipairs(shown) do motion[region] = k - 1 end
+  local rows = {}
+  for i, region in ipairs(worst.regions) do
+    rows[#rows + 1] = ("<tr%s><td>%d</td><td>%d</td><td>%.3g</td><td>%.4g</td><td>%s</td><td>%s</td>"
+      .. "<td>%.4g</td></tr>"):format(
+      motion[i] and (' data-motion="%d"'):format(motion[i]) or "", region.mode, region.rank,
+      100 * region.volume_fraction, region.max_principal / 1e6,
+      region.utilisation and ("%.3g"):format(100 * region.utilisation) or "",
+      ("%.4g, %.4g, %.4g"):format(region.at[1] * 1e3, region.at[2] * 1e3, region.at[3] * 1e3),
+      region.displacement * 1e3)
+  end
+  return "<h2>Weak regions</h2>\n<div class=\"scroll\"><table><thead><tr><th>mode</th><th>region</th>"
+    .. "<th>volume, %</th><th>stress, MPa</th><th>of strength, %</th><th>at, mm</th>"
+    .. "<th>largest motion, mm</th></tr></thead><tbody>\n" .. table.concat(rows, "\n")
+    .. "\n</tbody></table></div>"
+end
+
+local function data_of(worst, wish, shown)
+  local surface, nodes, details = worst.mesh:surface()
+  if not surface then return nil, nodes, details end
+  local data = {
+    positions = floats(surface.points),
+    triangles = core.base64(surface.triangles:tostring("<u4", -1)),
+    colours = colours(),
+    fields = json.list {{name = "weakness (largest principal stress)", unit = "MPa",
+      values = floats(worst.mesh:to_nodes(worst.weakness):gather(nodes) * 1e-6)}},
+    displacements = json.list {},
+    view = {1, -1.4, 0.8},
+  }
+  local fine, message
+  fine, message, details = add_loads(worst, nodes, data, shown)
+  if not fine then return nil, message, details end
+  data.fields[#data.fields + 1] = {name = "pressure of the worst load", unit = "MPa",
+    values = floats(worst:pressure():gather(nodes) * 1e-6)}
+  -- Many points make a heavy page: fewer modes then.
+  local most = math.max(3, math.floor(1.5e6 / surface.point_count))
+  add_modes(worst, nodes, data, math.min(wish.modes, most))
+  return data
+end
+
+-- The picture as a data URI, for a page whose bundle was not built.
+local function picture(worst, path)
+  local name = path .. ".png"
+  if not worst:picture(name) then return "" end
+  local bytes = read(name)
+  os.remove(name)
+  return bytes and ('<img alt="weakness map" src="data:image/png;base64,%s">'):format(
+    core.base64(bytes)) or ""
+end
+
+--- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
+function report.write(worst, path, given)
+  local wish = options.read("report", given, rules, 3)
+  local page = template()
+  if not page then return nil, "the report's template was not found", {status = "io"} end
+  local shown = chosen_regions(worst, wish.loads)
+  local data, message, details = data_of(worst, wish, shown)
+  if not data then return nil, message, details end
+  local view = viewer()
+  local parts = {
+    title = escape(wish.title or "Worst-case analysis"),
+    answer = escape(tostring(worst)),
+    manifest = escape(json.encode(wish.manifest or {version = core.version,
+      options = worst.options}, "  ")),
+    body = table_of_regions(worst, shown),
+    data = (json.encode(data):gsub("</", "<\\/")),
+    viewer = view and (view:gsub("</", "<\\/")) or "",
+    picture = view and "" or picture(worst, path),
+  }
+  page = page:gsub("{{(%l+)}}", function(key) return parts[key] end)
+  return core.write_file(path, page)
+end
+
+return report

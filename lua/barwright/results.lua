@@ -1,0 +1,117 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Results that can be run again: a folder with result.json (plain numbers, unit in the key) and
+-- manifest.json (what made them). Files are written beside their target and renamed.
+local core = require "barwright.core"
+local json = require "barwright.json"
+
+local results = {}
+results.__index = results
+results.__name = "results"
+
+local function first_line(path, pattern)
+  local file = io.open(path)
+  if not file then return nil end
+  for line in file:lines() do
+    local value = line:match(pattern)
+    if value then
+      file:close()
+      return value
+    end
+  end
+  file:close()
+end
+
+local function machine()
+  local processors = 0
+  local file = io.open "/proc/cpuinfo"
+  if file then
+    for line in file:lines() do
+      if line:match "^processor%s*:" then processors = processors + 1 end
+    end
+    file:close()
+  end
+  local kilobytes = first_line("/proc/meminfo", "^MemTotal:%s*(%d+)")
+  return {
+    processor = first_line("/proc/cpuinfo", "^model name%s*:%s*(.+)"),
+    processors = processors,
+    memory_bytes = kilobytes and tonumber(kilobytes) * 1024,
+    system = first_line("/etc/os-release", '^PRETTY_NAME="?([^"]+)'),
+  }
+end
+
+local function library_versions()
+  local text = core.library_versions()
+  local lines = json.list {}
+  for line in (text or ""):gmatch "[^\n]+" do lines[#lines + 1] = line end
+  return lines
+end
+
+--- Peak memory of the process in bytes, or nil where the system does not tell.
+function results.peak_memory()
+  local kilobytes = first_line("/proc/self/status", "^VmHWM:%s*(%d+)")
+  return kilobytes and tonumber(kilobytes) * 1024
+end
+
+local function is_folder(path)
+  -- Opening a folder works, reading from it does not.
+  local file = io.open(path)
+  if not file then return false end
+  local _, _, code = file:read(0)
+  file:close()
+  return code == 21
+end
+
+local function make_folder(path)
+  if is_folder(path) then return true end
+  os.execute("mkdir -p -- '" .. path:gsub("'", "'\\''") .. "'")
+  if is_folder(path) then return true end
+  return nil, ("cannot make the folder %s"):format(path)
+end
+
+--- A folder for results; made when it is missing.
+--- inputs: files to be named with their SHA-256; options: what the script was asked for; seed.
+function results.open(folder, about)
+  about = about or {}
+  local fine, message = make_folder(folder)
+  if not fine then return nil, message, {status = "io", file = folder} end
+  local self = setmetatable({folder = folder}, results)
+  local files = json.list {}
+  for _, path in ipairs(about.inputs or {}) do
+    local digest, why, details = core.sha256(path)
+    if not digest then return nil, why, details end
+    files[#files + 1] = {file = path, sha256 = digest}
+  end
+  local commit = core.commit
+  self.manifest = {
+    program = "barwright",
+    version = core.version,
+    commit = commit ~= "" and commit or json.null,
+    libraries = library_versions(),
+    script = about.script,
+    inputs = files,
+    options = about.options or {},
+    seed = about.seed or json.null,
+    threads = core.threads(),
+    machine = machine(),
+  }
+  return self
+end
+
+--- The path of a file in the folder.
+function results:path(name)
+  return self.folder .. "/" .. name
+end
+
+--- Writes result.json and manifest.json.
+function results:write(result)
+  local fine, message, details =
+    core.write_file(self:path "result.json", json.encode(result, "  ") .. "\n")
+  if not fine then return nil, message, details end
+  return core.write_file(self:path "manifest.json", json.encode(self.manifest, "  ") .. "\n")
+end
+
+function results:__tostring()
+  return "results in " .. self.folder
+end
+
+return results

@@ -1,0 +1,272 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The worst-case analysis (Zhou, Panetta, Zorin 2013): modes -> weak regions -> worst loads ->
+-- stresses, from one factorisation. docs/theory/worst_case.md tells why.
+local core = require "barwright.core"
+local options = require "barwright.options"
+
+local worst_case = {}
+worst_case.__index = worst_case
+worst_case.__name = "barwright.worst_case"
+
+local rules = {
+  force = {type = "number", default = 20, above = 0},
+  pressure = {type = "number", default = 2e5, above = 0},
+  at_most = {type = "boolean", default = false},
+  modes = {type = "integer", default = 15, least = 1, most = 500},
+  regions = {type = "integer", default = 5, least = 1, most = 1000},
+  fraction = {type = "number", default = 0.025, above = 0, most = 1},
+  measure = {type = "string", default = "stress", one_of = {"stress", "energy"}},
+  target = {type = "string", default = "stress", one_of = {"stress", "displacement"}},
+  laplacian = {type = "boolean", default = false},
+  one_sign = {type = "boolean", default = false},
+  tolerance = {type = "number", default = 1e-8, above = 0},
+  seed = {type = "integer", default = 1},
+  batch = {type = "integer", default = 0, least = 0},
+  glpk = {type = "boolean", default = false},
+}
+
+-- Centres of elements, from copies of the mesh's arrays taken once.
+local function centres(mesh)
+  local elements, nodes = mesh.elements, mesh.nodes
+  return function(element)
+    local x, y, z = 0, 0, 0
+    for corner = 1, 4 do
+      local node = elements(element, corner)
+      x, y, z = x + nodes(node, 1), y + nodes(node, 2), z + nodes(node, 3)
+    end
+    return {x / 4, y / 4, z / 4}
+  end
+end
+
+local function region_list(self, weak, loads)
+  local total, centre = self.mesh.volume, centres(self.mesh)
+  local list = {}
+  for i = 1, weak.count do
+    local region = weak[i]
+    list[i] = {
+      mode = region.mode, rank = region.rank, elements = region.count,
+      volume = region.volume, volume_fraction = region.volume / total, energy = region.energy,
+      max_principal = loads.peaks[i], element = loads.peak_elements[i],
+      at = centre(loads.peak_elements[i]),
+      utilisation = self.material.strength and loads.utilisations[i] or nil,
+      utilised_at = self.material.strength and loads.utilised_elements[i] > 0
+        and centre(loads.utilised_elements[i]) or nil,
+      displacement = loads.displacements[i], objective = loads.objectives[i],
+      seconds = loads.seconds[i], flipped = loads.flipped[i] ~= 0,
+    }
+  end
+  return list
+end
+
+-- What counts as worst: the utilisation where strengths differ with the direction, else the stress;
+-- for displacement as the target, the displacement.
+local function find_worst(self, loads)
+  if self.options.target == "displacement" then return (loads.displacements:argmax()) end
+  local used = self.material.strength and loads.utilisations:max() or 0
+  return (used > 0 and loads.utilisations or loads.peaks):argmax()
+end
+
+local function summarise(self, weak, loads)
+  self.regions = region_list(self, weak, loads)
+  self.region = find_worst(self, loads)
+  local worst = self.regions[self.region]
+  self.max_principal, self.at, self.element = worst.max_principal, worst.at, worst.element
+  self.mode, self.rank = worst.mode, worst.rank
+  self.max_displacement = loads.displacements:max()
+  if self.material.strength then
+    self.strength = self.material.strength
+    self.utilisation = loads.utilisations:max()
+  end
+  self.weakness, self.worst_region = loads.weakness, loads.worst_region
+  self.pressures = loads.pressures
+end
+
+--- Where a part breaks whatever happens to it. Returns nil, message, details when it cannot tell.
+function worst_case.analyse(part, given)
+  options.object("worst_case", "part", part, "model", 2)
+  local wish = options.read("worst_case", given, rules, 2)
+  local mesh, material = part.mesh, part.material
+  local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
+  local clock = core.seconds
+  local seconds = {}
+  self.seconds = seconds
+
+  local start = clock()
+  local system, message, details = part:system()
+  if not system then return nil, message, details end
+  self.system = system
+  local times = system.times
+  seconds.assemble = times.graph + times.stiffness
+  seconds.factor = times.order + times.factor
+  seconds.system = clock() - start
+
+  start = clock()
+  local modes
+  modes, message, details = part:modes {count = wish.modes, tolerance = wish.tolerance,
+    seed = wish.seed, laplacian = wish.laplacian, sturm = false}
+  if not modes then return nil, message, details end
+  self.modes = modes
+  seconds.modes = clock() - start
+
+  start = clock()
+  local weak
+  weak, message, details = core.weak_regions(mesh, material, modes, {measure = wish.measure,
+    fraction = wish.fraction, regions = wish.regions, target = wish.target})
+  if not weak then return nil, message, details end
+  self.weak_regions = weak
+  seconds.regions = clock() - start
+
+  start = clock()
+  local basis, loads
+  basis, message, details = core.pressure_basis(mesh)
+  if not basis then return nil, message, details end
+  self.basis = basis
+  loads, message, details = core.worst_loads(system, basis, weak, {pressure = wish.pressure,
+    force = wish.force, at_most = wish.at_most, one_sign = wish.one_sign, batch = wish.batch,
+    glpk = wish.glpk})
+  if not loads then return nil, message, details end
+  seconds.programmes = clock() - start
+  summarise(self, weak, loads)
+  return self
+end
+
+-- ---- asking -----------------------------------------------------------------------------------------
+
+local function check_region(self, i, where)
+  i = i or self.region
+  if math.type(i) ~= "integer" or i < 1 or i > #self.regions then
+    error(("%s: a region from 1 to %d expected, got %s"):format(where, #self.regions, tostring(i)), 3)
+  end
+  return i
+end
+
+--- The worst pressure of a region (the worst one when left out), at every node of the mesh.
+function worst_case:pressure(i)
+  i = check_region(self, i, "pressure")
+  return self.pressures[i]:scatter(self.basis.nodes, self.mesh.node_count)
+end
+
+--- The nodal forces of that pressure.
+function worst_case:force(i)
+  i = check_region(self, i, "force")
+  return self.basis:force(self.pressures[i])
+end
+
+--- The displacement under it, solved with the factor at hand and kept.
+function worst_case:displacement(i)
+  i = check_region(self, i, "displacement")
+  self.solved = self.solved or {}
+  if not self.solved[i] then
+    local u, message, details = self.system:solve(self.basis:force(self.pressures[i]))
+    if not u then return nil, message, details end
+    self.solved[i] = u
+  end
+  return self.solved[i]
+end
+
+--- The stress of every element under it.
+function worst_case:stress(i)
+  local u, message, details = self:displacement(i)
+  if not u then return nil, message, details end
+  return core.element_stress(self.mesh, self.material, u)
+end
+
+--- The pressure of a region summed into a few arrows {at, force, area}, largest first.
+function worst_case:arrows(i, radius)
+  i = check_region(self, i, "arrows")
+  return self.basis:arrows(self.pressures[i], radius)
+end
+
+--- The weakness of every boundary facet: that of the element behind it.
+function worst_case:surface_weakness()
+  return self.weakness:gather(self.mesh.facet_elements)
+end
+
+-- ---- showing ------------------------------------------------------------------------------------------
+
+local function place(at)
+  return ("(%.4g, %.4g, %.4g) mm"):format(at[1] * 1e3, at[2] * 1e3, at[3] * 1e3)
+end
+
+--- The answer in one line.
+function worst_case:__tostring()
+  if not self.regions then return "worst case (closed)" end
+  local head
+  if self.options.target == "displacement" then
+    head = ("%.4g mm of displacement, %.4g MPa at %s"):format(
+      self.regions[self.region].displacement * 1e3, self.max_principal / 1e6, place(self.at))
+  else
+    head = ("%.4g MPa at %s"):format(self.max_principal / 1e6, place(self.at))
+  end
+  local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
+    or "strength not known"
+  return ("%s: mode %d, region %d; %s"):format(head, self.mode, self.rank, tail)
+end
+
+--- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.
+function worst_case:write(path)
+  local u, message, details = self:displacement()
+  if not u then return nil, message, details end
+  local stress
+  stress, message, details = self:stress()
+  if not stress then return nil, message, details end
+  return self.mesh:write(path, {fields = {
+    weakness = {self.weakness, on = "elements"},
+    worst_region = {self.worst_region, on = "elements"},
+    stress = {stress, on = "elements"},
+    max_principal = {core.max_principal(stress), on = "elements"},
+    pressure = {self:pressure(), on = "nodes"},
+    displacement = {u, on = "nodes"},
+  }})
+end
+
+--- A picture: the weakness map with the arrows of the worst load, or with {region = i} the stress
+--- under that region's load on the deformed shape. Further options: those of bw.picture.
+function worst_case:picture(path, given)
+  local wish = {}
+  for key, value in pairs(given or {}) do wish[key] = value end
+  local region = wish.region
+  wish.region = nil
+  local surface, nodes, details = self.mesh:surface()
+  if not surface then return nil, nodes, details end
+  local values
+  if region then
+    local stress, message
+    stress, message, details = self:stress(region)
+    if not stress then return nil, message, details end
+    values = core.max_principal(stress)
+    wish.displacement = self:displacement(region):gather(nodes)
+    wish.unit = wish.unit or "largest principal stress, MPa"
+    wish.title = wish.title or ("Under the worst load of mode %d, region %d"):format(
+      self.regions[region].mode, self.regions[region].rank)
+  else
+    values = self.weakness
+    wish.unit = wish.unit or "weakness (largest principal stress), MPa"
+    wish.title = wish.title or tostring(self)
+  end
+  wish.values = self.mesh:to_nodes(values):gather(nodes)
+  wish.scale = wish.scale or 1e-6
+  wish.arrows = wish.arrows or self:arrows(region)
+  return core.picture(surface, path, wish)
+end
+
+--- One HTML file with a 3D view that turns; opens from disk. See barwright.report.
+function worst_case:report(path, given)
+  return require "barwright.report".write(self, path, given)
+end
+
+--- Lets go of the factor, the modes and the arrays at once.
+function worst_case:close()
+  for _, key in ipairs {"system", "modes", "weak_regions", "basis", "pressures", "weakness",
+    "worst_region"} do
+    if self[key] then self[key]:close() end
+    self[key] = nil
+  end
+  for _, u in pairs(self.solved or {}) do u:close() end
+  self.solved, self.regions = nil, nil
+end
+worst_case.__close = worst_case.close
+
+return setmetatable({class = worst_case}, {
+  __call = function(_, part, given) return worst_case.analyse(part, given) end,
+})

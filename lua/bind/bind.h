@@ -1,0 +1,200 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of the Lua binding share.
+ *
+ * A box is a full userdata that holds one engine object with one reference. It is made before the
+ * engine is called, so that Lua running out of memory leaks nothing; a box whose object is NULL is
+ * closed (or was never filled). The engine object retains what it depends on: nothing is kept
+ * alive by Lua user values alone.
+ *
+ * Every call into the engine stands between lbw_enter and lbw_leave. Between the two no Lua error
+ * may be raised (it would jump over the engine); callbacks into Lua run protected, keep their
+ * error, and lbw_leave raises it. A callback may not call the engine again nor close a box: both
+ * raise inside the callback. */
+#ifndef LBW_BIND_H
+#define LBW_BIND_H
+
+#include <lauxlib.h>
+#include <lua.h>
+#include <signal.h>
+
+#include "barwright.h"
+
+/* ---- one state per Lua state -------------------------------------------------------------- */
+
+typedef struct lbw_state {
+  bw_context *context;
+  lua_State *caller;              /* of the engine call that runs */
+  volatile sig_atomic_t running;  /* 1 while the engine works; read by a signal handler */
+  volatile sig_atomic_t stopping; /* set when an interrupt was asked for */
+  bool callback_failed;           /* its error value is kept in the registry */
+  bool echo;                      /* print remarks on standard error as they come */
+  bw_progress_function *progress; /* what shows progress when the script sets no function */
+  void *progress_data;
+  size_t external;       /* bytes held by open boxes */
+  size_t external_after; /* the same after the last full collection */
+} lbw_state;
+
+/* Makes the state on first use. Raises when there is no memory. */
+lbw_state *lbw_state_of(lua_State *L);
+
+bw_context *lbw_enter(lua_State *L);
+/* `results` values are on the top of the stack for a success. On failure they are dropped: misuse
+ * (BW_INVALID, BW_EMPTY) raises, the rest returns nil, message, details. */
+int lbw_leave(lua_State *L, bw_status status, int results);
+/* The same where only success can be told: every failure raises. */
+void lbw_leave_or_raise(lua_State *L, bw_status status);
+
+/* Call the Lua function at `function` with three coordinates and read one number, protected, for
+ * callbacks from the engine. After a failure every call returns `otherwise`. */
+double lbw_call_field(lbw_state *state, int function, const double at[3], double otherwise);
+
+/* A field over space given by a Lua function of x, y, z, by a formula in them, or by a number. A
+ * Lua function is called on one thread only: lbw_field_begin sets the context to one thread, and
+ * lbw_field_end sets it back. Pass lbw_field_value and the field to the engine. */
+typedef struct lbw_field lbw_field;
+/* Reads the value at `index`, which must stay on the stack, into a userdata that is pushed. */
+lbw_field *lbw_field_read(lua_State *L, int index, const char *what);
+void lbw_field_begin(lbw_field *field, bw_context *context);
+void lbw_field_end(lbw_field *field, bw_context *context);
+double lbw_field_value(void *field, const double at[3]);
+
+/* ---- classes and boxes --------------------------------------------------------------------- */
+
+typedef struct lbw_class {
+  const char *name;           /* "mesh": also the name of the metatable, with "barwright." */
+  const luaL_Reg *methods;    /* called with the box first */
+  const luaL_Reg *properties; /* getters: one value from the box */
+  const luaL_Reg *meta;       /* further metamethods; NULL: none */
+  size_t (*bytes)(const void *object); /* what the box accounts for; NULL: bw_bytes */
+} lbw_class;
+
+typedef struct lbw_box {
+  const lbw_class *class;
+  const void *object;
+  const void *extra; /* a second reference (the last system of a model), or NULL */
+  size_t bytes;      /* accounted */
+} lbw_box;
+
+void lbw_class_register(lua_State *L, const lbw_class *class);
+/* Pushes an empty box. */
+lbw_box *lbw_box_new(lua_State *L, const lbw_class *class);
+/* Takes over one reference and tells the collector the size. */
+void lbw_box_fill(lua_State *L, lbw_box *box, const void *object);
+/* The same, retaining. */
+void lbw_push(lua_State *L, const lbw_class *class, const void *object);
+/* Counts the box again after its object or extra grew. */
+void lbw_box_account(lua_State *L, lbw_box *box);
+void lbw_box_close(lua_State *L, lbw_box *box);
+
+lbw_box *lbw_check_box(lua_State *L, int argument, const lbw_class *class);
+const void *lbw_check(lua_State *L, int argument, const lbw_class *class);
+/* NULL when the value is no open box of the class. */
+const void *lbw_test(lua_State *L, int index, const lbw_class *class);
+/* "mesh", "surface", ... or Lua's type name. */
+const char *lbw_type_name(lua_State *L, int index);
+/* Runs `compute` once per box and key; the value is kept with the box. Called from a property. */
+int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
+
+extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
+    lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
+    lbw_weak_regions_class, lbw_pressure_basis_class;
+
+/* ---- arguments ------------------------------------------------------------------------------- */
+
+/* {x, y, z}, or an array of three numbers. `what` names the argument in the message. */
+void lbw_check_vector(lua_State *L, int argument, const char *what, double vector[3]);
+bool lbw_to_vector(lua_State *L, int index, double vector[3]);
+void lbw_push_vector(lua_State *L, const double vector[3]);
+double lbw_check_real(lua_State *L, int argument, const char *what);
+/* From 1 in Lua to 0 here, checked against `count`. */
+int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t count);
+/* 1..3 or "x", "y", "z" -> 0..2 */
+int lbw_check_axis(lua_State *L, int argument);
+/* Nine numbers in three rows, or flat. */
+void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
+                      double *matrix);
+
+/* Metres per unit from the option "unit" of the table at `options`: a name or a number. */
+double lbw_unit_option(lua_State *L, int options, const char *function, double otherwise);
+/* 1 for mesh files (metres), 0.001 for surface files: what a path's ending stands for. */
+double lbw_unit_of_path(const char *path);
+
+/* The table {moved = , steps = {...}} */
+void lbw_push_shape_log(lua_State *L, const bw_shape_log *log);
+/* {low = , high = , size = } */
+void lbw_push_box(lua_State *L, const double low[3], const double high[3]);
+/* "0.123 x 0.1 x 0.04 m from (0, 0, 0)" in a unit that reads well, onto the stack. */
+void lbw_push_box_text(lua_State *L, const double low[3], const double high[3]);
+
+/* Reads the table of named arrays at `index` (nil: none) into a list of fields in a userdata that
+ * is pushed; places by numbers of rows. Arrays are packed doubles or int32 as they are. */
+bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t nodes, int64_t elements,
+                     int *count);
+
+typedef enum lbw_option_type {
+  LBW_BOOLEAN,
+  LBW_REAL,   /* double */
+  LBW_INT,    /* int */
+  LBW_COUNT,  /* int64_t */
+  LBW_SEED,   /* uint64_t */
+  LBW_VECTOR, /* double[3] */
+  LBW_OTHER   /* known, read by the caller */
+} lbw_option_type;
+typedef struct lbw_option {
+  const char *key;
+  lbw_option_type type;
+  size_t offset;
+} lbw_option;
+/* Reads the table at `index` (nil and none: nothing) into a struct. Unknown keys raise and name
+ * the nearest known one. The list ends with a NULL key. */
+void lbw_options(lua_State *L, int index, const char *function, const lbw_option *options,
+                 void *into);
+/* Pushes options[key], or nil when there is no table; returns its type. */
+int lbw_option_get(lua_State *L, int index, const char *key);
+/* The place of a word of a list that ends with NULL. */
+int lbw_word_option(lua_State *L, int index, const char *function, const char *key,
+                    const char *const words[], int otherwise);
+int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected);
+
+/* The candidate nearest to a word by edit distance; NULL for an empty list. */
+const char *lbw_nearest(const char *word, const char *const *candidate, size_t count);
+
+/* ---- arrays -------------------------------------------------------------------------------------
+ */
+
+const bw_array *lbw_check_array(lua_State *L, int argument, const char *what);
+/* A view on memory of an engine object. */
+int lbw_push_borrowed(lua_State *L, bw_type type, int64_t rows, int64_t columns, const void *data,
+                      const void *owner);
+/* A new array of zeros; its data for filling. Raises when there is no memory. */
+bw_array *lbw_push_array(lua_State *L, bw_type type, int64_t rows, int64_t columns);
+/* Numbers that count from 0 as an array that counts from 1 (negative: 0). */
+int lbw_push_indices(lua_State *L, int64_t rows, int64_t columns, const int32_t *index);
+/* A packed block of doubles (or int32 counted from 0) from an array or a table of rows, in a
+ * userdata that is pushed. `columns` 0: any. */
+double *lbw_to_doubles(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
+int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t columns, int64_t *rows);
+/* A mask of `count` bytes from an array, in a userdata that is pushed. */
+uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count);
+
+/* The equations of a model: those it has, or new ones that reuse what they can. Retained by the
+ * model's box; between lbw_enter and lbw_leave. */
+bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system);
+
+/* ---- the parts
+ * ------------------------------------------------------------------------------------ */
+
+/* Each adds its functions to the table on the top of the stack. */
+void lbw_open_array(lua_State *L);
+void lbw_open_surface(lua_State *L);
+void lbw_open_mesh(lua_State *L);
+void lbw_open_selection(lua_State *L);
+void lbw_open_material(lua_State *L);
+void lbw_open_model(lua_State *L);
+void lbw_open_solve(lua_State *L);
+void lbw_open_worst(lua_State *L);
+void lbw_open_picture(lua_State *L);
+
+int luaopen_barwright_core(lua_State *L);
+
+#endif

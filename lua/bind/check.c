@@ -1,0 +1,252 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Arguments and options: vectors, indices, axes, tables of options with their known keys. */
+#include "bind.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+enum { LONGEST_WORD = 63 };
+
+/* Edit distance where a swap of neighbours counts once: the commonest slip of a hand. */
+static int edit_distance(const char *a, const char *b) {
+  int row[3][LONGEST_WORD + 1];
+  int n = (int)strnlen(a, LONGEST_WORD), m = (int)strnlen(b, LONGEST_WORD);
+  int *before = row[0], *last = row[1], *now = row[2];
+  for (int j = 0; j <= m; j++)
+    before[j] = last[j] = j;
+  for (int i = 1; i <= n; i++) {
+    now[0] = i;
+    for (int j = 1; j <= m; j++) {
+      int best = last[j - 1] + (a[i - 1] != b[j - 1]);
+      if (last[j] + 1 < best)
+        best = last[j] + 1;
+      if (now[j - 1] + 1 < best)
+        best = now[j - 1] + 1;
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
+          before[j - 2] + 1 < best)
+        best = before[j - 2] + 1;
+      now[j] = best;
+    }
+    int *spare = before;
+    before = last;
+    last = now;
+    now = spare;
+  }
+  return last[m];
+}
+
+const char *lbw_nearest(const char *word, const char *const *candidate, size_t count) {
+  const char *best = NULL;
+  int least = INT_MAX;
+  for (size_t i = 0; i < count; i++) {
+    int distance = edit_distance(word, candidate[i]);
+    /* Ties go to the alphabet: the order of a table must not show. */
+    if (distance < least || (distance == least && strcmp(candidate[i], best) < 0)) {
+      least = distance;
+      best = candidate[i];
+    }
+  }
+  return best;
+}
+
+bool lbw_to_vector(lua_State *L, int index, double vector[3]) {
+  index = lua_absindex(L, index);
+  const bw_array *array = (const bw_array *)lbw_test(L, index, &lbw_array_class);
+  if (array) {
+    if (array->rows * array->columns != 3)
+      return false;
+    for (int i = 0; i < 3; i++)
+      vector[i] = array->columns == 1 ? bw_array_get(array, i, 0) : bw_array_get(array, 0, i);
+    return true;
+  }
+  if (!lua_istable(L, index) || lua_rawlen(L, index) != 3)
+    return false;
+  for (int i = 0; i < 3; i++) {
+    bool number = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER;
+    vector[i] = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+    if (!number || !isfinite(vector[i]))
+      return false;
+  }
+  return true;
+}
+
+void lbw_check_vector(lua_State *L, int argument, const char *what, double vector[3]) {
+  if (!lbw_to_vector(L, argument, vector))
+    luaL_argerror(L, argument,
+                  lua_pushfstring(L, "%s: three finite numbers {x, y, z} expected, got %s", what,
+                                  lbw_type_name(L, argument)));
+}
+
+void lbw_push_vector(lua_State *L, const double vector[3]) {
+  lua_createtable(L, 3, 0);
+  for (int i = 0; i < 3; i++) {
+    lua_pushnumber(L, vector[i]);
+    lua_rawseti(L, -2, i + 1);
+  }
+}
+
+double lbw_check_real(lua_State *L, int argument, const char *what) {
+  if (lua_type(L, argument) != LUA_TNUMBER)
+    luaL_argerror(
+        L, argument,
+        lua_pushfstring(L, "%s: a number expected, got %s", what, lbw_type_name(L, argument)));
+  double value = lua_tonumber(L, argument);
+  if (!isfinite(value))
+    luaL_argerror(L, argument, lua_pushfstring(L, "%s: a finite number expected", what));
+  return value;
+}
+
+int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t count) {
+  int is_integer = 0;
+  lua_Integer value =
+      lua_type(L, argument) == LUA_TNUMBER ? lua_tointegerx(L, argument, &is_integer) : 0;
+  if (!is_integer || value < 1 || value > count)
+    luaL_argerror(L, argument,
+                  lua_pushfstring(L, "%s: a number from 1 to %I expected, got %s", what,
+                                  (LUAI_UACINT)count, luaL_tolstring(L, argument, NULL)));
+  return value - 1;
+}
+
+int lbw_check_axis(lua_State *L, int argument) {
+  if (lua_type(L, argument) == LUA_TSTRING) {
+    const char *name = lua_tostring(L, argument);
+    if (strlen(name) == 1 && name[0] >= 'x' && name[0] <= 'z')
+      return name[0] - 'x';
+  } else if (lua_isinteger(L, argument)) {
+    lua_Integer axis = lua_tointeger(L, argument);
+    if (axis >= 1 && axis <= 3)
+      return (int)axis - 1;
+  }
+  return luaL_argerror(L, argument, "an axis expected: 1, 2, 3 or \"x\", \"y\", \"z\"");
+}
+
+void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
+                      double *matrix) {
+  int64_t count;
+  argument = lua_absindex(L, argument);
+  double *data = NULL;
+  if (lua_istable(L, argument) && (int)lua_rawlen(L, argument) == rows * columns) {
+    data = lbw_to_doubles(L, argument, what, 1, &count);
+    count /= columns;
+  } else if (lua_istable(L, argument) || lbw_test(L, argument, &lbw_array_class)) {
+    data = lbw_to_doubles(L, argument, what, columns, &count);
+  } else {
+    luaL_argerror(L, argument,
+                  lua_pushfstring(L, "%s: %d rows of %d numbers expected, got %s", what, rows,
+                                  columns, lbw_type_name(L, argument)));
+  }
+  if (count != rows)
+    luaL_error(L, "%s: %d rows of %d numbers expected", what, rows, columns);
+  memcpy(matrix, data, sizeof *matrix * (size_t)(rows * columns));
+  lua_pop(L, 1);
+}
+
+int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected) {
+  return luaL_error(L, "%s: option '%s': %s", function, key, expected);
+}
+
+static void wrong_type(lua_State *L, const char *function, const char *key, const char *expected) {
+  luaL_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
+             lbw_type_name(L, -1));
+}
+
+/* The value is on the top of the stack. */
+static void read_option(lua_State *L, const char *function, const lbw_option *option, char *into) {
+  void *place = into + option->offset;
+  int is_integer = 0;
+  lua_Integer integer = lua_type(L, -1) == LUA_TNUMBER ? lua_tointegerx(L, -1, &is_integer) : 0;
+  switch (option->type) {
+  case LBW_BOOLEAN:
+    if (!lua_isboolean(L, -1))
+      wrong_type(L, function, option->key, "true or false");
+    *(bool *)place = lua_toboolean(L, -1);
+    break;
+  case LBW_REAL:
+    if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(lua_tonumber(L, -1)))
+      wrong_type(L, function, option->key, "a finite number");
+    *(double *)place = lua_tonumber(L, -1);
+    break;
+  case LBW_INT:
+    if (!is_integer || integer < INT_MIN || integer > INT_MAX)
+      wrong_type(L, function, option->key, "a whole number");
+    *(int *)place = (int)integer;
+    break;
+  case LBW_COUNT:
+    if (!is_integer || integer < 0)
+      wrong_type(L, function, option->key, "a whole number, 0 or more,");
+    *(int64_t *)place = integer;
+    break;
+  case LBW_SEED:
+    if (!is_integer)
+      wrong_type(L, function, option->key, "a whole number");
+    *(uint64_t *)place = (uint64_t)integer;
+    break;
+  case LBW_VECTOR:
+    if (!lbw_to_vector(L, -1, (double *)place))
+      wrong_type(L, function, option->key, "three finite numbers {x, y, z}");
+    break;
+  case LBW_OTHER:
+    break;
+  }
+}
+
+static void unknown_option(lua_State *L, const char *function, const lbw_option *options) {
+  if (lua_type(L, -2) != LUA_TSTRING)
+    luaL_error(L, "%s: options are named: {name = value}, found a value at %s", function,
+               luaL_tolstring(L, -2, NULL));
+  const char *name[64];
+  size_t count = 0;
+  for (const lbw_option *option = options; option->key && count < 64; option++)
+    name[count++] = option->key;
+  const char *near = lbw_nearest(lua_tostring(L, -2), name, count);
+  luaL_error(L, "%s: unknown option '%s': did you mean '%s'?", function, lua_tostring(L, -2),
+             near ? near : "");
+}
+
+void lbw_options(lua_State *L, int index, const char *function, const lbw_option *options,
+                 void *into) {
+  if (lua_isnoneornil(L, index))
+    return;
+  if (!lua_istable(L, index))
+    luaL_error(L, "%s: a table of options expected, got %s", function, lbw_type_name(L, index));
+  index = lua_absindex(L, index);
+  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+    const lbw_option *option = options;
+    if (lua_type(L, -2) == LUA_TSTRING)
+      while (option->key && strcmp(option->key, lua_tostring(L, -2)) != 0)
+        option++;
+    if (lua_type(L, -2) != LUA_TSTRING || !option->key)
+      unknown_option(L, function, options);
+    read_option(L, function, option, (char *)into);
+  }
+}
+
+int lbw_option_get(lua_State *L, int index, const char *key) {
+  if (!lua_istable(L, index)) {
+    lua_pushnil(L);
+    return LUA_TNIL;
+  }
+  index = lua_absindex(L, index);
+  lua_pushstring(L, key);
+  return lua_rawget(L, index); /* raw, as lbw_options: no foreign code runs in between */
+}
+
+int lbw_word_option(lua_State *L, int index, const char *function, const char *key,
+                    const char *const words[], int otherwise) {
+  int type = lbw_option_get(L, index, key), found = otherwise;
+  if (type != LUA_TNIL) {
+    size_t count = 0;
+    found = -1;
+    for (; words[count]; count++)
+      if (type == LUA_TSTRING && strcmp(words[count], lua_tostring(L, -1)) == 0)
+        found = (int)count;
+    if (found < 0)
+      luaL_error(L, "%s: option '%s': '%s' is not known: did you mean '%s'?", function, key,
+                 luaL_tolstring(L, -1, NULL),
+                 lbw_nearest(luaL_tolstring(L, -1, NULL), words, count));
+  }
+  lua_pop(L, 1);
+  return found;
+}

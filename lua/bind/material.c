@@ -1,0 +1,317 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.material: laws given by constants, and the library's materials by name. */
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const bw_material *self(lua_State *L) {
+  return (const bw_material *)lbw_check(L, 1, &lbw_material_class);
+}
+
+static int leave(lua_State *L, lbw_box *box, const bw_material *material, bw_status status) {
+  lbw_box_fill(L, box, material);
+  return lbw_leave(L, status, 1);
+}
+
+/* The option "name", a string that stays with the options' table. */
+static const char *name_option(lua_State *L, const char *function) {
+  const char *name = NULL;
+  int type = lbw_option_get(L, 1, "name");
+  if (type == LUA_TSTRING)
+    name = lua_tostring(L, -1);
+  else if (type != LUA_TNIL)
+    lbw_option_error(L, function, "name", "a string expected");
+  lua_pop(L, 1);
+  return name;
+}
+
+/* material.isotropic{young, poisson, density, strength, name} */
+static int material_isotropic(lua_State *L) {
+  static const lbw_option list[] = {{"young", LBW_REAL, offsetof(bw_isotropic, young)},
+                                    {"poisson", LBW_REAL, offsetof(bw_isotropic, poisson)},
+                                    {"density", LBW_REAL, offsetof(bw_isotropic, density)},
+                                    {"strength", LBW_REAL, offsetof(bw_isotropic, strength)},
+                                    {"name", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_isotropic constants;
+  memset(&constants, 0, sizeof constants);
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_options(L, 1, "material.isotropic", list, &constants);
+  constants.name = name_option(L, "material.isotropic");
+  lbw_box *box = lbw_box_new(L, &lbw_material_class);
+  bw_material *out = NULL;
+  bw_status status = bw_material_isotropic(lbw_enter(L), &constants, &out);
+  return leave(L, box, out, status);
+}
+
+/* material.orthotropic{young, poisson, poisson_t, shear, axes, density, strength, name} */
+static int material_orthotropic(lua_State *L) {
+  static const lbw_option list[] = {{"young", LBW_VECTOR, offsetof(bw_orthotropic, young)},
+                                    {"poisson", LBW_VECTOR, offsetof(bw_orthotropic, poisson)},
+                                    {"poisson_t", LBW_VECTOR, offsetof(bw_orthotropic, poisson_t)},
+                                    {"shear", LBW_VECTOR, offsetof(bw_orthotropic, shear)},
+                                    {"strength", LBW_VECTOR, offsetof(bw_orthotropic, strength)},
+                                    {"density", LBW_REAL, offsetof(bw_orthotropic, density)},
+                                    {"axes", LBW_OTHER, 0},
+                                    {"name", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_orthotropic constants;
+  memset(&constants, 0, sizeof constants);
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_options(L, 1, "material.orthotropic", list, &constants);
+  constants.name = name_option(L, "material.orthotropic");
+  if (lbw_option_get(L, 1, "axes") != LUA_TNIL)
+    lbw_check_matrix(L, -1, "material.orthotropic: axes", 3, 3, constants.axes);
+  lbw_box *box = lbw_box_new(L, &lbw_material_class);
+  bw_material *out = NULL;
+  bw_status status = bw_material_orthotropic(lbw_enter(L), &constants, &out);
+  return leave(L, box, out, status);
+}
+
+/* material.named(name); raises for an unknown name and names the nearest */
+static int material_named(lua_State *L) {
+  const char *name = luaL_checkstring(L, 1);
+  const char *known[64];
+  size_t count = 0;
+  bool found = false;
+  for (int i = 0; i < bw_material_library_count() && count < 64; i++) {
+    known[count++] = bw_material_library_name(i);
+    found = found || strcmp(known[count - 1], name) == 0;
+  }
+  if (!found)
+    return luaL_error(L, "there is no material '%s': did you mean '%s'?", name,
+                      lbw_nearest(name, known, count));
+  lbw_box *box = lbw_box_new(L, &lbw_material_class);
+  bw_material *out = NULL;
+  bw_status status = bw_material_named(lbw_enter(L), name, &out);
+  return leave(L, box, out, status);
+}
+
+/* material.names(): the library's names */
+static int material_names(lua_State *L) {
+  lua_newtable(L);
+  for (int i = 0; i < bw_material_library_count(); i++) {
+    lua_pushstring(L, bw_material_library_name(i));
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+/* material:rotated(rotation): 3 x 3, turns the material's axes */
+static int material_rotated(lua_State *L) {
+  const bw_material *material = self(L);
+  double rotation[9];
+  lbw_check_matrix(L, 2, "rotation", 3, 3, rotation);
+  lbw_box *box = lbw_box_new(L, &lbw_material_class);
+  bw_material *out = NULL;
+  bw_status status = bw_material_rotated(lbw_enter(L), material, rotation, &out);
+  return leave(L, box, out, status);
+}
+
+static int material_strength_along(lua_State *L) {
+  const bw_material *material = self(L);
+  double direction[3];
+  lbw_check_vector(L, 2, "direction", direction);
+  double strength = bw_material_strength(material, direction);
+  if (strength > 0)
+    lua_pushnumber(L, strength);
+  else
+    lua_pushnil(L);
+  return 1;
+}
+
+/* material:utilisation(stress): stress n x 6 (xx yy zz yz zx xy) -> n numbers */
+static int material_utilisation(lua_State *L) {
+  const bw_material *material = self(L);
+  int64_t rows;
+  double *stress = lbw_to_doubles(L, 2, "stress", 6, &rows);
+  double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
+  return lbw_leave(L, bw_utilisation_field(lbw_enter(L), material, rows, stress, out), 1);
+}
+
+/* ---- properties
+ * ----------------------------------------------------------------------------------- */
+
+static int material_name(lua_State *L) {
+  lua_pushstring(L, self(L)->name);
+  return 1;
+}
+
+static int material_is_isotropic(lua_State *L) {
+  lua_pushboolean(L, self(L)->isotropic);
+  return 1;
+}
+
+static void push_known(lua_State *L, double value) {
+  if (value > 0)
+    lua_pushnumber(L, value);
+  else
+    lua_pushnil(L);
+}
+
+static int material_density(lua_State *L) {
+  push_known(L, self(L)->density);
+  return 1;
+}
+
+/* One number for an isotropic material, three along the axes for others. */
+static int push_constant(lua_State *L, const bw_material *material, const double value[3]) {
+  if (material->isotropic)
+    lua_pushnumber(L, value[0]);
+  else
+    lbw_push_vector(L, value);
+  return 1;
+}
+
+static int material_young(lua_State *L) {
+  const bw_material *material = self(L);
+  return push_constant(L, material, material->young);
+}
+
+static int material_poisson(lua_State *L) {
+  const bw_material *material = self(L);
+  return push_constant(L, material, material->poisson);
+}
+
+static int material_shear(lua_State *L) {
+  const bw_material *material = self(L);
+  return push_constant(L, material, material->shear);
+}
+
+static int material_strength(lua_State *L) {
+  const bw_material *material = self(L);
+  if (!(material->strength[0] > 0)) {
+    lua_pushnil(L);
+    return 1;
+  }
+  return push_constant(L, material, material->strength);
+}
+
+static int material_axes(lua_State *L) {
+  const bw_material *material = self(L);
+  return lbw_push_borrowed(L, BW_F64, 3, 3, material->axes, material);
+}
+
+static int material_elasticity(lua_State *L) {
+  const bw_material *material = self(L);
+  return lbw_push_borrowed(L, BW_F64, 6, 6, material->elasticity, material);
+}
+
+static void push_value(lua_State *L, const char *key, const bw_value *value) {
+  if (value->mean == 0 && !value->source)
+    return;
+  lua_createtable(L, 0, 3);
+  lua_pushnumber(L, value->mean);
+  lua_setfield(L, -2, "mean");
+  push_known(L, value->scatter);
+  lua_setfield(L, -2, "scatter");
+  lua_pushstring(L, value->source);
+  lua_setfield(L, -2, "source");
+  lua_setfield(L, -2, key);
+}
+
+/* Where the values come from and how far they scatter: {young_1 = {mean, scatter, source}, ...} */
+static int material_sources(lua_State *L) {
+  const bw_material *material = self(L);
+  lua_newtable(L);
+  char key[32];
+  for (int i = 0; i < 3; i++) {
+    static const char *const pair[3] = {"23", "31", "12"};
+    snprintf(key, sizeof key, "young_%d", i + 1);
+    push_value(L, key, &material->young_value[i]);
+    snprintf(key, sizeof key, "poisson_%s", pair[i]);
+    push_value(L, key, &material->poisson_value[i]);
+    snprintf(key, sizeof key, "strength_%d", i + 1);
+    push_value(L, key, &material->strength_value[i]);
+  }
+  push_value(L, "density", &material->density_value);
+  return 1;
+}
+
+static void add_source(luaL_Buffer *buffer, const char *what, const char *axis,
+                       const bw_value *value, double unit, const char *unit_name) {
+  char text[600];
+  if (!value->source)
+    return;
+  snprintf(text, sizeof text, "\n  %s%s %.4g", what, axis, value->mean / unit);
+  luaL_addstring(buffer, text);
+  if (value->scatter > 0) {
+    snprintf(text, sizeof text, " +- %.3g", value->scatter / unit);
+    luaL_addstring(buffer, text);
+  }
+  snprintf(text, sizeof text, " %s: %s", unit_name, value->source);
+  luaL_addstring(buffer, text);
+}
+
+static int material_tostring(lua_State *L) {
+  const bw_material *material = (const bw_material *)lbw_test(L, 1, &lbw_material_class);
+  if (!material) {
+    lua_pushliteral(L, "material (closed)");
+    return 1;
+  }
+  char text[400];
+  const double *y = material->young, *s = material->strength;
+  int used = snprintf(text, sizeof text, "material %s, ",
+                      material->name[0] ? material->name : "(unnamed)");
+  if (material->isotropic)
+    used += snprintf(text + used, sizeof text - (size_t)used,
+                     "isotropic: Young's modulus %.4g GPa, Poisson's ratio %.4g", y[0] / 1e9,
+                     material->poisson[0]);
+  else
+    used += snprintf(text + used, sizeof text - (size_t)used,
+                     "orthotropic: Young's moduli %.4g, %.4g, %.4g GPa", y[0] / 1e9, y[1] / 1e9,
+                     y[2] / 1e9);
+  if (material->density > 0)
+    used += snprintf(text + used, sizeof text - (size_t)used, ", density %.4g kg/m3",
+                     material->density);
+  if (s[0] > 0 && material->isotropic)
+    snprintf(text + used, sizeof text - (size_t)used, ", strength %.4g MPa", s[0] / 1e6);
+  else if (s[0] > 0)
+    snprintf(text + used, sizeof text - (size_t)used, ", strengths %.4g, %.4g, %.4g MPa",
+             s[0] / 1e6, s[1] / 1e6, s[2] / 1e6);
+  luaL_Buffer buffer;
+  luaL_buffinit(L, &buffer);
+  luaL_addstring(&buffer, text);
+  for (int i = 0; i < (material->isotropic ? 1 : 3); i++) {
+    char axis[8] = "";
+    if (!material->isotropic)
+      snprintf(axis, sizeof axis, " %d", i + 1);
+    add_source(&buffer, "Young's modulus", axis, &material->young_value[i], 1e9, "GPa");
+    add_source(&buffer, "strength", axis, &material->strength_value[i], 1e6, "MPa");
+  }
+  add_source(&buffer, "density", "", &material->density_value, 1, "kg/m3");
+  luaL_pushresult(&buffer);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"rotated", material_rotated},
+                                   {"strength_along", material_strength_along},
+                                   {"utilisation", material_utilisation},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"name", material_name},
+                                      {"isotropic", material_is_isotropic},
+                                      {"density", material_density},
+                                      {"young", material_young},
+                                      {"poisson", material_poisson},
+                                      {"shear", material_shear},
+                                      {"strength", material_strength},
+                                      {"axes", material_axes},
+                                      {"elasticity", material_elasticity},
+                                      {"sources", material_sources},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", material_tostring}, {NULL, NULL}};
+const lbw_class lbw_material_class = {"material", methods, properties, meta, NULL};
+
+void lbw_open_material(lua_State *L) {
+  static const luaL_Reg functions[] = {{"isotropic", material_isotropic},
+                                       {"orthotropic", material_orthotropic},
+                                       {"named", material_named},
+                                       {"names", material_names},
+                                       {NULL, NULL}};
+  lbw_class_register(L, &lbw_material_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "material");
+}

@@ -1,0 +1,483 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.model: a mesh of a material, its supports and its loads. The box keeps the last system (the
+ * equations and their factor), so that what follows a solve reuses it. */
+#include "bind.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bw_model *self(lua_State *L) {
+  return (bw_model *)lbw_check(L, 1, &lbw_model_class);
+}
+
+/* The result of a method that changes the model: the model itself, so that calls can be chained. */
+static int leave_self(lua_State *L, bw_status status) {
+  lua_pushvalue(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
+static const bw_selection *check_selection(lua_State *L, int argument) {
+  return (const bw_selection *)lbw_check(L, argument, &lbw_selection_class);
+}
+
+/* model{mesh, material} */
+static int model_new(lua_State *L) {
+  static const lbw_option list[] = {
+      {"mesh", LBW_OTHER, 0}, {"material", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  lbw_options(L, 1, "model", list, NULL);
+  lbw_option_get(L, 1, "mesh");
+  const bw_mesh *mesh = (const bw_mesh *)lbw_test(L, -1, &lbw_mesh_class);
+  if (!mesh)
+    return luaL_error(L, "model: option 'mesh': an open mesh expected, got %s",
+                      lbw_type_name(L, -1));
+  lbw_option_get(L, 1, "material");
+  const bw_material *material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
+  if (!material)
+    return luaL_error(L, "model: option 'material': an open material expected, got %s",
+                      lbw_type_name(L, -1));
+  lbw_box *box = lbw_box_new(L, &lbw_model_class);
+  bw_model *model = NULL;
+  bw_status status = bw_model_create(lbw_enter(L), mesh, material, &model);
+  lbw_box_fill(L, box, model);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- supports ----------------------------------------------------------------------------------
+ */
+
+/* model:fix(selection) */
+static int model_fix(lua_State *L) {
+  bw_model *model = self(L);
+  const bw_selection *on = check_selection(L, 2);
+  return leave_self(L, bw_model_fix(lbw_enter(L), model, on));
+}
+
+/* model:slide(selection, normal): free along the surface, or across `normal` */
+static int model_slide(lua_State *L) {
+  bw_model *model = self(L);
+  const bw_selection *on = check_selection(L, 2);
+  double normal[3];
+  bool given = !lua_isnoneornil(L, 3);
+  if (given)
+    lbw_check_vector(L, 3, "normal", normal);
+  return leave_self(L, bw_model_slide(lbw_enter(L), model, on, given ? normal : NULL));
+}
+
+/* model:prescribe(selection, {x, y, z}): metres; false leaves a direction free.
+ * model:prescribe(selection, field): a row of three for every node of the mesh */
+static int model_prescribe(lua_State *L) {
+  bw_model *model = self(L);
+  const bw_selection *on = check_selection(L, 2);
+  bool held[3] = {true, true, true};
+  double value[3] = {0, 0, 0};
+  const bw_array *field = (const bw_array *)lbw_test(L, 3, &lbw_array_class);
+  if (field) {
+    luaL_argcheck(L, field->rows == model->mesh->node_count && field->columns == 3, 3,
+                  "displacement: a row of three for every node of the mesh expected");
+    return leave_self(L, bw_model_prescribe_field(lbw_enter(L), model, on, held, field));
+  }
+  bool fits = lua_istable(L, 3) && lua_rawlen(L, 3) == 3;
+  for (int i = 0; i < 3 && fits; i++) {
+    int type = lua_rawgeti(L, 3, i + 1);
+    held[i] = type == LUA_TNUMBER;
+    value[i] = held[i] ? lua_tonumber(L, -1) : 0;
+    fits = held[i] || (type == LUA_TBOOLEAN && !lua_toboolean(L, -1));
+    lua_pop(L, 1);
+  }
+  luaL_argcheck(L, fits, 3,
+                "displacement: {x, y, z} in metres expected, false where a direction is free, or "
+                "an array of a row for every node");
+  return leave_self(L, bw_model_prescribe(lbw_enter(L), model, on, held, value));
+}
+
+static int model_clear_supports(lua_State *L) {
+  bw_model_clear_supports(self(L));
+  lua_settop(L, 1);
+  return 1;
+}
+
+/* ---- loads
+ * --------------------------------------------------------------------------------------- */
+
+/* model:gravity{x, y, z} */
+static int model_gravity(lua_State *L) {
+  bw_model *model = self(L);
+  double acceleration[3];
+  lbw_check_vector(L, 2, "acceleration", acceleration);
+  return leave_self(L, bw_model_gravity(lbw_enter(L), model, acceleration));
+}
+
+enum load_bit { PRESSURE = 1, FORCE = 2, TRACTION = 4, TORQUE = 8, NODAL = 16, ABOUT = 32 };
+
+static bool option_present(lua_State *L, const char *key) {
+  bool present = lbw_option_get(L, 2, key) != LUA_TNIL;
+  lua_pop(L, 1);
+  return present;
+}
+
+/* model:load{on = selection, force = | traction = | pressure = | torque =, about = } or
+ * model:load{nodal = array} */
+static int model_load(lua_State *L) {
+  struct load {
+    double pressure, force[3], traction[3], torque[3], about[3];
+  } load;
+  static const lbw_option list[] = {{"on", LBW_OTHER, 0},
+                                    {"pressure", LBW_REAL, offsetof(struct load, pressure)},
+                                    {"force", LBW_VECTOR, offsetof(struct load, force)},
+                                    {"traction", LBW_VECTOR, offsetof(struct load, traction)},
+                                    {"torque", LBW_VECTOR, offsetof(struct load, torque)},
+                                    {"about", LBW_VECTOR, offsetof(struct load, about)},
+                                    {"nodal", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  static const char *const kinds[] = {"pressure", "force", "traction", "torque", "nodal", "about"};
+  bw_model *model = self(L);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  lbw_options(L, 2, "load", list, &load);
+  int given = 0;
+  for (int i = 0; i < 6; i++)
+    given |= option_present(L, kinds[i]) << i;
+  int kind = given & ~ABOUT;
+  if (kind == 0 || (kind & (kind - 1)))
+    return luaL_error(L, "load: one of force, traction, pressure, torque, nodal expected");
+  if ((given & ABOUT) && kind != TORQUE)
+    return luaL_error(L, "load: 'about' belongs to a torque");
+  if (kind == NODAL) {
+    lbw_option_get(L, 2, "nodal");
+    const bw_array *nodal = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
+    if (!nodal || nodal->rows != model->mesh->node_count || nodal->columns != 3)
+      return luaL_error(L,
+                        "load: nodal: an array of a row of three forces for every node expected");
+    return leave_self(L, bw_model_nodal_forces(lbw_enter(L), model, nodal));
+  }
+  lbw_option_get(L, 2, "on");
+  const bw_selection *on = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
+  if (!on)
+    return luaL_error(L, "load: option 'on': an open selection expected, got %s",
+                      lbw_type_name(L, -1));
+  bw_context *context = lbw_enter(L);
+  bw_status status;
+  if (kind == PRESSURE)
+    status = bw_model_pressure(context, model, on, load.pressure);
+  else if (kind == FORCE)
+    status = bw_model_force(context, model, on, load.force);
+  else if (kind == TRACTION)
+    status = bw_model_traction(context, model, on, load.traction);
+  else
+    status = bw_model_torque(context, model, on, load.torque, given & ABOUT ? load.about : NULL);
+  return leave_self(L, status);
+}
+
+/* model:temperature(change, expansion): kelvin at every node, or one number for all; 1/K */
+static int model_temperature(lua_State *L) {
+  bw_model *model = self(L);
+  double expansion = lbw_check_real(L, 3, "expansion");
+  lua_settop(L, 3);
+  if (lua_type(L, 2) == LUA_TNUMBER) {
+    double change = lua_tonumber(L, 2);
+    double *out = (double *)lbw_push_array(L, BW_F64, model->mesh->node_count, 1)->data;
+    for (int32_t i = 0; i < model->mesh->node_count; i++)
+      out[i] = change;
+    lua_replace(L, 2);
+  }
+  const bw_array *change = lbw_check_array(L, 2, "change");
+  luaL_argcheck(L, change->rows == model->mesh->node_count && change->columns == 1, 2,
+                "change: a number, or an array of one for every node expected");
+  return leave_self(L, bw_model_temperature(lbw_enter(L), model, change, expansion));
+}
+
+static int model_clear_loads(lua_State *L) {
+  bw_model_clear_loads(self(L));
+  lua_settop(L, 1);
+  return 1;
+}
+
+/* ---- asking
+ * ---------------------------------------------------------------------------------------- */
+
+static int model_write_inp(lua_State *L) {
+  int modes = 0;
+  static const lbw_option list[] = {{"modes", LBW_INT, 0}, {NULL, LBW_OTHER, 0}};
+  bw_model *model = self(L);
+  const char *path = luaL_checkstring(L, 2);
+  lbw_options(L, 3, "write_inp", list, &modes);
+  bw_status status = bw_model_write_inp(lbw_enter(L), model, path, modes);
+  lua_pushboolean(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
+/* model:force_vector(): consistent nodal forces of all loads */
+static int model_force_vector(lua_State *L) {
+  bw_model *model = self(L);
+  bw_array *force = lbw_push_array(L, BW_F64, model->mesh->node_count, 3);
+  return lbw_leave(L, bw_model_force_vector(lbw_enter(L), model, (double *)force->data), 1);
+}
+
+static int push_motions(lua_State *L) {
+  const bw_numbering *numbering = (const bw_numbering *)lua_touserdata(L, 1);
+  lua_createtable(L, numbering->motion_count, 0);
+  for (int32_t m = 0; m < numbering->motion_count; m++) {
+    const bw_rigid_motion *motion = &numbering->motion[m];
+    lua_createtable(L, 0, 5);
+    lua_pushinteger(L, (lua_Integer)motion->component + 1);
+    lua_setfield(L, -2, "component");
+    lbw_push_vector(L, motion->centre);
+    lua_setfield(L, -2, "centre");
+    lbw_push_vector(L, motion->translation);
+    lua_setfield(L, -2, "translation");
+    lbw_push_vector(L, motion->rotation);
+    lua_setfield(L, -2, "rotation");
+    lua_pushstring(L, motion->text);
+    lua_setfield(L, -2, "text");
+    lua_rawseti(L, -2, m + 1);
+  }
+  return 1;
+}
+
+/* model:free_motions(): the rigid motions that the supports leave */
+static int model_free_motions(lua_State *L) {
+  bw_model *model = self(L);
+  bw_numbering *numbering = NULL;
+  bw_status status = bw_numbering_create(lbw_enter(L), model, &numbering);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  lbw_state_of(L)->running = 0;
+  lua_pushcfunction(L, push_motions);
+  lua_pushlightuserdata(L, numbering);
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_release(numbering);
+  return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
+}
+
+/* ---- the system
+ * -------------------------------------------------------------------------------------- */
+
+/* The same unknowns: then the same matrix. Prescribed values only matter to right-hand sides. */
+static bool same_unknowns(const bw_numbering *a, const bw_numbering *b) {
+  size_t nodes = (size_t)a->mesh->node_count;
+  return a->mesh == b->mesh && a->unknown_count == b->unknown_count &&
+         a->frame_count == b->frame_count &&
+         memcmp(a->unknown, b->unknown, 3 * nodes * sizeof *a->unknown) == 0 &&
+         memcmp(a->state, b->state, 3 * nodes * sizeof *a->state) == 0 &&
+         memcmp(a->value, b->value, 3 * nodes * sizeof *a->value) == 0 &&
+         (a->frame_count == 0 ||
+          (memcmp(a->frame_of, b->frame_of, nodes * sizeof *a->frame_of) == 0 &&
+           memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof *a->frame) == 0));
+}
+
+bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system) {
+  const bw_model *model = (const bw_model *)box->object;
+  bw_system *old = (bw_system *)box->extra, *new = NULL;
+  bw_numbering *numbering = NULL;
+  bw_status status = bw_numbering_create(context, model, &numbering);
+  if (status != BW_OK)
+    return status;
+  if (old && old->mesh == model->mesh && old->material == model->material &&
+      same_unknowns(old->numbering, numbering))
+    *system = old;
+  else {
+    status = bw_system_create(context, model->mesh, model->material, numbering, old, &new);
+    if (status == BW_OK) {
+      bw_release(old);
+      box->extra = new;
+      *system = new;
+    }
+  }
+  bw_release(numbering);
+  return status;
+}
+
+/* model:solve{inertia_relief, tolerance} */
+static int model_solve(lua_State *L) {
+  static const lbw_option list[] = {
+      {"inertia_relief", LBW_BOOLEAN, offsetof(bw_statics_options, inertia_relief)},
+      {"tolerance", LBW_REAL, offsetof(bw_statics_options, tolerance)},
+      {NULL, LBW_OTHER, 0}};
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  bw_statics_options options = {.tolerance = 1e-6};
+  lbw_options(L, 2, "solve", list, &options);
+  lbw_box *box = lbw_box_new(L, &lbw_static_class);
+  bw_static *result = NULL;
+  bw_status status = bw_statics(lbw_enter(L), (const bw_model *)model->object,
+                                (bw_system *)model->extra, &options, &result);
+  if (status == BW_OK && result->system != model->extra) {
+    bw_release(model->extra);
+    model->extra = bw_retain(result->system);
+  }
+  lbw_box_fill(L, box, result);
+  if (status == BW_OK)
+    lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+/* model:modes{count, tolerance, sturm, seed, laplacian} */
+static int model_modes(lua_State *L) {
+  struct wish {
+    bw_modes_options options;
+    bool laplacian;
+  } wish = {.laplacian = false};
+  static const lbw_option list[] = {
+      {"count", LBW_INT, offsetof(struct wish, options.count)},
+      {"tolerance", LBW_REAL, offsetof(struct wish, options.tolerance)},
+      {"sturm", LBW_BOOLEAN, offsetof(struct wish, options.sturm)},
+      {"seed", LBW_SEED, offsetof(struct wish, options.seed)},
+      {"laplacian", LBW_BOOLEAN, offsetof(struct wish, laplacian)},
+      {NULL, LBW_OTHER, 0}};
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  bw_modes_options_default(&wish.options);
+  lbw_options(L, 2, "modes", list, &wish);
+  lbw_box *box = lbw_box_new(L, &lbw_modes_class);
+  bw_modes *modes = NULL;
+  bw_system *system = NULL;
+  bw_status status;
+  bw_context *context = lbw_enter(L);
+  if (wish.laplacian) {
+    const bw_mesh *mesh = ((const bw_model *)model->object)->mesh;
+    const bw_system *old = (const bw_system *)model->extra;
+    bw_graph *graph = old && old->mesh == mesh ? (bw_graph *)bw_retain(old->graph) : NULL;
+    status = graph ? BW_OK : bw_graph_create(context, mesh, &graph);
+    if (status == BW_OK)
+      status = bw_modes_laplacian(context, mesh, graph, &wish.options, &modes);
+    bw_release(graph);
+  } else {
+    status = lbw_model_system(context, model, &system);
+    if (status == BW_OK)
+      status = bw_modes_elastic(context, system, &wish.options, &modes);
+  }
+  lbw_box_fill(L, box, modes);
+  lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+/* model:system(): the equations, factored */
+static int model_system(lua_State *L) {
+  lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  lbw_box *box = lbw_box_new(L, &lbw_system_class);
+  bw_system *system = NULL;
+  bw_status status = lbw_model_system(lbw_enter(L), model, &system);
+  lbw_box_fill(L, box, status == BW_OK ? bw_retain(system) : NULL);
+  lbw_box_account(L, model);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- properties
+ * ---------------------------------------------------------------------------------------- */
+
+static int model_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->mesh);
+  return 1;
+}
+
+static int model_material(lua_State *L) {
+  lbw_push(L, &lbw_material_class, self(L)->material);
+  return 1;
+}
+
+static int model_loads(lua_State *L) {
+  static const char *const kind[] = {"pressure", "traction", "force",      "torque",
+                                     "gravity",  "nodal",    "temperature"};
+  const bw_model *model = self(L);
+  lua_createtable(L, model->load_count, 0);
+  for (int i = 0; i < model->load_count; i++) {
+    const bw_load *load = &model->load[i];
+    lua_createtable(L, 0, 5);
+    lua_pushstring(L, kind[load->kind]);
+    lua_setfield(L, -2, "kind");
+    if (load->kind == BW_LOAD_PRESSURE) {
+      lua_pushnumber(L, load->vector[0]);
+      lua_setfield(L, -2, "value");
+    } else if (load->kind != BW_LOAD_NODAL && load->kind != BW_LOAD_TEMPERATURE) {
+      lbw_push_vector(L, load->vector);
+      lua_setfield(L, -2, "value");
+    }
+    lua_pushnumber(L, load->area);
+    lua_setfield(L, -2, "area");
+    lbw_push_vector(L, load->resultant);
+    lua_setfield(L, -2, "resultant");
+    lbw_push_vector(L, load->moment);
+    lua_setfield(L, -2, "moment");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+static int model_supports(lua_State *L) {
+  const bw_model *model = self(L);
+  lua_createtable(L, model->support_count, 0);
+  for (int i = 0; i < model->support_count; i++) {
+    const bw_support *support = &model->support[i];
+    lua_createtable(L, 0, 3);
+    lbw_push(L, &lbw_selection_class, support->on);
+    lua_setfield(L, -2, "on");
+    lua_pushboolean(L, support->slide);
+    lua_setfield(L, -2, "slide");
+    lua_createtable(L, 3, 0);
+    for (int k = 0; k < 3; k++) {
+      if (support->held[k] && !support->slide)
+        lua_pushnumber(L, support->value[k]);
+      else
+        lua_pushboolean(L, 0);
+      lua_rawseti(L, -2, k + 1);
+    }
+    lua_setfield(L, -2, "displacement");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+static int model_tostring(lua_State *L) {
+  const bw_model *model = (const bw_model *)lbw_test(L, 1, &lbw_model_class);
+  if (!model) {
+    lua_pushliteral(L, "model (closed)");
+    return 1;
+  }
+  lbw_state *state = lbw_state_of(L);
+  char *text = NULL;
+  if (state->running || bw_model_describe(lbw_enter(L), model, &text) != BW_OK) {
+    lua_pushliteral(L, "model");
+    if (state->caller == L)
+      state->running = 0;
+    return 1;
+  }
+  lbw_leave_or_raise(L, BW_OK);
+  luaL_Buffer buffer;
+  luaL_buffinit(L, &buffer);
+  size_t length = strlen(text);
+  while (length > 0 && text[length - 1] == '\n')
+    length--;
+  luaL_addlstring(&buffer, text, length);
+  bw_free(text);
+  luaL_pushresult(&buffer);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"fix", model_fix},
+                                   {"slide", model_slide},
+                                   {"prescribe", model_prescribe},
+                                   {"clear_supports", model_clear_supports},
+                                   {"gravity", model_gravity},
+                                   {"load", model_load},
+                                   {"temperature", model_temperature},
+                                   {"clear_loads", model_clear_loads},
+                                   {"write_inp", model_write_inp},
+                                   {"force_vector", model_force_vector},
+                                   {"free_motions", model_free_motions},
+                                   {"solve", model_solve},
+                                   {"modes", model_modes},
+                                   {"system", model_system},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"mesh", model_mesh},
+                                      {"material", model_material},
+                                      {"loads", model_loads},
+                                      {"supports", model_supports},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", model_tostring}, {NULL, NULL}};
+const lbw_class lbw_model_class = {"model", methods, properties, meta, NULL};
+
+void lbw_open_model(lua_State *L) {
+  lbw_class_register(L, &lbw_model_class);
+  lua_pushcfunction(L, model_new);
+  lua_setfield(L, -2, "model");
+}

@@ -1,0 +1,103 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* picture(surface, path, options): a shaded picture of a surface with values, as PNG. */
+#include "bind.h"
+
+#include <string.h>
+
+typedef struct wish {
+  bw_picture_options options;
+} wish;
+
+static const lbw_option list[] = {{"width", LBW_INT, offsetof(wish, options.width)},
+                                  {"height", LBW_INT, offsetof(wish, options.height)},
+                                  {"direction", LBW_VECTOR, offsetof(wish, options.direction)},
+                                  {"up", LBW_VECTOR, offsetof(wish, options.up)},
+                                  {"zoom", LBW_REAL, offsetof(wish, options.zoom)},
+                                  {"scale", LBW_REAL, offsetof(wish, options.scale)},
+                                  {"low", LBW_REAL, offsetof(wish, options.low)},
+                                  {"high", LBW_REAL, offsetof(wish, options.high)},
+                                  {"edges", LBW_BOOLEAN, offsetof(wish, options.edges)},
+                                  {"deformation", LBW_REAL, offsetof(wish, options.deformation)},
+                                  {"ghost", LBW_BOOLEAN, offsetof(wish, options.ghost)},
+                                  {"title", LBW_OTHER, 0},
+                                  {"unit", LBW_OTHER, 0},
+                                  {"values", LBW_OTHER, 0},
+                                  {"displacement", LBW_OTHER, 0},
+                                  {"arrows", LBW_OTHER, 0},
+                                  {NULL, LBW_OTHER, 0}};
+
+static const char *text_option(lua_State *L, const char *key) {
+  int type = lbw_option_get(L, 3, key);
+  if (type != LUA_TSTRING && type != LUA_TNIL)
+    lbw_option_error(L, "picture", key, "a string expected");
+  return lua_tostring(L, -1); /* stays on the stack */
+}
+
+static bw_arrow *read_arrows(lua_State *L, int *count) {
+  static const lbw_option keys[] = {{"at", LBW_VECTOR, offsetof(bw_arrow, at)},
+                                    {"force", LBW_VECTOR, offsetof(bw_arrow, force)},
+                                    {"area", LBW_REAL, offsetof(bw_arrow, area)},
+                                    {NULL, LBW_OTHER, 0}};
+  if (!lua_istable(L, -1))
+    lbw_option_error(L, "picture", "arrows", "a list of {at =, force =} expected");
+  size_t length = lua_rawlen(L, -1);
+  *count = length < 10000 ? (int)length : 10000;
+  int from = lua_gettop(L);
+  bw_arrow *arrow = (bw_arrow *)lua_newuserdatauv(L, ((size_t)*count + 1) * sizeof *arrow, 0);
+  for (int i = 0; i < *count; i++) {
+    memset(&arrow[i], 0, sizeof arrow[i]);
+    lua_rawgeti(L, from, i + 1);
+    lbw_options(L, -1, "picture: arrows", keys, &arrow[i]);
+    lua_pop(L, 1);
+  }
+  return arrow;
+}
+
+static int picture(lua_State *L) {
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
+  const char *path = luaL_checkstring(L, 2);
+  wish w;
+  memset(&w, 0, sizeof w);
+  bw_picture_options_default(&w.options);
+  lua_settop(L, 3);
+  lbw_options(L, 3, "picture", list, &w);
+  luaL_checkstack(L, 20, "too many values");
+  if (text_option(L, "title"))
+    w.options.title = lua_tostring(L, -1);
+  if (text_option(L, "unit"))
+    w.options.unit = lua_tostring(L, -1);
+  int64_t rows;
+  const double *value = NULL;
+  bool on_facets = false;
+  if (lbw_option_get(L, 3, "values") != LUA_TNIL) {
+    value = lbw_to_doubles(L, -1, "picture: values", 1, &rows);
+    on_facets = rows == surface->triangle_count && rows != surface->point_count;
+    if (!on_facets && rows != surface->point_count)
+      return luaL_error(L, "picture: values: %d points or %d facets, got %I rows",
+                        (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
+  }
+  if (lbw_option_get(L, 3, "displacement") != LUA_TNIL) {
+    w.options.displacement = lbw_to_doubles(L, -1, "picture: displacement", 3, &rows);
+    if (rows != surface->point_count)
+      return luaL_error(L, "picture: displacement: a row for every point expected");
+  }
+  if (lbw_option_get(L, 3, "arrows") != LUA_TNIL)
+    w.options.arrow = read_arrows(L, &w.options.arrow_count);
+  lua_pushboolean(L, 1);
+  bw_status status = bw_picture_surface(lbw_enter(L), surface, value, on_facets, &w.options, path);
+  return lbw_leave(L, status, 1);
+}
+
+/* colour(t): red, green, blue from 0 to 255 */
+static int colour(lua_State *L) {
+  unsigned char rgb[3];
+  bw_colour(lbw_check_real(L, 1, "t"), rgb);
+  for (int i = 0; i < 3; i++)
+    lua_pushinteger(L, rgb[i]);
+  return 3;
+}
+
+void lbw_open_picture(lua_State *L) {
+  static const luaL_Reg functions[] = {{"picture", picture}, {"colour", colour}, {NULL, NULL}};
+  luaL_setfuncs(L, functions, 0);
+}

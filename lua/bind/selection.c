@@ -1,0 +1,356 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Selections on the boundary of a mesh: mesh.boundary and what is chosen from it.
+ *
+ * A geometric method chooses within the selection it is called on: foot:near(p, r) holds what lies
+ * in foot and near p. An empty choice raises. */
+#include "bind.h"
+#include "expression.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const bw_selection *self(lua_State *L) {
+  return (const bw_selection *)lbw_check(L, 1, &lbw_selection_class);
+}
+
+static bool is_all(const bw_selection *selection) {
+  return selection->facet_count == selection->mesh->facet_count &&
+         selection->node_count == selection->mesh->boundary_node_count;
+}
+
+/* Between lbw_enter and the end of a method: `chosen` on the whole boundary (or NULL with a failed
+ * status) is cut down to the selection the method was called on. */
+static int leave_within(lua_State *L, lbw_box *box, bw_context *context, bw_selection *chosen,
+                        bw_status status) {
+  const bw_selection *from = self(L);
+  bw_selection *out = NULL;
+  if (status == BW_OK && !is_all(from)) {
+    status = bw_select_combine(context, from, chosen, BW_INTERSECTION, &out);
+    bw_release(chosen);
+  } else
+    out = chosen;
+  lbw_box_fill(L, box, status == BW_OK ? out : NULL);
+  return lbw_leave(L, status, 1);
+}
+
+/* selection:below(axis, coordinate), selection:above(axis, coordinate) */
+static int half_space(lua_State *L, double sign) {
+  const bw_mesh *mesh = self(L)->mesh;
+  int axis = lbw_check_axis(L, 2);
+  double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
+  point[axis] = lbw_check_real(L, 3, "coordinate");
+  normal[axis] = sign;
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_half_space(context, mesh, point, normal, 0, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+static int select_below(lua_State *L) {
+  return half_space(L, 1);
+}
+static int select_above(lua_State *L) {
+  return half_space(L, -1);
+}
+
+/* selection:box(low, high) */
+static int select_box(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double low[3], high[3];
+  lbw_check_vector(L, 2, "low", low);
+  lbw_check_vector(L, 3, "high", high);
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_box(context, mesh, low, high, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* The tolerance of a plane that a user means exactly: rounding of coordinates read from a file. */
+static double default_tolerance(const bw_mesh *mesh) {
+  double low[3], high[3];
+  bw_mesh_box(mesh, low, high);
+  double size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  return 1e-6 * bw_norm(size);
+}
+
+/* selection:plane(point, normal, tolerance): near the plane on both sides */
+static int select_plane(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double point[3], normal[3];
+  lbw_check_vector(L, 2, "point", point);
+  lbw_check_vector(L, 3, "normal", normal);
+  double tolerance =
+      lua_isnoneornil(L, 4) ? default_tolerance(mesh) : lbw_check_real(L, 4, "tolerance");
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_plane(context, mesh, point, normal, tolerance, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* selection:beyond(point, normal): on the side the normal points to */
+static int select_beyond(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double point[3], normal[3];
+  lbw_check_vector(L, 2, "point", point);
+  lbw_check_vector(L, 3, "normal", normal);
+  for (int i = 0; i < 3; i++)
+    normal[i] = -normal[i];
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_half_space(context, mesh, point, normal, 0, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* selection:near(point, radius), the same as selection:sphere(centre, radius) */
+static int select_near(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double centre[3];
+  lbw_check_vector(L, 2, "point", centre);
+  double radius = lbw_check_real(L, 3, "radius");
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_sphere(context, mesh, centre, radius, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* selection:facing(direction, angle): facets whose outward normal is within the angle (radians,
+ * 1e-3 when left out) */
+static int select_facing(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double direction[3];
+  lbw_check_vector(L, 2, "direction", direction);
+  double angle = lua_isnoneornil(L, 3) ? 1e-3 : lbw_check_real(L, 3, "angle");
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_normal_cone(context, mesh, direction, angle, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* selection:patch(point, angle): what hangs together without an edge sharper than the angle */
+static int select_patch(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double point[3];
+  lbw_check_vector(L, 2, "point", point);
+  double angle =
+      lua_isnoneornil(L, 3) ? 30 * 3.14159265358979323846 / 180 : lbw_check_real(L, 3, "angle");
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_patch(context, mesh, point, angle, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* selection:nearest(point, count) */
+static int select_nearest(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  double point[3];
+  lbw_check_vector(L, 2, "point", point);
+  lua_Integer count = luaL_optinteger(L, 3, 1);
+  luaL_argcheck(L, count >= 1 && count <= INT32_MAX, 3, "a count of 1 or more expected");
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_nearest(context, mesh, point, (int32_t)count, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* ---- where
+ * --------------------------------------------------------------------------------------- */
+
+static uint8_t *mask_by_formula(lua_State *L, const bw_mesh *mesh, const char *text) {
+  static const char *const names[3] = {"x", "y", "z"};
+  lbw_variable variable[3];
+  for (int i = 0; i < 3; i++)
+    variable[i] = (lbw_variable){.name = names[i],
+                                 .type = BW_F64,
+                                 .rows = mesh->node_count,
+                                 .columns = 1,
+                                 .row_stride = 3 * sizeof(double),
+                                 .data = mesh->node + i};
+  lbw_expression formula;
+  char error[256];
+  if (!lbw_expression_compile(text, variable, 3, &formula, error, sizeof error))
+    luaL_error(L, "where: %s", error);
+  uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)mesh->node_count + 1, 0);
+  double block[LBW_BLOCK];
+  for (int64_t first = 0; first < mesh->node_count; first += LBW_BLOCK) {
+    int count = (int)(mesh->node_count - first < LBW_BLOCK ? mesh->node_count - first : LBW_BLOCK);
+    lbw_expression_block(&formula, first, count, 0, block);
+    for (int i = 0; i < count; i++)
+      mask[first + i] = block[i] != 0;
+  }
+  return mask;
+}
+
+static uint8_t *mask_by_function(lua_State *L, const bw_mesh *mesh, int function) {
+  uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)mesh->node_count + 1, 0);
+  memset(mask, 0, (size_t)mesh->node_count);
+  lbw_push(L, &lbw_mesh_class, mesh); /* whatever the function closes, the mesh stays */
+  for (int32_t i = 0; i < mesh->boundary_node_count; i++) {
+    int32_t node = mesh->boundary_node[i];
+    lua_pushvalue(L, function);
+    for (int k = 0; k < 3; k++)
+      lua_pushnumber(L, mesh->node[3 * (int64_t)node + k]);
+    lua_call(L, 3, 1);
+    mask[node] = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+  }
+  return mask;
+}
+
+/* selection:where(predicate): a formula in x, y, z ("x^2 + y^2 < 1e-4"), a mask over facets or
+ * nodes, or a function of x, y, z called once for every boundary node */
+static int select_where(lua_State *L) {
+  const bw_mesh *mesh = self(L)->mesh;
+  const uint8_t *nodes = NULL, *facets = NULL;
+  lua_settop(L, 2);
+  if (lua_type(L, 2) == LUA_TSTRING)
+    nodes = mask_by_formula(L, mesh, lua_tostring(L, 2));
+  else if (lua_isfunction(L, 2))
+    nodes = mask_by_function(L, mesh, 2);
+  else {
+    const bw_array *mask = (const bw_array *)lbw_test(L, 2, &lbw_array_class);
+    luaL_argcheck(L, mask, 2,
+                  "predicate: a formula, a mask over nodes or facets, or a function expected");
+    if (mask->rows == mesh->facet_count && mask->rows != mesh->node_count)
+      facets = lbw_to_mask(L, 2, "mask over facets", mesh->facet_count);
+    else
+      nodes = lbw_to_mask(L, 2, "mask over nodes", mesh->node_count);
+  }
+  mesh = self(L)->mesh;
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *chosen = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_select_mask(context, mesh, facets, nodes, &chosen);
+  return leave_within(L, box, context, chosen, status);
+}
+
+/* ---- sets
+ * -------------------------------------------------------------------------------------------- */
+
+static int combine(lua_State *L, bw_set_operation operation) {
+  const bw_selection *a = self(L);
+  const bw_selection *b = (const bw_selection *)lbw_check(L, 2, &lbw_selection_class);
+  luaL_argcheck(L, a->mesh == b->mesh, 2, "both selections must be of the same mesh");
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *out = NULL;
+  bw_status status = bw_select_combine(lbw_enter(L), a, b, operation, &out);
+  lbw_box_fill(L, box, out);
+  return lbw_leave(L, status, 1);
+}
+
+static int select_union(lua_State *L) {
+  return combine(L, BW_UNION);
+}
+static int select_intersection(lua_State *L) {
+  return combine(L, BW_INTERSECTION);
+}
+static int select_difference(lua_State *L) {
+  return combine(L, BW_DIFFERENCE);
+}
+
+/* ---- properties
+ * -------------------------------------------------------------------------------------- */
+
+static int selection_nodes(lua_State *L) {
+  const bw_selection *selection = self(L);
+  return lbw_push_indices(L, selection->node_count, 1, selection->node);
+}
+
+static int selection_facets(lua_State *L) {
+  const bw_selection *selection = self(L);
+  return lbw_push_indices(L, selection->facet_count, 1, selection->facet);
+}
+
+static int selection_node_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->node_count);
+  return 1;
+}
+
+static int selection_facet_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->facet_count);
+  return 1;
+}
+
+static int selection_area(lua_State *L) {
+  lua_pushnumber(L, bw_selection_area(self(L)));
+  return 1;
+}
+
+static int selection_centre(lua_State *L) {
+  double centre[3];
+  bw_selection_centre(self(L), centre);
+  lbw_push_vector(L, centre);
+  return 1;
+}
+
+static int selection_normal(lua_State *L) {
+  double normal[3];
+  bw_selection_normal(self(L), normal);
+  lbw_push_vector(L, normal);
+  return 1;
+}
+
+static int selection_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->mesh);
+  return 1;
+}
+
+static int selection_tostring(lua_State *L) {
+  const bw_selection *selection = (const bw_selection *)lbw_test(L, 1, &lbw_selection_class);
+  if (!selection) {
+    lua_pushliteral(L, "selection (closed)");
+    return 1;
+  }
+  double centre[3];
+  bw_selection_centre(selection, centre);
+  char text[160];
+  snprintf(text, sizeof text,
+           "selection of %d facets and %d nodes, %.4g m2 about (%.4g, %.4g, %.4g) m",
+           (int)selection->facet_count, (int)selection->node_count, bw_selection_area(selection),
+           centre[0], centre[1], centre[2]);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"below", select_below},
+                                   {"above", select_above},
+                                   {"box", select_box},
+                                   {"plane", select_plane},
+                                   {"beyond", select_beyond},
+                                   {"near", select_near},
+                                   {"sphere", select_near},
+                                   {"facing", select_facing},
+                                   {"patch", select_patch},
+                                   {"nearest", select_nearest},
+                                   {"where", select_where},
+                                   {"union", select_union},
+                                   {"intersection", select_intersection},
+                                   {"difference", select_difference},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"nodes", selection_nodes},
+                                      {"facets", selection_facets},
+                                      {"node_count", selection_node_count},
+                                      {"facet_count", selection_facet_count},
+                                      {"area", selection_area},
+                                      {"centre", selection_centre},
+                                      {"normal", selection_normal},
+                                      {"mesh", selection_mesh},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__bor", select_union},
+                                {"__band", select_intersection},
+                                {"__sub", select_difference},
+                                {"__tostring", selection_tostring},
+                                {NULL, NULL}};
+const lbw_class lbw_selection_class = {"selection", methods, properties, meta, NULL};
+
+void lbw_open_selection(lua_State *L) {
+  lbw_class_register(L, &lbw_selection_class);
+}

@@ -1,0 +1,446 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static results, modes and systems: views on what the engine computed, and stress fields that are
+ * computed when they are asked for and kept with the result. */
+#include "bind.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- statics
+ * -------------------------------------------------------------------------------------- */
+
+static const bw_static *self(lua_State *L) {
+  return (const bw_static *)lbw_check(L, 1, &lbw_static_class);
+}
+
+static size_t static_bytes(const void *object) {
+  return bw_bytes(object) + bw_bytes(((const bw_static *)object)->system);
+}
+
+#define NODE_VIEW(name, field)                                                                     \
+  static int name(lua_State *L) {                                                                  \
+    const bw_static *result = self(L);                                                             \
+    return lbw_push_borrowed(L, BW_F64, result->model->mesh->node_count, 3, result->field,         \
+                             result);                                                              \
+  }
+NODE_VIEW(static_displacement, displacement)
+NODE_VIEW(static_force, force)
+NODE_VIEW(static_reaction, reaction)
+#undef NODE_VIEW
+
+static int compute_stress(lua_State *L) {
+  const bw_static *result = self(L);
+  double *out = (double *)lbw_push_array(L, BW_F64, result->model->mesh->node_count, 6)->data;
+  lbw_leave_or_raise(L, bw_static_stress(lbw_enter(L), result, true, out));
+  return 1;
+}
+
+static int compute_element_stress(lua_State *L) {
+  const bw_static *result = self(L);
+  double *out = (double *)lbw_push_array(L, BW_F64, result->model->mesh->element_count, 6)->data;
+  lbw_leave_or_raise(L, bw_static_stress(lbw_enter(L), result, false, out));
+  return 1;
+}
+
+static int static_stress(lua_State *L) {
+  return lbw_cached(L, "stress", compute_stress);
+}
+
+static int static_element_stress(lua_State *L) {
+  return lbw_cached(L, "element_stress", compute_element_stress);
+}
+
+/* The packed tensors of the array on the top of the stack. */
+static const double *tensors(lua_State *L, int64_t *count) {
+  const bw_array *array = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
+  *count = array->rows;
+  return (const double *)array->data;
+}
+
+typedef bw_status row_function(bw_context *context, int64_t count, const double *stress,
+                               double *value);
+
+static bw_status principal_values(bw_context *context, int64_t count, const double *stress,
+                                  double *value) {
+  return bw_principal_field(context, count, stress, value, NULL);
+}
+
+static int by_rows(lua_State *L, row_function *function, int64_t columns) {
+  int64_t count;
+  const double *stress = tensors(L, &count);
+  double *out = (double *)lbw_push_array(L, BW_F64, count, columns)->data;
+  lbw_leave_or_raise(L, function(lbw_enter(L), count, stress, out));
+  return 1;
+}
+
+#define DERIVED(name, source, function, columns)                                                   \
+  static int compute_##name(lua_State *L) {                                                        \
+    source(L);                                                                                     \
+    return by_rows(L, function, columns);                                                          \
+  }                                                                                                \
+  static int static_##name(lua_State *L) {                                                         \
+    return lbw_cached(L, #name, compute_##name);                                                   \
+  }
+DERIVED(von_mises, static_stress, bw_von_mises_field, 1)
+DERIVED(principal, static_stress, principal_values, 3)
+DERIVED(max_principal, static_stress, bw_max_principal_field, 1)
+DERIVED(element_von_mises, static_element_stress, bw_von_mises_field, 1)
+DERIVED(element_principal, static_element_stress, principal_values, 3)
+DERIVED(element_max_principal, static_element_stress, bw_max_principal_field, 1)
+#undef DERIVED
+
+static int directions(lua_State *L) {
+  int64_t count;
+  const double *stress = tensors(L, &count);
+  double *value = (double *)lua_newuserdatauv(L, (size_t)count * 3 * sizeof *value + 1, 0);
+  double *out = (double *)lbw_push_array(L, BW_F64, count, 9)->data;
+  lbw_leave_or_raise(L, bw_principal_field(lbw_enter(L), count, stress, value, out));
+  return 1;
+}
+
+static int compute_principal_directions(lua_State *L) {
+  static_stress(L);
+  return directions(L);
+}
+
+static int static_principal_directions(lua_State *L) {
+  return lbw_cached(L, "principal_directions", compute_principal_directions);
+}
+
+static int compute_utilisation(lua_State *L) {
+  const bw_static *result = self(L);
+  static_element_stress(L);
+  int64_t count;
+  const double *stress = tensors(L, &count);
+  double *out = (double *)lbw_push_array(L, BW_F64, count, 1)->data;
+  lbw_leave_or_raise(
+      L, bw_utilisation_field(lbw_enter(L), result->model->material, count, stress, out));
+  return 1;
+}
+
+static int static_utilisation(lua_State *L) {
+  return lbw_cached(L, "utilisation", compute_utilisation);
+}
+
+static int compute_element_energy(lua_State *L) {
+  const bw_static *result = self(L);
+  const bw_model *model = result->model;
+  double *out = (double *)lbw_push_array(L, BW_F64, model->mesh->element_count, 1)->data;
+  lbw_leave_or_raise(
+      L, bw_element_energy(lbw_enter(L), model->mesh, model->material, result->displacement, out));
+  return 1;
+}
+
+static int static_element_energy(lua_State *L) {
+  return lbw_cached(L, "element_energy", compute_element_energy);
+}
+
+/* static:error_estimate(): relative error in the energy norm, error energy of every element */
+static int static_error_estimate(lua_State *L) {
+  const bw_static *result = self(L);
+  const bw_model *model = result->model;
+  double *out = (double *)lbw_push_array(L, BW_F64, model->mesh->element_count, 1)->data;
+  double relative = 0;
+  bw_status status = bw_error_estimate(lbw_enter(L), model->mesh, model->material,
+                                       result->displacement, out, &relative);
+  lua_pushnumber(L, relative);
+  lua_insert(L, -2);
+  return lbw_leave(L, status, 2);
+}
+
+static int static_energy(lua_State *L) {
+  lua_pushnumber(L, self(L)->energy);
+  return 1;
+}
+
+static int static_residual(lua_State *L) {
+  lua_pushnumber(L, self(L)->residual);
+  return 1;
+}
+
+static int static_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, self(L)->model->mesh);
+  return 1;
+}
+
+static int static_material(lua_State *L) {
+  lbw_push(L, &lbw_material_class, self(L)->model->material);
+  return 1;
+}
+
+static void push_times(lua_State *L, const bw_solve_times *times) {
+  lua_createtable(L, 0, 7);
+  lua_pushnumber(L, times->graph);
+  lua_setfield(L, -2, "graph");
+  lua_pushnumber(L, times->stiffness);
+  lua_setfield(L, -2, "stiffness");
+  lua_pushnumber(L, times->order);
+  lua_setfield(L, -2, "order");
+  lua_pushnumber(L, times->factor);
+  lua_setfield(L, -2, "factor");
+  lua_pushnumber(L, times->solve);
+  lua_setfield(L, -2, "solve");
+  lua_pushinteger(L, times->factor_entries);
+  lua_setfield(L, -2, "factor_entries");
+  lua_pushnumber(L, times->factor_flops);
+  lua_setfield(L, -2, "factor_flops");
+}
+
+static int static_times(lua_State *L) {
+  push_times(L, &self(L)->system->times);
+  return 1;
+}
+
+static int static_tostring(lua_State *L) {
+  const bw_static *result = (const bw_static *)lbw_test(L, 1, &lbw_static_class);
+  if (!result) {
+    lua_pushliteral(L, "static (closed)");
+    return 1;
+  }
+  double largest = 0;
+  for (int64_t i = 0; i < result->model->mesh->node_count; i++) {
+    double length = bw_norm(result->displacement + 3 * i);
+    largest = length > largest ? length : largest;
+  }
+  char text[200];
+  snprintf(text, sizeof text,
+           "static solution on %d nodes: largest displacement %.4g mm, strain energy %.4g J, "
+           "residual %.1e",
+           (int)result->model->mesh->node_count, largest * 1e3, result->energy, result->residual);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg static_methods[] = {{"error_estimate", static_error_estimate}, {NULL, NULL}};
+static const luaL_Reg static_properties[] = {
+    {"displacement", static_displacement},
+    {"force", static_force},
+    {"reaction", static_reaction},
+    {"stress", static_stress},
+    {"von_mises", static_von_mises},
+    {"principal", static_principal},
+    {"principal_directions", static_principal_directions},
+    {"max_principal", static_max_principal},
+    {"element_stress", static_element_stress},
+    {"element_von_mises", static_element_von_mises},
+    {"element_principal", static_element_principal},
+    {"element_max_principal", static_element_max_principal},
+    {"element_energy", static_element_energy},
+    {"utilisation", static_utilisation},
+    {"energy", static_energy},
+    {"residual", static_residual},
+    {"mesh", static_mesh},
+    {"material", static_material},
+    {"times", static_times},
+    {NULL, NULL}};
+static const luaL_Reg static_meta[] = {{"__tostring", static_tostring}, {NULL, NULL}};
+const lbw_class lbw_static_class = {"static", static_methods, static_properties, static_meta,
+                                    static_bytes};
+
+/* ---- modes
+ * -------------------------------------------------------------------------------------------- */
+
+static const bw_modes *modes_self(lua_State *L) {
+  return (const bw_modes *)lbw_check(L, 1, &lbw_modes_class);
+}
+
+/* modes:shape(i): a view, a row for every node */
+static int modes_shape(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  int64_t i = lbw_check_index(L, 2, "mode", modes->count);
+  int64_t size = (int64_t)modes->mesh->node_count * modes->components;
+  return lbw_push_borrowed(L, BW_F64, modes->mesh->node_count, modes->components,
+                           modes->shape + i * size, modes);
+}
+
+static int modes_eigenvalues(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  return lbw_push_borrowed(L, BW_F64, modes->count, 1, modes->eigenvalue, modes);
+}
+
+static int modes_frequencies(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  if (!modes->frequency)
+    return 0;
+  return lbw_push_borrowed(L, BW_F64, modes->count, 1, modes->frequency, modes);
+}
+
+static int modes_residuals(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  return lbw_push_borrowed(L, BW_F64, modes->count, 1, modes->residual, modes);
+}
+
+#define INTEGER(name, field)                                                                       \
+  static int name(lua_State *L) {                                                                  \
+    lua_pushinteger(L, modes_self(L)->field);                                                      \
+    return 1;                                                                                      \
+  }
+INTEGER(modes_count, count)
+INTEGER(modes_components, components)
+INTEGER(modes_rigid_count, rigid_count)
+INTEGER(modes_solves, solves)
+INTEGER(modes_recovered, recovered)
+#undef INTEGER
+
+static int modes_counted(lua_State *L) {
+  lua_pushboolean(L, modes_self(L)->counted);
+  return 1;
+}
+
+static int modes_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, modes_self(L)->mesh);
+  return 1;
+}
+
+static int modes_length(lua_State *L) {
+  return modes_count(L);
+}
+
+static int modes_tostring(lua_State *L) {
+  const bw_modes *modes = (const bw_modes *)lbw_test(L, 1, &lbw_modes_class);
+  if (!modes) {
+    lua_pushliteral(L, "modes (closed)");
+    return 1;
+  }
+  char text[240];
+  int last = modes->count - 1;
+  if (modes->count == 0)
+    snprintf(text, sizeof text, "no modes");
+  else if (modes->frequency)
+    snprintf(text, sizeof text, "%d elastic modes, %.4g to %.4g Hz, %d rigid motions left out%s",
+             modes->count, modes->frequency[0], modes->frequency[last], modes->rigid_count,
+             modes->counted ? ", none missing" : "");
+  else
+    snprintf(text, sizeof text, "%d %s modes, eigenvalues %.4g to %.4g", modes->count,
+             modes->components == 1 ? "Laplacian" : "elastic", modes->eigenvalue[0],
+             modes->eigenvalue[last]);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg modes_methods[] = {{"shape", modes_shape}, {NULL, NULL}};
+static const luaL_Reg modes_properties[] = {{"eigenvalues", modes_eigenvalues},
+                                            {"frequencies", modes_frequencies},
+                                            {"residuals", modes_residuals},
+                                            {"count", modes_count},
+                                            {"components", modes_components},
+                                            {"rigid_count", modes_rigid_count},
+                                            {"solves", modes_solves},
+                                            {"recovered", modes_recovered},
+                                            {"counted", modes_counted},
+                                            {"mesh", modes_mesh},
+                                            {NULL, NULL}};
+static const luaL_Reg modes_meta[] = {
+    {"__len", modes_length}, {"__tostring", modes_tostring}, {NULL, NULL}};
+const lbw_class lbw_modes_class = {"modes", modes_methods, modes_properties, modes_meta, NULL};
+
+/* ---- systems
+ * --------------------------------------------------------------------------------------------- */
+
+/* system:solve(force): displacement, both a row of three for every node */
+static int system_solve(lua_State *L) {
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  int64_t rows;
+  double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
+  luaL_argcheck(L, rows == system->mesh->node_count, 2, "force: a row for every node expected");
+  double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
+  return lbw_leave(L, bw_system_solve(lbw_enter(L), system, 1, force, out), 1);
+}
+
+static int system_times(lua_State *L) {
+  push_times(L, &((const bw_system *)lbw_check(L, 1, &lbw_system_class))->times);
+  return 1;
+}
+
+static int system_unknown_count(lua_State *L) {
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  lua_pushinteger(L, system->numbering->unknown_count);
+  return 1;
+}
+
+static int system_motion_count(lua_State *L) {
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  lua_pushinteger(L, system->numbering->motion_count);
+  return 1;
+}
+
+static int system_tostring(lua_State *L) {
+  const bw_system *system = (const bw_system *)lbw_test(L, 1, &lbw_system_class);
+  if (!system) {
+    lua_pushliteral(L, "system (closed)");
+    return 1;
+  }
+  char text[160];
+  snprintf(text, sizeof text,
+           "system of %d unknowns, %d free rigid motions, factor of %.3g entries",
+           (int)system->numbering->unknown_count, (int)system->numbering->motion_count,
+           (double)system->times.factor_entries);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg system_methods[] = {{"solve", system_solve}, {NULL, NULL}};
+static const luaL_Reg system_properties[] = {{"times", system_times},
+                                             {"unknown_count", system_unknown_count},
+                                             {"motion_count", system_motion_count},
+                                             {NULL, NULL}};
+static const luaL_Reg system_meta[] = {{"__tostring", system_tostring}, {NULL, NULL}};
+const lbw_class lbw_system_class = {"system", system_methods, system_properties, system_meta, NULL};
+
+/* ---- stress of a displacement
+ * ---------------------------------------------------------------------------------- */
+
+static const bw_mesh *mesh_and_displacement(lua_State *L, const double **displacement) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  lbw_check(L, 2, &lbw_material_class);
+  int64_t rows;
+  *displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
+  luaL_argcheck(L, rows == mesh->node_count, 3, "displacement: a row for every node expected");
+  return mesh;
+}
+
+/* element_stress(mesh, material, displacement) */
+static int core_element_stress(lua_State *L) {
+  const double *displacement;
+  const bw_mesh *mesh = mesh_and_displacement(L, &displacement);
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->element_count, 6)->data;
+  return lbw_leave(L, bw_element_stress(lbw_enter(L), mesh, material, displacement, out), 1);
+}
+
+/* nodal_stress(mesh, material, displacement) */
+static int core_nodal_stress(lua_State *L) {
+  const double *displacement;
+  const bw_mesh *mesh = mesh_and_displacement(L, &displacement);
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 6)->data;
+  return lbw_leave(L, bw_nodal_stress(lbw_enter(L), mesh, material, displacement, out), 1);
+}
+
+static int rows_of(lua_State *L, row_function *function, int64_t columns) {
+  int64_t rows;
+  double *stress = lbw_to_doubles(L, 1, "stress", 6, &rows);
+  double *out = (double *)lbw_push_array(L, BW_F64, rows, columns)->data;
+  return lbw_leave(L, function(lbw_enter(L), rows, stress, out), 1);
+}
+
+static int core_von_mises(lua_State *L) {
+  return rows_of(L, bw_von_mises_field, 1);
+}
+static int core_principal(lua_State *L) {
+  return rows_of(L, principal_values, 3);
+}
+static int core_max_principal(lua_State *L) {
+  return rows_of(L, bw_max_principal_field, 1);
+}
+
+void lbw_open_solve(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"element_stress", core_element_stress}, {"nodal_stress", core_nodal_stress},
+      {"von_mises", core_von_mises},           {"principal", core_principal},
+      {"max_principal", core_max_principal},   {NULL, NULL}};
+  lbw_class_register(L, &lbw_static_class);
+  lbw_class_register(L, &lbw_modes_class);
+  lbw_class_register(L, &lbw_system_class);
+  luaL_setfuncs(L, functions, 0);
+}

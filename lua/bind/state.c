@@ -1,0 +1,339 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The one context of a Lua state: entering and leaving the engine, failures as nil, message,
+ * details or as raised errors, progress and callbacks. */
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const char state_key;    /* registry: the state's userdata */
+static const char error_key;    /* registry: the error value of a callback that failed */
+static const char progress_key; /* registry: the script's progress function */
+
+static int state_gc(lua_State *L) {
+  lbw_state *state = (lbw_state *)lua_touserdata(L, 1);
+  bw_context_destroy(state->context);
+  state->context = NULL;
+  return 0;
+}
+
+lbw_state *lbw_state_of(lua_State *L) {
+  if (lua_rawgetp(L, LUA_REGISTRYINDEX, &state_key) == LUA_TUSERDATA) {
+    lbw_state *state = (lbw_state *)lua_touserdata(L, -1);
+    lua_pop(L, 1);
+    return state;
+  }
+  lua_pop(L, 1);
+  lbw_state *state = (lbw_state *)lua_newuserdatauv(L, sizeof *state, 0);
+  *state = (lbw_state){0};
+  /* This is the first object that is marked for finalisation, so the context goes last. */
+  lua_createtable(L, 0, 1);
+  lua_pushcfunction(L, state_gc);
+  lua_setfield(L, -2, "__gc");
+  lua_setmetatable(L, -2);
+  state->context = bw_context_create();
+  if (!state->context)
+    luaL_error(L, "not enough memory for a context");
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &state_key);
+  return state;
+}
+
+bw_context *lbw_enter(lua_State *L) {
+  lbw_state *state = lbw_state_of(L);
+  if (!state->context)
+    luaL_error(L, "the engine has been shut down");
+  if (state->running)
+    luaL_error(L, "the engine is busy: a function that it calls may not call it");
+  luaL_checkstack(L, 12, "too many values");
+  bw_clear_failure(state->context);
+  state->caller = L;
+  state->callback_failed = false;
+  state->running = 1;
+  return state->context;
+}
+
+static void echo_remarks(lbw_state *state) {
+  for (int i = 0; bw_remark_at(state->context, i); i++)
+    fprintf(stderr, "barwright: %s\n", bw_remark_at(state->context, i));
+  bw_clear_remarks(state->context);
+}
+
+/* Raises the error of a callback, if there was one. */
+static void finish(lua_State *L, lbw_state *state) {
+  state->running = 0;
+  state->caller = NULL;
+  if (state->echo && bw_remark_at(state->context, 0))
+    echo_remarks(state);
+  if (state->callback_failed) {
+    state->callback_failed = false;
+    bw_clear_cancel(state->context);
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &error_key);
+    lua_pushnil(L);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &error_key);
+    lua_error(L);
+  }
+}
+
+static void push_details(lua_State *L, bw_context *context, bw_status status) {
+  lua_createtable(L, 0, 4);
+  lua_pushstring(L, bw_status_word(status));
+  lua_setfield(L, -2, "status");
+  const char *key, *text;
+  double number;
+  for (int i = 0; bw_detail(context, i, &key, &number, &text); i++) {
+    if (text)
+      lua_pushstring(L, text);
+    else if (number == floor(number) && fabs(number) < 9e15)
+      lua_pushinteger(L, (lua_Integer)number);
+    else
+      lua_pushnumber(L, number);
+    lua_setfield(L, -2, key);
+  }
+}
+
+static const char *message_of(bw_context *context, bw_status status) {
+  const char *message = bw_message(context);
+  return message[0] ? message : bw_status_word(status);
+}
+
+int lbw_leave(lua_State *L, bw_status status, int results) {
+  lbw_state *state = lbw_state_of(L);
+  finish(L, state);
+  if (status == BW_OK)
+    return results;
+  if (status == BW_INVALID || status == BW_EMPTY)
+    return luaL_error(L, "%s", message_of(state->context, status));
+  if (status == BW_CANCELLED)
+    bw_clear_cancel(state->context);
+  lua_pop(L, results);
+  lua_pushnil(L);
+  lua_pushstring(L, message_of(state->context, status));
+  push_details(L, state->context, status);
+  return 3;
+}
+
+void lbw_leave_or_raise(lua_State *L, bw_status status) {
+  lbw_state *state = lbw_state_of(L);
+  finish(L, state);
+  if (status == BW_CANCELLED)
+    bw_clear_cancel(state->context);
+  if (status != BW_OK)
+    luaL_error(L, "%s", message_of(state->context, status));
+}
+
+/* ---- callbacks ---------------------------------------------------------------------------- */
+
+/* The error value on the top of the stack is kept for lbw_leave, and the engine asked to stop. */
+static void keep_error(lbw_state *state) {
+  lua_rawsetp(state->caller, LUA_REGISTRYINDEX, &error_key);
+  state->callback_failed = true;
+  bw_cancel(state->context);
+}
+
+double lbw_call_field(lbw_state *state, int function, const double at[3], double otherwise) {
+  lua_State *L = state->caller;
+  if (state->callback_failed)
+    return otherwise;
+  lua_pushvalue(L, function);
+  for (int i = 0; i < 3; i++)
+    lua_pushnumber(L, at[i]);
+  if (lua_pcall(L, 3, 1, 0) != LUA_OK) {
+    keep_error(state);
+    return otherwise;
+  }
+  int is_number;
+  double value = lua_tonumberx(L, -1, &is_number);
+  if (!is_number) {
+    lua_pushfstring(L, "a function of x, y, z must return a number, not %s", lbw_type_name(L, -1));
+    keep_error(state);
+    value = otherwise;
+  }
+  lua_pop(L, 1);
+  return value;
+}
+
+/* The engine's progress: to the script's function, else to the program's line. */
+static void on_progress(void *data, const char *stage, double fraction) {
+  lbw_state *state = (lbw_state *)data;
+  lua_State *L = state->caller;
+  if (!L || state->callback_failed)
+    return;
+  if (lua_rawgetp(L, LUA_REGISTRYINDEX, &progress_key) != LUA_TFUNCTION) {
+    lua_pop(L, 1);
+    if (state->progress)
+      state->progress(state->progress_data, stage, fraction);
+    return;
+  }
+  lua_pushstring(L, stage);
+  lua_pushnumber(L, fraction);
+  if (lua_pcall(L, 2, 1, 0) != LUA_OK) {
+    keep_error(state);
+    return;
+  }
+  /* Returning false asks the engine to stop. */
+  if (lua_isboolean(L, -1) && !lua_toboolean(L, -1))
+    bw_cancel(state->context);
+  lua_pop(L, 1);
+}
+
+/* bw.progress(function | nil): the function in force before */
+static int core_progress(lua_State *L) {
+  lbw_state *state = lbw_state_of(L);
+  if (!lua_isnoneornil(L, 1))
+    luaL_checktype(L, 1, LUA_TFUNCTION);
+  lua_settop(L, 1);
+  lua_rawgetp(L, LUA_REGISTRYINDEX, &progress_key);
+  lua_insert(L, 1);
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &progress_key);
+  bw_set_progress(state->context, on_progress, state);
+  return 1;
+}
+
+static int core_report_progress(lua_State *L) {
+  lbw_state *state = lbw_state_of(L);
+  const char *stage = luaL_checkstring(L, 1);
+  double fraction = luaL_checknumber(L, 2);
+  if (state->running)
+    return 0;
+  state->caller = L;
+  state->callback_failed = false;
+  on_progress(state, stage, fraction);
+  finish(L, state);
+  return 0;
+}
+
+static int core_threads(lua_State *L) {
+  if (!lua_isnoneornil(L, 1)) {
+    lua_Integer n = luaL_checkinteger(L, 1);
+    luaL_argcheck(L, n >= 1 && n <= 4096, 1, "a number of threads from 1 to 4096 expected");
+    lbw_leave_or_raise(L, bw_set_threads(lbw_enter(L), (int)n));
+  }
+  lua_pushinteger(L, bw_threads(lbw_state_of(L)->context));
+  return 1;
+}
+
+static int core_remarks(lua_State *L) {
+  bw_context *context = lbw_state_of(L)->context;
+  lua_newtable(L);
+  for (int i = 0; bw_remark_at(context, i); i++) {
+    lua_pushstring(L, bw_remark_at(context, i));
+    lua_rawseti(L, -2, i + 1);
+  }
+  bw_clear_remarks(context);
+  return 1;
+}
+
+static int core_interrupted(lua_State *L) {
+  lua_pushboolean(L, lbw_state_of(L)->stopping);
+  return 1;
+}
+
+static int core_seconds(lua_State *L) {
+  lua_pushnumber(L, bw_seconds());
+  return 1;
+}
+
+static int core_sha256(lua_State *L) {
+  const char *path = luaL_checkstring(L, 1);
+  char digest[65] = "";
+  bw_status status = bw_sha256_file(lbw_enter(L), path, digest);
+  lua_pushstring(L, digest);
+  return lbw_leave(L, status, 1);
+}
+
+/* write_file(path, text): beside the target, then renamed */
+static int core_write_file(lua_State *L) {
+  const char *path = luaL_checkstring(L, 1);
+  size_t length;
+  const char *text = luaL_checklstring(L, 2, &length);
+  bw_writer *writer = NULL;
+  bw_status status;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_writer_open(context, path, &writer));
+  BW_TRY(bw_writer_bytes(writer, text, length));
+  status = bw_writer_commit(writer);
+  writer = NULL;
+done:
+  bw_writer_discard(writer);
+  lua_pushboolean(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
+static int core_external(lua_State *L) {
+  lua_pushinteger(L, (lua_Integer)lbw_state_of(L)->external);
+  lua_pushinteger(L, (lua_Integer)bw_live_blocks());
+  return 2;
+}
+
+/* fail_allocation(n, repeat): for tests */
+static int core_fail_allocation(lua_State *L) {
+  bw_fail_allocation((int64_t)luaL_checkinteger(L, 1), lua_toboolean(L, 2));
+  return 0;
+}
+
+static int core_nearest(lua_State *L) {
+  const char *word = luaL_checkstring(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  size_t count = lua_rawlen(L, 2);
+  const char **candidate = (const char **)lua_newuserdatauv(L, (count + 1) * sizeof *candidate, 0);
+  for (size_t i = 0; i < count; i++) {
+    lua_rawgeti(L, 2, (lua_Integer)i + 1);
+    candidate[i] = luaL_checkstring(L, -1);
+    lua_pop(L, 1); /* the table keeps the string alive */
+  }
+  lua_pushstring(L, lbw_nearest(word, candidate, count));
+  return 1;
+}
+
+static int core_library_versions(lua_State *L) {
+  char *text = NULL;
+  bw_status status = bw_library_versions(lbw_enter(L), &text);
+  /* A plain copy could raise before the text is released. */
+  luaL_Buffer buffer;
+  luaL_buffinit(L, &buffer);
+  luaL_addstring(&buffer, text ? text : "");
+  bw_free(text);
+  luaL_pushresult(&buffer);
+  return lbw_leave(L, status, 1);
+}
+
+static const luaL_Reg functions[] = {{"progress", core_progress},
+                                     {"report_progress", core_report_progress},
+                                     {"threads", core_threads},
+                                     {"remarks", core_remarks},
+                                     {"interrupted", core_interrupted},
+                                     {"seconds", core_seconds},
+                                     {"sha256", core_sha256},
+                                     {"write_file", core_write_file},
+                                     {"external", core_external},
+                                     {"fail_allocation", core_fail_allocation},
+                                     {"nearest", core_nearest},
+                                     {"library_versions", core_library_versions},
+                                     {NULL, NULL}};
+
+#ifndef BARWRIGHT_COMMIT
+#define BARWRIGHT_COMMIT ""
+#endif
+
+__attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) {
+  lbw_state *state = lbw_state_of(L);
+  bw_set_progress(state->context, on_progress, state);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_pushstring(L, BW_VERSION);
+  lua_setfield(L, -2, "version");
+  lua_pushstring(L, BARWRIGHT_COMMIT);
+  lua_setfield(L, -2, "commit");
+  lua_newtable(L); /* class name -> metatable, filled by lbw_class_register */
+  lua_setfield(L, -2, "classes");
+  lbw_open_array(L);
+  lbw_open_surface(L);
+  lbw_open_mesh(L);
+  lbw_open_selection(L);
+  lbw_open_material(L);
+  lbw_open_model(L);
+  lbw_open_solve(L);
+  lbw_open_worst(L);
+  lbw_open_picture(L);
+  return 1;
+}

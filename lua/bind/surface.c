@@ -1,0 +1,531 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.surface: reading, making, checking and changing triangle surfaces. */
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const bw_surface *self(lua_State *L) {
+  return (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
+}
+
+/* The new surface of a call between lbw_enter and lbw_leave. */
+static int leave(lua_State *L, lbw_box *box, const bw_surface *surface, bw_status status) {
+  lbw_box_fill(L, box, surface);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- files
+ * ---------------------------------------------------------------------------------------- */
+
+static void push_read_info(lua_State *L, const bw_read_info *info, double unit) {
+  lua_createtable(L, 0, 5);
+  lua_pushstring(L, info->format);
+  lua_setfield(L, -2, "format");
+  lua_pushinteger(L, info->polygons);
+  lua_setfield(L, -2, "polygons");
+  lua_pushinteger(L, info->skipped);
+  lua_setfield(L, -2, "skipped");
+  lua_pushinteger(L, info->group_count);
+  lua_setfield(L, -2, "groups");
+  lua_pushnumber(L, unit);
+  lua_setfield(L, -2, "metres_per_unit");
+}
+
+/* surface.read(path, {unit}) */
+static int surface_read(lua_State *L) {
+  static const lbw_option options[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  const char *path = luaL_checkstring(L, 1);
+  lbw_options(L, 2, "surface.read", options, NULL);
+  double unit = lbw_unit_option(L, 2, "surface.read", lbw_unit_of_path(path));
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *read = NULL, *scaled = NULL;
+  bw_read_info info = {0};
+  bw_status status;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_surface_read(context, path, &read, &info));
+  status = bw_surface_scale(context, read, unit, &scaled);
+done:
+  bw_release(read);
+  lbw_box_fill(L, box, scaled);
+  push_read_info(L, &info, unit);
+  return lbw_leave(L, status, 2);
+}
+
+/* surface:write(path, {unit, ascii, fields}) */
+static int surface_write(lua_State *L) {
+  static const lbw_option list[] = {{"unit", LBW_OTHER, 0},
+                                    {"fields", LBW_OTHER, 0},
+                                    {"ascii", LBW_BOOLEAN, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = self(L);
+  const char *path = luaL_checkstring(L, 2);
+  bool ascii = false;
+  lua_settop(L, 3);
+  lbw_options(L, 3, "write", list, &ascii);
+  double unit = lbw_unit_option(L, 3, "write", lbw_unit_of_path(path));
+  lbw_option_get(L, 3, "fields");
+  int count;
+  bw_field *field =
+      lbw_fields(L, -1, "write", surface->point_count, surface->triangle_count, &count);
+  size_t length = strlen(path);
+  bool vtu = length > 4 && strcmp(path + length - 4, ".vtu") == 0;
+  if (count > 0 && !vtu)
+    return luaL_error(L, "write: fields of a surface can only be written as .vtu");
+  bw_surface *scaled = NULL;
+  bw_status status;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_surface_scale(context, surface, 1 / unit, &scaled));
+  if (vtu)
+    status = bw_surface_write_vtu(context, scaled, path, count, field);
+  else
+    status = bw_surface_write(context, scaled, path, ascii);
+done:
+  bw_release(scaled);
+  lua_pushboolean(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- making
+ * ------------------------------------------------------------------------------------------ */
+
+/* surface.new{points, triangles, groups}: metres, numbers from 1 */
+static int surface_new(lua_State *L) {
+  static const lbw_option options[] = {{"points", LBW_OTHER, 0},
+                                       {"triangles", LBW_OTHER, 0},
+                                       {"groups", LBW_OTHER, 0},
+                                       {NULL, LBW_OTHER, 0}};
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  lbw_options(L, 1, "surface.new", options, NULL);
+  int64_t points, triangles, groups = 0;
+  lbw_option_get(L, 1, "points");
+  double *point = lbw_to_doubles(L, -1, "surface.new: points", 3, &points);
+  lbw_option_get(L, 1, "triangles");
+  int32_t *triangle = lbw_to_indices(L, -1, "surface.new: triangles", 3, &triangles);
+  int32_t *group = NULL;
+  if (lbw_option_get(L, 1, "groups") != LUA_TNIL) {
+    group = lbw_to_indices(L, -1, "surface.new: groups", 1, &groups);
+    if (groups != triangles)
+      return luaL_error(L, "surface.new: groups: one for every triangle expected");
+  }
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status = bw_surface_copy(lbw_enter(L), points, point, triangles, triangle, group, &out);
+  return leave(L, box, out, status);
+}
+
+typedef struct shape {
+  double low[3], high[3], centre[3], base[3], axis[3];
+  double radius;
+  int subdivisions, segments, cells;
+} shape;
+
+static void need(lua_State *L, int index, const char *function, const char *key) {
+  if (lbw_option_get(L, index, key) == LUA_TNIL)
+    luaL_error(L, "%s: option '%s' is missing", function, key);
+  lua_pop(L, 1);
+}
+
+/* surface.box{low, high} */
+static int surface_box_shape(lua_State *L) {
+  static const lbw_option options[] = {{"low", LBW_VECTOR, offsetof(shape, low)},
+                                       {"high", LBW_VECTOR, offsetof(shape, high)},
+                                       {NULL, LBW_OTHER, 0}};
+  shape s = {0};
+  lbw_options(L, 1, "surface.box", options, &s);
+  need(L, 1, "surface.box", "high");
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status = bw_surface_box_shape(lbw_enter(L), s.low, s.high, &out);
+  return leave(L, box, out, status);
+}
+
+/* surface.sphere{centre, radius, subdivisions} */
+static int surface_sphere(lua_State *L) {
+  static const lbw_option options[] = {{"centre", LBW_VECTOR, offsetof(shape, centre)},
+                                       {"radius", LBW_REAL, offsetof(shape, radius)},
+                                       {"subdivisions", LBW_INT, offsetof(shape, subdivisions)},
+                                       {NULL, LBW_OTHER, 0}};
+  shape s = {.subdivisions = 3};
+  lbw_options(L, 1, "surface.sphere", options, &s);
+  need(L, 1, "surface.sphere", "radius");
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status =
+      bw_surface_sphere_shape(lbw_enter(L), s.centre, s.radius, s.subdivisions, &out);
+  return leave(L, box, out, status);
+}
+
+/* surface.cylinder{base, axis, radius, segments}: the axis' length is the height */
+static int surface_cylinder(lua_State *L) {
+  static const lbw_option options[] = {{"base", LBW_VECTOR, offsetof(shape, base)},
+                                       {"axis", LBW_VECTOR, offsetof(shape, axis)},
+                                       {"radius", LBW_REAL, offsetof(shape, radius)},
+                                       {"segments", LBW_INT, offsetof(shape, segments)},
+                                       {NULL, LBW_OTHER, 0}};
+  shape s = {.segments = 48};
+  lbw_options(L, 1, "surface.cylinder", options, &s);
+  need(L, 1, "surface.cylinder", "axis");
+  need(L, 1, "surface.cylinder", "radius");
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status =
+      bw_surface_cylinder_shape(lbw_enter(L), s.base, s.axis, s.radius, s.segments, &out);
+  return leave(L, box, out, status);
+}
+
+/* surface.implicit(value, {low, high, cells}): the zero set of a function of x, y, z or a formula
+ * in them that is negative inside */
+static int surface_implicit(lua_State *L) {
+  static const lbw_option options[] = {{"low", LBW_VECTOR, offsetof(shape, low)},
+                                       {"high", LBW_VECTOR, offsetof(shape, high)},
+                                       {"cells", LBW_INT, offsetof(shape, cells)},
+                                       {NULL, LBW_OTHER, 0}};
+  shape s = {.cells = 32};
+  lua_settop(L, 2);
+  lbw_options(L, 2, "surface.implicit", options, &s);
+  need(L, 2, "surface.implicit", "low");
+  need(L, 2, "surface.implicit", "high");
+  lbw_field *field = lbw_field_read(L, 1, "surface.implicit");
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_context *context = lbw_enter(L);
+  lbw_field_begin(field, context);
+  bw_status status =
+      bw_surface_implicit(context, s.low, s.high, s.cells, lbw_field_value, field, &out);
+  lbw_field_end(field, context);
+  return leave(L, box, out, status);
+}
+
+/* ---- changing
+ * ----------------------------------------------------------------------------------------- */
+
+static int surface_scale(lua_State *L) {
+  const bw_surface *surface = self(L);
+  double factor = lbw_check_real(L, 2, "factor");
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status = bw_surface_scale(lbw_enter(L), surface, factor, &out);
+  return leave(L, box, out, status);
+}
+
+static int transformed(lua_State *L, const bw_surface *surface, const double matrix[12]) {
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status = bw_surface_transform(lbw_enter(L), surface, matrix, &out);
+  return leave(L, box, out, status);
+}
+
+/* surface:transform{{a11, a12, a13, b1}, ...} */
+static int surface_transform(lua_State *L) {
+  const bw_surface *surface = self(L);
+  double matrix[12];
+  lbw_check_matrix(L, 2, "matrix", 3, 4, matrix);
+  return transformed(L, surface, matrix);
+}
+
+static int surface_translate(lua_State *L) {
+  const bw_surface *surface = self(L);
+  double by[3];
+  lbw_check_vector(L, 2, "by", by);
+  const double matrix[12] = {1, 0, 0, by[0], 0, 1, 0, by[1], 0, 0, 1, by[2]};
+  return transformed(L, surface, matrix);
+}
+
+/* surface:rotate(axis, angle, centre): radians, right-handed */
+static int surface_rotate(lua_State *L) {
+  const bw_surface *surface = self(L);
+  double axis[3], centre[3] = {0, 0, 0}, matrix[12];
+  lbw_check_vector(L, 2, "axis", axis);
+  double angle = lbw_check_real(L, 3, "angle"), length = bw_norm(axis);
+  if (!lua_isnoneornil(L, 4))
+    lbw_check_vector(L, 4, "centre", centre);
+  luaL_argcheck(L, length > 0, 2, "axis: a vector of some length expected");
+  double c = cos(angle), s = sin(angle);
+  for (int i = 0; i < 3; i++)
+    axis[i] /= length;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      int k = 3 - i - j; /* the third one, when i and j differ */
+      double cross = i == j ? 0 : ((j - i + 3) % 3 == 1 ? -axis[k] : axis[k]);
+      matrix[4 * i + j] = (i == j ? c : 0) + (1 - c) * axis[i] * axis[j] + s * cross;
+    }
+  for (int i = 0; i < 3; i++)
+    matrix[4 * i + 3] = centre[i] - bw_dot(&matrix[4 * i], centre);
+  return transformed(L, surface, matrix);
+}
+
+static int surface_weld(lua_State *L) {
+  const bw_surface *surface = self(L);
+  double tolerance = lua_isnoneornil(L, 2) ? 0 : lbw_check_real(L, 2, "tolerance");
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_status status = bw_surface_weld(lbw_enter(L), surface, tolerance, &out);
+  return leave(L, box, out, status);
+}
+
+/* surface:orient(): surface, number of facets turned */
+static int surface_orient(lua_State *L) {
+  const bw_surface *surface = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  int64_t flipped = 0;
+  bw_status status = bw_surface_orient(lbw_enter(L), surface, &out, &flipped);
+  lbw_box_fill(L, box, out);
+  lua_pushinteger(L, flipped);
+  return lbw_leave(L, status, 2);
+}
+
+static int leave_with_log(lua_State *L, lbw_box *box, const bw_surface *surface,
+                          const bw_shape_log *log, bw_status status) {
+  lbw_box_fill(L, box, surface);
+  lbw_push_shape_log(L, log);
+  return lbw_leave(L, status, 2);
+}
+
+static int surface_repair(lua_State *L) {
+  static const lbw_option list[] = {
+      {"weld", LBW_REAL, offsetof(bw_repair_options, weld)},
+      {"fill_holes", LBW_BOOLEAN, offsetof(bw_repair_options, fill_holes)},
+      {"intersections", LBW_BOOLEAN, offsetof(bw_repair_options, intersections)},
+      {"wrap", LBW_BOOLEAN, offsetof(bw_repair_options, wrap)},
+      {"wrap_alpha", LBW_REAL, offsetof(bw_repair_options, wrap_alpha)},
+      {"wrap_offset", LBW_REAL, offsetof(bw_repair_options, wrap_offset)},
+      {"time_limit", LBW_REAL, offsetof(bw_repair_options, time_limit)},
+      {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = self(L);
+  bw_repair_options options;
+  bw_repair_options_default(&options);
+  lbw_options(L, 2, "repair", list, &options);
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_shape_log log = {0};
+  bw_status status = bw_surface_repair(lbw_enter(L), surface, &options, &out, &log);
+  return leave_with_log(L, box, out, &log, status);
+}
+
+static int surface_remesh(lua_State *L) {
+  static const lbw_option list[] = {
+      {"edge_length", LBW_REAL, offsetof(bw_remesh_options, edge_length)},
+      {"triangles", LBW_COUNT, offsetof(bw_remesh_options, triangles)},
+      {"sharp_angle", LBW_REAL, offsetof(bw_remesh_options, sharp_angle)},
+      {"iterations", LBW_INT, offsetof(bw_remesh_options, iterations)},
+      {"tolerance", LBW_REAL, offsetof(bw_remesh_options, tolerance)},
+      {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = self(L);
+  bw_remesh_options options;
+  bw_remesh_options_default(&options);
+  lbw_options(L, 2, "remesh", list, &options);
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_shape_log log = {0};
+  bw_status status = bw_surface_remesh(lbw_enter(L), surface, &options, &out, &log);
+  return leave_with_log(L, box, out, &log, status);
+}
+
+/* surface:wrap{alpha, offset}: metres; by default 1/50 and 1/600 of the box's diagonal */
+static int surface_wrap(lua_State *L) {
+  struct wrap {
+    double alpha, offset;
+  } options = {0, 0};
+  static const lbw_option list[] = {{"alpha", LBW_REAL, offsetof(struct wrap, alpha)},
+                                    {"offset", LBW_REAL, offsetof(struct wrap, offset)},
+                                    {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = self(L);
+  lbw_options(L, 2, "wrap", list, &options);
+  double low[3], high[3];
+  bw_surface_box(surface, low, high);
+  double size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  if (options.alpha == 0)
+    options.alpha = bw_norm(size) / 50;
+  if (options.offset == 0)
+    options.offset = options.alpha / 12;
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  bw_surface *out = NULL;
+  bw_shape_log log = {0};
+  bw_status status =
+      bw_surface_wrap(lbw_enter(L), surface, options.alpha, options.offset, &out, &log);
+  return leave_with_log(L, box, out, &log, status);
+}
+
+static int surface_distance(lua_State *L) {
+  const bw_surface *surface = self(L);
+  const bw_surface *other = (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);
+  double distance = 0;
+  bw_status status = bw_surface_distance(lbw_enter(L), surface, other, &distance);
+  lua_pushnumber(L, distance);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- checking
+ * ----------------------------------------------------------------------------------------- */
+
+static void push_report(lua_State *L, const bw_surface_report *report) {
+  lua_createtable(L, 0, 12);
+  lua_createtable(L, 0, BW_DEFECT_KINDS);
+  for (int k = 0; k < BW_DEFECT_KINDS; k++) {
+    lua_pushinteger(L, report->count[k]);
+    lua_setfield(L, -2, bw_defect_word((bw_defect_kind)k));
+  }
+  lua_setfield(L, -2, "count");
+  lua_pushinteger(L, report->holes);
+  lua_setfield(L, -2, "holes");
+  lua_pushinteger(L, report->shells);
+  lua_setfield(L, -2, "shells");
+  lua_pushboolean(L, report->closed);
+  lua_setfield(L, -2, "closed");
+  lua_pushboolean(L, report->oriented);
+  lua_setfield(L, -2, "oriented");
+  lua_pushboolean(L, report->sound);
+  lua_setfield(L, -2, "sound");
+  lua_pushnumber(L, report->volume);
+  lua_setfield(L, -2, "volume");
+  lua_pushnumber(L, report->area);
+  lua_setfield(L, -2, "area");
+  lbw_push_box(L, report->low, report->high);
+  lua_setfield(L, -2, "box");
+  lua_createtable(L, (int)report->defect_count, 0);
+  for (int64_t i = 0; i < report->defect_count; i++) {
+    const bw_defect *defect = &report->defect[i];
+    lua_createtable(L, 0, 4);
+    lua_pushstring(L, bw_defect_word(defect->kind));
+    lua_setfield(L, -2, "kind");
+    lua_pushinteger(L, (lua_Integer)defect->facet + 1);
+    lua_setfield(L, -2, "facet");
+    if (defect->other >= 0) {
+      lua_pushinteger(L, (lua_Integer)defect->other + 1);
+      lua_setfield(L, -2, "other");
+    }
+    lbw_push_vector(L, defect->at);
+    lua_setfield(L, -2, "at");
+    lua_rawseti(L, -2, i + 1);
+  }
+  lua_setfield(L, -2, "defects");
+}
+
+/* The report's list of defects must go even when building the table runs out of memory. */
+static int report_protected(lua_State *L) {
+  push_report(L, (const bw_surface_report *)lua_touserdata(L, 1));
+  return 1;
+}
+
+/* surface:check{limit}: a table */
+static int surface_check(lua_State *L) {
+  int64_t limit = 20;
+  static const lbw_option list[] = {{"limit", LBW_COUNT, 0}, {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = self(L);
+  lbw_options(L, 2, "check", list, &limit);
+  bw_surface_report report;
+  memset(&report, 0, sizeof report);
+  lua_pushcfunction(L, report_protected);
+  lua_pushlightuserdata(L, &report);
+  bw_status status = bw_surface_check(lbw_enter(L), surface, limit, &report);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_surface_report_clear(&report);
+  lbw_leave_or_raise(L, BW_OK);
+  return failure ? lua_error(L) : 1;
+}
+
+/* ---- properties
+ * ---------------------------------------------------------------------------------------- */
+
+static int surface_points(lua_State *L) {
+  const bw_surface *surface = self(L);
+  return lbw_push_borrowed(L, BW_F64, surface->point_count, 3, surface->point, surface);
+}
+
+static int surface_triangles(lua_State *L) {
+  const bw_surface *surface = self(L);
+  return lbw_push_indices(L, surface->triangle_count, 3, surface->triangle);
+}
+
+static int surface_groups(lua_State *L) {
+  const bw_surface *surface = self(L);
+  if (!surface->group)
+    return 0;
+  return lbw_push_indices(L, surface->triangle_count, 1, surface->group);
+}
+
+static int surface_point_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->point_count);
+  return 1;
+}
+
+static int surface_triangle_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->triangle_count);
+  return 1;
+}
+
+static int surface_area(lua_State *L) {
+  lua_pushnumber(L, bw_surface_area(self(L)));
+  return 1;
+}
+
+static int surface_volume(lua_State *L) {
+  lua_pushnumber(L, bw_surface_volume(self(L)));
+  return 1;
+}
+
+static int surface_box(lua_State *L) {
+  double low[3], high[3];
+  bw_surface_box(self(L), low, high);
+  lbw_push_box(L, low, high);
+  return 1;
+}
+
+static int surface_tostring(lua_State *L) {
+  const bw_surface *surface = (const bw_surface *)lbw_test(L, 1, &lbw_surface_class);
+  if (!surface) {
+    lua_pushliteral(L, "surface (closed)");
+    return 1;
+  }
+  double low[3], high[3];
+  bw_surface_box(surface, low, high);
+  lbw_push_box_text(L, low, high);
+  lua_pushfstring(L, "surface of %d triangles and %d points, %s", (int)surface->triangle_count,
+                  (int)surface->point_count, lua_tostring(L, -1));
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"write", surface_write},
+                                   {"check", surface_check},
+                                   {"repair", surface_repair},
+                                   {"remesh", surface_remesh},
+                                   {"wrap", surface_wrap},
+                                   {"orient", surface_orient},
+                                   {"weld", surface_weld},
+                                   {"scale", surface_scale},
+                                   {"transform", surface_transform},
+                                   {"translate", surface_translate},
+                                   {"rotate", surface_rotate},
+                                   {"distance", surface_distance},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"points", surface_points},
+                                      {"triangles", surface_triangles},
+                                      {"groups", surface_groups},
+                                      {"point_count", surface_point_count},
+                                      {"triangle_count", surface_triangle_count},
+                                      {"area", surface_area},
+                                      {"volume", surface_volume},
+                                      {"box", surface_box},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", surface_tostring}, {NULL, NULL}};
+const lbw_class lbw_surface_class = {"surface", methods, properties, meta, NULL};
+
+void lbw_open_surface(lua_State *L) {
+  static const luaL_Reg functions[] = {{"read", surface_read},
+                                       {"new", surface_new},
+                                       {"box", surface_box_shape},
+                                       {"sphere", surface_sphere},
+                                       {"cylinder", surface_cylinder},
+                                       {"implicit", surface_implicit},
+                                       {NULL, NULL}};
+  lbw_class_register(L, &lbw_surface_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "surface");
+}

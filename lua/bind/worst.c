@@ -1,0 +1,440 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The parts of the worst case: weak regions, pressure basis, worst loads, drops. The steps are put
+ * together in lua/barwright/worst_case.lua. */
+#include "bind.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- weak regions
+ * -------------------------------------------------------------------------------- */
+
+static const bw_weak_regions *regions_self(lua_State *L) {
+  return (const bw_weak_regions *)lbw_check(L, 1, &lbw_weak_regions_class);
+}
+
+/* weak_regions(mesh, material, modes, {measure, fraction, regions, target}) */
+static int weak_regions_find(lua_State *L) {
+  struct wish {
+    double fraction;
+    int regions;
+  } wish;
+  static const lbw_option list[] = {{"measure", LBW_OTHER, 0},
+                                    {"target", LBW_OTHER, 0},
+                                    {"fraction", LBW_REAL, offsetof(struct wish, fraction)},
+                                    {"regions", LBW_INT, offsetof(struct wish, regions)},
+                                    {NULL, LBW_OTHER, 0}};
+  static const char *const measures[] = {"stress", "energy", NULL};
+  static const char *const targets[] = {"stress", "displacement", NULL};
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  const bw_modes *modes = (const bw_modes *)lbw_check(L, 3, &lbw_modes_class);
+  bw_weak_options options;
+  bw_weak_options_default(&options);
+  wish = (struct wish){options.fraction, options.regions};
+  lua_settop(L, 4);
+  lbw_options(L, 4, "weak_regions", list, &wish);
+  options.fraction = wish.fraction;
+  options.regions = wish.regions;
+  options.measure = lbw_word_option(L, 4, "weak_regions", "measure", measures, 0) ? BW_WEAK_ENERGY
+                                                                                  : BW_WEAK_STRESS;
+  options.target = lbw_word_option(L, 4, "weak_regions", "target", targets, 0)
+                       ? BW_WORST_DISPLACEMENT
+                       : BW_WORST_STRESS;
+  lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
+  bw_weak_regions *regions = NULL;
+  bw_status status = bw_weak_regions_find(lbw_enter(L), mesh, material, modes, &options, &regions);
+  lbw_box_fill(L, box, regions);
+  return lbw_leave(L, status, 1);
+}
+
+/* single_regions(mesh, elements or nil, sign) */
+static int single_regions(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  int64_t count = mesh->element_count;
+  const int32_t *element = NULL;
+  double sign = luaL_optnumber(L, 3, 1);
+  if (!lua_isnoneornil(L, 2))
+    element = lbw_to_indices(L, 2, "elements", 1, &count);
+  lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
+  bw_weak_regions *regions = NULL;
+  bw_status status = bw_weak_regions_single(lbw_enter(L), mesh, count, element, sign, &regions);
+  lbw_box_fill(L, box, regions);
+  return lbw_leave(L, status, 1);
+}
+
+/* regions[i]: {mode, rank, count, volume, energy, peak} */
+static int regions_index(lua_State *L) {
+  const bw_weak_regions *regions = regions_self(L);
+  const bw_weak_region *region = &regions->region[lbw_check_index(L, 2, "region", regions->count)];
+  lua_createtable(L, 0, 6);
+  lua_pushinteger(L, (lua_Integer)region->mode + 1);
+  lua_setfield(L, -2, "mode");
+  lua_pushinteger(L, (lua_Integer)region->rank + 1);
+  lua_setfield(L, -2, "rank");
+  lua_pushinteger(L, region->count);
+  lua_setfield(L, -2, "count");
+  lua_pushnumber(L, region->volume);
+  lua_setfield(L, -2, "volume");
+  lua_pushnumber(L, region->energy);
+  lua_setfield(L, -2, "energy");
+  lua_pushnumber(L, region->peak);
+  lua_setfield(L, -2, "peak");
+  return 1;
+}
+
+static int regions_elements(lua_State *L) {
+  const bw_weak_regions *regions = regions_self(L);
+  const bw_weak_region *region = &regions->region[lbw_check_index(L, 2, "region", regions->count)];
+  return lbw_push_indices(L, region->count, 1, region->element);
+}
+
+static int regions_weights(lua_State *L) {
+  const bw_weak_regions *regions = regions_self(L);
+  const bw_weak_region *region = &regions->region[lbw_check_index(L, 2, "region", regions->count)];
+  int columns = regions->options.target == BW_WORST_DISPLACEMENT ? 3 : 1;
+  return lbw_push_borrowed(L, BW_F64, region->count, columns, region->weight, regions);
+}
+
+static int regions_count(lua_State *L) {
+  lua_pushinteger(L, regions_self(L)->count);
+  return 1;
+}
+
+static int regions_mesh(lua_State *L) {
+  lbw_push(L, &lbw_mesh_class, regions_self(L)->mesh);
+  return 1;
+}
+
+static int regions_tostring(lua_State *L) {
+  const bw_weak_regions *regions = (const bw_weak_regions *)lbw_test(L, 1, &lbw_weak_regions_class);
+  if (!regions)
+    lua_pushliteral(L, "weak regions (closed)");
+  else
+    lua_pushfstring(L, "%d weak regions", regions->count);
+  return 1;
+}
+
+static const luaL_Reg regions_methods[] = {
+    {"elements", regions_elements}, {"weights", regions_weights}, {NULL, NULL}};
+static const luaL_Reg regions_properties[] = {
+    {"count", regions_count}, {"mesh", regions_mesh}, {NULL, NULL}};
+static const luaL_Reg regions_meta[] = {{"__len", regions_count},
+                                        {"__index", regions_index},
+                                        {"__tostring", regions_tostring},
+                                        {NULL, NULL}};
+const lbw_class lbw_weak_regions_class = {"weak_regions", regions_methods, regions_properties,
+                                          regions_meta, NULL};
+
+/* ---- pressures
+ * ---------------------------------------------------------------------------------------- */
+
+static const bw_pressure_basis *basis_self(lua_State *L) {
+  return (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
+}
+
+/* pressure_basis(mesh) */
+static int pressure_basis(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  lbw_box *box = lbw_box_new(L, &lbw_pressure_basis_class);
+  bw_pressure_basis *basis = NULL;
+  bw_status status = bw_pressure_basis_create(lbw_enter(L), mesh, &basis);
+  lbw_box_fill(L, box, basis);
+  return lbw_leave(L, status, 1);
+}
+
+static double *check_pressure(lua_State *L, const bw_pressure_basis *basis) {
+  int64_t rows;
+  double *pressure = lbw_to_doubles(L, 2, "pressure", 1, &rows);
+  luaL_argcheck(L, rows == basis->count, 2, "pressure: one for every node of the basis expected");
+  return pressure;
+}
+
+/* basis:force(pressure): a row of three for every mesh node */
+static int basis_force(lua_State *L) {
+  const bw_pressure_basis *basis = basis_self(L);
+  double *pressure = check_pressure(L, basis);
+  bw_array *force = lbw_push_array(L, BW_F64, basis->mesh->node_count, 3);
+  bw_pressure_force(basis, pressure, (double *)force->data);
+  return 1;
+}
+
+/* basis:arrows(pressure, radius): {{at, force, area}, ...}, largest first */
+static int basis_arrows(lua_State *L) {
+  const bw_pressure_basis *basis = basis_self(L);
+  double *pressure = check_pressure(L, basis);
+  double radius = luaL_optnumber(L, 3, 0);
+  int count = 0;
+  bw_arrow *found = NULL;
+  bw_status status = bw_resultant_arrows(lbw_enter(L), basis, pressure, radius, &count, &found);
+  lbw_state_of(L)->running = 0;
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  /* Copied into Lua's memory first: from here on tables may run out of memory. */
+  enum { MOST = 4096 };
+  static const size_t size = sizeof(bw_arrow);
+  int kept = count < MOST ? count : MOST;
+  luaL_Buffer buffer;
+  luaL_buffinit(L, &buffer);
+  if (kept > 0)
+    luaL_addlstring(&buffer, (const char *)found, (size_t)kept * size);
+  bw_free(found);
+  luaL_pushresult(&buffer);
+  const char *copy = lua_tostring(L, -1);
+  lua_createtable(L, kept, 0);
+  for (int i = 0; i < kept; i++) {
+    bw_arrow arrow;
+    memcpy(&arrow, copy + (size_t)i * size, size);
+    lua_createtable(L, 0, 3);
+    lbw_push_vector(L, arrow.at);
+    lua_setfield(L, -2, "at");
+    lbw_push_vector(L, arrow.force);
+    lua_setfield(L, -2, "force");
+    lua_pushnumber(L, arrow.area);
+    lua_setfield(L, -2, "area");
+    lua_rawseti(L, -2, i + 1);
+  }
+  return lbw_leave(L, BW_OK, 1);
+}
+
+static int basis_nodes(lua_State *L) {
+  const bw_pressure_basis *basis = basis_self(L);
+  return lbw_push_indices(L, basis->count, 1, basis->node);
+}
+
+static int basis_areas(lua_State *L) {
+  const bw_pressure_basis *basis = basis_self(L);
+  return lbw_push_borrowed(L, BW_F64, basis->count, 1, basis->area, basis);
+}
+
+static int basis_count(lua_State *L) {
+  lua_pushinteger(L, basis_self(L)->count);
+  return 1;
+}
+
+static const luaL_Reg basis_methods[] = {
+    {"force", basis_force}, {"arrows", basis_arrows}, {NULL, NULL}};
+static const luaL_Reg basis_properties[] = {
+    {"nodes", basis_nodes}, {"areas", basis_areas}, {"count", basis_count}, {NULL, NULL}};
+const lbw_class lbw_pressure_basis_class = {"pressure_basis", basis_methods, basis_properties, NULL,
+                                            NULL};
+
+/* ---- worst loads
+ * ---------------------------------------------------------------------------------------- */
+
+/* What is kept of each visit: no Lua inside, the arrays are made before. */
+typedef struct collection {
+  bw_context *context;
+  const bw_mesh *mesh;
+  const bw_material *material;
+  int32_t basis_count;
+  bool directional; /* strengths differ with the direction: utilisation needs the tensors */
+  double *peak, *objective, *seconds, *utilisation, *displacement; /* per region */
+  int32_t *peak_element, *utilised_element, *worst_region;
+  uint8_t *flipped;
+  double *weakness; /* per element: the largest stress over all regions */
+  double *pressure; /* regions x basis_count, or NULL */
+  double *scratch;  /* per element */
+} collection;
+
+static bw_status collect(void *data, const bw_worst_case_visit *visit) {
+  collection *c = (collection *)data;
+  int r = visit->region;
+  double peak = -1, used = 0;
+  for (int32_t e = 0; e < c->mesh->element_count; e++) {
+    double value = visit->max_principal[e];
+    if (value > peak) {
+      peak = value;
+      c->peak_element[r] = e + 1;
+    }
+    if (value > c->weakness[e]) {
+      c->weakness[e] = value;
+      c->worst_region[e] = r + 1;
+    }
+  }
+  if (c->directional) {
+    bw_status status = bw_utilisation_field(c->context, c->material, c->mesh->element_count,
+                                            visit->stress, c->scratch);
+    if (status != BW_OK)
+      return status;
+    for (int32_t e = 0; e < c->mesh->element_count; e++)
+      if (c->scratch[e] > used) {
+        used = c->scratch[e];
+        c->utilised_element[r] = e + 1;
+      }
+  } else {
+    used = c->material->strength[0] > 0 ? peak / c->material->strength[0] : 0;
+    c->utilised_element[r] = c->peak_element[r];
+  }
+  double moved = 0;
+  for (int64_t i = 0; i < c->mesh->node_count; i++)
+    moved = fmax(moved, bw_norm(visit->displacement + 3 * i));
+  c->peak[r] = peak;
+  c->utilisation[r] = used;
+  c->displacement[r] = moved;
+  c->objective[r] = visit->objective;
+  c->flipped[r] = 0;
+  c->seconds[r] = visit->seconds;
+  if (c->pressure)
+    memcpy(c->pressure + (int64_t)r * c->basis_count, visit->pressure,
+           (size_t)c->basis_count * sizeof(double));
+  return BW_OK;
+}
+
+/* A new array as field `key` of the table at `table`; its data. */
+static void *kept_array(lua_State *L, int table, const char *key, bw_type type, int64_t rows,
+                        int64_t columns) {
+  void *data = lbw_push_array(L, type, rows, columns)->data;
+  lua_setfield(L, table, key);
+  return data;
+}
+
+/* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, batch, keep_pressures,
+ * glpk}): a table of arrays */
+static int worst_loads(lua_State *L) {
+  struct wish {
+    bw_worst_load_options options;
+    int batch;
+    bool keep_pressures, glpk;
+  } wish;
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct wish, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
+      {"one_sign", LBW_BOOLEAN, offsetof(struct wish, options.one_sign)},
+      {"batch", LBW_INT, offsetof(struct wish, batch)},
+      {"keep_pressures", LBW_BOOLEAN, offsetof(struct wish, keep_pressures)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
+      {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
+  const bw_weak_regions *regions =
+      (const bw_weak_regions *)lbw_check(L, 3, &lbw_weak_regions_class);
+  memset(&wish, 0, sizeof wish);
+  wish.keep_pressures = true;
+  lua_settop(L, 4);
+  lbw_options(L, 4, "worst_loads", list, &wish);
+  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  const bw_mesh *mesh = system->mesh;
+  luaL_argcheck(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
+  luaL_argcheck(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
+  lua_createtable(L, 0, 12);
+  const int table = 5, count = regions->count;
+  const bw_material *material = system->material;
+  const double *strength = material->strength;
+  collection c = {.mesh = mesh,
+                  .material = material,
+                  .basis_count = basis->count,
+                  .directional = strength[0] > 0 &&
+                                 (strength[0] != strength[1] || strength[0] != strength[2])};
+  c.peak = (double *)kept_array(L, table, "peaks", BW_F64, count, 1);
+  c.peak_element = (int32_t *)kept_array(L, table, "peak_elements", BW_I32, count, 1);
+  c.utilisation = (double *)kept_array(L, table, "utilisations", BW_F64, count, 1);
+  c.utilised_element = (int32_t *)kept_array(L, table, "utilised_elements", BW_I32, count, 1);
+  c.displacement = (double *)kept_array(L, table, "displacements", BW_F64, count, 1);
+  c.objective = (double *)kept_array(L, table, "objectives", BW_F64, count, 1);
+  c.seconds = (double *)kept_array(L, table, "seconds", BW_F64, count, 1);
+  c.flipped = (uint8_t *)kept_array(L, table, "flipped", BW_U8, count, 1);
+  c.weakness = (double *)kept_array(L, table, "weakness", BW_F64, mesh->element_count, 1);
+  c.worst_region = (int32_t *)kept_array(L, table, "worst_region", BW_I32, mesh->element_count, 1);
+  if (wish.keep_pressures)
+    c.pressure = (double *)kept_array(L, table, "pressures", BW_F64, count, basis->count);
+  if (c.directional)
+    c.scratch =
+        (double *)lua_newuserdatauv(L, (size_t)mesh->element_count * sizeof *c.scratch + 1, 0);
+  lua_settop(L, table + (c.directional ? 1 : 0)); /* the scratch block stays alive on the stack */
+  lua_pushvalue(L, table);
+  c.context = lbw_enter(L);
+  bw_status status =
+      bw_worst_case_run(c.context, system, basis, regions, &wish.options, wish.batch, collect, &c);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- drops
+ * --------------------------------------------------------------------------------------------------
+ */
+
+static void copy_out(lua_State *L, int table, const char *key, int64_t rows, int64_t columns,
+                     const double *data) {
+  memcpy(kept_array(L, table, key, BW_F64, rows, columns), data,
+         (size_t)(rows * columns) * sizeof *data);
+}
+
+typedef struct drop_out {
+  const bw_drop_result *result;
+  int64_t elements;
+} drop_out;
+
+static int push_drops(lua_State *L) {
+  const drop_out *out = (const drop_out *)lua_touserdata(L, 1);
+  const bw_drop_result *result = out->result;
+  lua_createtable(L, 0, 8);
+  copy_out(L, 2, "exceedance", out->elements, 1, result->exceedance);
+  copy_out(L, 2, "mean_peak", out->elements, 1, result->mean_peak);
+  copy_out(L, 2, "contacts", result->drops, 3, result->contact);
+
+  copy_out(L, 2, "peaks", result->drops, 1, result->peak);
+  lua_pushnumber(L, 0);
+  lua_setfield(L, 2, "threshold");
+  lua_pushinteger(L, result->drops);
+  lua_setfield(L, 2, "drops");
+  return 1;
+}
+
+/* drops(system, {drops, height, peg_radius, duration, seed}): a table of arrays */
+static int drops(lua_State *L) {
+  static const lbw_option list[] = {{"drops", LBW_COUNT, offsetof(bw_drop_options, drops)},
+                                    {"height", LBW_REAL, offsetof(bw_drop_options, height)},
+                                    {"peg_radius", LBW_REAL, offsetof(bw_drop_options, peg_radius)},
+                                    {"duration", LBW_REAL, offsetof(bw_drop_options, duration)},
+                                    {"seed", LBW_SEED, offsetof(bw_drop_options, seed)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  bw_drop_options options;
+  bw_drop_options_default(&options);
+  lbw_options(L, 2, "drops", list, &options);
+  bw_drop_result result;
+  memset(&result, 0, sizeof result);
+  drop_out out = {&result, system->mesh->element_count};
+  lua_pushcfunction(L, push_drops);
+  lua_pushlightuserdata(L, &out);
+  bw_status status = bw_drop_test(lbw_enter(L), system, &options, &result);
+  lbw_state_of(L)->running = 0;
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_drop_result_clear(&result);
+  return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
+}
+
+/* rank_correlation(a, b, weights): Spearman's */
+static int rank_correlation(lua_State *L) {
+  int64_t count, other;
+  double *a = lbw_to_doubles(L, 1, "a", 1, &count);
+  double *b = lbw_to_doubles(L, 2, "b", 1, &other), *weight = NULL, rho = 0;
+  luaL_argcheck(L, other == count, 2, "b: as many numbers as in a expected");
+  if (!lua_isnoneornil(L, 3)) {
+    weight = lbw_to_doubles(L, 3, "weights", 1, &other);
+    luaL_argcheck(L, other == count, 3, "weights: as many numbers as in a expected");
+  }
+  bw_context *context = lbw_enter(L);
+  bw_status status = weight ? bw_weighted_rank_correlation(context, count, a, b, weight, &rho)
+                            : bw_rank_correlation(context, count, a, b, &rho);
+  lua_pushnumber(L, rho);
+  return lbw_leave(L, status, 1);
+}
+
+void lbw_open_worst(lua_State *L) {
+  static const luaL_Reg functions[] = {{"weak_regions", weak_regions_find},
+                                       {"single_regions", single_regions},
+                                       {"pressure_basis", pressure_basis},
+                                       {"worst_loads", worst_loads},
+                                       {"drops", drops},
+                                       {"rank_correlation", rank_correlation},
+                                       {NULL, NULL}};
+  lbw_class_register(L, &lbw_weak_regions_class);
+  lbw_class_register(L, &lbw_pressure_basis_class);
+  luaL_setfuncs(L, functions, 0);
+}
