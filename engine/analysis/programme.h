@@ -93,4 +93,14 @@ bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *simplex, const dou
                             bool sampled, bwi_vertex *vertex);
 void bwi_simplex_free(bwi_simplex *simplex);
 
+/* The programme with solvers and scratch memory per thread, for many batches of objectives
+ * (worst_loads.c; see bw_worst_loads). */
+typedef struct bwi_loads bwi_loads;
+bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
+                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           bwi_loads **loads);
+bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
+                          const double *objective, double *pressure, double *value, double *dual);
+void bwi_loads_free(bwi_loads *loads);
+
 #endif

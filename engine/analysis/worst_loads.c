@@ -19,18 +19,23 @@ typedef struct loads_scratch {
   bwi_simplex *simplex;
 } loads_scratch;
 
+struct bwi_loads {
+  bwi_programme *programme;
+  bw_worst_load_options options;
+  int32_t pressures;
+  int workers;
+  loads_scratch *scratch; /* per worker */
+};
+
 typedef struct loads_work {
   bw_context *context;
-  const bwi_programme *programme;
-  const bw_worst_load_options *options;
-  int32_t pressures;
+  bwi_loads *loads;
   const double *objective;
   double *pressure, *value, *dual;
-  loads_scratch *scratch; /* per worker */
 } loads_work;
 
 static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
-  size_t n = (size_t)work->programme->columns, m = (size_t)work->programme->rows;
+  size_t n = (size_t)work->loads->programme->columns, m = (size_t)work->loads->programme->rows;
   bw_context *context = work->context;
   if (!scratch->cost)
     scratch->cost = BW_NEW(context, double, n);
@@ -45,8 +50,8 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
   if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->vertex.basic ||
       !scratch->vertex.at_upper)
     return BW_MEMORY;
-  if (!scratch->simplex && work->options->solver == BW_PROGRAMME_OWN)
-    return bwi_simplex_create(context, work->programme, &scratch->simplex);
+  if (!scratch->simplex && work->loads->options.solver == BW_PROGRAMME_OWN)
+    return bwi_simplex_create(context, work->loads->programme, &scratch->simplex);
   return BW_OK;
 }
 
@@ -61,8 +66,8 @@ static void scratch_clear(loads_scratch *scratch) {
 
 /* Gains per share of the total force, scaled to a largest one of 1. Returns the scale. */
 static bw_status gains(const loads_work *work, int64_t i, double *cost, double *scale) {
-  const bwi_programme *programme = work->programme;
-  const double *f = work->objective + (size_t)i * (size_t)work->pressures;
+  const bwi_programme *programme = work->loads->programme;
+  const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
   *scale = 0;
   for (int32_t j = 0; j < programme->columns; j++) {
     int32_t from = programme->source[j];
@@ -80,9 +85,9 @@ static bw_status gains(const loads_work *work, int64_t i, double *cost, double *
 /* Pressures, value and raw multipliers from scaled ones. */
 static void hand_over(const loads_work *work, int64_t i, const bwi_solution *solution,
                       double scale) {
-  const bwi_programme *programme = work->programme;
-  double *p = work->pressure + (size_t)i * (size_t)work->pressures;
-  const double *f = work->objective + (size_t)i * (size_t)work->pressures;
+  const bwi_programme *programme = work->loads->programme;
+  double *p = work->pressure + (size_t)i * (size_t)work->loads->pressures;
+  const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
   double value = 0;
   for (int32_t j = 0; j < programme->columns; j++) {
     if (programme->source[j] < 0)
@@ -93,7 +98,7 @@ static void hand_over(const loads_work *work, int64_t i, const bwi_solution *sol
             ? programme->pressure
             : fmin(programme->pressure, solution->share[j] * programme->force / programme->area[j]);
   }
-  for (int32_t j = 0; j < work->pressures; j++)
+  for (int32_t j = 0; j < work->loads->pressures; j++)
     value += f[j] * p[j];
   work->value[i] = value;
   if (!work->dual)
@@ -122,7 +127,7 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
   bw_status status = BW_OK;
   bwi_solution solution = {scratch->share, scratch->multiplier, 0, INFINITY, INFINITY};
   double scale;
-  bool own = work->options->solver == BW_PROGRAMME_OWN;
+  bool own = work->loads->options.solver == BW_PROGRAMME_OWN;
   BW_TRY(bw_check_cancel(work->context));
   BW_TRY(gains(work, i, scratch->cost, &scale));
   for (int attempt = own ? 0 : OWN_ATTEMPTS; attempt < OWN_ATTEMPTS + GLPK_ATTEMPTS; attempt++) {
@@ -131,7 +136,7 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
                                  &scratch->vertex);
     } else {
       if (!*glpk)
-        BW_TRY(bwi_glpk_create(work->context, work->programme, glpk));
+        BW_TRY(bwi_glpk_create(work->context, work->loads->programme, glpk));
       status = bwi_glpk_solve(work->context, *glpk, scratch->cost, attempt - OWN_ATTEMPTS,
                               &scratch->vertex);
     }
@@ -139,8 +144,8 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
       continue;
     if (status != BW_OK)
       goto done;
-    BW_TRY(bwi_programme_evaluate(work->context, work->programme, scratch->cost, &scratch->vertex,
-                                  &solution));
+    BW_TRY(bwi_programme_evaluate(work->context, work->loads->programme, scratch->cost,
+                                  &scratch->vertex, &solution));
     if (good(&solution)) {
       hand_over(work, i, &solution, scale);
       goto done;
@@ -157,7 +162,7 @@ done:
 static bw_status loads_body(void *data, int64_t begin, int64_t end, int worker) {
   const loads_work *work = (const loads_work *)data;
   bw_status status = BW_OK;
-  loads_scratch *scratch = &work->scratch[worker];
+  loads_scratch *scratch = &work->loads->scratch[worker];
   bwi_glpk *glpk = NULL;
   BW_TRY(scratch_fill(work, scratch));
   for (int64_t i = begin; i < end; i++)
@@ -167,29 +172,58 @@ done:
   return status;
 }
 
+bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
+                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           bwi_loads **result) {
+  bw_status status = BW_OK;
+  if (basis->mesh->node_count != numbering->mesh->node_count)
+    return bw_fail(context, BW_INVALID, "the pressures have %d nodes and the numbering has %d",
+                   basis->mesh->node_count, numbering->mesh->node_count);
+  bwi_loads *loads = BW_NEW0(context, bwi_loads, 1);
+  if (!loads)
+    return BW_MEMORY;
+  loads->options = *options;
+  loads->pressures = basis->count;
+  loads->workers = bw_threads(context);
+  loads->scratch = BW_NEW0(context, loads_scratch, loads->workers);
+  if (!loads->scratch) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bwi_programme_create(context, basis, numbering, options, &loads->programme));
+done:
+  if (status == BW_OK)
+    *result = loads;
+  else
+    bwi_loads_free(loads);
+  return status;
+}
+
+void bwi_loads_free(bwi_loads *loads) {
+  if (!loads)
+    return;
+  for (int w = 0; loads->scratch && w < loads->workers; w++)
+    scratch_clear(&loads->scratch[w]);
+  bw_free(loads->scratch);
+  bwi_programme_free(loads->programme);
+  bw_free(loads);
+}
+
+bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
+                          const double *objective, double *pressure, double *value, double *dual) {
+  loads_work work = {context, loads, objective, pressure, value, dual};
+  return bw_parallel(context, count, count > 64 ? 4 : 1, loads_body, &work);
+}
+
 bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
                          const bw_numbering *numbering, const bw_worst_load_options *options,
                          int64_t count, const double *objective, double *pressure, double *value,
                          double *dual) {
+  bwi_loads *loads = NULL;
   bw_status status = BW_OK;
-  bwi_programme *programme = NULL;
-  int threads = bw_threads(context);
-  loads_work work = {context, NULL, options, basis->count, objective, pressure, value, dual, NULL};
-  if (basis->mesh->node_count != numbering->mesh->node_count)
-    return bw_fail(context, BW_INVALID, "the pressures have %d nodes and the numbering has %d",
-                   basis->mesh->node_count, numbering->mesh->node_count);
-  BW_TRY(bwi_programme_create(context, basis, numbering, options, &programme));
-  work.programme = programme;
-  work.scratch = BW_NEW0(context, loads_scratch, threads);
-  if (!work.scratch) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(bw_parallel(context, count, count > 64 ? 4 : 1, loads_body, &work));
+  BW_TRY(bwi_loads_create(context, basis, numbering, options, &loads));
+  BW_TRY(bwi_loads_solve(context, loads, count, objective, pressure, value, dual));
 done:
-  for (int t = 0; work.scratch && t < threads; t++)
-    scratch_clear(&work.scratch[t]);
-  bw_free(work.scratch);
-  bwi_programme_free(programme);
+  bwi_loads_free(loads);
   return status;
 }

@@ -133,7 +133,8 @@ typedef struct bw_worst_case_visit {
   const double *stress;        /* element_count x 6 */
   const double *max_principal; /* element_count */
   double objective;            /* of the programme */
-  double seconds;
+  bool flipped;                /* reached with the weights' signs turned over */
+  double seconds;              /* the region's share of its batch */
 } bw_worst_case_visit;
 bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
                             const bw_weak_regions *regions, const bw_worst_load_options *options,
@@ -141,7 +142,9 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
                             bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
                             void *data);
 
-/* Sum a pressure's forces into a few arrows: clusters of loaded nodes within `radius`. */
+/* Sum a pressure's forces into a few arrows, largest first: clusters of loaded nodes within
+ * `radius` (0: a twentieth of the box diagonal) that push the same way. Together they carry the
+ * whole force. *arrows is NULL when nothing is loaded; release with bw_free. */
 typedef struct bw_arrow {
   double at[3], force[3];
   double area; /* loaded */
@@ -154,19 +157,26 @@ bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basi
 typedef struct bw_drop_options {
   int64_t drops;     /* default 2000 */
   double height;     /* m, default 1 */
-  double peg_radius; /* m: radius of the contact patch; default 2 % of the box diagonal */
-  double duration;   /* s: of the contact; the force is 2 m v / duration; default 1e-3 */
+  double peg_radius; /* m: of the peg, and of the contact patch; 0 (default): 2 % of the box
+                        diagonal */
+  double duration;   /* s: of the contact; the mean force is 2 m_e v / duration with the effective
+                        mass m_e of the body at the contact; default 1e-3 */
   uint64_t seed;
 } bw_drop_options;
 void bw_drop_options_default(bw_drop_options *options);
 typedef struct bw_drop_result {
-  double *exceedance; /* element_count: fraction of drops whose max principal stress is beyond the
-                         strength (where none is known: beyond the 97.5th percentile of all) */
+  double *exceedance; /* element_count: fraction of drops whose stress is beyond the strength: whose
+                         utilisation exceeds one, or, where no strength is known, whose max
+                         principal stress exceeds `threshold` */
   double *mean_peak;  /* element_count: mean over drops of the max principal stress, Pa */
   double *contact;    /* drops x 3 */
+  double *force;      /* drops: N */
   double *peak;       /* drops: largest stress */
+  double threshold;   /* Pa: the 97.5th percentile by volume of the first 200 drops' stresses; 0
+                         when the strength is known */
   int64_t drops;
 } bw_drop_result;
+/* The body must be free (no supports) and its density known. */
 bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_options *options,
                        bw_drop_result *result);
 void bw_drop_result_clear(bw_drop_result *result);
