@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "io/formats.h"
+#include "io/raw.h"
 
 const char *bwi_ending(const char *path) {
   const char *slash = strrchr(path, '/');
@@ -131,13 +132,44 @@ bw_status bwi_fail_unknown(bwi_cursor *cursor, const char *considered) {
                        bwi_show((bwi_word){cursor->at, left < 41 ? left : 41}), considered);
 }
 
+/* Formats of meshes. *known is false when the format is none of them. */
+static bw_status read_raw(bwi_cursor *cursor, bwi_format kind, bwi_raw *raw, const char **format,
+                          bool *known) {
+  *known = true;
+  switch (kind) {
+  case BWI_VTU:
+    return bwi_vtu_read(cursor, raw, format);
+  default:
+    *known = false;
+    return BW_OK;
+  }
+}
+
+static bw_status surface_of_mesh(bwi_cursor *cursor, bwi_format kind, bw_surface **surface,
+                                 bw_read_info *info) {
+  bwi_raw raw;
+  const char *format = "";
+  bool known;
+  bwi_raw_init(&raw, cursor->context, cursor->name);
+  bw_status status = read_raw(cursor, kind, &raw, &format, &known);
+  if (!known)
+    status =
+        bwi_fail_unknown(cursor, "STL (text beginning with 'solid', or a binary size of 84 + 50 n "
+                                 "bytes), OBJ, OFF, PLY, MSH, VTU, MEDIT, INP");
+  if (status == BW_OK)
+    status = bwi_raw_surface(&raw, format, surface, info);
+  bwi_raw_clear(&raw);
+  return status;
+}
+
 bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
                            size_t count, bw_surface **surface, bw_read_info *info) {
   bwi_cursor cursor;
   bwi_cursor_init(&cursor, context, name, bytes, count);
   if (info)
     memset(info, 0, sizeof *info);
-  switch (count ? bwi_detect(&cursor) : BWI_UNKNOWN) {
+  bwi_format kind = count ? bwi_detect(&cursor) : BWI_UNKNOWN;
+  switch (kind) {
   case BWI_STL:
     return bwi_stl_parse(&cursor, surface, info);
   case BWI_OBJ:
@@ -147,9 +179,73 @@ bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned
   case BWI_PLY:
     return bwi_ply_parse(&cursor, surface, info);
   default:
-    return bwi_fail_unknown(&cursor, "STL (text beginning with 'solid', or a binary size of 84 + "
-                                     "50 n bytes), OBJ, OFF, PLY, MSH, VTU, MEDIT, INP");
+    return surface_of_mesh(&cursor, kind, surface, info);
   }
+}
+
+bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                        size_t count, bw_mesh_file *file) {
+  bwi_cursor cursor;
+  bwi_raw raw;
+  const char *format = "";
+  bool known;
+  memset(file, 0, sizeof *file);
+  bwi_cursor_init(&cursor, context, name, bytes, count);
+  bwi_raw_init(&raw, context, name);
+  bwi_format kind = count ? bwi_detect(&cursor) : BWI_UNKNOWN;
+  bw_status status = read_raw(&cursor, kind, &raw, &format, &known);
+  if (kind == BWI_STL || kind == BWI_OBJ || kind == BWI_OFF || kind == BWI_PLY)
+    status = bwi_fail_byte(&cursor,
+                           "this is a surface (%s), not a mesh of tetrahedra: read it as "
+                           "a surface and fill it",
+                           kind == BWI_STL   ? "STL"
+                           : kind == BWI_OBJ ? "OBJ"
+                           : kind == BWI_OFF ? "OFF"
+                                             : "PLY");
+  else if (!known)
+    status = bwi_fail_unknown(&cursor, "VTU, MSH 2.2 and 4.1, MEDIT, TetGen, INP");
+  if (status == BW_OK)
+    status = bwi_raw_mesh(&raw, format, file);
+  bwi_raw_clear(&raw);
+  return status;
+}
+
+bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file) {
+  unsigned char *bytes;
+  size_t count;
+  memset(file, 0, sizeof *file);
+  bw_status status = bw_read_file(context, path, &bytes, &count);
+  if (status != BW_OK)
+    return status;
+  status = bw_mesh_parse(context, path, bytes, count, file);
+  bw_free(bytes);
+  return status;
+}
+
+/* ---- writing -----------------------------------------------------------------------------------
+ */
+
+static bw_status write_plain(bw_context *context, const char *path,
+                             bw_status (*write)(bw_writer *, const bw_mesh *),
+                             const bw_mesh *mesh) {
+  bw_writer *writer;
+  bw_status status = bw_writer_open(context, path, &writer);
+  if (status != BW_OK)
+    return status;
+  write(writer, mesh); /* commit knows of an error */
+  return bw_writer_commit(writer);
+}
+
+bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
+                        const bw_field *fields) {
+  if (has_ending(path, "vtu"))
+    return bwi_vtu_write(context, mesh, path, field_count, fields);
+  if (has_ending(path, "inp"))
+    return write_plain(context, path, bwi_inp_write_mesh, mesh);
+  return bw_fail(context, BW_INVALID,
+                 "%s: the ending '%s' names no format that meshes are written in: use .vtu .msh "
+                 ".mesh .node .ele or .inp",
+                 path, bwi_ending(path));
 }
 
 bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,
@@ -169,6 +265,8 @@ bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const
   bw_writer *writer = NULL;
   bool stl = has_ending(path, "stl"), obj = has_ending(path, "obj");
   bool off = has_ending(path, "off"), ply = has_ending(path, "ply");
+  if (has_ending(path, "vtu"))
+    return bw_surface_write_vtu(context, surface, path, 0, NULL);
   if (!stl && !obj && !off && !ply)
     return bw_fail(context, BW_INVALID,
                    "%s: the ending '%s' names no format that surfaces are written in: use .stl "

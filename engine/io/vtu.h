@@ -1,0 +1,69 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The two layers under the VTU reader: XML tags, and the arrays that they announce. */
+#ifndef BWI_IO_VTU_H
+#define BWI_IO_VTU_H
+
+#include "io/raw.h"
+
+/* ---- XML tags (vtu_xml.c): as much of XML as VTK writes; no entities but the five in values ----
+ */
+
+enum { BWI_XML_ATTRIBUTES = 24 };
+typedef struct bwi_tag {
+  bwi_word name;
+  bool closing, empty; /* </name>, <name/> */
+  int count;
+  bwi_word key[BWI_XML_ATTRIBUTES], value[BWI_XML_ATTRIBUTES];
+} bwi_tag;
+/* The next tag; text, comments and declarations before it are passed over. At the end of the file
+ * *any is false. */
+bw_status bwi_xml_next(bwi_cursor *cursor, bwi_tag *tag, bool *any);
+bwi_word bwi_xml_value(const bwi_tag *tag, const char *key); /* length 0: not there */
+
+/* ---- arrays (vtu_data.c) ------------------------------------------------------------------------
+ */
+
+typedef enum bwi_vtk_type {
+  BWI_VTK_NONE,
+  BWI_VTK_I8,
+  BWI_VTK_U8,
+  BWI_VTK_I16,
+  BWI_VTK_U16,
+  BWI_VTK_I32,
+  BWI_VTK_U32,
+  BWI_VTK_I64,
+  BWI_VTK_U64,
+  BWI_VTK_F32,
+  BWI_VTK_F64
+} bwi_vtk_type;
+
+typedef struct bwi_vtu_file {
+  bool wide;                     /* headers are uint64 */
+  bool compressed;               /* by zlib */
+  bool base64;                   /* the appended data are */
+  const unsigned char *appended; /* behind the underscore; NULL: none */
+} bwi_vtu_file;
+
+typedef enum bwi_vtu_form { BWI_VTU_ASCII, BWI_VTU_INLINE, BWI_VTU_APPENDED } bwi_vtu_form;
+
+typedef struct bwi_vtu_array {
+  bwi_word name;
+  bwi_vtk_type type;
+  int64_t columns;
+  bwi_vtu_form form;
+  uint64_t offset;
+  const unsigned char *text; /* behind the tag */
+  int64_t line;
+} bwi_vtu_array;
+
+static inline bool bwi_vtk_is_real(bwi_vtk_type type) {
+  return type >= BWI_VTK_F32;
+}
+/* `count` numbers as double or int64 in a new block: exactly so many must be there. `finite`: NaN
+ * and infinities are refused. */
+bw_status bwi_vtu_reals(const bwi_cursor *cursor, const bwi_vtu_file *file,
+                        const bwi_vtu_array *array, uint64_t count, bool finite, double **values);
+bw_status bwi_vtu_integers(const bwi_cursor *cursor, const bwi_vtu_file *file,
+                           const bwi_vtu_array *array, uint64_t count, int64_t **values);
+
+#endif

@@ -1,0 +1,270 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* VTU: an XML header that gives each array an offset, then all arrays appended as raw bytes, each
+ * cut into blocks that are compressed by zlib on their own (in parallel: the cut does not depend on
+ * the number of threads, so neither do the bytes).
+ *
+ * Layout of an array: number of blocks, size of a block, size of the last one (0: full), compressed
+ * size of each, all uint64; then the compressed blocks. */
+#include "io/raw.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { BLOCK_BYTES = 1 << 18, LEVEL = 4, INT32_BYTES = 4 };
+
+typedef struct packed {
+  unsigned char *bytes; /* the header and the blocks behind it */
+  size_t count;
+} packed;
+
+typedef struct packing {
+  const unsigned char *source;
+  size_t bytes, stride; /* stride: room for one compressed block */
+  unsigned char *out;
+  uint64_t *size;
+} packing;
+
+static bw_status pack_blocks(void *data, int64_t begin, int64_t end, int worker) {
+  packing *p = (packing *)data;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    size_t from = (size_t)i * BLOCK_BYTES;
+    size_t bytes = p->bytes - from < BLOCK_BYTES ? p->bytes - from : BLOCK_BYTES;
+    uLongf size = (uLongf)p->stride;
+    if (compress2(p->out + (size_t)i * p->stride, &size, p->source + from, (uLong)bytes, LEVEL) !=
+        Z_OK)
+      return BW_MEMORY; /* the only way to fail, as stride is a bound */
+    p->size[i] = size;
+  }
+  return BW_OK;
+}
+
+static bw_status pack(bw_context *context, const void *source, size_t bytes, packed *to) {
+  bw_status status = BW_OK;
+  size_t blocks = (bytes + BLOCK_BYTES - 1) / BLOCK_BYTES, all = 0;
+  packing p = {(const unsigned char *)source, bytes, compressBound(BLOCK_BYTES), NULL, NULL};
+  p.out = BW_NEW(context, unsigned char, blocks *p.stride);
+  p.size = BW_NEW(context, uint64_t, blocks);
+  if (!p.out || !p.size) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  status = bw_parallel(context, (int64_t)blocks, 1, pack_blocks, &p);
+  if (status == BW_MEMORY)
+    bw_fail(context, BW_MEMORY, "out of memory while compressing %zu bytes", bytes);
+  if (status != BW_OK)
+    goto done;
+  for (size_t i = 0; i < blocks; i++)
+    all += p.size[i];
+  to->count = (3 + blocks) * sizeof(uint64_t) + all;
+  to->bytes = BW_NEW(context, unsigned char, to->count);
+  if (!to->bytes) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  uint64_t head[3] = {blocks, BLOCK_BYTES, bytes % BLOCK_BYTES};
+  unsigned char *at = to->bytes;
+  memcpy(at, head, sizeof head);
+  at += sizeof head;
+  memcpy(at, p.size, blocks * sizeof *p.size);
+  at += blocks * sizeof *p.size;
+  for (size_t i = 0; i < blocks; i++) {
+    memcpy(at, p.out + i * p.stride, p.size[i]);
+    at += p.size[i];
+  }
+done:
+  bw_free(p.out);
+  bw_free(p.size);
+  return status;
+}
+
+/* ---- what is written ---------------------------------------------------------------------------
+ */
+
+typedef struct grid {
+  int64_t points, cells;
+  const double *point;
+  int width;
+  uint8_t type; /* of VTK */
+  const int32_t *cell;
+  const int32_t *tag; /* a cell array of this name, or NULL */
+  const char *tag_name;
+  int field_count;
+  const bw_field *fields;
+} grid;
+
+/* Row by row, tensors in VTK's order xx yy zz xy yz zx. */
+static bw_status pack_field(bw_context *context, const bw_array *array, packed *to) {
+  static const int64_t tensor[6] = {0, 1, 2, 5, 3, 4};
+  size_t size = bw_type_size(array->type);
+  unsigned char *flat =
+      BW_NEW(context, unsigned char, (size_t)array->rows *(size_t)array->columns *size);
+  if (!flat)
+    return BW_MEMORY;
+  unsigned char *at = flat;
+  bool permuted = array->columns == 6 && array->type == BW_F64;
+  for (int64_t i = 0; i < array->rows; i++)
+    for (int64_t j = 0; j < array->columns; j++, at += size)
+      memcpy(at,
+             (const unsigned char *)array->data + i * array->row_stride +
+                 (permuted ? tensor[j] : j) * array->column_stride,
+             size);
+  bw_status status = pack(context, flat, (size_t)(at - flat), to);
+  bw_free(flat);
+  return status;
+}
+
+static bw_status pack_cells(bw_context *context, const grid *g, packed *offsets, packed *types) {
+  bw_status status = BW_OK;
+  int64_t *end = BW_NEW(context, int64_t, g->cells);
+  uint8_t *type = BW_NEW(context, uint8_t, g->cells);
+  if (!end || !type) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t i = 0; i < g->cells; i++) {
+    end[i] = (i + 1) * g->width;
+    type[i] = g->type;
+  }
+  BW_TRY(pack(context, end, (size_t)g->cells * sizeof *end, offsets));
+  BW_TRY(pack(context, type, (size_t)g->cells, types));
+done:
+  bw_free(end);
+  bw_free(type);
+  return status;
+}
+
+static void print_name(bw_writer *writer, const char *name) {
+  for (; *name; name++) {
+    const char *entity = *name == '&'   ? "&amp;"
+                         : *name == '<' ? "&lt;"
+                         : *name == '>' ? "&gt;"
+                         : *name == '"' ? "&quot;"
+                                        : NULL;
+    if (entity)
+      bw_writer_print(writer, "%s", entity);
+    else
+      bw_writer_bytes(writer, (unsigned char)*name < 32 ? " " : name, 1);
+  }
+}
+
+static void print_array(bw_writer *writer, const char *type, const char *name, int64_t columns,
+                        bool tensor, size_t *offset, const packed *data) {
+  static const char *const component[6] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
+  bw_writer_print(writer, "<DataArray type=\"%s\" Name=\"", type);
+  print_name(writer, name);
+  bw_writer_print(writer, "\" NumberOfComponents=\"%lld\"", (long long)columns);
+  for (int i = 0; tensor && i < 6; i++)
+    bw_writer_print(writer, " ComponentName%d=\"%s\"", i, component[i]);
+  bw_writer_print(writer, " format=\"appended\" offset=\"%zu\"/>\n", *offset);
+  *offset += data->count;
+}
+
+static const char *vtk_type(bw_type type) {
+  return type == BW_F64 ? "Float64" : type == BW_I32 ? "Int32" : type == BW_I64 ? "Int64" : "UInt8";
+}
+
+static void print_fields(bw_writer *writer, const grid *g, bw_field_place place, const packed *data,
+                         size_t *offset) {
+  for (int i = 0; i < g->field_count; i++) {
+    const bw_array *array = g->fields[i].array;
+    if (g->fields[i].place == place)
+      print_array(writer, vtk_type(array->type), g->fields[i].name, array->columns,
+                  array->columns == 6 && array->type == BW_F64, offset, data + i);
+  }
+}
+
+/* Parts 0 to 4: points, connectivity, offsets, types, tag; then the fields: first all on points,
+ * then all on cells, which is the order of the offsets. */
+enum { POINTS, CONNECTIVITY, OFFSETS, TYPES, TAG, FIELDS };
+
+static void print_header(bw_writer *writer, const grid *g, const packed *part) {
+  size_t offset = 0;
+  const bool big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+  bw_writer_print(writer,
+                  "<?xml version=\"1.0\"?>\n"
+                  "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" "
+                  "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
+                  "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%lld\" NumberOfCells=\"%lld\">\n"
+                  "<Points>\n",
+                  big ? "BigEndian" : "LittleEndian", (long long)g->points, (long long)g->cells);
+  print_array(writer, "Float64", "Points", 3, false, &offset, part + POINTS);
+  bw_writer_print(writer, "</Points>\n<Cells>\n");
+  print_array(writer, "Int32", "connectivity", 1, false, &offset, part + CONNECTIVITY);
+  print_array(writer, "Int64", "offsets", 1, false, &offset, part + OFFSETS);
+  print_array(writer, "UInt8", "types", 1, false, &offset, part + TYPES);
+  bw_writer_print(writer, "</Cells>\n<PointData>\n");
+  print_fields(writer, g, BW_ON_NODES, part + FIELDS, &offset);
+  bw_writer_print(writer, "</PointData>\n<CellData>\n");
+  if (g->tag)
+    print_array(writer, "Int32", g->tag_name, 1, false, &offset, part + TAG);
+  print_fields(writer, g, BW_ON_ELEMENTS, part + FIELDS, &offset);
+  bw_writer_print(writer, "</CellData>\n</Piece>\n</UnstructuredGrid>\n"
+                          "<AppendedData encoding=\"raw\">\n_");
+}
+
+static void write_parts(bw_writer *writer, const grid *g, const packed *part) {
+  for (int i = 0; i < TAG; i++)
+    bw_writer_bytes(writer, part[i].bytes, part[i].count);
+  for (int place = 0; place < 2; place++) {
+    if (place == 1 && g->tag)
+      bw_writer_bytes(writer, part[TAG].bytes, part[TAG].count);
+    for (int i = 0; i < g->field_count; i++)
+      if ((g->fields[i].place == BW_ON_NODES) == (place == 0))
+        bw_writer_bytes(writer, part[FIELDS + i].bytes, part[FIELDS + i].count);
+  }
+  bw_writer_print(writer, "\n</AppendedData>\n</VTKFile>\n");
+}
+
+static bw_status write_grid(bw_context *context, const grid *g, const char *path) {
+  bw_status status = BW_OK;
+  bw_writer *writer = NULL;
+  int parts = FIELDS + g->field_count;
+  packed *part = BW_NEW0(context, packed, parts);
+  if (!part)
+    return BW_MEMORY;
+  BW_TRY(bwi_check_fields(context, g->points, g->cells, g->field_count, g->fields));
+  /* First of all: a path that cannot be written should not cost the packing. */
+  BW_TRY(bw_writer_open(context, path, &writer));
+  BW_TRY(pack(context, g->point, (size_t)g->points * 3 * sizeof(double), part + POINTS));
+  BW_TRY(pack(context, g->cell, (size_t)g->cells * (size_t)g->width * INT32_BYTES,
+              part + CONNECTIVITY));
+  BW_TRY(pack_cells(context, g, part + OFFSETS, part + TYPES));
+  if (g->tag)
+    BW_TRY(pack(context, g->tag, (size_t)g->cells * INT32_BYTES, part + TAG));
+  for (int i = 0; i < g->field_count; i++)
+    BW_TRY(pack_field(context, g->fields[i].array, part + FIELDS + i));
+  print_header(writer, g, part);
+  write_parts(writer, g, part);
+  status = bw_writer_commit(writer);
+  writer = NULL;
+done:
+  bw_writer_discard(writer);
+  for (int i = 0; i < parts; i++)
+    bw_free(part[i].bytes);
+  bw_free(part);
+  return status;
+}
+
+bw_status bwi_vtu_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
+                        const bw_field *fields) {
+  grid g = {mesh->node_count,
+            mesh->element_count,
+            mesh->node,
+            mesh->nodes_per_element,
+            mesh->order == 2 ? 24 : 10,
+            mesh->element,
+            mesh->region,
+            "region",
+            field_count,
+            fields};
+  return write_grid(context, &g, path);
+}
+
+bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
+                               int field_count, const bw_field *fields) {
+  grid g = {surface->point_count, surface->triangle_count, surface->point, 3,           5,
+            surface->triangle,    surface->group,          "group",        field_count, fields};
+  return write_grid(context, &g, path);
+}
