@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-enum { ROWS_PER_CHUNK = 256 };
+/* Frames are asked for this many contributions ahead: numbers of neighbours may lie far apart. */
+enum { ROWS_PER_CHUNK = 256, AHEAD = 32 };
 
 /* One contribution: first * u (x) v + second * w (x) z, the letters being numbers of frame vectors.
  * Indexed by the local pair (a << 4 | b). */
@@ -70,6 +71,7 @@ typedef struct gather_data {
   double lambda, mu;
   bwi_vector map[9][3]; /* of the component T[m]: what it adds to the rows of the block */
   double *values;
+  int64_t contributions;
 } gather_data;
 
 /* Add a curved element's tensor of local nodes (a, b). */
@@ -95,6 +97,8 @@ static inline void sum_pair(const gather_data *g, int64_t pair, bool diagonal, d
   for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
     int32_t e = graph->gather_element[k];
     int code = graph->gather_local[k];
+    if (k + AHEAD < g->contributions)
+      __builtin_prefetch(g->frames.vector + (int64_t)graph->gather_element[k + AHEAD] * vectors);
     if (curved && curved[e] >= 0) {
       add_curved(g, curved[e], code, extra);
       continue;
@@ -176,6 +180,7 @@ bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *
   BW_TRY(bwi_graph_fits(context, graph, mesh));
   BW_TRY(bwi_frames_create(context, mesh, &g.frames));
   make_table(mesh->order, g.table);
+  g.contributions = graph->gather_start[graph->pair_count];
   if (kind == BWI_ISOTROPIC) {
     g.lambda = material->lame_lambda;
     g.mu = material->lame_mu;
