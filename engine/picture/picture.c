@@ -1,0 +1,437 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A result as a picture: the stage is set here, drawn by the rasteriser, labelled by Cairo, and
+ * written whole or not at all. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "picture/internal.h"
+
+/* Facets that meet at less are shaded as one smooth surface: 40 degrees. */
+#define CREASE 0.6981317007977318
+/* The longest arrow, and the largest displacement when the factor is chosen here. */
+#define ARROW_SIZE 0.2
+#define DEFORMATION_SIZE 0.05
+enum { LEAST_PIXELS = 64, MOST_PIXELS = 16384, MOST_ARROWS = 10000 };
+
+void bw_picture_options_default(bw_picture_options *options) {
+  memset(options, 0, sizeof *options);
+  options->width = 1200;
+  options->height = 900;
+  options->direction[0] = 1;
+  options->direction[1] = -1.4;
+  options->direction[2] = 0.8;
+  options->up[2] = 1;
+  options->zoom = 1;
+  options->scale = 1;
+}
+
+static bw_status check_options(bw_context *context, const bw_picture_options *options) {
+  if (options->width < LEAST_PIXELS || options->width > MOST_PIXELS ||
+      options->height < LEAST_PIXELS || options->height > MOST_PIXELS)
+    return bw_fail(context, BW_INVALID, "a picture of %d x %d pixels: each side must have %d to %d",
+                   options->width, options->height, LEAST_PIXELS, MOST_PIXELS);
+  if (!(options->zoom > 0) || !(options->zoom <= 1e4))
+    return bw_fail(context, BW_INVALID, "the zoom %g is not between 0 and 10000", options->zoom);
+  if (!isfinite(options->scale) || options->scale == 0)
+    return bw_fail(context, BW_INVALID, "the scale %g of the values is no usable number",
+                   options->scale);
+  if (!isfinite(options->low) || !isfinite(options->high) || options->low > options->high)
+    return bw_fail(context, BW_INVALID, "the colour range %g to %g is not ascending", options->low,
+                   options->high);
+  if (!isfinite(options->deformation))
+    return bw_fail(context, BW_INVALID, "the deformation factor is not finite");
+  if (options->arrow_count < 0 || options->arrow_count > MOST_ARROWS ||
+      (options->arrow_count > 0 && !options->arrow))
+    return bw_fail(context, BW_INVALID, "%d arrows: 0 to %d can be drawn", options->arrow_count,
+                   MOST_ARROWS);
+  return BW_OK;
+}
+
+/* ---- the values --------------------------------------------------------------------------------
+ */
+
+typedef struct range {
+  double low, high;      /* of the colours */
+  double least, largest; /* of the values, nan when there is none */
+  int64_t largest_at;    /* its point or facet, or -1 */
+  bool any, missing;
+} range;
+
+static range range_of(const double *value, int64_t count, double low, double high) {
+  range r = {low, high, NAN, NAN, -1, false, false};
+  for (int64_t i = 0; i < count; i++) {
+    if (!isfinite(value[i])) {
+      r.missing = true;
+      continue;
+    }
+    if (!r.any || value[i] > r.largest) {
+      r.largest = value[i];
+      r.largest_at = i;
+    }
+    if (!r.any || value[i] < r.least)
+      r.least = value[i];
+    r.any = true;
+  }
+  if (low == 0 && high == 0 && r.any) {
+    r.low = r.least;
+    r.high = r.largest;
+  }
+  return r;
+}
+
+/* ---- the stage ---------------------------------------------------------------------------------
+ */
+
+typedef struct stage {
+  const bw_surface *surface;
+  const bw_picture_options *options;
+  bwi_view view;
+  double diagonal, factor; /* of the box; on the displacement */
+  bwi_solid solid[3];      /* body, arrows, ghost; unused ones hold no facet */
+  double *arrow_end;
+  range range;
+  double frame[4], u; /* the body's part of the picture; a pixel of a 1200 x 900 one */
+  bwi_image image;
+} stage;
+
+static bw_status copy_surface(bw_context *context, const bw_surface *surface, bwi_solid *solid) {
+  size_t points = 3 * (size_t)surface->point_count, corners = 3 * (size_t)surface->triangle_count;
+  solid->point = BW_NEW(context, double, points);
+  solid->triangle = BW_NEW(context, int32_t, corners);
+  if (!solid->point || !solid->triangle)
+    return BW_MEMORY;
+  memcpy(solid->point, surface->point, points * sizeof *solid->point);
+  memcpy(solid->triangle, surface->triangle, corners * sizeof *solid->triangle);
+  solid->point_count = surface->point_count;
+  solid->triangle_count = surface->triangle_count;
+  return BW_OK;
+}
+
+/* Adds the displacement, with the factor asked for or a fitting one. */
+static bw_status deform(bw_context *context, stage *s) {
+  const double *u = s->options->displacement;
+  bwi_solid *body = &s->solid[0];
+  double largest = 0;
+  if (!u)
+    return BW_OK;
+  for (size_t i = 0; i < (size_t)body->point_count; i++) {
+    double size = bw_norm(u + 3 * i);
+    if (!isfinite(size))
+      return bw_fail(context, BW_INVALID, "the displacement of point %zu is not finite", i);
+    largest = fmax(largest, size);
+  }
+  s->factor = s->options->deformation;
+  if (s->factor == 0 && largest > 0)
+    s->factor = DEFORMATION_SIZE * s->diagonal / largest;
+  for (size_t i = 0; i < 3 * (size_t)body->point_count; i++)
+    body->point[i] += s->factor * u[i];
+  return BW_OK;
+}
+
+static bw_status set_stage(bw_context *context, const bw_surface *surface, const double *value,
+                           bool on_facets, const bw_picture_options *options, stage *s) {
+  bw_status status;
+  double low[3], high[3], size[3];
+  bwi_solid *body = &s->solid[0], *arrows = &s->solid[1], *ghost = &s->solid[2];
+  s->surface = surface;
+  s->options = options;
+  body->finish = BWI_BODY;
+  arrows->finish = BWI_ARROW;
+  ghost->finish = BWI_GHOST;
+  body->turned = ghost->turned = bw_surface_volume(surface) < 0;
+  bw_surface_box(surface, low, high);
+  for (int k = 0; k < 3; k++)
+    size[k] = high[k] - low[k];
+  s->diagonal = bw_norm(size);
+  BW_TRY(bwi_view_axes(context, options->direction, options->up, &s->view));
+  BW_TRY(copy_surface(context, surface, body));
+  BW_TRY(deform(context, s));
+  if (options->ghost && options->displacement)
+    BW_TRY(copy_surface(context, surface, ghost));
+  if (options->arrow_count > 0) {
+    s->arrow_end = BW_NEW(context, double, 3 * (size_t)options->arrow_count);
+    if (!s->arrow_end) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    BW_TRY(bwi_arrows_solid(context, options->arrow_count, options->arrow, ARROW_SIZE * s->diagonal,
+                            body, surface->point, arrows, s->arrow_end));
+  }
+  body->edges = options->edges;
+  if (value) {
+    int64_t count = on_facets ? surface->triangle_count : surface->point_count;
+    s->range = range_of(value, count, options->low, options->high);
+    body->value = value;
+    body->on_facets = on_facets;
+    body->low = s->range.low;
+    body->high = s->range.high;
+    if (!(body->high > body->low)) /* one value only: the middle of the colours */
+      body->high = (body->low -= 1) + 2;
+  }
+  /* The frame: room for title, bar, triad and text. */
+  double w = options->width, h = options->height;
+  s->u = fmin(w / 1200, h / 900);
+  s->frame[0] = 40 * s->u;
+  s->frame[1] = (options->title && options->title[0] ? 84 : 40) * s->u;
+  s->frame[2] = w - (value && s->range.any ? 190 : 40) * s->u;
+  s->frame[3] = h - 50 * s->u;
+  double bounds[4] = {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (int i = 0; i < 3; i++)
+    bwi_view_bound(&s->view, s->solid[i].point_count, s->solid[i].point, bounds);
+  bwi_view_fit(&s->view, bounds, s->frame, options->zoom);
+  double behind = 0; /* the ghost stands behind everything, whatever its true depth */
+  for (int i = 0; i < 3; i++)
+    BW_TRY(bwi_solid_prepare(context, &s->solid[i], &s->view, CREASE, 0));
+  if (ghost->point_count > 0) {
+    float far = HUGE_VALF, close = -HUGE_VALF;
+    for (size_t i = 0; i < (size_t)ghost->point_count; i++)
+      close = fmaxf(close, ghost->pixel[3 * i + 2]);
+    for (int k = 0; k < 2; k++)
+      for (size_t i = 0; i < (size_t)s->solid[k].point_count; i++)
+        far = fminf(far, s->solid[k].pixel[3 * i + 2]);
+    behind = (double)close - (double)far + 1 + 0.5 * w;
+    for (size_t i = 0; i < (size_t)ghost->point_count; i++)
+      ghost->pixel[3 * i + 2] -= (float)behind;
+  }
+done:
+  return status;
+}
+
+static void strike_stage(stage *s) {
+  for (int i = 0; i < 3; i++)
+    bwi_solid_clear(&s->solid[i]);
+  bwi_image_clear(&s->image);
+  bw_free(s->arrow_end);
+}
+
+/* ---- labels ------------------------------------------------------------------------------------
+ */
+
+/* Three significant digits, the point a '.', e.g. for "max 5.83 MPa". */
+static void short_number(char *buffer, size_t size, double value) {
+  double magnitude = fabs(value);
+  if (magnitude > 0 && (magnitude >= 1e6 || magnitude < 1e-3)) {
+    int exponent = (int)floor(log10(magnitude));
+    char mantissa[32], power[32];
+    bwi_fixed(mantissa, sizeof mantissa, value / pow(10, exponent), 2);
+    bwi_times_power(power, sizeof power, exponent);
+    snprintf(buffer, size, "%s %s", mantissa, power);
+    return;
+  }
+  int decimals = magnitude > 0 ? 2 - (int)floor(log10(magnitude) + 1e-9) : 0;
+  bwi_fixed(buffer, size, value, decimals < 0 ? 0 : decimals);
+}
+
+/* Nearer than this many pixels under the front counts as seen. */
+static bool is_hidden(const stage *s, const double pixel[3]) {
+  int x = (int)floor(pixel[0]), y = (int)floor(pixel[1]);
+  if (x < 0 || y < 0 || x >= s->image.width || y >= s->image.height)
+    return false;
+  float front = s->image.depth[(size_t)y * (size_t)s->image.width + (size_t)x];
+  return (double)front > pixel[2] + 6 * s->u;
+}
+
+static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
+  const bwi_solid *body = &s->solid[0];
+  double at[3] = {0, 0, 0}, pixel[3];
+  char number[64], label[160];
+  if (body->on_facets)
+    for (int c = 0; c < 3; c++)
+      for (int k = 0; k < 3; k++)
+        at[k] +=
+            body->point[3 * (size_t)body->triangle[3 * s->range.largest_at + c] + (size_t)k] / 3;
+  else
+    memcpy(at, body->point + 3 * s->range.largest_at, sizeof at);
+  bwi_view_project(&s->view, at, pixel);
+  double w = s->image.width, h = s->image.height;
+  if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] >= w || pixel[1] >= h)
+    return; /* zoomed out of the picture */
+  bool hidden = is_hidden(s, pixel);
+  const char *comma = unit ? strrchr(unit, ',') : NULL;
+  short_number(number, sizeof number, s->range.largest * s->options->scale);
+  snprintf(label, sizeof label, "max %s%s%.60s%s", number, comma ? " " : "",
+           comma ? comma + 1 + strspn(comma + 1, " ") : "", hidden ? " (behind)" : "");
+  double room[4] = {12 * s->u, s->frame[1] - 30 * s->u, s->frame[2] + 10 * s->u, h - 12 * s->u};
+  bwi_draw_mark(cairo, pixel, hidden, room, s->u, label);
+}
+
+static void label_arrows(const stage *s, cairo_t *cairo) {
+  const bw_picture_options *options = s->options;
+  int most = 0;
+  for (int i = 1; i < options->arrow_count; i++)
+    if (bw_norm(options->arrow[i].force) > bw_norm(options->arrow[most].force))
+      most = i;
+  double pixel[3], force = bw_norm(options->arrow[most].force);
+  char number[64], label[80];
+  if (!(force > 0))
+    return;
+  bwi_view_project(&s->view, s->arrow_end + 3 * (size_t)most, pixel);
+  if (is_hidden(s, pixel))
+    return;
+  short_number(number, sizeof number, force);
+  snprintf(label, sizeof label, "%s N", number);
+  cairo_set_source_rgb(cairo, 0.16, 0.18, 0.24);
+  bwi_draw_text(cairo, pixel[0], pixel[1] - 9 * s->u, 0.5, 14 * s->u, true, true, label);
+}
+
+static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
+  const bw_picture_options *options = s->options;
+  double w = s->image.width, h = s->image.height, u = s->u;
+  bw_status status = BW_MEMORY;
+  char *title = options->title ? bwi_clean_text(context, options->title) : NULL;
+  char *unit = options->unit ? bwi_clean_text(context, options->unit) : NULL;
+  if ((options->title && !title) || (options->unit && !unit))
+    goto done;
+  if (title) {
+    cairo_set_source_rgb(cairo, 0.10, 0.11, 0.15);
+    bwi_draw_title(cairo, 40 * u, 48 * u, w - 80 * u, 24 * u, title);
+  }
+  if (s->solid[0].value && s->range.any) {
+    double scale = options->scale;
+    bwi_bar bar = {.low = scale * fmin(s->range.low, s->range.high),
+                   .high = scale * fmax(s->range.low, s->range.high),
+                   .largest = scale * s->range.largest,
+                   .unit = unit,
+                   .missing = s->range.missing,
+                   .below = s->range.least<s->range.low, .beyond = s->range.largest> s->range.high};
+    if (scale < 0) { /* the bar runs upwards in labels all the same */
+      double swap = bar.low;
+      bar.low = bar.high;
+      bar.high = swap;
+    }
+    bwi_bar_draw(cairo, &bar, w - 128 * u, 0.24 * h, 0.80 * h, w - 24 * u, u);
+    label_largest(s, cairo, unit);
+  }
+  if (options->arrow_count > 0)
+    label_arrows(s, cairo);
+  bwi_draw_triad(cairo, &s->view, 58 * u, h - 58 * u, 34 * u, u);
+  if (options->displacement && s->factor != 0 && s->factor != 1) {
+    char number[64], label[96];
+    short_number(number, sizeof number, s->factor);
+    snprintf(label, sizeof label, "deformation \xC3\x97 %s", number);
+    cairo_set_source_rgb(cairo, 0.30, 0.33, 0.38);
+    bwi_draw_text(cairo, w - 24 * u, h - 24 * u, 1, 14 * u, false, true, label);
+  }
+  status = BW_OK;
+done:
+  bw_free(title);
+  bw_free(unit);
+  return status;
+}
+
+/* ---- out
+ * -----------------------------------------------------------------------------------------
+ */
+
+/* How much of an outline runs through a pixel of the ghost: where its neighbours show background.
+ */
+static double outline_at(const bwi_image *image, int x, int y) {
+  size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+  int least = image->colour[4 * at + 3];
+  if (image->finish[at] != BWI_GHOST || image->depth[at] == -HUGE_VALF)
+    return 0;
+  for (int dy = -1; dy <= 1; dy++)
+    for (int dx = -1; dx <= 1; dx++) {
+      int px = x + dx, py = y + dy;
+      if (px < 0 || py < 0 || px >= image->width || py >= image->height)
+        continue;
+      int other = image->colour[4 * ((size_t)py * (size_t)image->width + (size_t)px) + 3];
+      least = other < least ? other : least;
+    }
+  return 0.38 * (255 - least) / 255;
+}
+
+/* The rendered colours over the background: white, a little greyer towards the bottom. */
+static void compose(const bwi_image *image, cairo_surface_t *canvas) {
+  unsigned char *pixels = cairo_image_surface_get_data(canvas);
+  int stride = cairo_image_surface_get_stride(canvas);
+  cairo_surface_flush(canvas);
+  for (int y = 0; y < image->height; y++) {
+    double down = (double)y / image->height;
+    double back[3] = {255 - 13 * down, 255 - 11 * down, 255 - 8 * down};
+    uint32_t *row = (uint32_t *)(void *)(pixels + (size_t)y * (size_t)stride);
+    for (int x = 0; x < image->width; x++) {
+      const unsigned char *c = image->colour + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
+      uint32_t out = 0;
+      double line = outline_at(image, x, y);
+      for (int k = 0; k < 3; k++) {
+        double v = (c[k] * c[3] + back[k] * (255 - c[3])) / 255;
+        out = out << 8 | (uint32_t)(v * (1 - line) + 0.5);
+      }
+      row[x] = out;
+    }
+  }
+  cairo_surface_mark_dirty(canvas);
+}
+
+typedef struct sink {
+  bw_writer *writer;
+  bw_status status;
+} sink;
+
+static cairo_status_t write_bytes(void *data, const unsigned char *bytes, unsigned int count) {
+  sink *out = (sink *)data;
+  out->status = bw_writer_bytes(out->writer, bytes, count);
+  return out->status == BW_OK ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+}
+
+static bw_status write_png(bw_context *context, cairo_surface_t *canvas, const char *path) {
+  sink out = {NULL, BW_OK};
+  bw_status status = bw_writer_open(context, path, &out.writer);
+  if (status != BW_OK)
+    return status;
+  cairo_status_t drawn = cairo_surface_write_to_png_stream(canvas, write_bytes, &out);
+  if (drawn == CAIRO_STATUS_SUCCESS)
+    return bw_writer_commit(out.writer);
+  bw_writer_discard(out.writer);
+  if (out.status != BW_OK)
+    return out.status;
+  return drawn == CAIRO_STATUS_NO_MEMORY
+             ? bw_fail(context, BW_MEMORY, "%s: no memory for the PNG file", path)
+             : bw_fail(context, BW_INTERNAL, "%s: %s", path, cairo_status_to_string(drawn));
+}
+
+bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
+                             bool on_facets, const bw_picture_options *options, const char *path) {
+  bw_picture_options usual;
+  cairo_surface_t *canvas = NULL;
+  cairo_t *cairo = NULL;
+  stage s;
+  bw_status status;
+  memset(&s, 0, sizeof s);
+  if (!options) {
+    bw_picture_options_default(&usual);
+    options = &usual;
+  }
+  BW_TRY(check_options(context, options));
+  if (surface->triangle_count == 0 || surface->point_count == 0) {
+    status = bw_fail(context, BW_EMPTY, "a picture of a surface without facets");
+    goto done;
+  }
+  BW_TRY(set_stage(context, surface, value, on_facets, options, &s));
+  s.image.width = options->width;
+  s.image.height = options->height;
+  BW_TRY(bwi_render(context, 3, s.solid, &s.image));
+  BW_TRY(bwi_occlude(context, &s.image, 0.035 * fmin(options->width, options->height)));
+  canvas = cairo_image_surface_create(CAIRO_FORMAT_RGB24, options->width, options->height);
+  cairo = cairo_create(canvas);
+  if (cairo_status(cairo) == CAIRO_STATUS_SUCCESS) {
+    compose(&s.image, canvas);
+    BW_TRY(annotate(context, &s, cairo));
+  }
+  if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS) {
+    bool memory = cairo_status(cairo) == CAIRO_STATUS_NO_MEMORY;
+    status = bw_fail(context, memory ? BW_MEMORY : BW_INTERNAL, "drawing %s: %s", path,
+                     cairo_status_to_string(cairo_status(cairo)));
+    goto done;
+  }
+  BW_TRY(write_png(context, canvas, path));
+done:
+  if (cairo)
+    cairo_destroy(cairo);
+  if (canvas)
+    cairo_surface_destroy(canvas);
+  strike_stage(&s);
+  return status;
+}
