@@ -57,22 +57,28 @@ static bw_status principal(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
+static double largest(const double t[6]) {
+  double value[3];
+  eigenvalues(t, value);
+  return fmax(fabs(value[0]), fabs(value[2]));
+}
+
 static bw_status max_principal(void *data, int64_t begin, int64_t end, int worker) {
   const field *f = (const field *)data;
   (void)worker;
-  for (int64_t i = begin; i < end; i++) {
-    double value[3];
-    eigenvalues(f->stress + 6 * i, value);
-    f->value[i] = fmax(fabs(value[0]), fabs(value[2]));
-  }
+  for (int64_t i = begin; i < end; i++)
+    f->value[i] = largest(f->stress + 6 * i);
   return BW_OK;
 }
 
 static bw_status utilisation(void *data, int64_t begin, int64_t end, int worker) {
   const field *f = (const field *)data;
   (void)worker;
-  for (int64_t i = begin; i < end; i++)
-    f->value[i] = bw_material_utilisation(f->material, f->stress + 6 * i);
+  const double *strength = f->material->strength;
+  bool same = strength[0] > 0 && strength[0] == strength[1] && strength[1] == strength[2];
+  for (int64_t i = begin; i < end; i++) /* directions cost five times as much as values */
+    f->value[i] = same ? largest(f->stress + 6 * i) / strength[0]
+                       : bw_material_utilisation(f->material, f->stress + 6 * i);
   return BW_OK;
 }
 

@@ -12,6 +12,8 @@ void bwi_material_values(bw_material *material);
 /* BW_INVALID unless density and strengths are finite and not negative. */
 bw_status bwi_material_check_common(bw_context *context, const char *name, double density,
                                     const double strength[3]);
+/* BW_INVALID when a number of the two matrices has left the range of doubles. */
+bw_status bwi_material_check_finite(bw_context *context, const bw_material *material);
 /* BW_INVALID unless the rows are orthonormal and right-handed (1e-6); cleans them to rounding. */
 bw_status bwi_material_check_rotation(bw_context *context, const char *what, double axes[9]);
 /* elasticity and compliance of an orthotropic material from its constants and axes. */

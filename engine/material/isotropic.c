@@ -52,6 +52,11 @@ bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constan
     m->compliance[7 * (3 + i)] = 1 / m->lame_mu;
   }
   bwi_material_values(m);
+  status = bwi_material_check_finite(context, m);
+  if (status != BW_OK) {
+    bw_release(m);
+    return status;
+  }
   *material = m;
   return BW_OK;
 }

@@ -68,6 +68,16 @@ bw_status bwi_material_check_common(bw_context *context, const char *name, doubl
   return BW_OK;
 }
 
+bw_status bwi_material_check_finite(bw_context *context, const bw_material *material) {
+  for (int k = 0; k < 36; k++)
+    if (!isfinite(material->elasticity[k]) || !isfinite(material->compliance[k]))
+      return bw_fail(context, BW_INVALID,
+                     "material %s: Y = (%g, %g, %g) Pa with these Poisson's ratios is out of the "
+                     "range that can be computed with; give moduli in Pa",
+                     material->name, material->young[0], material->young[1], material->young[2]);
+  return BW_OK;
+}
+
 bw_status bwi_material_check_rotation(bw_context *context, const char *what, double axes[9]) {
   double worst = 0;
   for (int i = 0; i < 3; i++)

@@ -149,7 +149,7 @@ bw_status bwi_material_orthotropic_matrices(bw_context *context, bw_material *m)
   }
   to_global(m->axes, stiff, 0.5, 1, m->elasticity);
   to_global(m->axes, soft, 1, 0.5, m->compliance);
-  return BW_OK;
+  return bwi_material_check_finite(context, m);
 }
 
 /* nu_ij from what is given: the number itself, or nu_ji by the reciprocal relation. */

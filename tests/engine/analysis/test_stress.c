@@ -263,6 +263,20 @@ static void von_mises_and_utilisation(void **state) {
   check_near(value[1], 2e-6, 1e-20);
   check_near(value[2], 4e-6, 1e-20);
   bw_release(material);
+  const char *const names[] = {"zp150", "nylon_pa2200"}; /* equal strengths, and not */
+  bw_random random;
+  bw_random_seed(&random, 5);
+  for (int m = 0; m < 2; m++) {
+    check_ok(context, bw_material_named(context, names[m], &material));
+    for (int repeat = 0; repeat < 50; repeat++) {
+      for (int c = 0; c < 18; c++)
+        t[c] = 1e6 * (bw_random_uniform(&random) - 0.5);
+      check_ok(context, bw_utilisation_field(context, material, 3, t, value));
+      for (int i = 0; i < 3; i++)
+        check_near(value[i], bw_material_utilisation(material, t + 6 * i), 1e-11 * value[i]);
+    }
+    bw_release(material);
+  }
   check_fails(context, BW_INVALID, "material", bw_utilisation_field(context, NULL, 3, t, value));
 }
 
