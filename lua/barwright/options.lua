@@ -26,13 +26,13 @@ local function check(where, key, value, rule, level)
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
     fail(level + 1, where, key, "a finite number expected")
   end
-  if rule.above and not (value > rule.above) then
+  if rule.above and value <= rule.above then
     fail(level + 1, where, key, ("greater than %g expected, got %g"):format(rule.above, value))
   end
-  if rule.least and not (value >= rule.least) then
+  if rule.least and value < rule.least then
     fail(level + 1, where, key, ("at least %g expected, got %g"):format(rule.least, value))
   end
-  if rule.most and not (value <= rule.most) then
+  if rule.most and value > rule.most then
     fail(level + 1, where, key, ("at most %g expected, got %g"):format(rule.most, value))
   end
   if rule.one_of then

@@ -284,10 +284,8 @@ int main(int argc, char **argv) {
   lua_setfield(L, -2, "barwright.core");
   lua_settop(L, 0);
   const char *quiet = getenv("BARWRIGHT_QUIET");
-  if (!quiet || strcmp(quiet, "1") != 0) {
+  if (!quiet || strcmp(quiet, "1") != 0)
     engine->progress = program_progress;
-    engine->echo = true;
-  }
   bool fine = run(L, &c);
   int status = engine->stopping ? INTERRUPTED : fine ? EXIT_SUCCESS : EXIT_FAILURE;
   program_ignore_interrupt();
