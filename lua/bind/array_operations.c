@@ -122,13 +122,15 @@ static int array_norm(lua_State *L) {
     for (int64_t j = 0; j < array->columns; j++)
       largest = fmax(largest, fabs(bw_array_get(array, i, j)));
   running_sum s = {0, 0};
-  double scale = largest > 0 && isfinite(largest) ? largest : 1; /* squares must not overflow */
+  int exponent = 0; /* squares must not overflow; a power of two rounds nothing */
+  if (largest > 0 && isfinite(largest))
+    frexp(largest, &exponent);
   for (int64_t i = 0; i < array->rows; i++)
     for (int64_t j = 0; j < array->columns; j++) {
-      double value = bw_array_get(array, i, j) / scale;
+      double value = ldexp(bw_array_get(array, i, j), -exponent);
       add(&s, value * value);
     }
-  lua_pushnumber(L, scale * sqrt(total(&s)));
+  lua_pushnumber(L, ldexp(sqrt(total(&s)), exponent));
   return 1;
 }
 
@@ -212,6 +214,7 @@ static int array_order(lua_State *L) {
  * the fraction p of the weight lies */
 static int array_quantile(lua_State *L) {
   const bw_array *array = self(L);
+  lua_settop(L, 3);
   double p = lbw_check_real(L, 2, "p");
   luaL_argcheck(L, p >= 0 && p <= 1, 2, "p: a fraction from 0 to 1 expected");
   double *data = packed_column(L, array);

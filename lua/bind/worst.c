@@ -163,8 +163,8 @@ static int basis_force(lua_State *L) {
 /* basis:arrows(pressure, radius): {{at, force, area}, ...}, largest first */
 static int basis_arrows(lua_State *L) {
   const bw_pressure_basis *basis = basis_self(L);
-  double *pressure = check_pressure(L, basis);
   double radius = luaL_optnumber(L, 3, 0);
+  double *pressure = check_pressure(L, basis);
   int count = 0;
   bw_arrow *found = NULL;
   bw_status status = bw_resultant_arrows(lbw_enter(L), basis, pressure, radius, &count, &found);
@@ -274,7 +274,7 @@ static bw_status collect(void *data, const bw_worst_case_visit *visit) {
   c->utilisation[r] = used;
   c->displacement[r] = moved;
   c->objective[r] = visit->objective;
-  c->flipped[r] = 0;
+  c->flipped[r] = visit->flipped;
   c->seconds[r] = visit->seconds;
   if (c->pressure)
     memcpy(c->pressure + (int64_t)r * c->basis_count, visit->pressure,
@@ -375,8 +375,9 @@ static int push_drops(lua_State *L) {
   copy_out(L, 2, "mean_peak", out->elements, 1, result->mean_peak);
   copy_out(L, 2, "contacts", result->drops, 3, result->contact);
 
+  copy_out(L, 2, "forces", result->drops, 1, result->force);
   copy_out(L, 2, "peaks", result->drops, 1, result->peak);
-  lua_pushnumber(L, 0);
+  lua_pushnumber(L, result->threshold);
   lua_setfield(L, 2, "threshold");
   lua_pushinteger(L, result->drops);
   lua_setfield(L, 2, "drops");
@@ -412,6 +413,7 @@ static int drops(lua_State *L) {
 /* rank_correlation(a, b, weights): Spearman's */
 static int rank_correlation(lua_State *L) {
   int64_t count, other;
+  lua_settop(L, 3);
   double *a = lbw_to_doubles(L, 1, "a", 1, &count);
   double *b = lbw_to_doubles(L, 2, "b", 1, &other), *weight = NULL, rho = 0;
   luaL_argcheck(L, other == count, 2, "b: as many numbers as in a expected");

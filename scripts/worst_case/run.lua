@@ -242,8 +242,8 @@ print(("Pushed by %.4g N in the worst way that pressures up to %.4g MPa allow, %
 if used and used >= 1 then
   print(("That is %.3g times the strength of %s: it breaks there."):format(used, wish.material))
 elseif used then
-  print(("That is %.3g %% of the strength of %s: it holds, and would break at about %.4g N."):format(
-    100 * used, wish.material, force / used))
+  print(("That is %.3g %% of the strength of %s: it holds; %.3g times the force and pressure would"
+    .. " break it."):format(100 * used, wish.material, 1 / used))
 else
   print(("The strength of %s is not known."):format(wish.material))
 end

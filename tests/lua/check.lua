@@ -1,0 +1,82 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the specs share: where things are, small bodies, checks on failures.
+local bw = require "barwright"
+
+local check = {}
+
+local function root()
+  local here = debug.getinfo(1, "S").source:match "^@(.*)/tests/lua/check%.lua$"
+  return here or "."
+end
+check.root = root()
+check.program = check.root .. "/build/barwright"
+
+--- A beam along x of steel: 1 m x 0.1 m x 0.1 m.
+function check.beam(cells, order)
+  return assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = cells or {10, 2, 2},
+    order = order})
+end
+
+--- |value - expected| <= tolerance * |expected|
+function check.near(expected, value, tolerance)
+  if not (math.abs(value - expected) <= tolerance * math.abs(expected)) then
+    error(("%.17g is not within %g of %.17g"):format(value, tolerance, expected), 2)
+  end
+end
+
+--- The call raises a message that holds the text.
+function check.raises(text, f, ...)
+  local fine, message = pcall(f, ...)
+  if fine then error("nothing was raised", 2) end
+  if not tostring(message):find(text, 1, true) then
+    error(("raised \"%s\", which lacks \"%s\""):format(tostring(message), text), 2)
+  end
+end
+
+--- nil, a message that holds the text, details with the status.
+function check.fails(status, text, value, message, details)
+  if value ~= nil then error("it did not fail", 2) end
+  if type(details) ~= "table" or details.status ~= status then
+    error(("status %s instead of %s: %s"):format(details and details.status, status,
+      tostring(message)), 2)
+  end
+  if not message:find(text, 1, true) then
+    error(("message \"%s\" lacks \"%s\""):format(message, text), 2)
+  end
+end
+
+--- Text of a file.
+function check.read(path)
+  local file = assert(io.open(path, "rb"))
+  local text = file:read "a"
+  file:close()
+  return text
+end
+
+function check.write(path, text)
+  local file = assert(io.open(path, "wb"))
+  file:write(text)
+  file:close()
+end
+
+--- A folder that is removed at the end of the process.
+local folders = setmetatable({}, {__gc = function(self)
+  for _, path in ipairs(self) do os.execute("rm -rf '" .. path .. "'") end
+end})
+function check.folder()
+  local path = os.tmpname()
+  os.remove(path)
+  assert(os.execute("mkdir -p '" .. path .. "'"))
+  folders[#folders + 1] = path
+  return path
+end
+
+--- Runs the program; returns exit status, standard output, standard error.
+function check.run(arguments, before)
+  local folder = check.folder()
+  local _, _, status = os.execute(("%s BARWRIGHT_QUIET=1 '%s' %s >%s/out 2>%s/err </dev/null"):format(
+    before or "", check.program, arguments, folder, folder))
+  return status, check.read(folder .. "/out"), check.read(folder .. "/err")
+end
+
+return check
