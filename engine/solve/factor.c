@@ -229,7 +229,7 @@ static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *spac
     offset += symbolic->first[p + 1] - symbolic->first[p];
   }
   double *panel = f->value ? f->value + symbolic->panel[s] : space->panel;
-  double *update = own ? BW_NEW(context, double, numbers) : space->stack + space->fill;
+  double *update = own ? bwi_numbers(context, numbers) : space->stack + space->fill;
   if (!update)
     return BW_MEMORY;
   clearing clear_panel = {panel, rows, false}, clear_update = {update, outer, true};
@@ -286,7 +286,7 @@ static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
     if (task->stack > space->stack_size) {
       bw_free(space->stack);
       space->stack_size = 0;
-      space->stack = BW_NEW(f->context, double, task->stack);
+      space->stack = bwi_numbers(f->context, task->stack);
       if (!space->stack)
         return BW_MEMORY;
       space->stack_size = task->stack;
@@ -331,7 +331,7 @@ static bw_status factorise(factorisation *f) {
     space->local = BW_NEW(context, int32_t, order->size);
     space->runs = BW_NEW(context, run, symbolic->max_rows);
     space->scale = BW_NEW(context, double, symbolic->max_rows);
-    space->panel = f->value ? NULL : BW_NEW(context, double, symbolic->max_panel);
+    space->panel = f->value ? NULL : bwi_numbers(context, symbolic->max_panel);
     if (!space->local || !space->runs || !space->scale || (!f->value && !space->panel)) {
       status = BW_MEMORY;
       goto done;
@@ -344,7 +344,7 @@ static bw_status factorise(factorisation *f) {
     f->space[w].stack = NULL;
   }
   if (symbolic->top_count > 0) {
-    space->stack = BW_NEW(context, double, symbolic->top_stack);
+    space->stack = bwi_numbers(context, symbolic->top_stack);
     if (!space->stack) {
       status = BW_MEMORY;
       goto done;
@@ -412,7 +412,7 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
     return BW_MEMORY;
   bw_object_init(factor, &factor_kind);
   factor->symbolic = bw_retain(symbolic);
-  factor->value = BW_NEW(context, double, symbolic->panel[symbolic->order->super_count]);
+  factor->value = bwi_numbers(context, symbolic->panel[symbolic->order->super_count]);
   if (!factor->value) {
     status = BW_MEMORY;
     goto done;

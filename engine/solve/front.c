@@ -16,7 +16,7 @@
 #include "solve/blas.h"
 #include "solve/internal.h"
 
-enum { WIDTH = 128, TILE = 256 };
+enum { WIDTH = 128, TILE = 512 };
 
 /* A pivot below this fraction of its diagonal entry's size has no digits left. */
 static const double weak_fraction = 1e-13;

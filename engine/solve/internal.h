@@ -14,6 +14,9 @@
 
 #include "barwright/solve.h"
 
+/* As bw_alloc of `count` doubles, on huge pages where it is large; release with bw_free. */
+double *bwi_numbers(bw_context *context, int64_t count) BW_MUST_USE;
+
 /* ---- order ------------------------------------------------------------------------------------
  */
 

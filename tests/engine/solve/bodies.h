@@ -30,7 +30,7 @@ static inline void random_field(uint64_t seed, int64_t size, double *field) {
 }
 
 static inline double *numbers(int64_t count) {
-  return (double *)calloc((size_t)count, sizeof(double));
+  return (double *)calloc(count > 0 ? (size_t)count : 1, sizeof(double));
 }
 
 #endif
