@@ -1,0 +1,45 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The motions' weights against the assembled consistent mass matrix, straight and curved. */
+#include "helpers.h"
+
+static void weighted_motions_are_mass_times_motions(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 3; kind++) {
+    bw_mesh *mesh = kind == 0   ? box_mesh(context, 3, 2, 1, 3, 2, 2, 1)
+                    : kind == 1 ? box_mesh(context, 3, 2, 1, 3, 2, 2, 2)
+                                : octant_mesh(context, 2, 2);
+    bw_numbering *numbering = NULL;
+    bw_graph *graph = NULL;
+    size_t size = 3 * (size_t)mesh->node_count;
+    check_ok(context, bw_numbering_free(context, mesh, &numbering));
+    check_ok(context, bw_graph_create(context, mesh, &graph));
+    double *mass = malloc(sizeof *mass * (size_t)graph->pair_count);
+    double *r = malloc(sizeof *r * size), *w = malloc(sizeof *w * size),
+           *m = malloc(sizeof *m * size);
+    check_ok(context, bw_mass(context, graph, mesh, mass));
+    for (int i = 0; i < 6; i++) {
+      double a[6] = {0}, largest = 0;
+      a[i] = 1;
+      memset(r, 0, sizeof *r * size);
+      bw_motions_add(numbering, a, r);
+      bw_motions_weighted(numbering, a, w);
+      check_ok(context, bw_graph_multiply(context, graph, mass, 1, 3, 1, r, m));
+      for (size_t k = 0; k < size; k++)
+        largest = fmax(largest, fabs(w[k]));
+      for (size_t k = 0; k < size; k++)
+        check_near(m[k] / numbering->body_volume[0], w[k], 1e-14 * largest * 10);
+    }
+    free(mass);
+    free(r);
+    free(w);
+    free(m);
+    bw_release(graph);
+    bw_release(numbering);
+    bw_release(mesh);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(weighted_motions_are_mass_times_motions)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
