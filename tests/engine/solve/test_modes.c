@@ -1,6 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Elastic modes. */
+/* Elastic modes: against a dense solver and against ARPACK, of bars, of several equal bodies, of
+ * held bodies in any direction; the same bits for any number of threads; failing allocations. */
 #include "bodies.h"
+
+#include <arpack/arpack.h>
 
 void dsygv_(const int *, const char *, const char *, const int *, double *, const int *, double *,
             const int *, double *, double *, const int *, int *);
@@ -52,7 +55,298 @@ static void free_box_against_dense(void **state) {
   bw_release(mesh);
 }
 
+typedef struct setup {
+  bw_material *material;
+  bw_numbering *numbering;
+  bw_system *system;
+} setup;
+
+static void open_free(bw_context *context, const bw_mesh *mesh, setup *s) {
+  *s = (setup){.material = body_material(context)};
+  check_ok(context, bw_numbering_free(context, mesh, &s->numbering));
+  check_ok(context, bw_system_create(context, mesh, s->material, s->numbering, NULL, &s->system));
+}
+static void close_setup(setup *s) {
+  bw_release(s->system);
+  bw_release(s->numbering);
+  bw_release(s->material);
+}
+
+/* Single-vector ARPACK on the same operator: same eigenvalues, and the number of triangular solves
+ * that it takes. */
+static void against_arpack(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 0.7, 0.4, 9, 7, 4, 1);
+  setup s;
+  open_free(context, mesh, &s);
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  check_ok(context, bw_modes_elastic(context, s.system, &options, &modes));
+  enum { COUNT = 15, BASIS = 40 };
+  int n = 3 * mesh->node_count, ido = 0, info = 1, lwork = BASIS * (BASIS + 8), solves = 0;
+  int param[11] = {1, 0, 300, 1, 0, 0, 3}, pointer[14], select[BASIS];
+  double *start = numbers(n), *v = numbers((int64_t)n * BASIS), *work = numbers(3 * (int64_t)n),
+         *space = numbers(lwork), *force = numbers(n), *value = numbers(COUNT);
+  random_field(1, n, force);
+  check_ok(context, bw_system_solve(context, s.system, 1, force, start));
+  for (;;) {
+    dsaupd_c(&ido, "G", n, "LM", COUNT, 1e-10, start, BASIS, v, n, param, pointer, work, space,
+             lwork, &info);
+    double *x = work + pointer[0] - 1, *y = work + pointer[1] - 1;
+    if (ido == -1 || ido == 1) {
+      const double *mx = work + pointer[2] - 1;
+      if (ido == -1) {
+        check_ok(context,
+                 bw_graph_multiply(context, s.system->graph, s.system->mass, 1, 3, 1, x, force));
+        mx = force;
+      }
+      check_ok(context, bw_system_solve(context, s.system, 1, mx, y));
+      solves++;
+    } else if (ido == 2)
+      check_ok(context, bw_graph_multiply(context, s.system->graph, s.system->mass, 1, 3, 1, x, y));
+    else
+      break;
+  }
+  assert_int_equal(info, 0);
+  dseupd_c(0, "A", select, value, v, n, 0, "G", n, "LM", COUNT, 1e-10, start, BASIS, v, n, param,
+           pointer, work, space, lwork, &info);
+  assert_int_equal(info, 0);
+  for (int i = 0; i < COUNT; i++)
+    check_near(modes->eigenvalue[i], value[i], 1e-9 * value[i]);
+  printf("ARPACK: %d single solves; blocks of 8: %d solves in %d passes\n", solves, modes->solves,
+         (modes->solves + 7) / 8);
+  assert_true((modes->solves + 7) / 8 < solves);
+  free(start);
+  free(v);
+  free(work);
+  free(space);
+  free(force);
+  free(value);
+  bw_release(modes);
+  close_setup(&s);
+  bw_release(mesh);
+}
+
+/* A mesh of `count` copies of a mesh, side by side and not touching. */
+static bw_mesh *copies(bw_context *context, const bw_mesh *one, int count, double apart) {
+  int32_t n = one->node_count, m = one->element_count * one->nodes_per_element;
+  double *x = numbers(3 * (int64_t)n * count);
+  int32_t *element = calloc((size_t)(m * count), sizeof *element);
+  for (int k = 0; k < count; k++) {
+    for (int32_t i = 0; i < 3 * n; i++)
+      x[3 * n * k + i] = one->node[i] + (i % 3 == 1 ? apart * k : 0);
+    for (int32_t i = 0; i < m; i++)
+      element[m * k + i] = one->element[i] + n * k;
+  }
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_copy(context, one->order, (int64_t)n * count, x,
+                                 (int64_t)one->element_count * count, element, NULL, &mesh));
+  free(x);
+  free(element);
+  return mesh;
+}
+
+/* Ten equal free bodies: every eigenvalue tenfold, 60 rigid motions, none of them a mode. */
+static void equal_bodies(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *one = body_box(context, 0.5, 0.1, 0.08, 5, 1, 1, 1);
+  bw_mesh *mesh = copies(context, one, 10, 0.3);
+  assert_int_equal(mesh->component_count, 10);
+  setup alone, s;
+  bw_modes *single = NULL, *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  open_free(context, one, &alone);
+  options.count = 4;
+  check_ok(context, bw_modes_elastic(context, alone.system, &options, &single));
+  open_free(context, mesh, &s);
+  options.count = 25;
+  check_ok(context, bw_modes_elastic(context, s.system, &options, &modes));
+  assert_int_equal(modes->rigid_count, 60);
+  assert_true(modes->counted);
+  for (int i = 0; i < 25; i++)
+    check_near(modes->eigenvalue[i], single->eigenvalue[i / 10], 1e-8 * single->eigenvalue[i / 10]);
+  bw_release(single);
+  bw_release(modes);
+  close_setup(&s);
+  close_setup(&alone);
+  bw_release(mesh);
+  bw_release(one);
+}
+
+/* A slender free bar of square section: pairs of bending modes at the frequencies of Euler and
+ * Bernoulli's beam, f = (beta L)^2 / (2 pi L^2) sqrt(E I / (rho A)). */
+static void slender_bar(void **state) {
+  bw_context *context = check_context(state);
+  const double length = 2, side = 0.04, beta[2] = {4.730040744862704, 7.853204624095838};
+  bw_mesh *mesh = body_box(context, length, side, side, 30, 1, 1, 2);
+  setup s;
+  open_free(context, mesh, &s);
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 4;
+  check_ok(context, bw_modes_elastic(context, s.system, &options, &modes));
+  double speed = sqrt(s.material->young[0] / s.material->density) * side / sqrt(12.0);
+  for (int i = 0; i < 4; i++) {
+    double f = beta[i / 2] * beta[i / 2] / (2 * M_PI * length * length) * speed;
+    check_near(modes->frequency[i], f, 0.01 * f);
+  }
+  bw_release(modes);
+  close_setup(&s);
+  bw_release(mesh);
+}
+
+static void turn(const double rotation[9], const bw_mesh *mesh, double *x) {
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    for (int c = 0; c < 3; c++)
+      x[3 * i + c] = bw_dot(rotation + 3 * c, mesh->node + 3 * i);
+}
+
+/* Held, partly held (three motions free) and turned: a slide along an oblique plane changes
+ * nothing but the frames. */
+static void oblique_slide(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *straight = body_box(context, 0.4, 0.3, 0.2, 4, 3, 2, 1), *mesh[2] = {straight, NULL};
+  const double a = 0.7, b = -0.4;
+  const double rotation[9] = {cos(a) * cos(b), -sin(a), cos(a) * sin(b),
+                              sin(a) * cos(b), cos(a),  sin(a) * sin(b),
+                              -sin(b),         0,       cos(b)};
+  double *x = numbers(3 * (int64_t)straight->node_count);
+  turn(rotation, straight, x);
+  check_ok(context, bw_mesh_moved(context, straight, x, &mesh[1]));
+  bw_modes *modes[2] = {NULL};
+  for (int k = 0; k < 2; k++) {
+    const double normal[3] = {k ? rotation[0] : 1, k ? rotation[3] : 0, k ? rotation[6] : 0},
+                 origin[3] = {0, 0, 0};
+    bw_material *material = body_material(context);
+    bw_model *model = NULL;
+    bw_selection *face = NULL;
+    bw_numbering *numbering = NULL;
+    bw_system *system = NULL;
+    check_ok(context, bw_model_create(context, mesh[k], material, &model));
+    check_ok(context, bw_select_plane(context, mesh[k], origin, normal, 1e-9, &face));
+    check_ok(context, bw_model_slide(context, model, face, normal));
+    check_ok(context, bw_numbering_create(context, model, &numbering));
+    assert_int_equal(numbering->motion_count, 3);
+    check_ok(context, bw_system_create(context, mesh[k], material, numbering, NULL, &system));
+    check_ok(context, bw_modes_elastic(context, system, NULL, &modes[k]));
+    assert_int_equal(modes[k]->rigid_count, 3);
+    assert_true(modes[k]->counted);
+    for (int i = 0; i < modes[k]->count; i++)
+      assert_true(modes[k]->residual[i] < 1e-8);
+    bw_release(system);
+    bw_release(numbering);
+    bw_release(face);
+    bw_release(model);
+    bw_release(material);
+  }
+  for (int i = 0; i < modes[0]->count; i++)
+    check_near(modes[1]->eigenvalue[i], modes[0]->eigenvalue[i], 1e-8 * modes[0]->eigenvalue[i]);
+  free(x);
+  bw_release(modes[0]);
+  bw_release(modes[1]);
+  bw_release(mesh[1]);
+  bw_release(straight);
+}
+
+static void same_bits(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 0.9, 0.8, 8, 7, 6, 1);
+  bw_modes *modes[3] = {NULL};
+  for (int threads = 1; threads <= 3; threads++) {
+    setup s;
+    check_ok(context, bw_set_threads(context, threads));
+    open_free(context, mesh, &s);
+    check_ok(context, bw_modes_elastic(context, s.system, NULL, &modes[threads - 1]));
+    close_setup(&s);
+    assert_memory_equal(modes[0]->shape, modes[threads - 1]->shape,
+                        (size_t)(15 * 3 * mesh->node_count) * sizeof(double));
+    assert_memory_equal(modes[0]->eigenvalue, modes[threads - 1]->eigenvalue, 15 * sizeof(double));
+  }
+  for (int k = 0; k < 3; k++)
+    bw_release(modes[k]);
+  bw_release(mesh);
+}
+
+/* One tetrahedron has 12 - 6 elastic modes, whatever is asked for. */
+static void one_element(void **state) {
+  bw_context *context = check_context(state);
+  const double x[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const int32_t element[4] = {0, 1, 2, 3};
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_copy(context, 1, 4, x, 1, element, NULL, &mesh));
+  setup s;
+  open_free(context, mesh, &s);
+  bw_modes *modes = NULL;
+  check_ok(context, bw_modes_elastic(context, s.system, NULL, &modes));
+  assert_int_equal(modes->count, 6);
+  assert_true(modes->eigenvalue[0] > 0);
+  bw_release(modes);
+  close_setup(&s);
+  bw_release(mesh);
+}
+
+static void failing_allocations(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 1, 1, 2, 2, 2, 1);
+  setup s;
+  open_free(context, mesh, &s);
+  check_ok(context, bw_set_threads(context, 1));
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 3;
+  int64_t before = bw_live_blocks();
+  bool passed = false;
+  for (int64_t n = 1; !passed && n < 5000; n++) {
+    bw_modes *modes = NULL, *scalar = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status = bw_modes_elastic(context, s.system, &options, &modes);
+    if (status == BW_OK)
+      status = bw_modes_laplacian(context, mesh, s.system->graph, &options, &scalar);
+    bw_fail_allocation(0, false);
+    if (status != BW_OK)
+      assert_int_equal(status, BW_MEMORY);
+    passed = status == BW_OK;
+    bw_release(modes);
+    bw_release(scalar);
+    bw_clear_failure(context);
+    assert_int_equal(bw_live_blocks(), before);
+  }
+  assert_true(passed);
+  close_setup(&s);
+  bw_release(mesh);
+}
+
+static void refused_options(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 1, 1, 1, 1, 1, 1);
+  setup s;
+  open_free(context, mesh, &s);
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 0;
+  check_fails(context, BW_INVALID, "0 modes",
+              bw_modes_elastic(context, s.system, &options, &modes));
+  options.count = 5;
+  options.tolerance = -1;
+  check_fails(context, BW_INVALID, "tolerance",
+              bw_modes_elastic(context, s.system, &options, &modes));
+  close_setup(&s);
+  bw_release(mesh);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(free_box_against_dense)};
+  const struct CMUnitTest tests[] = {check_test(free_box_against_dense),
+                                     check_test(against_arpack),
+                                     check_test(equal_bodies),
+                                     check_test(slender_bar),
+                                     check_test(oblique_slide),
+                                     check_test(same_bits),
+                                     check_test(one_element),
+                                     check_test(failing_allocations),
+                                     check_test(refused_options)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
