@@ -258,7 +258,7 @@ done:
 
 bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force) {
   bw_load load = {.kind = BW_LOAD_NODAL, .nodal = force};
-  bw_status status = check_nodal(context, model, force, 3, "force at nodes");
+  bw_status status = check_nodal(context, model, force, 3, "nodal force");
   return status != BW_OK ? status : add_load(context, model, &load);
 }
 

@@ -49,7 +49,7 @@ void bwi_fixed(char *buffer, size_t size, double value, int decimals) {
 
 /* Thousands or thousandths that make numbers short: 10 to this power is taken out. */
 static int common_exponent(double largest) {
-  if (!(largest > 0) || (largest < 1e5 && largest >= 1e-2))
+  if (!(largest > 1e-300) || !(largest < 1e300) || (largest < 1e5 && largest >= 1e-2))
     return 0;
   return 3 * (int)floor(log10(largest) / 3);
 }
@@ -65,7 +65,7 @@ void bwi_times_power(char *buffer, size_t size, int exponent) {
 
 /* Decimals that show four significant digits of the larger end, for the ends and the maximum. */
 static int end_decimals(double size) {
-  int digits = size > 0 ? 2 - (int)floor(log10(size) + 1e-9) : 0;
+  int digits = size > 1e-300 && isfinite(size) ? 2 - (int)floor(log10(size) + 1e-9) : 0;
   return digits < 0 ? 0 : digits > 9 ? 9 : digits;
 }
 

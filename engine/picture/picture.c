@@ -171,7 +171,7 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   }
   /* The frame: room for title, bar, triad and text. */
   double w = options->width, h = options->height;
-  s->u = fmin(w / 1200, h / 900);
+  s->u = fmax(fmin(w / 1200, h / 900), 0.6); /* text stays legible */
   s->frame[0] = 40 * s->u;
   s->frame[1] = (options->title && options->title[0] ? 84 : 40) * s->u;
   s->frame[2] = w - (value && s->range.any ? 190 : 40) * s->u;
@@ -262,7 +262,7 @@ static void label_arrows(const stage *s, cairo_t *cairo) {
   for (int i = 1; i < options->arrow_count; i++)
     if (bw_norm(options->arrow[i].force) > bw_norm(options->arrow[most].force))
       most = i;
-  double pixel[3], force = bw_norm(options->arrow[most].force);
+  double pixel[3], other[3], force = bw_norm(options->arrow[most].force);
   char number[64], label[80];
   if (!(force > 0))
     return;
@@ -272,7 +272,9 @@ static void label_arrows(const stage *s, cairo_t *cairo) {
   short_number(number, sizeof number, force);
   snprintf(label, sizeof label, "%s N", number);
   cairo_set_source_rgb(cairo, 0.16, 0.18, 0.24);
-  bwi_draw_text(cairo, pixel[0], pixel[1] - 9 * s->u, 0.5, 14 * s->u, true, true, label);
+  bwi_view_project(&s->view, options->arrow[most].at, other);
+  double off = pixel[1] > other[1] ? 20 * s->u : -9 * s->u; /* beyond the arrow's end */
+  bwi_draw_text(cairo, pixel[0], pixel[1] + off, 0.5, 14 * s->u, true, true, label);
 }
 
 static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {

@@ -194,7 +194,7 @@ static void nodal_forces_pass_through(void **state) {
   double *force = forces_of(context, model);
   check_near(force[4], 5, 0);
   ((double *)array->data)[7] = NAN;
-  check_fails(context, BW_INVALID, "force at node 2 is not finite",
+  check_fails(context, BW_INVALID, "component 2 of the nodal force at node 2",
               bw_model_nodal_forces(context, model, array));
   free(force);
   bw_release(array);
