@@ -1,0 +1,73 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The worst-case analysis by stage, at the sizes of the paper's table of timings, beside the paper's
+-- minutes. Filling is shown on its own.
+--   build/barwright scripts/bench/worst_case.lua [MODEL] [--out FILE.json] [--sizes 2723,42900,...]
+-- Without a MODEL the toy foal of the demonstration is used.
+local bw = require "barwright"
+
+-- worst-case, section 5 (full pipeline, minutes)
+local paper = {{2723, 0.028}, {42900, 0.308}, {70356, 0.382}, {155383, 2.566}, {322398, 9.601},
+  {414894, 4.490}}
+
+local model, out, sizes
+local i = 1
+while arg[i] do
+  if arg[i] == "--out" then
+    out, i = arg[i + 1], i + 2
+  elseif arg[i] == "--sizes" then
+    sizes, i = {}, i + 2
+    for n in arg[i - 1]:gmatch "%d+" do sizes[tonumber(n)] = true end
+  else
+    model, i = arg[i], i + 1
+  end
+end
+
+local surface
+if model then
+  surface = assert(bw.surface.read(model))
+else
+  local f, low, high = bw.shapes.foal()
+  surface = assert(bw.surface.implicit(f, {low = low, high = high, cells = 110}))
+end
+
+local function peak_gb()
+  local file = io.open "/proc/self/status"
+  local text = file and file:read "a" or ""
+  if file then file:close() end
+  return (tonumber(text:match "VmHWM:%s*(%d+)") or 0) / 2 ^ 20
+end
+
+-- Each size in a process of its own would give its own peak; sizes ascend, so the peak is the last's.
+print("  elements | filling |  system   modes regions   loads |   total |   paper | ratio | peak GB")
+local rows = {}
+for _, line in ipairs(paper) do
+  local wanted, minutes = line[1], line[2]
+  if not sizes or sizes[wanted] then
+    local start = bw.seconds()
+    local mesh = assert(bw.mesh.fill(surface, {elements = wanted}))
+    local filling = bw.seconds() - start
+    local part = bw.model {mesh = mesh, material = bw.material.green_state_stainless_steel}
+    local area = mesh.boundary.area
+    start = bw.seconds()
+    local worst = assert(bw.worst_case(part,
+      {force = math.min(20, 0.05 * 2e5 * area), modes = 15, regions = 5}))
+    local total = bw.seconds() - start
+    local s = worst.seconds
+    print(("%10d | %6.1f s | %6.2f s %6.2f %7.2f %7.2f | %6.2f s | %5.1f s | %5.1f | %.2f"):format(
+      mesh.element_count, filling, s.system, s.modes, s.regions, s.programmes, total, 60 * minutes,
+      60 * minutes / total, peak_gb()))
+    rows[#rows + 1] = {elements = mesh.element_count, seconds_filling = filling,
+      seconds_system = s.system, seconds_modes = s.modes, seconds_regions = s.regions,
+      seconds_loads = s.programmes, seconds_total = total, seconds_paper = 60 * minutes,
+      times_faster = 60 * minutes / total, peak_gb = peak_gb(), regions = #worst.regions}
+    worst:close()
+    mesh:close()
+    collectgarbage()
+  end
+end
+local text = bw.json.encode {benchmark = "worst_case", rows = rows}
+if out then
+  local file = assert(io.open(out, "w"))
+  file:write(text, "\n")
+  file:close()
+end
