@@ -1,0 +1,275 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Static benchmarks with published or closed-form answers. Each case returns rows of
+-- {quantity, reference, value, tolerance (relative), source}.
+local bw = require "barwright"
+local grids = require "grids"
+
+local pi, cos, sin, tan = math.pi, math.cos, math.sin, math.tan
+local cases = {}
+local function case(name, run) cases[#cases + 1] = {name = name, run = run} end
+local function elastic(young, poisson, density)
+  return bw.material.isotropic {young = young, poisson = poisson, density = density}
+end
+local XX, YY, ZZ, YZ, ZX, XY = 1, 2, 3, 4, 5, 6
+local _ = YZ
+
+case("MacNeal-Harder straight cantilever, tet10", function()
+  local function solve(load)
+    local mesh = bw.mesh.box {low = {0, -0.1, -0.05}, high = {6, 0.1, 0.05}, cells = {40, 2, 1}, order = 2}
+    local part = bw.model {mesh = mesh, material = elastic(1e7, 0.3)}
+    part:fix(mesh.boundary:below(1, 1e-9))
+    load.on = mesh.boundary:above(1, 6 - 1e-9)
+    part:load(load)
+    return mesh, assert(part:solve()).displacement
+  end
+  local rows = {}
+  for axis, line in ipairs {{"tip displacement, extension", 3e-5},
+    {"tip displacement, in-plane shear", 0.1081}, {"tip displacement, out-of-plane shear", 0.4321}} do
+    local force = {0, 0, 0}
+    force[axis] = 1
+    local mesh, u = solve {force = force}
+    rows[axis] = {line[1], line[2], u(grids.nearest(mesh, {6, 0, 0}), axis), 0.02, "MacNeal and Harder 1985"}
+  end
+  local mesh, u = solve {torque = {1, 0, 0}, about = {6, 0, 0}}
+  local twist = (u(grids.nearest(mesh, {6, 0.1, 0}), 3) - u(grids.nearest(mesh, {6, -0.1, 0}), 3)) / 0.2
+  rows[4] = {"tip twist, unit torque", 0.0341, twist, 0.02, "St Venant"}
+  return rows
+end)
+
+case("MacNeal-Harder twisted beam, tet10", function()
+  local grid = grids.mapped({24, 4, 2}, 2, function(u, v, w)
+    local y, z, a = 1.1 * (v - 0.5), 0.32 * (w - 0.5), pi / 2 * u
+    return {12 * u, y * cos(a) - z * sin(a), y * sin(a) + z * cos(a)}
+  end)
+  local rows = {}
+  for axis, line in pairs {[2] = {"tip, out of plane", 0.001754}, [3] = {"tip, in plane", 0.005424}} do
+    local part = bw.model {mesh = grid.mesh, material = elastic(29e6, 0.22)}
+    local force = {0, 0, 0}
+    force[axis] = 1
+    part:fix(grid:face(1, 0))
+    part:load {on = grid:face(1, 1), force = force}
+    local u = assert(part:solve()).displacement
+    rows[axis - 1] = {line[1], line[2], u(grid:node(1, 0.5, 0.5), axis), 0.02, "MacNeal and Harder 1985"}
+  end
+  return rows
+end)
+
+local function ellipses(thickness)
+  return function(u, v, w)
+    local a = pi / 2 * v
+    return {(2 * (1 - u) + 3.25 * u) * cos(a), ((1 - u) + 2.75 * u) * sin(a), thickness * w}
+  end
+end
+
+case("NAFEMS LE1, elliptic membrane, tet10", function()
+  local grid = grids.mapped({16, 32, 1}, 2, ellipses(0.05))
+  local part = bw.model {mesh = grid.mesh, material = elastic(210e9, 0.3)}
+  part:slide(grid:face(2, 0), {0, 1, 0})
+  part:slide(grid:face(2, 1), {1, 0, 0})
+  part:slide(grid:face(3, 0), {0, 0, 1})
+  part:load {on = grid:face(1, 1), pressure = -10e6}
+  local static = assert(part:solve())
+  local d = grid:node(0, 0, 0)
+  return {
+    {"stress yy at D, MPa", 92.7, static.stress(d, YY) / 1e6, 0.02, "NAFEMS LE1"},
+    {"displacement x at D, mm", -0.102208, static.displacement(d, 1) * 1e3, 0.005, "own Q2 elements"},
+  }
+end)
+
+case("NAFEMS LE10, thick plate, tet10", function()
+  local grid = grids.mapped({10, 14, 4}, 2, ellipses(0.6))
+  local part = bw.model {mesh = grid.mesh, material = elastic(210e9, 0.3)}
+  part:slide(grid:face(2, 0), {0, 1, 0})
+  part:slide(grid:face(2, 1), {1, 0, 0})
+  part:prescribe(grid:face(1, 1), {0, 0, false})
+  part:prescribe(grid:where(function(u, _, w) return u > 1 - 1e-9 and math.abs(w - 0.5) < 1e-9 end),
+    {false, false, 0})
+  part:load {on = grid:face(3, 1), pressure = 1e6}
+  local static = assert(part:solve())
+  return {{"stress yy at D, MPa", -5.38, static.stress(grid:node(0, 0, 1), YY) / 1e6, 0.02, "NAFEMS LE10"}}
+end)
+
+case("NAFEMS LE11, cylinder, taper and sphere, thermal, tet10", function()
+  local h, wedge = math.sqrt(0.5), pi / 12
+  local function section(u, s)
+    local inner, outer
+    if s <= 1 / 3 then
+      local t = 3 * s
+      inner = {cos(pi / 4 * t), sin(pi / 4 * t)}
+      outer = {1.4 * cos(pi / 6 * t), 1.4 * sin(pi / 6 * t)}
+    elseif s <= 2 / 3 then
+      local t = 3 * s - 1
+      inner = {h, h + t * (1.39 - h)}
+      outer = {1.4 * cos(pi / 6) + t * (1 - 1.4 * cos(pi / 6)), 0.7 + t * 0.69}
+    else
+      local t = 3 * s - 2
+      inner, outer = {h, 1.39 + 0.4 * t}, {1, 1.39 + 0.4 * t}
+    end
+    return inner[1] * (1 - u) + outer[1] * u, inner[2] * (1 - u) + outer[2] * u
+  end
+  local grid = grids.mapped({8, 2, 24}, 2, function(u, v, w)
+    local r, z = section(u, w)
+    return {r * cos(wedge * v), r * sin(wedge * v), z}
+  end)
+  local change = {}
+  for i, p in ipairs(grid.mesh.nodes:totable()) do
+    change[i] = math.sqrt(p[1] ^ 2 + p[2] ^ 2) + p[3]
+  end
+  local part = bw.model {mesh = grid.mesh, material = elastic(210e9, 0.3)}
+  part:slide(grid:face(2, 0), {0, 1, 0})
+  part:slide(grid:face(2, 1), {-sin(wedge), cos(wedge), 0})
+  part:slide(grid:face(3, 0), {0, 0, 1})
+  part:slide(grid:face(3, 1), {0, 0, 1})
+  part:temperature(bw.array.new(change), 2.3e-4)
+  local static = assert(part:solve())
+  return {{"stress zz at A, MPa", -105, static.stress(grid:node(0, 0, 0), ZZ) / 1e6, 0.02, "NAFEMS LE11"}}
+end)
+
+case("Lamé, thick cylinder in plane strain, tet10", function()
+  local wedge = pi / 6
+  local grid = grids.mapped({10, 6, 1}, 2, function(u, v, w)
+    return {(1 + u) * cos(wedge * v), (1 + u) * sin(wedge * v), 0.1 * w}
+  end)
+  local part = bw.model {mesh = grid.mesh, material = elastic(1, 0.3)}
+  part:slide(grid:face(2, 0), {0, 1, 0})
+  part:slide(grid:face(2, 1), {-sin(wedge), cos(wedge), 0})
+  part:slide(grid:face(3, 0), {0, 0, 1})
+  part:slide(grid:face(3, 1), {0, 0, 1})
+  part:load {on = grid:face(1, 0), pressure = 1}
+  local static = assert(part:solve())
+  local a, b = grid:node(0, 0, 0), grid:node(1, 0, 0)
+  return {
+    {"hoop stress at the bore / p", 5 / 3, static.stress(a, YY), 0.01, "Lamé"},
+    {"radial displacement at the bore", 1.906666666666667, static.displacement(a, 1), 0.005, "Lamé"},
+    {"radial displacement outside", 1.2133333333333334, static.displacement(b, 1), 0.005, "Lamé"},
+  }
+end)
+
+-- A solid angle about the x axis: lateral faces are planes through the origin.
+local function cone(inner, outer, half)
+  return function(u, v, w)
+    local y, z = tan(half * (2 * v - 1)), tan(half * (2 * w - 1))
+    local r = (inner + (outer - inner) * u) / math.sqrt(1 + y * y + z * z)
+    return {r, r * y, r * z}
+  end
+end
+local function hold_cone(part, grid, half)
+  part:slide(grid:face(2, 0), {sin(half), cos(half), 0})
+  part:slide(grid:face(2, 1), {-sin(half), cos(half), 0})
+  part:slide(grid:face(3, 0), {sin(half), 0, cos(half)})
+  part:slide(grid:face(3, 1), {-sin(half), 0, cos(half)})
+end
+
+case("Lamé, hollow sphere, tet10", function()
+  local half = pi / 12
+  local grid = grids.mapped({10, 4, 4}, 2, cone(1, 2, half))
+  local part = bw.model {mesh = grid.mesh, material = elastic(1, 0.3)}
+  hold_cone(part, grid, half)
+  part:load {on = grid:face(1, 0), pressure = 1}
+  local static = assert(part:solve())
+  return {{"hoop stress inside / p", 5 / 7, static.stress(grid:node(0, 0.5, 0.5), YY), 0.01, "Lamé"}}
+end)
+
+case("Goodier, spherical cavity under tension, tet10", function()
+  local size = 10
+  local function patch(turn)
+    return function(u, v, w)
+      local d = {1, tan(pi / 4 * v), tan(pi / 4 * w)}
+      local length = math.sqrt(1 + d[2] ^ 2 + d[3] ^ 2)
+      local t = (size ^ u - 1) / (size - 1) -- finer towards the cavity
+      local r = (1 - t) / length + t * size
+      local x = {}
+      for k = 1, 3 do x[(k - 1 + turn) % 3 + 1] = r * d[k] end
+      return x
+    end
+  end
+  local grid = grids.patches({12, 6, 6}, 2, {patch(0), patch(1), patch(2)})
+  local mesh = grid.mesh
+  local part = bw.model {mesh = mesh, material = elastic(1, 0.3)}
+  for axis = 1, 3 do
+    local normal = {0, 0, 0}
+    normal[axis] = 1
+    part:slide(mesh.boundary:below(axis, 1e-7), normal)
+  end
+  part:load {on = mesh.boundary:above(3, size - 1e-7), traction = {0, 0, 1}}
+  local static = assert(part:solve())
+  return {{"largest stress / tension", (27 - 15 * 0.3) / (2 * (7 - 5 * 0.3)),
+    static.stress(grids.nearest(mesh, {1, 0, 0}), ZZ), 0.02, "Goodier 1933"}}
+end)
+
+case("Kirsch, hole in a wide plate, tet10", function()
+  local size = 12
+  local grid = grids.mapped({20, 16, 1}, 2, function(u, v, w)
+    local a = pi / 2 * v
+    local reach = size / math.max(cos(a), sin(a))
+    local t = (size ^ u - 1) / (size - 1)
+    local r = (1 - t) + t * reach
+    return {r * cos(a), r * sin(a), 0.2 * w}
+  end)
+  local mesh = grid.mesh
+  local part = bw.model {mesh = mesh, material = elastic(1, 0.3)}
+  part:slide(grid:face(2, 0), {0, 1, 0})
+  part:slide(grid:face(2, 1), {1, 0, 0})
+  part:slide(grid:face(3, 0), {0, 0, 1})
+  part:load {on = mesh.boundary:above(1, size - 1e-7), traction = {1, 0, 0}}
+  local static = assert(part:solve())
+  return {
+    {"stress across the load / tension", 3, static.stress(grid:node(0, 1, 0), XX), 0.03, "Kirsch 1898"},
+    {"stress along the load / tension", -1, static.stress(grid:node(0, 0, 0), YY), 0.03, "Kirsch 1898"},
+  }
+end)
+
+case("St Venant torsion of a square bar, tet10", function()
+  local mesh = bw.mesh.box {low = {0, -0.5, -0.5}, high = {6, 0.5, 0.5}, cells = {30, 8, 8}, order = 2}
+  local part = bw.model {mesh = mesh, material = elastic(2.6, 0.3)} -- G = 1
+  part:load {on = mesh.boundary:below(1, 1e-9), torque = {-1, 0, 0}, about = {0, 0, 0}}
+  part:load {on = mesh.boundary:above(1, 6 - 1e-9), torque = {1, 0, 0}, about = {6, 0, 0}}
+  local static = assert(part:solve())
+  local function angle(x)
+    local u = static.displacement
+    return u(grids.nearest(mesh, {x, 0.5, 0}), 3) - u(grids.nearest(mesh, {x, -0.5, 0}), 3)
+  end
+  local rate = (angle(4) - angle(2)) / 2
+  local side = grids.nearest(mesh, {3, 0.5, 0})
+  return {
+    {"torsion constant / a^4", 0.140577, 1 / rate, 0.01, "St Venant"},
+    {"largest shear stress x a^3 / T", 4.80385, static.stress(side, ZX), 0.01, "St Venant"},
+  }
+end)
+
+case("square Kirchhoff plates under uniform load, tet10", function()
+  local thickness, rows = 0.01, {}
+  local D = 1 * thickness ^ 3 / (12 * (1 - 0.3 ^ 2))
+  for _, line in ipairs {{"simply supported", 0.00406235}, {"clamped", 0.00126532}} do
+    local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.5, 0.5, thickness}, cells = {14, 14, 1}, order = 2}
+    local part = bw.model {mesh = mesh, material = elastic(1, 0.3)}
+    part:slide(mesh.boundary:above(1, 0.5 - 1e-9), {1, 0, 0})
+    part:slide(mesh.boundary:above(2, 0.5 - 1e-9), {0, 1, 0})
+    if line[1] == "clamped" then
+      part:fix(mesh.boundary:below(1, 1e-9) | mesh.boundary:below(2, 1e-9))
+    else
+      part:prescribe(mesh.boundary:below(1, 1e-9), {false, 0, 0})
+      part:prescribe(mesh.boundary:below(2, 1e-9), {0, false, 0})
+    end
+    part:load {on = mesh.boundary:above(3, thickness - 1e-9), pressure = 1e-9}
+    local u = assert(part:solve()).displacement
+    local centre = -u(grids.nearest(mesh, {0.5, 0.5, 0}), 3)
+    rows[#rows + 1] = {line[1] .. ": centre deflection x D / (q a^4)", line[2], centre * D / 1e-9,
+      0.01, "Timoshenko; tolerance 1 % for the thickness"}
+  end
+  return rows
+end)
+
+case("bar under its own weight", function()
+  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.1, 2}, cells = {2, 2, 20}, order = 2}
+  local part = bw.model {mesh = mesh, material = elastic(1e9, 0, 1000)}
+  part:slide(mesh.boundary:above(3, 2 - 1e-9), {0, 0, 1})
+  part:fix(mesh.boundary:nearest({0, 0, 2}, 1))
+  part:slide(mesh.boundary:nearest({0.1, 0, 2}, 1), {0, 1, 0})
+  part:gravity {0, 0, -9.81}
+  local u = assert(part:solve()).displacement
+  return {{"tip displacement", 1000 * 9.81 * 4 / (2 * 1e9), -u(grids.nearest(mesh, {0, 0, 0}), 3), 1e-9,
+    "rho g L^2 / 2E, exact for no Poisson effect"}}
+end)
+
+return cases
