@@ -97,8 +97,8 @@ case("NAFEMS FV41, free cylinder, axisymmetric modes", function()
 end)
 
 case("NAFEMS FV42, thick hollow sphere, radial modes", function()
-  local half = pi / 60
-  local grid = grids.mapped({30, 1, 1}, 2, function(u, v, w)
+  local half = pi / 120
+  local grid = grids.mapped({40, 1, 1}, 2, function(u, v, w)
     local y, z = tan(half * (2 * v - 1)), tan(half * (2 * w - 1))
     local r = (1.8 + 4.2 * u) / math.sqrt(1 + y * y + z * z)
     return {r, r * y, r * z}

@@ -15,7 +15,7 @@ local _ = YZ
 
 case("MacNeal-Harder straight cantilever, tet10", function()
   local function solve(load)
-    local mesh = bw.mesh.box {low = {0, -0.1, -0.05}, high = {6, 0.1, 0.05}, cells = {40, 2, 1}, order = 2}
+    local mesh = bw.mesh.box {low = {0, -0.1, -0.05}, high = {6, 0.1, 0.05}, cells = {48, 5, 3}, order = 2}
     local part = bw.model {mesh = mesh, material = elastic(1e7, 0.3)}
     part:fix(mesh.boundary:below(1, 1e-9))
     load.on = mesh.boundary:above(1, 6 - 1e-9)
@@ -77,7 +77,7 @@ case("NAFEMS LE1, elliptic membrane, tet10", function()
 end)
 
 case("NAFEMS LE10, thick plate, tet10", function()
-  local grid = grids.mapped({10, 14, 4}, 2, ellipses(0.6))
+  local grid = grids.mapped({16, 22, 6}, 2, ellipses(0.6))
   local part = bw.model {mesh = grid.mesh, material = elastic(210e9, 0.3)}
   part:slide(grid:face(2, 0), {0, 1, 0})
   part:slide(grid:face(2, 1), {1, 0, 0})
@@ -107,7 +107,7 @@ case("NAFEMS LE11, cylinder, taper and sphere, thermal, tet10", function()
     end
     return inner[1] * (1 - u) + outer[1] * u, inner[2] * (1 - u) + outer[2] * u
   end
-  local grid = grids.mapped({8, 2, 24}, 2, function(u, v, w)
+  local grid = grids.mapped({16, 2, 48}, 2, function(u, v, w)
     local r, z = section(u, w)
     return {r * cos(wedge * v), r * sin(wedge * v), z}
   end)
@@ -183,7 +183,7 @@ case("Goodier, spherical cavity under tension, tet10", function()
       return x
     end
   end
-  local grid = grids.patches({12, 6, 6}, 2, {patch(0), patch(1), patch(2)})
+  local grid = grids.patches({16, 9, 9}, 2, {patch(0), patch(1), patch(2)})
   local mesh = grid.mesh
   local part = bw.model {mesh = mesh, material = elastic(1, 0.3)}
   for axis = 1, 3 do
@@ -198,8 +198,8 @@ case("Goodier, spherical cavity under tension, tet10", function()
 end)
 
 case("Kirsch, hole in a wide plate, tet10", function()
-  local size = 12
-  local grid = grids.mapped({20, 16, 1}, 2, function(u, v, w)
+  local size = 30
+  local grid = grids.mapped({32, 28, 1}, 2, function(u, v, w)
     local a = pi / 2 * v
     local reach = size / math.max(cos(a), sin(a))
     local t = (size ^ u - 1) / (size - 1)
@@ -241,7 +241,7 @@ case("square Kirchhoff plates under uniform load, tet10", function()
   local thickness, rows = 0.01, {}
   local D = 1 * thickness ^ 3 / (12 * (1 - 0.3 ^ 2))
   for _, line in ipairs {{"simply supported", 0.00406235}, {"clamped", 0.00126532}} do
-    local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.5, 0.5, thickness}, cells = {14, 14, 1}, order = 2}
+    local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.5, 0.5, thickness}, cells = {32, 32, 1}, order = 2}
     local part = bw.model {mesh = mesh, material = elastic(1, 0.3)}
     part:slide(mesh.boundary:above(1, 0.5 - 1e-9), {1, 0, 0})
     part:slide(mesh.boundary:above(2, 0.5 - 1e-9), {0, 1, 0})
