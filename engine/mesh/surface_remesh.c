@@ -16,13 +16,14 @@
 
 #include "barwright/mesh.h"
 #include "mesh/remesh_mesh.h"
+#include "mesh/surface_cgal.h"
 #include "mesh/surface_internal.h"
 #include "mesh/surface_topology.h"
 #include "mesh/surface_tree.h"
 
 static const double longest = 4.0 / 3, shortest = 4.0 / 5; /* of the wanted length */
 static const double growth = 0.5;                          /* of the wanted length, per distance */
-static const double finest = 1.0 / 30;                     /* of the edge length asked for */
+static const double finest = 1.0 / 12;                     /* of the edge length asked for */
 static const double turn = 0.5; /* cosine of the largest turn of a facet in one change */
 
 void bw_remesh_options_default(bw_remesh_options *options) {
@@ -41,6 +42,8 @@ typedef struct remesher {
   bwi_tree *tree, *creases;
   int32_t *crease; /* sharp edges of the original as triangles a b b */
   double length, tolerance;
+  double tiny;  /* edges so short go even where they are features */
+  double *room; /* per facet of the original: how far what lies opposite is, inside or outside */
   fine_place *fine;
   size_t fine_count, fine_capacity;
 } remesher;
@@ -83,14 +86,22 @@ static bool turned_over(const double before[3], const double after[3]) {
 
 /* How far the surface may be left near a point. */
 static double slack(const remesher *r, double size) {
-  double tenth = 0.1 * size;
+  double tenth = 0.1 * fmax(size, 0.25 * r->length);
   return tenth < r->tolerance ? tenth : r->tolerance;
 }
 
 static bool near_surface(const remesher *r, const double x[3], double limit) {
   double place[3];
   int32_t facet;
-  return bwi_tree_nearest(r->tree, x, -1, limit * limit, place, &facet) <= limit * limit;
+  double far = bwi_tree_nearest(r->tree, x, -1, limit * limit, place, &facet);
+  if (far > limit * limit)
+    return false;
+  double close = fmax(0.2 * r->room[facet], 0.01 * r->length);
+  if (close >= limit || far <= close * close)
+    return true;
+  far = bwi_tree_nearest(r->tree, x, facet, 0, place, &facet);
+  close = fmax(0.2 * r->room[facet], 0.01 * r->length);
+  return far <= close * close;
 }
 
 static bool near_crease(const remesher *r, const double a[3], const double b[3], double limit) {
@@ -172,10 +183,12 @@ done:
 typedef enum verdict { FINE, REFUSED, FEATURE } verdict;
 
 /* May the start of a side go to its end? FEATURE: no, because something small would be lost. */
-static verdict judge_collapse(const remesher *r, int32_t side) {
+static verdict judge_collapse(const remesher *r, int32_t side, bool coarse) {
   const bwi_changing *mesh = r->mesh;
   int32_t a = bwi_from(mesh, side), b = bwi_to(mesh, side);
-  if (mesh->fixed[a] == BWI_CORNER || (mesh->fixed[a] == BWI_CREASE && !mesh->sharp[side]))
+  bool tiny = side_length(mesh, side) < r->tiny;
+  if (!tiny &&
+      (mesh->fixed[a] == BWI_CORNER || (mesh->fixed[a] == BWI_CREASE && !mesh->sharp[side])))
     return FEATURE;
   if (!bwi_may_collapse(mesh, side))
     return FEATURE;
@@ -183,10 +196,12 @@ static verdict judge_collapse(const remesher *r, int32_t side) {
   double limit = slack(r, fmin(mesh->size[a], mesh->size[b])), nearest = HUGE_VAL;
   double worst_before = 1, worst_after = 1;
   bool too_long = false;
+  /* Very short edges may go at the price of long ones, which are split again. */
+  double most = side_length(mesh, side) < 0.4 * wanted(mesh, side) ? 1.25 * longest : longest;
   int32_t s = bwi_around(mesh, side);
   for (; s != side; s = bwi_around(mesh, s)) {
     int32_t q = bwi_to(mesh, s), p = bwi_to(mesh, bwi_next(s));
-    if (mesh->sharp[s] && mesh->fixed[a] == BWI_CREASE) {
+    if (mesh->sharp[s] && !tiny) {
       if (!near_crease(r, xb, bwi_at(mesh, q), limit))
         return FEATURE;
     }
@@ -202,11 +217,12 @@ static verdict judge_collapse(const remesher *r, int32_t side) {
     if (quality_before > 1e-6 && turned_over(before, after))
       return FEATURE;
     double reach = distance(xb, xq);
-    if (reach > longest * 0.5 * (mesh->size[b] + mesh->size[q]) && reach > distance(xa, xq))
+    if (reach > most * 0.5 * (mesh->size[b] + mesh->size[q]) && reach > distance(xa, xq))
       too_long = true;
     nearest = fmin(nearest, bwi_nearest_on_triangle(xa, xb, xq, xp, place));
   }
-  if (too_long || (worst_after < 0.2 && worst_after < worst_before))
+  if (coarse ? worst_after < 1e-4 && worst_after < worst_before
+             : too_long || (worst_after < 0.1 && worst_after < 0.5 * worst_before))
     return REFUSED;
   if (nearest > limit * limit)
     return FEATURE;
@@ -231,7 +247,7 @@ static int by_ratio(const void *a, const void *b) {
 }
 
 /* Collapse what may be, shortest first. With `learn`, note where features keep edges short. */
-static bw_status collapse_short(remesher *r, bool learn) {
+static bw_status collapse_short(remesher *r, bool coarse, bool learn) {
   bwi_changing *mesh = r->mesh;
   bw_status status = BW_OK;
   short_side *list = NULL;
@@ -266,14 +282,16 @@ static bw_status collapse_short(remesher *r, bool learn) {
         s = o;
         o = keep;
       }
-      verdict there = judge_collapse(r, s), back = REFUSED;
+      verdict there = judge_collapse(r, s, coarse), back = REFUSED;
       if (there != FINE) {
-        back = judge_collapse(r, o);
+        back = judge_collapse(r, o, coarse);
         s = o;
       }
       if (there == FINE || back == FINE) {
         int32_t b = bwi_to(mesh, s);
         mesh->size[b] = fmin(mesh->size[b], mesh->size[bwi_from(mesh, s)]);
+        if (mesh->fixed[bwi_from(mesh, s)] > mesh->fixed[b])
+          mesh->fixed[b] = mesh->fixed[bwi_from(mesh, s)];
         bwi_collapse(mesh, s);
         done_count++;
       } else if (learn && there == FEATURE && back == FEATURE && pass == 0) {
@@ -473,6 +491,69 @@ static bw_status relax(remesher *r) {
 /* ---- the whole
  * ------------------------------------------------------------------------------------------ */
 
+typedef struct ray {
+  const bw_surface *surface;
+  const double *from, *along; /* a unit vector */
+  int32_t own;
+  double hit; /* the nearest so far */
+} ray;
+
+static bool hit(void *data, int32_t facet) {
+  ray *shot = (ray *)data;
+  if (facet == shot->own)
+    return true;
+  const int32_t *corner = shot->surface->triangle + 3 * (int64_t)facet;
+  const double *a = shot->surface->point + 3 * (int64_t)corner[0],
+               *b = shot->surface->point + 3 * (int64_t)corner[1],
+               *c = shot->surface->point + 3 * (int64_t)corner[2];
+  double u[3], v[3], w[3], n[3], p[3], q[3];
+  for (int k = 0; k < 3; k++) {
+    u[k] = b[k] - a[k];
+    v[k] = c[k] - a[k];
+    w[k] = shot->from[k] - a[k];
+  }
+  bw_cross(u, v, n);
+  double speed = bw_dot(n, shot->along);
+  if (speed == 0)
+    return true;
+  double t = -bw_dot(n, w) / speed;
+  for (int k = 0; k < 3; k++)
+    p[k] = w[k] + t * shot->along[k];
+  bw_cross(p, v, q);
+  double s = bw_dot(q, n) / bw_dot(n, n);
+  bw_cross(u, p, q);
+  double o = bw_dot(q, n) / bw_dot(n, n);
+  if (t > 0 && t < shot->hit && s >= 0 && o >= 0 && s + o <= 1)
+    shot->hit = t;
+  return true;
+}
+
+/* Look from the middle of each facet straight in and straight out. */
+static bw_status find_room(void *data, int64_t begin, int64_t end, int worker) {
+  remesher *r = (remesher *)data;
+  (void)worker;
+  for (int64_t t = begin; t < end; t++) {
+    double n[3], middle[3] = {0}, far[3];
+    bwi_facet_normal(r->original->point, r->original->triangle + 3 * t, n);
+    double length = bw_norm(n);
+    r->room[t] = 5 * r->length;
+    for (int k = 0; k < 9; k++)
+      middle[k % 3] +=
+          r->original->point[3 * (int64_t)r->original->triangle[3 * t + k / 3] + k % 3] / 3;
+    for (int way = -1; way < 2 && length > 0; way += 2) {
+      double along[3];
+      for (int k = 0; k < 3; k++) {
+        along[k] = way * n[k] / length;
+        far[k] = middle[k] + 5 * r->length * along[k];
+      }
+      ray shot = {r->original, middle, along, (int32_t)t, r->room[t]};
+      bwi_tree_on_segment(r->tree, middle, far, hit, &shot);
+      r->room[t] = shot.hit;
+    }
+  }
+  return BW_OK;
+}
+
 static bw_status find_creases(remesher *r) {
   const bwi_changing *mesh = r->mesh;
   bw_status status = BW_OK;
@@ -503,10 +584,10 @@ static bw_status run(remesher *r, const bw_remesh_options *options, bw_surface *
   BW_TRY(flip_edges(r, 10));
   for (int i = 0; i < options->iterations; i++) {
     bw_progress(r->context, "remeshing", (double)i / options->iterations);
-    BW_TRY(collapse_short(r, i > 0));
+    BW_TRY(collapse_short(r, i == 0, i > 0));
     grade(r->mesh);
     BW_TRY(split_long(r));
-    BW_TRY(collapse_short(r, i > 0));
+    BW_TRY(collapse_short(r, false, i > 0));
     BW_TRY(flip_edges(r, 4));
     BW_TRY(relax(r));
     BW_TRY(flip_edges(r, 2));
@@ -535,6 +616,33 @@ static bw_status refine_cuts(remesher *r, const bw_surface *made, const bw_surfa
     place->size = fmax(0.4 * size, finest * r->length);
   }
   return BW_OK;
+}
+
+/* Take the last intersections out, where that makes the result sound. */
+static bw_status resolve(remesher *r, bw_surface **made, bw_surface_report *report, double *moved) {
+  bw_surface *next = NULL;
+  bw_surface_report after = {0};
+  bw_status status = bwi_cgal_surface(r->context, "taking out self-intersections", 60,
+                                      bwi_cgal_resolve, *made, &next);
+  if (status != BW_OK && status != BW_MEMORY && status != BW_CANCELLED) {
+    bw_clear_failure(r->context); /* it was worth a try */
+    return BW_OK;
+  }
+  if (status != BW_OK)
+    goto done;
+  BW_TRY(bw_surface_check(r->context, next, 0, &after));
+  if (!after.sound)
+    goto done;
+  BW_TRY(bwi_take_groups(r->context, *made, next));
+  BW_TRY(bw_surface_distance(r->context, r->original, next, moved));
+  bw_release(*made);
+  *made = next;
+  next = NULL;
+  bw_surface_report_clear(report);
+  *report = after;
+done:
+  bw_release(next);
+  return status;
 }
 
 bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
@@ -581,11 +689,18 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
                      r.length, report.area);
     goto done;
   }
+  r.tiny = fmin(0.03 * r.length, 0.3 * r.tolerance);
   bool sound_before = report.sound;
   int attempt = 0;
   r.original = welded;
   BW_TRY(bwi_tree_create(context, welded->point, welded->triangle_count, welded->triangle, NULL,
                          &r.tree));
+  r.room = BW_NEW(context, double, welded->triangle_count);
+  if (!r.room) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_parallel(context, welded->triangle_count, 512, find_room, &r));
   for (; attempt < 5; attempt++) {
     bw_release(made);
     made = NULL;
@@ -593,6 +708,8 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
     bw_surface_report_clear(&report);
     BW_TRY(bw_surface_check(context, made, 1000, &report));
     BW_TRY(bw_surface_distance(context, welded, made, &moved));
+    if (attempt > 0 && sound_before && !report.sound)
+      BW_TRY(resolve(&r, &made, &report, &moved));
     if ((report.sound || !sound_before) && moved <= 1.0001 * r.tolerance)
       break;
     BW_TRY(refine_cuts(&r, made, &report));
@@ -621,5 +738,6 @@ done:
   bwi_tree_free(r.creases);
   bw_free(r.crease);
   bw_free(r.fine);
+  bw_free(r.room);
   return status;
 }
