@@ -127,6 +127,14 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   }
   BW_TRY(bwi_force_vector(context, model, false, force));
   for (int i = 0; i < model->load_count; i++)
+    if (model->load[i].kind == BW_LOAD_TEMPERATURE && modes == 0) {
+      bw_remark(context,
+                "%s: thermal expansion is written as nodal forces: displacements agree, but "
+                "CalculiX's stresses include what free expansion would not",
+                path);
+      break;
+    }
+  for (int i = 0; i < model->load_count; i++)
     for (int k = 0; k < 3 && model->load[i].kind == BW_LOAD_GRAVITY; k++)
       deck.gravity[k] += model->load[i].vector[k];
   deck.isotropic = model->material->isotropic;

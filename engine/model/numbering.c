@@ -15,6 +15,8 @@
 #define PIN_REACH 1.5
 /* A pin this weak (relative to the first) calls for looking at all nodes. */
 #define PIN_WEAK 0.1
+/* So many nodes of a body, evenly spread over their numbers, are looked at before that. */
+enum { PIN_CANDIDATES = 4096 };
 
 static void numbering_destroy(void *object) {
   bw_numbering *numbering = (bw_numbering *)object;
@@ -131,16 +133,17 @@ static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32
 }
 
 /* Pin `count` components of a body whose first motion is `motion`; false when the free motions
- * cannot be told apart at the candidates. `reach` limits the distance from the centre. */
+ * cannot be told apart at the candidates: every stride-th node within `reach` of the centre. */
 static bool pick_pins(const bw_numbering *numbering, int32_t body, int count,
-                      const bw_rigid_motion *motion, double reach, double weakest,
+                      const bw_rigid_motion *motion, double reach, int32_t stride, double weakest,
                       int32_t *pin_node, int *pin_direction) {
   const bw_mesh *mesh = numbering->mesh;
   const double *centre = numbering->body_centre + 3 * (size_t)body;
   double done[6][6], first = 0;
   for (int pin = 0; pin < count; pin++) {
     double best = 0, best_row[6] = {0};
-    for (int32_t j = numbering->body_start[body]; j < numbering->body_start[body + 1]; j++) {
+    for (int64_t j = numbering->body_start[body]; j < numbering->body_start[body + 1];
+         j += stride) {
       int32_t i = numbering->body_node[j];
       const double *x = mesh->node + 3 * (size_t)i;
       double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, u[6][3];
@@ -241,9 +244,10 @@ static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32
     int count = bwi_free_motions(numbering, body, j, length, rows, (const double(*)[6])row, motion);
     int32_t pin_node[6];
     int pin_direction[6];
-    if (!pick_pins(numbering, body, count, motion, PIN_REACH * length, PIN_WEAK, pin_node,
-                   pin_direction) &&
-        !pick_pins(numbering, body, count, motion, HUGE_VAL, 1e-9, pin_node, pin_direction)) {
+    int32_t nodes = numbering->body_start[body + 1] - numbering->body_start[body];
+    if (!pick_pins(numbering, body, count, motion, PIN_REACH * length, nodes / PIN_CANDIDATES + 1,
+                   PIN_WEAK, pin_node, pin_direction) &&
+        !pick_pins(numbering, body, count, motion, HUGE_VAL, 1, 1e-9, pin_node, pin_direction)) {
       status = bw_fail(context, BW_INTERNAL,
                        "body %d has %d free rigid motions that its nodes cannot tell apart",
                        body + 1, count);

@@ -48,6 +48,8 @@ bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const doub
 bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
                          const uint8_t *node_mask, bw_selection **selection);
 typedef enum bw_set_operation { BW_UNION, BW_INTERSECTION, BW_DIFFERENCE } bw_set_operation;
+/* Facets and nodes are combined each by themselves, and the nodes of the facets that stay are kept:
+ * the difference of the boundary and a foot still holds the foot's rim. */
 bw_status bw_select_combine(bw_context *context, const bw_selection *a, const bw_selection *b,
                             bw_set_operation operation, bw_selection **selection);
 double bw_selection_area(const bw_selection *selection);

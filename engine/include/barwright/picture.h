@@ -19,18 +19,23 @@ typedef struct bw_picture_options {
   double low, high;    /* colour range; both 0: from the values */
   bool edges;          /* draw facet edges */
   int arrow_count;
-  const bw_arrow *arrow; /* longest arrow is drawn a fifth of the box */
-  double deformation;    /* factor on the displacement; 0 with a displacement: chosen so that the
-                            largest is a twentieth of the box */
+  const bw_arrow
+      *arrow;         /* the longest is drawn a fifth of the box's diagonal; its force is written.
+                         One that pushes ends on the body, one that pulls starts there */
+  double deformation; /* factor on the displacement; 0 with a displacement: chosen so that the
+                         largest is a twentieth of the box */
   const double *displacement; /* points x 3, or NULL */
   bool ghost;                 /* draw the undeformed outline behind in grey */
 } bw_picture_options;
 void bw_picture_options_default(bw_picture_options *options);
 /* A shaded surface coloured by values at its points (or by facets when `on_facets`; NULL: plain),
- * with colour bar, to a PNG file. */
+ * with a colour bar, to a PNG file, written whole or not at all. The largest value is marked on the
+ * body and on the bar; values that are not finite are grey. `options` may be NULL. The same input
+ * gives the same bytes, for any number of threads. */
 bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
                              bool on_facets, const bw_picture_options *options, const char *path);
-/* The colour map (0..1 -> sRGB bytes), shared with the report. */
+/* The colour map (0..1 -> sRGB bytes; nan: grey), shared with the report: even in the OKLab space,
+ * lightness falling from a pale blue to a dark red. */
 void bw_colour(double t, unsigned char rgb[3]);
 
 #ifdef __cplusplus

@@ -343,6 +343,40 @@ static void odd_values_are_drawn(void **state) {
   bw_release(surface);
 }
 
+static void inward_surfaces_are_lit_from_outside(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = sphere(context, 12), *inward = NULL;
+  int32_t *triangle = malloc(sizeof *triangle * 3 * (size_t)surface->triangle_count);
+  for (int32_t i = 0; i < 3 * surface->triangle_count; i++)
+    triangle[i] = surface->triangle[i / 3 * 3 + 2 - i % 3];
+  check_ok(context, bw_surface_copy(context, surface->point_count, surface->point,
+                                    surface->triangle_count, triangle, NULL, &inward));
+  bw_picture_options options;
+  bw_picture_options_default(&options);
+  char out[200], in[200];
+  snprintf(out, sizeof out, "%s", path_of("outward"));
+  snprintf(in, sizeof in, "%s", path_of("inward"));
+  check_ok(context, bw_picture_surface(context, surface, NULL, false, &options, out));
+  check_ok(context, bw_picture_surface(context, inward, NULL, false, &options, in));
+  assert_int_equal(count_different(out, in), 0);
+  unlink(out);
+  unlink(in);
+  free(triangle);
+  bw_release(inward);
+  bw_release(surface);
+}
+
+static void cancelled_pictures_leave_no_file(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = sphere(context, 4);
+  char *path = path_of("cancelled");
+  bw_cancel(context);
+  assert_int_equal(bw_picture_surface(context, surface, NULL, false, NULL, path), BW_CANCELLED);
+  assert_int_not_equal(access(path, F_OK), 0);
+  bw_clear_cancel(context);
+  bw_release(surface);
+}
+
 static void ticks_are_round(void **state) {
   (void)state;
   double tick[BWI_TICKS];
@@ -458,6 +492,8 @@ int main(void) {
       check_test(arrows_ghost_and_deformation_show),
       check_test(unusable_requests_are_refused),
       check_test(odd_values_are_drawn),
+      check_test(inward_surfaces_are_lit_from_outside),
+      check_test(cancelled_pictures_leave_no_file),
       check_test(ticks_are_round),
       check_test(colours_are_even),
       check_test(text_is_cleaned),
