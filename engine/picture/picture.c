@@ -116,7 +116,7 @@ static bw_status deform(bw_context *context, stage *s) {
   if (!u)
     return BW_OK;
   for (size_t i = 0; i < (size_t)body->point_count; i++) {
-    double size = bw_norm(u + 3 * i);
+    double size = hypot(hypot(u[3 * i], u[3 * i + 1]), u[3 * i + 2]);
     if (!isfinite(size))
       return bw_fail(context, BW_INVALID, "the displacement of point %zu is not finite", i);
     largest = fmax(largest, size);
@@ -125,7 +125,9 @@ static bw_status deform(bw_context *context, stage *s) {
   if (s->factor == 0 && largest > 0)
     s->factor = DEFORMATION_SIZE * s->diagonal / largest;
   for (size_t i = 0; i < 3 * (size_t)body->point_count; i++)
-    body->point[i] += s->factor * u[i];
+    if (!(fabs(body->point[i] += s->factor * u[i]) < 1e300))
+      return bw_fail(context, BW_INVALID, "%g times the displacement is too large for a picture",
+                     s->factor);
   return BW_OK;
 }
 
@@ -143,13 +145,15 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   bw_surface_box(surface, low, high);
   for (int k = 0; k < 3; k++)
     size[k] = high[k] - low[k];
-  s->diagonal = bw_norm(size);
+  s->diagonal = hypot(hypot(size[0], size[1]), size[2]); /* of any magnitude */
+  if (!(s->diagonal < 1e150))
+    return bw_fail(context, BW_GEOMETRY, "a body of %g m is too large for a picture", s->diagonal);
   BW_TRY(bwi_view_axes(context, options->direction, options->up, &s->view));
   BW_TRY(copy_surface(context, surface, body));
   BW_TRY(deform(context, s));
   if (options->ghost && options->displacement)
     BW_TRY(copy_surface(context, surface, ghost));
-  if (options->arrow_count > 0) {
+  if (options->arrow_count > 0 && s->diagonal > 0) {
     s->arrow_end = BW_NEW(context, double, 3 * (size_t)options->arrow_count);
     if (!s->arrow_end) {
       status = BW_MEMORY;
@@ -305,7 +309,7 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
     bwi_bar_draw(cairo, &bar, w - 128 * u, 0.24 * h, 0.80 * h, w - 24 * u, u);
     label_largest(s, cairo, unit);
   }
-  if (options->arrow_count > 0)
+  if (s->arrow_end)
     label_arrows(s, cairo);
   bwi_draw_triad(cairo, &s->view, 58 * u, h - 58 * u, 34 * u, u);
   if (options->displacement && s->factor != 0 && s->factor != 1) {

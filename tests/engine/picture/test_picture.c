@@ -366,6 +366,41 @@ static void inward_surfaces_are_lit_from_outside(void **state) {
   bw_release(surface);
 }
 
+static void bodies_of_any_size_are_drawn_or_refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = sphere(context, 2);
+  static const double factor[] = {1e-300, 1e-170, 1e-20, 1e20, 1e140, 1e160, 1e300, 0};
+  double *u = calloc(3 * (size_t)surface->point_count, sizeof *u);
+  bw_arrow arrow = {{0, 0, 1}, {0, 0, -5}, 1};
+  bw_picture_options options;
+  bw_picture_options_default(&options);
+  options.width = options.height = 100;
+  options.arrow = &arrow;
+  options.arrow_count = 1;
+  options.displacement = u;
+  char *path = path_of("size");
+  for (size_t i = 0; i < sizeof factor / sizeof *factor; i++) {
+    bw_surface *scaled = NULL;
+    double *point = malloc(sizeof *point * 3 * (size_t)surface->point_count);
+    for (int32_t k = 0; k < 3 * surface->point_count; k++)
+      point[k] = factor[i] * surface->point[k];
+    u[0] = arrow.at[2] = factor[i];
+    check_ok(context, bw_surface_copy(context, surface->point_count, point, surface->triangle_count,
+                                      surface->triangle, NULL, &scaled));
+    bw_status status = bw_picture_surface(context, scaled, point, false, &options, path);
+    assert_int_equal(status, factor[i] > 1e150 ? BW_GEOMETRY : BW_OK);
+    free(point);
+    bw_release(scaled);
+  }
+  options.deformation = 1e308;
+  u[0] = 1e10;
+  check_fails(context, BW_INVALID, "too large for a picture",
+              bw_picture_surface(context, surface, NULL, false, &options, path));
+  unlink(path);
+  free(u);
+  bw_release(surface);
+}
+
 static void cancelled_pictures_leave_no_file(void **state) {
   bw_context *context = check_context(state);
   bw_surface *surface = sphere(context, 4);
@@ -493,6 +528,7 @@ int main(void) {
       check_test(unusable_requests_are_refused),
       check_test(odd_values_are_drawn),
       check_test(inward_surfaces_are_lit_from_outside),
+      check_test(bodies_of_any_size_are_drawn_or_refused),
       check_test(cancelled_pictures_leave_no_file),
       check_test(ticks_are_round),
       check_test(colours_are_even),
