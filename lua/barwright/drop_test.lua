@@ -58,7 +58,7 @@ function drop_test:picture(path, given)
   for key, value in pairs(given or {}) do wish[key] = value end
   local surface, nodes, details = self.mesh:surface()
   if not surface then return nil, nodes, details end
-  wish.values = self.mesh:to_nodes(self.exceedance):gather(nodes)
+  wish.values = self.mesh:to_nodes(self.exceedance, "max"):gather(nodes)
   wish.unit = wish.unit or "drops that overload, %"
   wish.scale = wish.scale or 100
   return core.picture(surface, path, wish)

@@ -79,7 +79,7 @@ local function add_loads(worst, nodes, data, shown)
     local about = worst.regions[region]
     local name = ("mode %d, region %d"):format(about.mode, about.rank)
     data.fields[#data.fields + 1] = {name = "stress under the load of " .. name, unit = "MPa",
-      values = floats(mesh:to_nodes(core.max_principal(stress)):gather(nodes) * 1e-6)}
+      values = floats(mesh:to_nodes(core.max_principal(stress), "max"):gather(nodes) * 1e-6)}
     data.displacements[k] = {name = "worst load of " .. name, kind = "load",
       values = floats(u:gather(nodes)), field = #data.fields - 1,
       arrows = json.list(worst:arrows(region))}
@@ -126,7 +126,7 @@ local function data_of(worst, wish, shown)
     triangles = core.base64(surface.triangles:tostring("<u4", -1)),
     colours = colours(),
     fields = json.list {{name = "weakness (largest principal stress)", unit = "MPa",
-      values = floats(worst.mesh:to_nodes(worst.weakness):gather(nodes) * 1e-6)}},
+      values = floats(worst.mesh:to_nodes(worst.weakness, "max"):gather(nodes) * 1e-6)}},
     displacements = json.list {},
     view = {1, -1.4, 0.8},
   }

@@ -63,7 +63,7 @@ end
 
 local function make_folder(path)
   if is_folder(path) then return true end
-  os.execute("mkdir -p -- '" .. path:gsub("'", "'\\''") .. "'")
+  os.execute("mkdir -p -- '" .. path:gsub("'", "'\\''") .. "' 2>/dev/null")
   if is_folder(path) then return true end
   return nil, ("cannot make the folder %s"):format(path)
 end

@@ -244,7 +244,7 @@ function worst_case:picture(path, given)
     wish.unit = wish.unit or "weakness (largest principal stress), MPa"
     wish.title = wish.title or tostring(self)
   end
-  wish.values = self.mesh:to_nodes(values):gather(nodes)
+  wish.values = self.mesh:to_nodes(values, "max"):gather(nodes)
   wish.scale = wish.scale or 1e-6
   wish.arrows = wish.arrows or self:arrows(region)
   return core.picture(surface, path, wish)

@@ -54,8 +54,7 @@ void lbw_push_number(lua_State *L, const bw_array *array, int64_t row, int64_t c
     lua_pushinteger(L, (lua_Integer)value);
 }
 
-/* ---- making ------------------------------------------------------------------------------------
- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 static bw_type check_type(lua_State *L, int argument) {
   static const char *const names[] = {"f64", "i32", "i64", "u8", NULL};
@@ -171,8 +170,7 @@ static int array_range(lua_State *L) {
   return 1;
 }
 
-/* ---- bytes
- * ---------------------------------------------------------------------------------------- */
+/* ---- bytes ----------------------------------------------------------------------------------- */
 
 typedef struct byte_format {
   bool little;
@@ -320,8 +318,7 @@ static int array_from_string(lua_State *L) {
   return 1;
 }
 
-/* ---- indexing
- * --------------------------------------------------------------------------------------- */
+/* ---- indexing -------------------------------------------------------------------------------- */
 
 int lbw_push_view(lua_State *L, const bw_array *array, int64_t first_row, int64_t rows,
                   int64_t row_step, int64_t first_column, int64_t columns, int64_t column_step) {
@@ -407,8 +404,7 @@ static int array_column(lua_State *L) {
   return lbw_push_view(L, array, 0, array->rows, 1, column, 1, 1);
 }
 
-/* ---- tables and text
- * ---------------------------------------------------------------------------------- */
+/* ---- tables and text ------------------------------------------------------------------------- */
 
 /* array:totable(): numbers, or rows of numbers */
 static int array_totable(lua_State *L) {
@@ -467,8 +463,7 @@ static int array_tostring(lua_State *L) {
   return 1;
 }
 
-/* ---- for the other files: packed blocks from arrays and tables
- * ------------------------------------------ */
+/* ---- for the other files: packed blocks from arrays and tables ------------------------------- */
 
 static void *to_packed(lua_State *L, int index, const char *what, bw_type type, int64_t columns,
                        int64_t *rows) {
@@ -533,8 +528,7 @@ uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count) {
   return mask;
 }
 
-/* ---- the class
- * -------------------------------------------------------------------------------------------- */
+/* ---- the class ------------------------------------------------------------------------------- */
 
 static int array_row_count(lua_State *L) {
   lua_pushinteger(L, ((const bw_array *)lbw_check(L, 1, &lbw_array_class))->rows);

@@ -11,8 +11,7 @@ static const bw_array *self(lua_State *L) {
   return (const bw_array *)lbw_check(L, 1, &lbw_array_class);
 }
 
-/* ---- reduce ------------------------------------------------------------------------------------
- */
+/* ---- reduce ---------------------------------------------------------------------------------- */
 
 /* Compensated (Neumaier): a sum over millions of entries keeps all its digits. */
 typedef struct running_sum {
@@ -239,8 +238,7 @@ static int array_quantile(lua_State *L) {
   return 1;
 }
 
-/* ---- map
- * ----------------------------------------------------------------------------------------- */
+/* ---- map ------------------------------------------------------------------------------------- */
 
 static void set_variable(lbw_variable *v, const char *name, const bw_array *array) {
   *v = (lbw_variable){.name = name,
@@ -332,8 +330,7 @@ static int function_map(lua_State *L) {
   return map(L, 1, 2, NULL);
 }
 
-/* ---- arithmetic: the same machine ---------------------------------------------------------------
- */
+/* ---- arithmetic: the same machine ------------------------------------------------------------ */
 
 static int arithmetic(lua_State *L, const char *formula) {
   lbw_variable variable[2];
@@ -392,8 +389,7 @@ static int array_below(lua_State *L) {
   return arithmetic(L, "a<b");
 }
 
-/* ---- gather
- * ---------------------------------------------------------------------------------------- */
+/* ---- gather ---------------------------------------------------------------------------------- */
 
 static char *entry(const bw_array *array, int64_t row, int64_t column) {
   return (char *)array->data + row * array->row_stride + column * array->column_stride;

@@ -19,7 +19,7 @@
 
 #include "barwright.h"
 
-/* ---- one state per Lua state -------------------------------------------------------------- */
+/* ---- one state per Lua state ----------------------------------------------------------------- */
 
 typedef struct lbw_state {
   bw_context *context;
@@ -58,7 +58,7 @@ void lbw_field_begin(lbw_field *field, bw_context *context);
 void lbw_field_end(lbw_field *field, bw_context *context);
 double lbw_field_value(void *field, const double at[3]);
 
-/* ---- classes and boxes --------------------------------------------------------------------- */
+/* ---- classes and boxes ----------------------------------------------------------------------- */
 
 typedef struct lbw_class {
   const char *name;           /* "mesh": also the name of the metatable, with "barwright." */
@@ -159,8 +159,7 @@ int lbw_option_error(lua_State *L, const char *function, const char *key, const 
 /* The candidate nearest to a word by edit distance; NULL for an empty list. */
 const char *lbw_nearest(const char *word, const char *const *candidate, size_t count);
 
-/* ---- arrays -------------------------------------------------------------------------------------
- */
+/* ---- arrays ---------------------------------------------------------------------------------- */
 
 const bw_array *lbw_check_array(lua_State *L, int argument, const char *what);
 /* A view on memory of an engine object. */
@@ -181,8 +180,7 @@ uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count);
  * model's box; between lbw_enter and lbw_leave. */
 bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system);
 
-/* ---- the parts
- * ------------------------------------------------------------------------------------ */
+/* ---- the parts ------------------------------------------------------------------------------- */
 
 /* Each adds its functions to the table on the top of the stack. */
 void lbw_open_array(lua_State *L);

@@ -413,8 +413,7 @@ bool lbw_expression_compile(const char *text, const lbw_variable *variables, int
   return !p.failed;
 }
 
-/* ---- evaluation -------------------------------------------------------------------------------
- */
+/* ---- evaluation ------------------------------------------------------------------------------ */
 
 static void load(const lbw_variable *v, int64_t first, int count, int64_t column, double *out) {
   const char *data = (const char *)v->data + first * v->row_stride + column * v->column_stride;

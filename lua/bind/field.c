@@ -76,8 +76,7 @@ double lbw_field_value(void *data, const double at[3]) {
   return value;
 }
 
-/* ---- units -------------------------------------------------------------------------------------
- */
+/* ---- units ----------------------------------------------------------------------------------- */
 
 static const struct {
   const char *name;
@@ -129,8 +128,7 @@ double lbw_unit_of_path(const char *path) {
   return 0.001;
 }
 
-/* ---- tables
- * -------------------------------------------------------------------------------------- */
+/* ---- tables ---------------------------------------------------------------------------------- */
 
 void lbw_push_box(lua_State *L, const double low[3], const double high[3]) {
   lua_createtable(L, 0, 3);
@@ -175,8 +173,7 @@ void lbw_push_shape_log(lua_State *L, const bw_shape_log *log) {
   lua_setfield(L, -2, "steps");
 }
 
-/* ---- fields of files
- * --------------------------------------------------------------------------------- */
+/* ---- fields of files ------------------------------------------------------------------------- */
 
 static int compare_fields(const bw_field *a, const bw_field *b) {
   return strcmp(a->name, b->name);
@@ -188,6 +185,7 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
                      int *count) {
   enum { FIELDS = 100 };
   static const char *const places[] = {"nodes", "elements", NULL};
+  index = lua_absindex(L, index);
   bw_field *field = (bw_field *)lua_newuserdatauv(L, FIELDS * sizeof *field, 0);
   *count = 0;
   if (lua_isnoneornil(L, index))
@@ -195,7 +193,6 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
   if (!lua_istable(L, index))
     luaL_error(L, "%s: fields: a table {name = array} expected, got %s", function,
                lbw_type_name(L, index));
-  index = lua_absindex(L, index);
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     if (lua_type(L, -2) != LUA_TSTRING)
       luaL_error(L, "%s: fields are named: {name = array}", function);

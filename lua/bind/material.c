@@ -131,8 +131,7 @@ static int material_utilisation(lua_State *L) {
   return lbw_leave(L, bw_utilisation_field(lbw_enter(L), material, rows, stress, out), 1);
 }
 
-/* ---- properties
- * ----------------------------------------------------------------------------------- */
+/* ---- properties ------------------------------------------------------------------------------ */
 
 static int material_name(lua_State *L) {
   lua_pushstring(L, self(L)->name);

@@ -15,8 +15,7 @@ static int leave(lua_State *L, lbw_box *box, const bw_mesh *mesh, bw_status stat
   return lbw_leave(L, status, 1);
 }
 
-/* ---- filling
- * ------------------------------------------------------------------------------------- */
+/* ---- filling --------------------------------------------------------------------------------- */
 
 static void push_fill_log(lua_State *L, const bw_fill_log *log) {
   lbw_push_shape_log(L, &log->shape);
@@ -102,8 +101,7 @@ static int mesh_fill(lua_State *L) {
   return lbw_leave(L, status, 2);
 }
 
-/* ---- files
- * ------------------------------------------------------------------------------------------ */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 /* The read file's fields, sets and format as a table; runs protected. */
 static int push_file(lua_State *L) {
@@ -205,8 +203,7 @@ done:
   return lbw_leave(L, status, 1);
 }
 
-/* ---- making
- * -------------------------------------------------------------------------------------------- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 /* mesh.new{nodes, elements, order, regions}: metres, numbers from 1 */
 static int mesh_new(lua_State *L) {
@@ -264,8 +261,7 @@ static int mesh_box_grid(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* ---- changing
- * --------------------------------------------------------------------------------------------- */
+/* ---- changing -------------------------------------------------------------------------------- */
 
 static int mesh_with_order(lua_State *L) {
   const bw_mesh *mesh = self(L);
@@ -325,8 +321,7 @@ done:
   return lbw_leave(L, status, 2);
 }
 
-/* ---- searching and measuring
- * --------------------------------------------------------------------------------- */
+/* ---- searching and measuring ----------------------------------------------------------------- */
 
 static const lbw_class locator_class;
 
@@ -382,10 +377,13 @@ static int mesh_quality(lua_State *L) {
   return 1;
 }
 
-/* mesh:to_nodes(values): values of elements averaged at nodes by volume */
+/* mesh:to_nodes(values, how): values of elements brought to nodes: "mean" by volume, or "max": the
+ * largest of the elements that meet at the node, so that no peak is lost */
 static int mesh_to_nodes(lua_State *L) {
+  static const char *const hows[] = {"mean", "max", NULL};
   const bw_mesh *mesh = self(L);
   const bw_array *value = lbw_check_array(L, 2, "values");
+  bool mean = luaL_checkoption(L, 3, "mean", hows) == 0;
   luaL_argcheck(L, value->rows == mesh->element_count, 2,
                 "values: a row for every element expected");
   double *weight = (double *)lua_newuserdatauv(L, (size_t)mesh->node_count * sizeof *weight + 1, 0);
@@ -395,19 +393,22 @@ static int mesh_to_nodes(lua_State *L) {
   for (int64_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < mesh->nodes_per_element; a++) {
       int32_t node = mesh->element[e * mesh->nodes_per_element + a];
+      for (int64_t j = 0; j < columns; j++) {
+        double v = bw_array_get(value, e, j), *at = &out[node * columns + j];
+        if (mean)
+          *at += mesh->volume[e] * v;
+        else if (weight[node] == 0 || v > *at)
+          *at = v;
+      }
       weight[node] += mesh->volume[e];
-      for (int64_t j = 0; j < columns; j++)
-        out[node * columns + j] += mesh->volume[e] * bw_array_get(value, e, j);
     }
-  for (int64_t i = 0; i < mesh->node_count; i++)
+  for (int64_t i = 0; mean && i < mesh->node_count; i++)
     for (int64_t j = 0; j < columns; j++)
       out[i * columns + j] /= weight[i];
   return 1;
 }
 
-/* ---- properties
- * --------------------------------------------------------------------------------------------------
- */
+/* ---- properties ------------------------------------------------------------------------------ */
 
 static int mesh_nodes(lua_State *L) {
   const bw_mesh *mesh = self(L);

@@ -44,8 +44,7 @@ static int model_new(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* ---- supports ----------------------------------------------------------------------------------
- */
+/* ---- supports -------------------------------------------------------------------------------- */
 
 /* model:fix(selection) */
 static int model_fix(lua_State *L) {
@@ -98,8 +97,7 @@ static int model_clear_supports(lua_State *L) {
   return 1;
 }
 
-/* ---- loads
- * --------------------------------------------------------------------------------------- */
+/* ---- loads ----------------------------------------------------------------------------------- */
 
 /* model:gravity{x, y, z} */
 static int model_gravity(lua_State *L) {
@@ -194,8 +192,7 @@ static int model_clear_loads(lua_State *L) {
   return 1;
 }
 
-/* ---- asking
- * ---------------------------------------------------------------------------------------- */
+/* ---- asking ---------------------------------------------------------------------------------- */
 
 static int model_write_inp(lua_State *L) {
   int modes = 0;
@@ -251,8 +248,7 @@ static int model_free_motions(lua_State *L) {
   return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
 }
 
-/* ---- the system
- * -------------------------------------------------------------------------------------- */
+/* ---- the system ------------------------------------------------------------------------------ */
 
 /* The same unknowns: then the same matrix. Prescribed values only matter to right-hand sides. */
 static bool same_unknowns(const bw_numbering *a, const bw_numbering *b) {
@@ -362,8 +358,7 @@ static int model_system(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* ---- properties
- * ---------------------------------------------------------------------------------------- */
+/* ---- properties ------------------------------------------------------------------------------ */
 
 static int model_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, self(L)->mesh);

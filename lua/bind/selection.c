@@ -161,8 +161,7 @@ static int select_nearest(lua_State *L) {
   return leave_within(L, box, context, chosen, status);
 }
 
-/* ---- where
- * --------------------------------------------------------------------------------------- */
+/* ---- where ----------------------------------------------------------------------------------- */
 
 static uint8_t *mask_by_formula(lua_State *L, const bw_mesh *mesh, const char *text) {
   static const char *const names[3] = {"x", "y", "z"};
@@ -232,8 +231,7 @@ static int select_where(lua_State *L) {
   return leave_within(L, box, context, chosen, status);
 }
 
-/* ---- sets
- * -------------------------------------------------------------------------------------------- */
+/* ---- sets ------------------------------------------------------------------------------------ */
 
 static int combine(lua_State *L, bw_set_operation operation) {
   const bw_selection *a = self(L);
@@ -256,8 +254,7 @@ static int select_difference(lua_State *L) {
   return combine(L, BW_DIFFERENCE);
 }
 
-/* ---- properties
- * -------------------------------------------------------------------------------------- */
+/* ---- properties ------------------------------------------------------------------------------ */
 
 static int selection_nodes(lua_State *L) {
   const bw_selection *selection = self(L);

@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- statics
- * -------------------------------------------------------------------------------------- */
+/* ---- statics --------------------------------------------------------------------------------- */
 
 static const bw_static *self(lua_State *L) {
   return (const bw_static *)lbw_check(L, 1, &lbw_static_class);
@@ -237,8 +236,7 @@ static const luaL_Reg static_meta[] = {{"__tostring", static_tostring}, {NULL, N
 const lbw_class lbw_static_class = {"static", static_methods, static_properties, static_meta,
                                     static_bytes};
 
-/* ---- modes
- * -------------------------------------------------------------------------------------------- */
+/* ---- modes ----------------------------------------------------------------------------------- */
 
 static const bw_modes *modes_self(lua_State *L) {
   return (const bw_modes *)lbw_check(L, 1, &lbw_modes_class);
@@ -334,8 +332,7 @@ static const luaL_Reg modes_meta[] = {
     {"__len", modes_length}, {"__tostring", modes_tostring}, {NULL, NULL}};
 const lbw_class lbw_modes_class = {"modes", modes_methods, modes_properties, modes_meta, NULL};
 
-/* ---- systems
- * --------------------------------------------------------------------------------------------- */
+/* ---- systems --------------------------------------------------------------------------------- */
 
 /* system:solve(force): displacement, both a row of three for every node */
 static int system_solve(lua_State *L) {
@@ -387,8 +384,7 @@ static const luaL_Reg system_properties[] = {{"times", system_times},
 static const luaL_Reg system_meta[] = {{"__tostring", system_tostring}, {NULL, NULL}};
 const lbw_class lbw_system_class = {"system", system_methods, system_properties, system_meta, NULL};
 
-/* ---- stress of a displacement
- * ---------------------------------------------------------------------------------- */
+/* ---- stress of a displacement ---------------------------------------------------------------- */
 
 static const bw_mesh *mesh_and_displacement(lua_State *L, const double **displacement) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);

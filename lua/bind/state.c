@@ -121,7 +121,7 @@ void lbw_leave_or_raise(lua_State *L, bw_status status) {
     luaL_error(L, "%s", message_of(state->context, status));
 }
 
-/* ---- callbacks ---------------------------------------------------------------------------- */
+/* ---- callbacks ------------------------------------------------------------------------------- */
 
 /* The error value on the top of the stack is kept for lbw_leave, and the engine asked to stop. */
 static void keep_error(lbw_state *state) {

@@ -16,8 +16,7 @@ static int leave(lua_State *L, lbw_box *box, const bw_surface *surface, bw_statu
   return lbw_leave(L, status, 1);
 }
 
-/* ---- files
- * ---------------------------------------------------------------------------------------- */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 static void push_read_info(lua_State *L, const bw_read_info *info, double unit) {
   lua_createtable(L, 0, 5);
@@ -87,8 +86,7 @@ done:
   return lbw_leave(L, status, 1);
 }
 
-/* ---- making
- * ------------------------------------------------------------------------------------------ */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 /* surface.new{points, triangles, groups}: metres, numbers from 1 */
 static int surface_new(lua_State *L) {
@@ -199,8 +197,7 @@ static int surface_implicit(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* ---- changing
- * ----------------------------------------------------------------------------------------- */
+/* ---- changing -------------------------------------------------------------------------------- */
 
 static int surface_scale(lua_State *L) {
   const bw_surface *surface = self(L);
@@ -359,8 +356,7 @@ static int surface_distance(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* ---- checking
- * ----------------------------------------------------------------------------------------- */
+/* ---- checking -------------------------------------------------------------------------------- */
 
 static void push_report(lua_State *L, const bw_surface_report *report) {
   lua_createtable(L, 0, 12);
@@ -430,8 +426,7 @@ static int surface_check(lua_State *L) {
   return failure ? lua_error(L) : 1;
 }
 
-/* ---- properties
- * ---------------------------------------------------------------------------------------- */
+/* ---- properties ------------------------------------------------------------------------------ */
 
 static int surface_points(lua_State *L) {
   const bw_surface *surface = self(L);

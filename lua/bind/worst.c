@@ -7,8 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- weak regions
- * -------------------------------------------------------------------------------- */
+/* ---- weak regions ---------------------------------------------------------------------------- */
 
 static const bw_weak_regions *regions_self(lua_State *L) {
   return (const bw_weak_regions *)lbw_check(L, 1, &lbw_weak_regions_class);
@@ -127,8 +126,7 @@ static const luaL_Reg regions_meta[] = {{"__len", regions_count},
 const lbw_class lbw_weak_regions_class = {"weak_regions", regions_methods, regions_properties,
                                           regions_meta, NULL};
 
-/* ---- pressures
- * ---------------------------------------------------------------------------------------- */
+/* ---- pressures ------------------------------------------------------------------------------- */
 
 static const bw_pressure_basis *basis_self(lua_State *L) {
   return (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
@@ -220,8 +218,7 @@ static const luaL_Reg basis_properties[] = {
 const lbw_class lbw_pressure_basis_class = {"pressure_basis", basis_methods, basis_properties, NULL,
                                             NULL};
 
-/* ---- worst loads
- * ---------------------------------------------------------------------------------------- */
+/* ---- worst loads ----------------------------------------------------------------------------- */
 
 /* What is kept of each visit: no Lua inside, the arrays are made before. */
 typedef struct collection {
@@ -352,9 +349,7 @@ static int worst_loads(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* ---- drops
- * --------------------------------------------------------------------------------------------------
- */
+/* ---- drops ----------------------------------------------------------------------------------- */
 
 static void copy_out(lua_State *L, int table, const char *key, int64_t rows, int64_t columns,
                      const double *data) {

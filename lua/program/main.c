@@ -92,8 +92,7 @@ bool program_call(lua_State *L, int arguments, int results) {
   return !failure;
 }
 
-/* ---- where the Lua files are
- * ------------------------------------------------------------------------ */
+/* ---- where the Lua files are ----------------------------------------------------------------- */
 
 static bool readable(const char *folder, const char *file) {
   char path[PATH_MAX + 64];
@@ -126,8 +125,7 @@ static void set_path(lua_State *L) {
   lua_settop(L, 0);
 }
 
-/* ---- the command line
- * --------------------------------------------------------------------------------- */
+/* ---- the command line ------------------------------------------------------------------------ */
 
 static void print_help(void) {
   puts("usage: barwright [options] [script.lua [arguments]]\n"

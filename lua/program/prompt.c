@@ -14,8 +14,7 @@
 
 static lua_State *completing; /* readline's callbacks take no argument of ours */
 
-/* ---- completion
- * ------------------------------------------------------------------------------------- */
+/* ---- completion ------------------------------------------------------------------------------ */
 
 static void add_keys(lua_State *L, const char *start, char separator) {
   if (!lua_istable(L, -1))
@@ -117,8 +116,7 @@ static char **complete(const char *word, int start, int end) {
   return rl_completion_matches(word, next_word);
 }
 
-/* ---- history
- * ------------------------------------------------------------------------------------------ */
+/* ---- history --------------------------------------------------------------------------------- */
 
 /* $XDG_STATE_HOME/barwright_history, else ~/.barwright_history */
 static const char *history_path(lua_State *L) {
@@ -128,8 +126,7 @@ static const char *history_path(lua_State *L) {
   return home && home[0] ? lua_pushfstring(L, "%s/.barwright_history", home) : NULL;
 }
 
-/* ---- reading and running
- * -------------------------------------------------------------------------------- */
+/* ---- reading and running --------------------------------------------------------------------- */
 
 static char *read_line(const char *prompt) {
   if (isatty(STDIN_FILENO))

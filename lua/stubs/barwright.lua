@@ -1,0 +1,1196 @@
+---@meta barwright
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Annotations for editors (the Lua language server reads them) and the source of docs/reference.md.
+--
+-- Units are SI: metre, kilogram, second, newton, pascal, radian. Indices count from 1. A vector is a
+-- table {x, y, z}, or an array of three numbers; a matrix is a table of rows. Tensors are stored
+-- xx yy zz yz zx xy. Options are tables; an unknown key raises an error that names the nearest known.
+-- Misuse raises. What the world can cause (a bad file, no convergence, no memory) returns nil, a
+-- message, and a table of details with a `status` word: io format geometry free singular
+-- convergence infeasible limit memory cancelled unsupported internal. Objects are released by the
+-- collector, or at once by `close`, or at the end of the scope of a `<close>` variable.
+
+---@class bw.Vector table {x, y, z}
+
+---@class bw.Box a box along the axes
+---@field low bw.Vector
+---@field high bw.Vector
+---@field size bw.Vector
+
+---The module: `local bw = require "barwright"`.
+---@class bw
+---@field array bw.ArrayModule
+---@field surface bw.SurfaceModule
+---@field mesh bw.MeshModule
+---@field material bw.MaterialModule
+---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
+---@field json bw.JsonModule
+---@field results bw.ResultsModule
+local bw = {}
+
+---A part: a mesh of a material, to be supported and loaded.
+---@param options {mesh: bw.Mesh, material: bw.Material}
+---@return bw.Model
+function bw.model(options) end
+
+---Where a part breaks whatever happens to it: the worst loads that pressures up to `pressure` with a
+---total of `force` allow (Zhou, Panetta, Zorin 2013).
+---@param part bw.Model
+---@param options? bw.WorstCaseOptions
+---@return bw.WorstCase? worst
+---@return string? message
+---@return table? details
+function bw.worst_case(part, options) end
+
+---The same with every element, or a sample of them, as its own region. Slow; the measure of the rest.
+---@param part bw.Model
+---@param options? {force: number, pressure: number, at_most: boolean, elements: integer, seed: integer, one_sign: boolean, batch: integer}
+---@return bw.BruteForce?
+---@return string? message
+---@return table? details
+function bw.brute_force(part, options) end
+
+---Random drops of a free part onto a peg, thousands from one factor.
+---@param part bw.Model without supports, of a material with a density
+---@param options? {drops: integer, height: number, peg_radius: number, duration: number, seed: integer}
+---@return bw.DropTest?
+---@return string? message
+---@return table? details
+function bw.drop_test(part, options) end
+
+---Mean stress of every element under a displacement: a row of six for each.
+---@param mesh bw.Mesh
+---@param material bw.Material
+---@param displacement bw.Array
+---@return bw.Array?
+function bw.element_stress(mesh, material, displacement) end
+
+---Stress at every node, averaged over the elements around it by volume.
+---@param mesh bw.Mesh
+---@param material bw.Material
+---@param displacement bw.Array
+---@return bw.Array?
+function bw.nodal_stress(mesh, material, displacement) end
+
+---Von Mises stress of rows of stress tensors.
+---@param stress bw.Array
+---@return bw.Array?
+function bw.von_mises(stress) end
+
+---Principal stresses, descending, of rows of stress tensors.
+---@param stress bw.Array
+---@return bw.Array?
+function bw.principal(stress) end
+
+---The principal stress largest in size of rows of stress tensors.
+---@param stress bw.Array
+---@return bw.Array?
+function bw.max_principal(stress) end
+
+---Spearman's rank correlation of two columns, ties averaged; with weights (volumes), a sample of
+---twice the weight counts as two.
+---@param a bw.Array
+---@param b bw.Array
+---@param weights? bw.Array
+---@return number?
+function bw.rank_correlation(a, b, weights) end
+
+---A shaded picture of a surface as a PNG file.
+---@param surface bw.Surface
+---@param path string
+---@param options? bw.PictureOptions
+---@return true?
+---@return string? message
+---@return table? details
+function bw.picture(surface, path, options) end
+
+---Calls f(stage, fraction) while the engine works; false from it asks the engine to stop. nil goes
+---back to what the program shows. The function may not call the engine.
+---@param f? fun(stage: string, fraction: number): boolean?
+---@return function? before the one in force before
+function bw.progress(f) end
+
+---The number of threads; with an argument it is set first. Results have the same bits for any number.
+---@param n? integer
+---@return integer
+function bw.threads(n) end
+
+---What the engine remarked since the last call ("the surface was repaired: ..."), oldest first.
+---@return string[]
+function bw.remarks() end
+
+---Whether Ctrl-C was pressed: for loops that go on after a failed case.
+---@return boolean
+function bw.interrupted() end
+
+---Seconds of a clock that only goes forward.
+---@return number
+function bw.seconds() end
+
+---The version, and the commit it was built from ("" when not known).
+---@return string version
+---@return string commit
+function bw.version() end
+
+---@class bw.WorstCaseOptions
+---@field force? number total force, N; default 20
+---@field pressure? number largest pressure, Pa; default 0.2 MPa
+---@field at_most? boolean the total force may also be smaller; default false
+---@field modes? integer default 15
+---@field regions? integer weak regions of each mode; default 5
+---@field fraction? number of the volume that counts as weak in a mode; default 0.025
+---@field measure? "stress"|"energy" what the threshold is on
+---@field target? "stress"|"displacement" what the worst load makes largest
+---@field laplacian? boolean the cheaper modes of the Laplacian; default false
+---@field one_sign? boolean only the sign that the mode came with; default false: both are tried
+---@field tolerance? number of the modes' residuals; default 1e-8
+---@field seed? integer of the start vector of the modes; default 1
+---@field batch? integer regions worked on at once; 0: chosen
+---@field glpk? boolean solve the programmes by GLPK; default false
+
+---@class bw.PictureOptions
+---@field values? bw.Array over points or facets
+---@field displacement? bw.Array a row of three for every point
+---@field deformation? number factor on it; 0: chosen
+---@field ghost? boolean the undeformed outline behind
+---@field arrows? {at: bw.Vector, force: bw.Vector}[]
+---@field title? string
+---@field unit? string name and unit of the colour bar: "von Mises stress, MPa"
+---@field scale? number values are multiplied by it on the bar
+---@field low? number lower end of the colours
+---@field high? number upper end of the colours
+---@field width? integer pixels; default 1200
+---@field height? integer pixels; default 900
+---@field direction? bw.Vector from the object to the viewer
+---@field up? bw.Vector
+---@field zoom? number
+---@field edges? boolean draw the facets' edges
+
+-- ---- arrays -------------------------------------------------------------------------------------
+
+---Making arrays; `bw.array{...}` is short for `bw.array.new{...}`.
+---@class bw.ArrayModule
+---@overload fun(rows: table, type?: string): bw.Array
+local array_module = {}
+
+---From numbers, or from rows of numbers.
+---@param rows table
+---@param type? "f64"|"i32"|"i64"|"u8"
+---@return bw.Array
+function array_module.new(rows, type) end
+
+---@param rows integer
+---@param columns? integer
+---@param type? "f64"|"i32"|"i64"|"u8"
+---@return bw.Array
+function array_module.zeros(rows, columns, type) end
+
+---first, first + step, ... up to last.
+---@param first number
+---@param last number
+---@param step? number
+---@return bw.Array
+function array_module.range(first, last, step) end
+
+---From bytes such as `array:tostring` gives.
+---@param format string < or >, then f4 f8 i1 i2 i4 i8 u1 u2 u4 u8
+---@param bytes string
+---@param columns? integer
+---@return bw.Array
+function array_module.from_string(format, bytes, columns) end
+
+---A formula over named arrays and numbers: `bw.array.map("x^2 + norm(u)*k", {x = ..., u = ..., k = 3})`.
+---Operators of Lua (+ - * / % ^ == ~= < <= > >= and or not), name[k] or name.x for a column, sqrt abs
+---exp log sin cos tan asin acos atan floor ceil sign min max atan2 hypot mod norm where(c, yes, no), pi.
+---Comparisons make masks (u8).
+---@param formula string
+---@param variables table<string, bw.Array|number>
+---@return bw.Array
+function array_module.map(formula, variables) end
+
+---A view of rows x columns numbers; it keeps the memory it looks at alive and cannot be changed.
+---`#a` is the number of rows, `a[i]` a number or (with several columns) a row, `a(i, j)` an entry;
+---+ - * / ^ work entry by entry with arrays and numbers.
+---@class bw.Array
+---@field row_count integer
+---@field column_count integer
+---@field type "f64"|"i32"|"i64"|"u8"
+---@operator add(bw.Array|number): bw.Array
+---@operator sub(bw.Array|number): bw.Array
+---@operator mul(bw.Array|number): bw.Array
+---@operator div(bw.Array|number): bw.Array
+---@operator pow(bw.Array|number): bw.Array
+---@operator unm: bw.Array
+---@overload fun(row: integer, column?: integer): number
+local Array = {}
+
+---Rows first to last by step, a view; negative ones count from the end.
+---@param first? integer
+---@param last? integer
+---@param step? integer
+---@return bw.Array
+function Array:rows(first, last, step) end
+
+---Columns first to last by step, a view.
+---@param first? integer
+---@param last? integer
+---@param step? integer
+---@return bw.Array
+function Array:columns(first, last, step) end
+
+---One column, a view.
+---@param column integer
+---@return bw.Array
+function Array:column(column) end
+
+---The smallest entry (NaN passed over); nil of none.
+---@return number?
+function Array:min() end
+
+---The largest entry.
+---@return number?
+function Array:max() end
+
+---Row and column of the smallest entry.
+---@return integer? row
+---@return integer? column
+function Array:argmin() end
+
+---Row and column of the largest entry.
+---@return integer? row
+---@return integer? column
+function Array:argmax() end
+
+---The sum of all entries, compensated.
+---@return number
+function Array:sum() end
+
+---The mean of all entries, or of one column with weights.
+---@param weights? bw.Array
+---@return number
+function Array:mean(weights) end
+
+---The root of the sum of squares.
+---@return number
+function Array:norm() end
+
+---The sum of products with an array of the same shape.
+---@param other bw.Array
+---@return number
+function Array:dot(other) end
+
+---One sum for each column.
+---@return number[]
+function Array:column_sums() end
+
+---The p-th quantile, 0 to 1, of one column; weighted when weights are given.
+---@param p number
+---@param weights? bw.Array
+---@return number?
+function Array:quantile(p, weights) end
+
+---One column in ascending order.
+---@return bw.Array
+function Array:sorted() end
+
+---The numbers of the rows in ascending order of their entries.
+---@return bw.Array
+function Array:order() end
+
+---A formula with this array as `a`; see `array.map`.
+---@param formula string
+---@param variables? table<string, bw.Array|number>
+---@return bw.Array
+function Array:map(formula, variables) end
+
+---A mask: entries greater than x (a number or an array).
+---@param x number|bw.Array
+---@return bw.Array
+function Array:above(x) end
+
+---A mask: entries less than x.
+---@param x number|bw.Array
+---@return bw.Array
+function Array:below(x) end
+
+---The rows of the given numbers.
+---@param rows bw.Array|integer[]
+---@return bw.Array
+function Array:gather(rows) end
+
+---The rows whose mask is not 0.
+---@param mask bw.Array
+---@return bw.Array
+function Array:select(mask) end
+
+---The numbers of the rows whose entry is not 0.
+---@return bw.Array
+function Array:where() end
+
+---Zeros of `count` rows with row i of this array put at rows[i].
+---@param rows bw.Array|integer[]
+---@param count integer
+---@return bw.Array
+function Array:scatter(rows, count) end
+
+---The same numbers in memory of its own.
+---@return bw.Array
+function Array:copy() end
+
+---Numbers, or rows of numbers.
+---@return table
+function Array:totable() end
+
+---Bytes, row after row; `offset` is added to every number first.
+---@param format string < or >, then f4 f8 i1 i2 i4 i8 u1 u2 u4 u8
+---@param offset? number
+---@return string
+function Array:tostring(format, offset) end
+
+---Lets go at once.
+function Array:close() end
+
+-- ---- surfaces -----------------------------------------------------------------------------------
+
+---@class bw.SurfaceModule
+local surface_module = {}
+
+---Reads STL, OBJ, OFF, PLY, MSH, VTU, decided by content. Without a unit: millimetres (MSH and VTU:
+---metres).
+---@param path string
+---@param options? {unit: string|number}
+---@return bw.Surface? surface
+---@return table|string info format, polygons, skipped, groups, metres_per_unit; or a message
+---@return table? details
+function surface_module.read(path, options) end
+
+---From points (metres) and triangles (numbers of points, counter-clockwise seen from outside).
+---@param options {points: table|bw.Array, triangles: table|bw.Array, groups?: table|bw.Array}
+---@return bw.Surface?
+function surface_module.new(options) end
+
+---@param options {low: bw.Vector, high: bw.Vector}
+---@return bw.Surface?
+function surface_module.box(options) end
+
+---@param options {centre?: bw.Vector, radius: number, subdivisions?: integer}
+---@return bw.Surface?
+function surface_module.sphere(options) end
+
+---A closed cylinder; the length of `axis` is its height.
+---@param options {base?: bw.Vector, axis: bw.Vector, radius: number, segments?: integer}
+---@return bw.Surface?
+function surface_module.cylinder(options) end
+
+---The zero set of a function of x, y, z, or of a formula in them ("x^2 + y^2 + z^2 - 1"), that is
+---negative inside.
+---@param value string|fun(x: number, y: number, z: number): number
+---@param options {low: bw.Vector, high: bw.Vector, cells?: integer} cells along the longest side, default 32
+---@return bw.Surface?
+---@return string? message
+---@return table? details
+function surface_module.implicit(value, options) end
+
+---A triangle surface. It does not change: methods give new ones.
+---@class bw.Surface
+---@field points bw.Array point_count x 3, m
+---@field triangles bw.Array triangle_count x 3
+---@field groups bw.Array? group, solid or region of every facet
+---@field point_count integer
+---@field triangle_count integer
+---@field area number m2
+---@field volume number m3; negative when it faces inwards
+---@field box bw.Box
+local Surface = {}
+
+---Writes .stl .obj .ply .off (millimetres unless told otherwise), .vtu .msh (metres). Fields, by
+---point or facet, go into .vtu.
+---@param path string
+---@param options? {unit: string|number, ascii: boolean, fields: table<string, bw.Array>}
+---@return true?
+---@return string? message
+---@return table? details
+function Surface:write(path, options) end
+
+---What is wrong with it: counts by kind, holes, shells, closed, oriented, sound, volume, area, box,
+---and a list of defects {kind, facet, other, at}, at most `limit` of a kind.
+---@param options? {limit: integer}
+---@return table?
+function Surface:check(options) end
+
+---Welds, drops duplicates, orients, fills holes, resolves intersections, wraps: only what is needed.
+---@param options? {weld: number, fill_holes: boolean, intersections: boolean, wrap: boolean, wrap_alpha: number, wrap_offset: number, time_limit: number}
+---@return bw.Surface?
+---@return table|string log moved and steps, or a message
+---@return table? details
+function Surface:repair(options) end
+
+---Isotropic remeshing with sharp edges and small features kept.
+---@param options? {edge_length: number, triangles: integer, sharp_angle: number, iterations: integer, tolerance: number}
+---@return bw.Surface?
+---@return table|string log moved and steps, or a message
+---@return table? details
+function Surface:remesh(options) end
+
+---A closed surface around anything; holes up to `alpha` are bridged.
+---@param options? {alpha: number, offset: number}
+---@return bw.Surface?
+---@return table|string log
+---@return table? details
+function Surface:wrap(options) end
+
+---Makes neighbours agree and shells face outwards.
+---@return bw.Surface?
+---@return integer flipped facets that were turned
+function Surface:orient() end
+
+---Merges points closer than the tolerance (0: equal ones).
+---@param tolerance? number
+---@return bw.Surface?
+function Surface:weld(tolerance) end
+
+---@param factor number
+---@return bw.Surface?
+function Surface:scale(factor) end
+
+---@param matrix number[][] three rows of four: [A | b]
+---@return bw.Surface?
+function Surface:transform(matrix) end
+
+---@param by bw.Vector
+---@return bw.Surface?
+function Surface:translate(by) end
+
+---Turns about an axis through a centre, right-handed.
+---@param axis bw.Vector
+---@param angle number
+---@param centre? bw.Vector
+---@return bw.Surface?
+function Surface:rotate(axis, angle, centre) end
+
+---The largest distance from one surface to the other, both ways.
+---@param other bw.Surface
+---@return number?
+function Surface:distance(other) end
+
+---@param path string
+---@param options? bw.PictureOptions
+---@return true?
+function Surface:picture(path, options) end
+
+---Lets go at once.
+function Surface:close() end
+
+-- ---- meshes -------------------------------------------------------------------------------------
+
+---@class bw.MeshModule
+local mesh_module = {}
+
+---Fills a surface with tetrahedra by TetGen, in a child process with limits; repairs, remeshes or
+---wraps where that is needed, and says so in the log.
+---@param surface bw.Surface
+---@param options? bw.FillOptions
+---@return bw.Mesh? mesh
+---@return table|string log repaired, surface_moved, attempts, steps, seconds_repair, seconds_remesh, seconds_fill; or a message
+---@return table? details
+function mesh_module.fill(surface, options) end
+
+---@class bw.FillOptions
+---@field elements? integer wanted number of elements
+---@field order? 1|2 tet4 or tet10; default 1
+---@field max_volume? number of an element, m3
+---@field radius_edge? number quality bound; default 1.4
+---@field dihedral? number smallest dihedral angle asked for
+---@field keep_surface? boolean no points added on the surface
+---@field remesh? boolean remesh first; default true
+---@field repair? boolean repair what is not sound; default true
+---@field sharp_angle? number for remeshing; default 40 degrees
+---@field near? {at: bw.Vector, radius: number, length: number}[] edge lengths near points
+---@field size? string|fun(x: number, y: number, z: number): number edge length wanted, 0: no wish
+---@field time_limit? number seconds of one attempt
+---@field memory_limit? number bytes of one attempt
+---@field tolerance? number on the wanted number of elements
+
+---Reads .vtu .msh .mesh .node/.ele .inp; metres unless told otherwise.
+---@param path string
+---@param options? {unit: string|number}
+---@return bw.Mesh? mesh
+---@return table|string file fields, sets, format, skipped; or a message
+---@return table? details
+function mesh_module.read(path, options) end
+
+---From nodes (metres) and elements (numbers of 4 or 10 nodes).
+---@param options {nodes: table|bw.Array, elements: table|bw.Array, order?: 1|2, regions?: table|bw.Array}
+---@return bw.Mesh?
+function mesh_module.new(options) end
+
+---A box of cells, each cut into six tetrahedra.
+---@param options {low: bw.Vector, high: bw.Vector, cells: bw.Vector, order?: 1|2}
+---@return bw.Mesh?
+function mesh_module.box(options) end
+
+---A mesh of tetrahedra. It does not change: methods give new ones.
+---@class bw.Mesh
+---@field nodes bw.Array node_count x 3, m
+---@field elements bw.Array element_count x 4 or 10 (corners, then the middles of 12 23 31 14 24 34)
+---@field regions bw.Array? a tag for every element
+---@field volumes bw.Array of every element, m3
+---@field facets bw.Array of the boundary: corners, then middles
+---@field facet_elements bw.Array the element behind every facet
+---@field neighbours bw.Array element_count x 4: across each face, 0 for none
+---@field components bw.Array the body of every node
+---@field order integer
+---@field node_count integer
+---@field element_count integer
+---@field facet_count integer
+---@field component_count integer
+---@field volume number
+---@field box bw.Box
+---@field boundary bw.Selection the whole boundary, to choose from
+local Mesh = {}
+
+---Writes .vtu .msh .mesh .node/.ele .inp; fields {name = array} or {name = {array, on = "elements"}}
+---into .vtu and .msh.
+---@param path string
+---@param options? {fields: table<string, bw.Array|table>, unit: string|number, version: "2.2"|"4.1"}
+---@return true?
+---@return string? message
+---@return table? details
+function Mesh:write(path, options) end
+
+---tet4 to tet10 with straight edges, or back.
+---@param order 1|2
+---@return bw.Mesh?
+function Mesh:with_order(order) end
+
+---The same elements with other node positions.
+---@param nodes bw.Array|table
+---@return bw.Mesh?
+---@return string? message
+---@return table? details
+function Mesh:moved(nodes) end
+
+---All lengths times a factor.
+---@param factor number
+---@return bw.Mesh?
+function Mesh:scale(factor) end
+
+---The elements whose mask is not 0.
+---@param mask bw.Array
+---@return bw.Mesh?
+function Mesh:subset(mask) end
+
+---The boundary as a surface, and the node of every point.
+---@return bw.Surface?
+---@return bw.Array nodes
+function Mesh:surface() end
+
+---The element that holds a point (or the nearest one), its barycentric weights, whether it is inside.
+---@param point bw.Vector
+---@return integer element
+---@return number[] weights
+---@return boolean inside
+function Mesh:locate(point) end
+
+---dihedral_low, dihedral_high, radius_edge_high, aspect_high, volume_low, volume_high, worst.
+---@return table
+function Mesh:quality() end
+
+---Values of elements at nodes: the mean by volume, or the largest of the elements around.
+---@param values bw.Array
+---@param how? "mean"|"max"
+---@return bw.Array
+function Mesh:to_nodes(values, how) end
+
+---@param path string
+---@param options? bw.PictureOptions values over nodes or elements
+---@return true?
+function Mesh:picture(path, options) end
+
+---Lets go at once.
+function Mesh:close() end
+
+---A part of a mesh's boundary: facets and nodes. Methods choose within it; an empty choice raises an
+---error. `a | b`, `a & b`, `a - b` join, intersect and take away.
+---@class bw.Selection
+---@field nodes bw.Array numbers of mesh nodes
+---@field facets bw.Array numbers of boundary facets
+---@field node_count integer
+---@field facet_count integer
+---@field area number m2
+---@field centre bw.Vector
+---@field normal bw.Vector mean outward normal
+---@field mesh bw.Mesh
+---@operator bor(bw.Selection): bw.Selection
+---@operator band(bw.Selection): bw.Selection
+---@operator sub(bw.Selection): bw.Selection
+local Selection = {}
+
+---Coordinates up to a value along an axis.
+---@param axis 1|2|3|"x"|"y"|"z"
+---@param coordinate number
+---@return bw.Selection
+function Selection:below(axis, coordinate) end
+
+---Coordinates from a value on.
+---@param axis 1|2|3|"x"|"y"|"z"
+---@param coordinate number
+---@return bw.Selection
+function Selection:above(axis, coordinate) end
+
+---@param low bw.Vector
+---@param high bw.Vector
+---@return bw.Selection
+function Selection:box(low, high) end
+
+---Within a tolerance (default a millionth of the box) of a plane.
+---@param point bw.Vector
+---@param normal bw.Vector
+---@param tolerance? number
+---@return bw.Selection
+function Selection:plane(point, normal, tolerance) end
+
+---On the side of a plane that the normal points to.
+---@param point bw.Vector
+---@param normal bw.Vector
+---@return bw.Selection
+function Selection:beyond(point, normal) end
+
+---Within a radius of a point.
+---@param point bw.Vector
+---@param radius number
+---@return bw.Selection
+function Selection:near(point, radius) end
+
+---The same as `near`.
+---@param centre bw.Vector
+---@param radius number
+---@return bw.Selection
+function Selection:sphere(centre, radius) end
+
+---Facets whose outward normal is within an angle (default 0.001) of a direction.
+---@param direction bw.Vector
+---@param angle? number
+---@return bw.Selection
+function Selection:facing(direction, angle) end
+
+---What hangs together around a point without an edge sharper than an angle (default 30 degrees).
+---@param point bw.Vector
+---@param angle? number
+---@return bw.Selection
+function Selection:patch(point, angle) end
+
+---The nodes nearest to a point.
+---@param point bw.Vector
+---@param count? integer default 1
+---@return bw.Selection
+function Selection:nearest(point, count) end
+
+---By a formula in x, y, z, a mask over nodes or facets, or a function of x, y, z.
+---@param predicate string|bw.Array|fun(x: number, y: number, z: number): boolean
+---@return bw.Selection
+function Selection:where(predicate) end
+
+---@param other bw.Selection
+---@return bw.Selection
+function Selection:union(other) end
+
+---@param other bw.Selection
+---@return bw.Selection
+function Selection:intersection(other) end
+
+---@param other bw.Selection
+---@return bw.Selection
+function Selection:difference(other) end
+
+---Lets go at once.
+function Selection:close() end
+
+-- ---- materials ----------------------------------------------------------------------------------
+
+---`bw.material.steel` and the others of the library by name.
+---@class bw.MaterialModule
+---@field steel bw.Material
+---@field aluminium bw.Material
+---@field pla bw.Material
+---@field abs bw.Material
+---@field resin bw.Material
+---@field green_state_stainless_steel bw.Material of the worst-case paper
+---@field nylon_pa2200 bw.Material of the worst-case paper
+---@field zp150 bw.Material of the worst-case paper: printed plaster, three strengths
+local material_module = {}
+
+---@param options {young: number, poisson: number, density?: number, strength?: number, name?: string}
+---@return bw.Material?
+function material_module.isotropic(options) end
+
+---Nine constants along the material axes 1 2 3: young Y1 Y2 Y3, poisson nu23 nu31 nu12 (or the
+---transposed poisson_t nu32 nu13 nu21), shear G23 G31 G12 (left out: the worst-case paper's formula),
+---axes as rows of a rotation.
+---@param options {young: bw.Vector, poisson?: bw.Vector, poisson_t?: bw.Vector, shear?: bw.Vector, axes?: number[][], density?: number, strength?: bw.Vector, name?: string}
+---@return bw.Material?
+function material_module.orthotropic(options) end
+
+---A material of the library.
+---@param name string
+---@return bw.Material?
+function material_module.named(name) end
+
+---The names of the library.
+---@return string[]
+function material_module.names() end
+
+---A linear elastic law. Constants are numbers where it is isotropic, else tables of three.
+---@class bw.Material
+---@field name string
+---@field isotropic boolean
+---@field young number|bw.Vector Pa
+---@field poisson number|bw.Vector
+---@field shear number|bw.Vector Pa
+---@field density number? kg/m3
+---@field strength number|bw.Vector|nil Pa
+---@field axes bw.Array 3 x 3, rows are the material axes
+---@field elasticity bw.Array 6 x 6, Pa
+---@field sources table<string, {mean: number, scatter: number, source: string}> where values come from
+local Material = {}
+
+---Turned by a rotation, three rows of three.
+---@param rotation number[][]
+---@return bw.Material?
+function Material:rotated(rotation) end
+
+---Tensile strength along a direction; nil when not known.
+---@param direction bw.Vector
+---@return number?
+function Material:strength_along(direction) end
+
+---Stress over strength, the largest over the principal stresses, of rows of stress tensors.
+---@param stress bw.Array
+---@return bw.Array?
+function Material:utilisation(stress) end
+
+---Lets go at once.
+function Material:close() end
+
+-- ---- models -------------------------------------------------------------------------------------
+
+---A mesh of a material with supports and loads; `print` shows each with area and resultant. Methods
+---that change it return it.
+---@class bw.Model
+---@field mesh bw.Mesh
+---@field material bw.Material
+---@field loads table[] {kind, value, area, resultant, moment}
+---@field supports table[] {on, slide, displacement}
+local Model = {}
+
+---Holds a selection in all directions.
+---@param selection bw.Selection
+---@return bw.Model
+function Model:fix(selection) end
+
+---Lets a selection slide along its surface, or across a given normal.
+---@param selection bw.Selection
+---@param normal? bw.Vector
+---@return bw.Model
+function Model:slide(selection, normal) end
+
+---Prescribes displacement, m: {x, y, z} with false where a direction is free, or a row for every node.
+---@param selection bw.Selection
+---@param displacement table|bw.Array
+---@return bw.Model
+function Model:prescribe(selection, displacement) end
+
+---@return bw.Model
+function Model:clear_supports() end
+
+---Acceleration on the whole body, m/s2.
+---@param acceleration bw.Vector
+---@return bw.Model
+function Model:gravity(acceleration) end
+
+---One of: force (total, N), traction (per area, Pa), pressure (Pa, positive pushes inwards), torque
+---(N m, about a point or the selection's centre), each on a selection; or nodal forces.
+---@param options {on?: bw.Selection, force?: bw.Vector, traction?: bw.Vector, pressure?: number, torque?: bw.Vector, about?: bw.Vector, nodal?: bw.Array}
+---@return bw.Model
+function Model:load(options) end
+
+---Thermal expansion: change of temperature (K, one or one for every node) times a coefficient (1/K).
+---@param change number|bw.Array
+---@param expansion number
+---@return bw.Model
+function Model:temperature(change, expansion) end
+
+---@return bw.Model
+function Model:clear_loads() end
+
+---Consistent nodal forces of all loads.
+---@return bw.Array?
+function Model:force_vector() end
+
+---The rigid motions that the supports leave: {component, centre, translation, rotation, text}.
+---@return table[]?
+function Model:free_motions() end
+
+---Static solution. A load that is not balanced on a free body is refused, unless inertia relief is
+---asked for.
+---@param options? {inertia_relief: boolean, tolerance: number}
+---@return bw.Static?
+---@return string? message
+---@return table? details
+function Model:solve(options) end
+
+---The lowest modes, elastic or of the Laplacian.
+---@param options? {count: integer, tolerance: number, sturm: boolean, seed: integer, laplacian: boolean}
+---@return bw.Modes?
+---@return string? message
+---@return table? details
+function Model:modes(options) end
+
+---The equations with their factor.
+---@return bw.System?
+---@return string? message
+---@return table? details
+function Model:system() end
+
+---As an .inp for CalculiX; modes > 0: a frequency step.
+---@param path string
+---@param options? {modes: integer}
+---@return true?
+---@return string? message
+---@return table? details
+function Model:write_inp(path, options) end
+
+---Lets go at once.
+function Model:close() end
+
+---A static solution. Fields are computed when they are first asked for. Names without `element_` are
+---over nodes.
+---@class bw.Static
+---@field displacement bw.Array m
+---@field force bw.Array applied, N
+---@field reaction bw.Array at held nodes, N
+---@field stress bw.Array node_count x 6, Pa
+---@field von_mises bw.Array
+---@field principal bw.Array descending
+---@field principal_directions bw.Array node_count x 9: rows of unit vectors
+---@field max_principal bw.Array largest in size
+---@field element_stress bw.Array element_count x 6, Pa
+---@field element_von_mises bw.Array
+---@field element_principal bw.Array
+---@field element_max_principal bw.Array
+---@field element_energy bw.Array J
+---@field utilisation bw.Array stress over strength, of elements
+---@field energy number strain energy, J
+---@field residual number |K u - f| / |f|
+---@field mesh bw.Mesh
+---@field material bw.Material
+---@field times table seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops
+local Static = {}
+
+---Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.
+---@return number? relative
+---@return bw.Array elements
+function Static:error_estimate() end
+
+---The sum of the reactions on a selection, N.
+---@param selection bw.Selection
+---@return bw.Vector
+function Static:reaction_on(selection) end
+
+---Displacement and stresses as .vtu, with further fields.
+---@param path string
+---@param options? {fields: table<string, bw.Array>}
+---@return true?
+---@return string? message
+---@return table? details
+function Static:write(path, options) end
+
+---The deformed shape coloured by a field: "von_mises" (default), "max_principal", "displacement",
+---"utilisation", ..., or an array over nodes or elements.
+---@param path string
+---@param options? bw.PictureOptions with `field`
+---@return true?
+function Static:picture(path, options) end
+
+---Lets go at once.
+function Static:close() end
+
+---Modes of vibration, ascending; or of the Laplacian (components 1). `#modes` is their number.
+---@class bw.Modes
+---@field count integer
+---@field components integer
+---@field eigenvalues bw.Array (rad/s)^2; 1/m2 for the Laplacian
+---@field frequencies bw.Array? Hz
+---@field residuals bw.Array
+---@field rigid_count integer rigid motions recognised and left out
+---@field solves integer
+---@field recovered integer found only after the Sturm count called for them
+---@field counted boolean the Sturm count confirmed that none is missing
+---@field mesh bw.Mesh
+local Modes = {}
+
+---The i-th shape, a row for every node, of unit modal mass.
+---@param i integer
+---@return bw.Array
+function Modes:shape(i) end
+
+---All shapes as .vtu.
+---@param path string
+---@param options? table
+---@return true?
+function Modes:write(path, options) end
+
+---@param i integer
+---@param path string
+---@param options? bw.PictureOptions
+---@return true?
+function Modes:picture(i, path, options) end
+
+---Lets go at once.
+function Modes:close() end
+
+---The equations of a body and their factor.
+---@class bw.System
+---@field times table
+---@field unknown_count integer
+---@field motion_count integer free rigid motions
+local System = {}
+
+---Displacement under nodal forces; on a free body the force is balanced by inertia first.
+---@param force bw.Array
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function System:solve(force) end
+
+---Lets go at once.
+function System:close() end
+
+-- ---- the worst case -----------------------------------------------------------------------------
+
+---Where a part breaks. `print` gives the answer in one line.
+---@class bw.WorstCase
+---@field max_principal number Pa
+---@field at bw.Vector m
+---@field element integer
+---@field region integer the worst one, a place in `regions`
+---@field mode integer
+---@field rank integer
+---@field utilisation number? stress over strength
+---@field strength number|bw.Vector|nil Pa
+---@field max_displacement number m
+---@field regions table[] {mode, rank, elements, volume, volume_fraction, energy, max_principal, at, element, utilisation, utilised_at, displacement, objective, seconds, flipped}
+---@field weakness bw.Array of every element: the largest stress over all worst loads, Pa
+---@field worst_region bw.Array of every element: which region's load causes it
+---@field pressures bw.Array regions x nodes of the basis
+---@field modes bw.Modes
+---@field mesh bw.Mesh
+---@field material bw.Material
+---@field system bw.System
+---@field weak_regions bw.WeakRegions
+---@field basis bw.PressureBasis
+---@field options table as given, with defaults
+---@field seconds table by stage: system, assemble, factor, modes, regions, programmes
+local WorstCase = {}
+
+---The worst pressure of a region (left out: the worst region), for every node of the mesh, Pa.
+---@param region? integer
+---@return bw.Array
+function WorstCase:pressure(region) end
+
+---The nodal forces of that pressure.
+---@param region? integer
+---@return bw.Array
+function WorstCase:force(region) end
+
+---The displacement under it.
+---@param region? integer
+---@return bw.Array?
+function WorstCase:displacement(region) end
+
+---The stress of every element under it.
+---@param region? integer
+---@return bw.Array?
+function WorstCase:stress(region) end
+
+---The pressure summed into a few arrows {at, force, area}, largest first.
+---@param region? integer
+---@param radius? number
+---@return table[]?
+function WorstCase:arrows(region, radius) end
+
+---The weakness of every boundary facet.
+---@return bw.Array
+function WorstCase:surface_weakness() end
+
+---Weakness, and pressure, displacement and stress of the worst load, as .vtu.
+---@param path string
+---@return true?
+---@return string? message
+---@return table? details
+function WorstCase:write(path) end
+
+---The weakness map with the arrows of the worst load; with {region = i} the stress under that load.
+---@param path string
+---@param options? bw.PictureOptions
+---@return true?
+function WorstCase:picture(path, options) end
+
+---One HTML file with a 3D view that turns; needs no network.
+---@param path string
+---@param options? {title: string, manifest: table, loads: integer, modes: integer}
+---@return true?
+---@return string? message
+---@return table? details
+function WorstCase:report(path, options) end
+
+---Lets go at once.
+function WorstCase:close() end
+
+---Weak regions of modes. `#regions`, `regions[i]` {mode, rank, count, volume, energy, peak}.
+---@class bw.WeakRegions
+---@field count integer
+---@field mesh bw.Mesh
+local WeakRegions = {}
+
+---@param i integer
+---@return bw.Array
+function WeakRegions:elements(i) end
+
+---@param i integer
+---@return bw.Array
+function WeakRegions:weights(i) end
+
+---Lets go at once.
+function WeakRegions:close() end
+
+---Pressures at boundary nodes, linear over facets.
+---@class bw.PressureBasis
+---@field nodes bw.Array mesh node of each pressure
+---@field areas bw.Array m2
+---@field count integer
+local PressureBasis = {}
+
+---Nodal forces of a pressure.
+---@param pressure bw.Array
+---@return bw.Array
+function PressureBasis:force(pressure) end
+
+---@param pressure bw.Array
+---@param radius? number
+---@return table[]?
+function PressureBasis:arrows(pressure, radius) end
+
+---Lets go at once.
+function PressureBasis:close() end
+
+---@class bw.BruteForce
+---@field weakness bw.Array of every element, Pa
+---@field peaks bw.Array of every region tried
+---@field max_principal number
+---@field element integer
+---@field elements integer how many were tried
+---@field seconds number
+---@field mesh bw.Mesh
+---@field options table
+local BruteForce = {}
+
+---A percentile of the weakness map by volume; default 99.75.
+---@param p? number
+---@return number
+function BruteForce:percentile(p) end
+
+---Beside a worst case: {worst_case, brute_force, ratio}.
+---@param worst bw.WorstCase
+---@param p? number
+---@return table
+function BruteForce:compare(worst, p) end
+
+---@class bw.DropTest
+---@field exceedance bw.Array of every element: fraction of drops beyond the strength
+---@field mean_peak bw.Array of every element: mean largest principal stress, Pa
+---@field contacts bw.Array drops x 3, m
+---@field forces bw.Array N
+---@field peaks bw.Array largest stress of every drop, Pa
+---@field threshold number Pa, where no strength is known
+---@field drops integer
+---@field seconds number
+---@field mesh bw.Mesh
+---@field options table
+local DropTest = {}
+
+---Rank correlation, by volume, with a weakness map (a worst case, a brute force, an array).
+---@param other bw.WorstCase|bw.BruteForce|bw.Array
+---@return number?
+function DropTest:correlation(other) end
+
+---The fraction of drops that overload the weakest place.
+---@return number
+function DropTest:failures() end
+
+---@param path string
+---@return true?
+function DropTest:write(path) end
+
+---@param path string
+---@param options? bw.PictureOptions
+---@return true?
+function DropTest:picture(path, options) end
+
+-- ---- files --------------------------------------------------------------------------------------
+
+---JSON with sorted keys and the fewest digits that read back the same; NaN and infinities as null.
+---@class bw.JsonModule
+---@field null table stands for null
+local json_module = {}
+
+---@param value any
+---@param indent? string
+---@return string
+function json_module.encode(value, indent) end
+
+---@param text string
+---@return any value or nil
+---@return string? message with line and byte
+function json_module.decode(text) end
+
+---Marks a table as a list, so that an empty one is [].
+---@param list? table
+---@return table
+function json_module.list(list) end
+
+---Results that can be run again: result.json and manifest.json in a folder.
+---@class bw.ResultsModule
+local results_module = {}
+
+---@param folder string made when missing
+---@param about? {script: string, inputs: string[], options: table, seed: integer}
+---@return bw.Results?
+---@return string? message
+---@return table? details
+function results_module.open(folder, about) end
+
+---Peak memory of the process, bytes.
+---@return integer?
+function results_module.peak_memory() end
+
+---@class bw.Results
+---@field folder string
+---@field manifest table
+local Results = {}
+
+---The path of a file in the folder.
+---@param name string
+---@return string
+function Results:path(name) end
+
+---Writes result.json (plain numbers, unit in the key) and manifest.json.
+---@param result table
+---@return true?
+---@return string? message
+---@return table? details
+function Results:write(result) end
+
+return bw

@@ -79,7 +79,14 @@ local function checked(status, f, ...)
   return table.unpack(values, 2, values.n)
 end
 
-local say_remarks
+local remarks = bw.json.list {}
+
+local function say_remarks()
+  for _, remark in ipairs(bw.remarks()) do
+    remarks[#remarks + 1] = remark
+    print("  " .. remark)
+  end
+end
 
 local refusals = {format = true, geometry = true, io = true, unsupported = true, empty = true,
   invalid = true}
@@ -92,161 +99,160 @@ local function prepared(value, message, details)
   stop(details and refusals[details.status] and REFUSED or UNFINISHED, message)
 end
 
-local model_path, wish = read_arguments()
-local start = bw.seconds()
-local remarks = bw.json.list {}
+local function main()
+  local model_path, wish = read_arguments()
+  local start = bw.seconds()
 
-function say_remarks()
-  for _, remark in ipairs(bw.remarks()) do
-    remarks[#remarks + 1] = remark
-    print("  " .. remark)
+  if wish.threads then checked(REFUSED, bw.threads, wish.threads) end
+  local material = checked(REFUSED, bw.material.named, wish.material)
+
+  -- ---- the model: a mesh, or a surface that is filled ----
+
+  local function surface_of(path)
+    local surface, info = prepared(checked(REFUSED, bw.surface.read, path, {unit = wish.unit}))
+    print(("read %s (%s): %s"):format(path, info.format, surface))
+    return surface
   end
-end
 
-if wish.threads then checked(REFUSED, bw.threads, wish.threads) end
-local material = checked(REFUSED, bw.material.named, wish.material)
-
--- ---- the model: a mesh, or a surface that is filled -------------------------------------------------
-
-local function surface_of(path)
-  local surface, info = prepared(checked(REFUSED, bw.surface.read, path, {unit = wish.unit}))
-  print(("read %s (%s): %s"):format(path, info.format, surface))
-  return surface
-end
-
-local function filled(path, result)
-  local surface = surface_of(path)
-  result.input_triangles = surface.triangle_count
-  local mesh, log = prepared(checked(REFUSED, bw.mesh.fill, surface,
-    {elements = wish.elements, order = wish.order}))
-  say_remarks()
-  result.repaired, result.surface_moved_m = log.repaired, log.surface_moved
-  result.attempts = log.attempts
-  result.seconds_repair, result.seconds_remesh = log.seconds_repair, log.seconds_remesh
-  result.seconds_fill = log.seconds_fill
-  result.surface_steps = bw.json.list {}
-  for i, step in ipairs(log.steps) do
-    result.surface_steps[i] = {name = step.name, count = step.count, moved_m = step.moved,
-      text = step.text}
-    print(("  %s: %s"):format(step.name, step.text))
-  end
-  if log.repaired then
-    print(("  the surface was repaired; it moved by at most %.3g mm"):format(log.surface_moved * 1e3))
-  end
-  return mesh
-end
-
-local function load_mesh(path, result)
-  local ending = (path:match "%.(%w+)$" or ""):lower()
-  local may_be_mesh = ({msh = 1, vtu = 1, mesh = 1, inp = 1, node = 1, ele = 1})[ending]
-  if not may_be_mesh then return filled(path, result) end
-  local mesh, message, details = checked(REFUSED, bw.mesh.read, path, {unit = wish.unit})
-  if not mesh then
-    -- These two also hold surfaces.
-    if (ending == "msh" or ending == "vtu") and details.status == "format" then
-      return filled(path, result)
+  local function filled(path, result)
+    local surface = surface_of(path)
+    result.input_triangles = surface.triangle_count
+    local mesh, log = prepared(checked(REFUSED, bw.mesh.fill, surface,
+      {elements = wish.elements, order = wish.order}))
+    say_remarks()
+    result.repaired, result.surface_moved_m = log.repaired, log.surface_moved
+    result.attempts = log.attempts
+    result.seconds_repair, result.seconds_remesh = log.seconds_repair, log.seconds_remesh
+    result.seconds_fill = log.seconds_fill
+    result.surface_steps = bw.json.list {}
+    for i, step in ipairs(log.steps) do
+      result.surface_steps[i] = {name = step.name, count = step.count, moved_m = step.moved,
+        text = step.text}
+      print(("  %s: %s"):format(step.name, step.text))
     end
-    prepared(mesh, message, details)
+    if log.repaired then
+      print(("  the surface was repaired; it moved by at most %.3g mm"):format(log.surface_moved * 1e3))
+    end
+    return mesh
   end
-  print(("read %s (%s)"):format(path, message.format))
-  if wish.order ~= mesh.order then mesh = prepared(mesh:with_order(wish.order)) end
-  result.repaired, result.surface_moved_m = false, 0
-  result.seconds_repair, result.seconds_remesh, result.seconds_fill = 0, 0, 0
-  return mesh
-end
 
-local result = {finished = false, material = wish.material}
-local results = prepared(bw.results.open(wish.out, {script = "scripts/worst_case/run.lua",
-  inputs = {model_path}, options = wish, seed = 1}))
-local mesh = load_mesh(model_path, result)
-print(mesh)
-result.elements, result.nodes = mesh.element_count, mesh.node_count
-result.bodies = mesh.component_count
-result.box_low_m, result.box_high_m = mesh.box.low, mesh.box.high
-result.volume_m3 = mesh.volume
-result.area_m2 = mesh.boundary.area
-if material.density then result.mass_kg = material.density * mesh.volume end
+  local function load_mesh(path, result)
+    local ending = (path:match "%.(%w+)$" or ""):lower()
+    local may_be_mesh = ({msh = 1, vtu = 1, mesh = 1, inp = 1, node = 1, ele = 1})[ending]
+    if not may_be_mesh then return filled(path, result) end
+    local mesh, message, details = checked(REFUSED, bw.mesh.read, path, {unit = wish.unit})
+    if not mesh then
+      -- These two also hold surfaces.
+      if (ending == "msh" or ending == "vtu") and details.status == "format" then
+        return filled(path, result)
+      end
+      prepared(mesh, message, details)
+    end
+    print(("read %s (%s)"):format(path, message.format))
+    if wish.order ~= mesh.order then mesh = prepared(mesh:with_order(wish.order)) end
+    result.repaired, result.surface_moved_m = false, 0
+    result.seconds_repair, result.seconds_remesh, result.seconds_fill = 0, 0, 0
+    return mesh
+  end
 
--- ---- loads --------------------------------------------------------------------------------------------
+  local result = {finished = false, material = wish.material}
+  local results = prepared(bw.results.open(wish.out, {script = "scripts/worst_case/run.lua",
+    inputs = {model_path}, options = wish, seed = 1}))
+  local mesh = load_mesh(model_path, result)
+  print(mesh)
+  result.elements, result.nodes = mesh.element_count, mesh.node_count
+  result.bodies = mesh.component_count
+  result.box_low_m, result.box_high_m = mesh.box.low, mesh.box.high
+  result.volume_m3 = mesh.volume
+  result.area_m2 = mesh.boundary.area
+  if material.density then result.mass_kg = material.density * mesh.volume end
 
-local force = wish.force
-local room = MOST_OF_PRESSURE * wish.pressure * result.area_m2
-if force > room then
-  print(("  %.4g N would press the whole surface (%.4g mm2) too much of the way to %.4g MPa: the total"
-    .. " force is lowered to %.4g N, %g %% of pressure times area"):format(force,
-    result.area_m2 * 1e6, wish.pressure / 1e6, room, 100 * MOST_OF_PRESSURE))
-  force = room
-end
-result.force_n, result.force_asked_n, result.force_lowered = force, wish.force, force < wish.force
-result.pressure_pa = wish.pressure
+  -- ---- loads ----
 
--- ---- the analysis ------------------------------------------------------------------------------------------
+  local force = wish.force
+  local room = MOST_OF_PRESSURE * wish.pressure * result.area_m2
+  if force > room then
+    print(("  %.4g N would press the whole surface (%.4g mm2) too much of the way to %.4g MPa: the total"
+      .. " force is lowered to %.4g N, %g %% of pressure times area"):format(force,
+      result.area_m2 * 1e6, wish.pressure / 1e6, room, 100 * MOST_OF_PRESSURE))
+    force = room
+  end
+  result.force_n, result.force_asked_n, result.force_lowered = force, wish.force, force < wish.force
+  result.pressure_pa = wish.pressure
 
--- Keeps what is done: result.json then says "finished": false and why.
-local function unfinished(message, details)
-  result.message, result.status = message, details and details.status
-  result.remarks = remarks
+  -- ---- the analysis ----
+
+  -- Keeps what is done: result.json then says "finished": false and why.
+  local function unfinished(message, details)
+    result.message, result.status = message, details and details.status
+    result.remarks = remarks
+    result.seconds_total = bw.seconds() - start
+    results:write(result)
+    stop(details and details.status == "cancelled" and INTERRUPTED or UNFINISHED, message)
+  end
+
+  local part = bw.model {mesh = mesh, material = material}
+  local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
+    pressure = wish.pressure, modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
+    measure = wish.measure, target = wish.target, laplacian = wish.laplacian})
+  say_remarks()
+  if not worst then unfinished(message, details) end
+
+  result.max_principal_pa, result.max_principal_at_m = worst.max_principal, worst.at
+  result.utilisation = worst.utilisation
+  result.strength_pa = worst.strength
+  result.max_displacement_m = worst.max_displacement
+  result.worst_region = worst.region
+  result.regions = bw.json.list {}
+  for i, region in ipairs(worst.regions) do
+    result.regions[i] = {mode = region.mode, rank = region.rank, elements = region.elements,
+      volume_fraction = region.volume_fraction, max_principal_pa = region.max_principal,
+      max_principal_at_m = region.at, utilisation = region.utilisation,
+      max_displacement_m = region.displacement, objective = region.objective,
+      seconds = region.seconds}
+  end
+  result.eigenvalues = worst.modes.eigenvalues
+  result.frequencies_hz = worst.modes.frequencies
+  for stage, seconds in pairs(worst.seconds) do result["seconds_" .. stage] = seconds end
+
+  -- ---- what is left behind ----
+
+  local outputs_start = bw.seconds()
+  local function left(value, why, how)
+    if not value then unfinished(why, how) end
+  end
+  left(worst:write(results:path "worst.vtu"))
+  left(worst:picture(results:path "weakness.png"))
+  left(worst:picture(results:path "worst_load.png", {region = worst.region}))
+  left(worst:report(results:path "report.html", {manifest = results.manifest,
+    title = "Worst case of " .. (model_path:match "[^/]+$" or model_path)}))
+  result.seconds_outputs = bw.seconds() - outputs_start
   result.seconds_total = bw.seconds() - start
-  results:write(result)
-  stop(details and details.status == "cancelled" and INTERRUPTED or UNFINISHED, message)
+  result.peak_memory_bytes = bw.results.peak_memory()
+  result.remarks = remarks
+  result.finished = true
+  left(results:write(result))
+
+  local used = worst.utilisation
+  print(("\n%s"):format(worst))
+  print(("Pushed by %.4g N in the worst way that pressures up to %.4g MPa allow, %s is stressed most at"
+    .. " (%.4g, %.4g, %.4g) mm: %.4g MPa."):format(force, wish.pressure / 1e6,
+    model_path:match "[^/]+$", worst.at[1] * 1e3, worst.at[2] * 1e3, worst.at[3] * 1e3,
+    worst.max_principal / 1e6))
+  if used and used >= 1 then
+    print(("That is %.3g times the strength of %s: it breaks there."):format(used, wish.material))
+  elseif used then
+    print(("That is %.3g %% of the strength of %s: it holds; %.3g times the force and pressure would"
+      .. " break it."):format(100 * used, wish.material, 1 / used))
+  else
+    print(("The strength of %s is not known."):format(wish.material))
+  end
+  print(("%d elements, %d modes, %d regions; %.1f s, of which filling %.1f s."):format(
+    result.elements, worst.modes.count, #worst.regions, result.seconds_total, result.seconds_fill))
 end
 
-local part = bw.model {mesh = mesh, material = material}
-local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
-  pressure = wish.pressure, modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
-  measure = wish.measure, target = wish.target, laplacian = wish.laplacian})
-say_remarks()
-if not worst then unfinished(message, details) end
-
-result.max_principal_pa, result.max_principal_at_m = worst.max_principal, worst.at
-result.utilisation = worst.utilisation
-result.strength_pa = worst.strength
-result.max_displacement_m = worst.max_displacement
-result.worst_region = worst.region
-result.regions = bw.json.list {}
-for i, region in ipairs(worst.regions) do
-  result.regions[i] = {mode = region.mode, rank = region.rank, elements = region.elements,
-    volume_fraction = region.volume_fraction, max_principal_pa = region.max_principal,
-    max_principal_at_m = region.at, utilisation = region.utilisation,
-    max_displacement_m = region.displacement, objective = region.objective,
-    seconds = region.seconds}
-end
-result.eigenvalues = worst.modes.eigenvalues
-result.frequencies_hz = worst.modes.frequencies
-for stage, seconds in pairs(worst.seconds) do result["seconds_" .. stage] = seconds end
-
--- ---- what is left behind --------------------------------------------------------------------------------------
-
-local outputs_start = bw.seconds()
-local function left(value, why, how)
-  if not value then unfinished(why, how) end
-end
-left(worst:write(results:path "worst.vtu"))
-left(worst:picture(results:path "weakness.png"))
-left(worst:picture(results:path "worst_load.png", {region = worst.region}))
-left(worst:report(results:path "report.html", {manifest = results.manifest,
-  title = "Worst case of " .. (model_path:match "[^/]+$" or model_path)}))
-result.seconds_outputs = bw.seconds() - outputs_start
-result.seconds_total = bw.seconds() - start
-result.peak_memory_bytes = bw.results.peak_memory()
-result.remarks = remarks
-result.finished = true
-left(results:write(result))
-
-local used = worst.utilisation
-print(("\n%s"):format(worst))
-print(("Pushed by %.4g N in the worst way that pressures up to %.4g MPa allow, %s is stressed most at"
-  .. " (%.4g, %.4g, %.4g) mm: %.4g MPa."):format(force, wish.pressure / 1e6,
-  model_path:match "[^/]+$", worst.at[1] * 1e3, worst.at[2] * 1e3, worst.at[3] * 1e3,
-  worst.max_principal / 1e6))
-if used and used >= 1 then
-  print(("That is %.3g times the strength of %s: it breaks there."):format(used, wish.material))
-elseif used then
-  print(("That is %.3g %% of the strength of %s: it holds; %.3g times the force and pressure would"
-    .. " break it."):format(100 * used, wish.material, 1 / used))
-else
-  print(("The strength of %s is not known."):format(wish.material))
-end
-print(("%d elements, %d modes, %d regions; %.1f s, of which filling %.1f s."):format(
-  result.elements, worst.modes.count, #worst.regions, result.seconds_total, result.seconds_fill))
+-- What is raised here is neither the input's fault nor the world's.
+local fine, message = xpcall(main, debug.traceback)
+if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
+if not fine then stop(UNFINISHED, message) end
 os.exit(ANSWERED, true)

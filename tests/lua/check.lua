@@ -19,7 +19,8 @@ end
 
 --- |value - expected| <= tolerance * |expected|
 function check.near(expected, value, tolerance)
-  if not (math.abs(value - expected) <= tolerance * math.abs(expected)) then
+  local error_of = math.abs(value - expected)
+  if error_of ~= error_of or error_of > tolerance * math.abs(expected) then
     error(("%.17g is not within %g of %.17g"):format(value, tolerance, expected), 2)
   end
 end

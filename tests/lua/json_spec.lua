@@ -1,0 +1,98 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+local bw = require "barwright"
+local check = require "check"
+local json = bw.json
+
+describe("JSON", function()
+  it("is written the same way every time", function()
+    assert.equal('{"a":[1,2.5,"x"],"b":{"c":true},"n":null}',
+      json.encode {b = {c = true}, a = {1, 2.5, "x"}, n = json.null})
+    assert.equal("{}", json.encode {})
+    assert.equal("[]", json.encode(json.list()))
+    assert.equal('{\n  "a": [1, 2],\n  "b": [\n    {\n      "c": 1\n    }\n  ]\n}',
+      json.encode({a = {1, 2}, b = {{c = 1}}}, "  "))
+    assert.equal("[1,2]", json.encode(bw.array {1, 2}):gsub("%.0", ""))
+  end)
+
+  it("writes numbers so that they read back the same", function()
+    for _, x in ipairs {0.1, 1 / 3, 1e300, 5e-324, -0.0, 2 ^ 53, 123456789, 1e21, math.pi} do
+      local back = json.decode(json.encode(x))
+      assert.equal(x, back)
+    end
+    assert.equal("0.1", json.encode(0.1))
+    assert.equal("9007199254740993", json.encode(9007199254740993))
+    assert.equal(9007199254740993, json.decode "9007199254740993")
+    assert.equal("[null,null,null]", json.encode {0 / 0, math.huge, -math.huge})
+  end)
+
+  it("escapes text", function()
+    local text = 'a"b\\c\n\t\1\127ü'
+    assert.equal('"a\\"b\\\\c\\n\\t\\u0001\\u007fü"', json.encode(text))
+    assert.equal(text, json.decode(json.encode(text)))
+    assert.equal("€\u{1F600}/", json.decode [["\u20ac\ud83d\ude00\/"]])
+  end)
+
+  it("refuses what it cannot write", function()
+    local loop = {}
+    loop[1] = loop
+    check.raises("contains itself", json.encode, loop)
+    check.raises("type function", json.encode, {print})
+    check.raises("key of type number", json.encode, {[2] = 1})
+  end)
+
+  it("names line and byte of what it cannot read", function()
+    for text, place in pairs {
+      ['{"a": 1,\n "b" 2}'] = "line 2, byte 15: ':' expected",
+      ["[1, 2"] = "byte 6: ',' or ']' expected",
+      ["[1] 2"] = "byte 5: the end expected",
+      ['"abc'] = "the closing",
+      ['"\\x"'] = "an escape",
+      ["01"] = "a value expected",
+      ["nil"] = "a value expected",
+      [""] = "a value expected",
+      ['["\\ud800x"]'] = "second half",
+      [("["):rep(1000)] = "less nesting",
+    } do
+      local value, message = json.decode(text)
+      assert.is_nil(value)
+      assert.truthy(message:find(place, 1, true), message)
+    end
+  end)
+end)
+
+describe("a folder of results", function()
+  it("holds result and manifest", function()
+    local folder = check.folder()
+    check.write(folder .. "/input.txt", "abc")
+    local results = assert(bw.results.open(folder .. "/deep/er", {script = "s.lua",
+      inputs = {folder .. "/input.txt"}, options = {modes = 3}, seed = 7}))
+    assert(results:write {max_principal_pa = 5.83e6})
+    local result = assert(json.decode(check.read(results:path "result.json")))
+    assert.equal(5.83e6, result.max_principal_pa)
+    local manifest = assert(json.decode(check.read(results:path "manifest.json")))
+    assert.equal("ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
+      manifest.inputs[1].sha256)
+    assert.equal(7, manifest.seed)
+    assert.equal(3, manifest.options.modes)
+    assert.equal(bw.version(), manifest.version)
+    assert.equal(bw.threads(), manifest.threads)
+    assert.truthy(#manifest.libraries > 3)
+    assert.truthy(manifest.machine.memory_bytes > 1e8)
+  end)
+
+  it("is refused where it cannot be made or an input is missing", function()
+    local folder = check.folder()
+    check.write(folder .. "/file", "")
+    check.fails("io", "cannot make the folder", bw.results.open(folder .. "/file/x"))
+    check.fails("io", "missing.stl", bw.results.open(folder, {inputs = {folder .. "/missing.stl"}}))
+  end)
+
+  it("replaces files whole", function()
+    local core = require "barwright.core"
+    local path = check.folder() .. "/x.json"
+    assert(core.write_file(path, "one"))
+    assert(core.write_file(path, "two"))
+    assert.equal("two", check.read(path))
+    check.fails("io", "no/such", core.write_file(check.folder() .. "/no/such/x", "a"))
+  end)
+end)

@@ -1,0 +1,267 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+local bw = require "barwright"
+local check = require "check"
+
+describe("a surface", function()
+  local box = bw.surface.box {low = {0, 0, 0}, high = {1, 2, 3}}
+
+  it("is made by formula", function()
+    check.near(6, box.volume, 1e-14)
+    check.near(22, box.area, 1e-14)
+    assert.same({1, 2, 3}, box.box.size)
+    local ball = bw.surface.sphere {radius = 2, subdivisions = 4}
+    check.near(4 / 3 * math.pi * 8, ball.volume, 0.01)
+    local rod = bw.surface.cylinder {axis = {0, 0, 5}, radius = 1, segments = 96}
+    check.near(5 * math.pi, rod.volume, 0.01)
+    assert.equal("surface of 12 triangles and 8 points, 1 x 2 x 3 m from (0, 0, 0)", tostring(box))
+  end)
+
+  it("is made by a function or a formula that is negative inside", function()
+    local wish = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 12}
+    local one = assert(bw.surface.implicit("x^2 + y^2 + z^2 - 0.5", wish))
+    local two = assert(bw.surface.implicit(function(x, y, z)
+      return x * x + y * y + z * z - 0.5
+    end, wish))
+    assert.equal(one.points:tostring "<f8", two.points:tostring "<f8")
+    check.near(4 / 3 * math.pi * 0.5 ^ 1.5, one.volume, 0.05)
+    assert.is_true(one:check().sound)
+  end)
+
+  it("raises what a function raises, and keeps working", function()
+    local wish = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 8}
+    check.raises("my own error", bw.surface.implicit, function() error "my own error" end, wish)
+    check.raises("must return a number, not nil", bw.surface.implicit, function() end, wish)
+    check.raises("the engine is busy", bw.surface.implicit, function()
+      return bw.surface.sphere {radius = 1}
+    end, wish)
+    check.raises("nothing may be closed", bw.surface.implicit, function() box:close() end, wish)
+    local threads = bw.threads()
+    assert(bw.surface.implicit(function(x) return x * x - 0.3 + 10 * 0 end, {low = {-1, -1, -1},
+      high = {1, 1, 1}, cells = 4}) ~= false)
+    assert.equal(threads, bw.threads())
+  end)
+
+  it("comes from and gives arrays that count from 1", function()
+    local copy = assert(bw.surface.new {points = box.points, triangles = box.triangles})
+    assert.same(box.triangles:totable(), copy.triangles:totable())
+    assert.equal(1, box.triangles:min())
+    assert.equal(8, box.triangles:max())
+    check.raises("count from 1", bw.surface.new, {points = box.points, triangles = {{0, 1, 2}}})
+    check.fails("geometry", "", bw.surface.new {points = box.points, triangles = {{1, 2, 9}}})
+  end)
+
+  it("moves", function()
+    check.near(48, box:scale(2).volume, 1e-14)
+    assert.same({1, 2, 3}, box:translate({1, 2, 3}).box.low)
+    local turned = box:rotate({0, 0, 1}, math.pi / 2)
+    check.near(-2, turned.box.low[1], 1e-12)
+    check.near(1, turned.box.high[2], 1e-12)
+    check.near(6, turned.volume, 1e-12)
+    local again = box:rotate({1, 2, 3}, 0.7, {4, 5, 6}):rotate({1, 2, 3}, -0.7, {4, 5, 6})
+    assert.truthy((again.points - box.points):norm() < 1e-14)
+    local mirrored = box:transform {{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}
+    assert.truthy(math.abs(math.abs(mirrored.volume) - 6) < 1e-12)
+    check.raises("rows of 4 numbers", box.transform, box, {{1, 2}, {3, 4}})
+  end)
+
+  it("goes through files in millimetres", function()
+    local folder = check.folder()
+    for _, ending in ipairs {"stl", "obj", "ply", "off"} do
+      local path = folder .. "/box." .. ending
+      assert.is_true(box:write(path))
+      local back, info = assert(bw.surface.read(path))
+      check.near(6, back.volume, 1e-6)
+      assert.equal(0.001, info.metres_per_unit)
+      check.near(6e9, bw.surface.read(path, {unit = "m"}).volume, 1e-6)
+      check.near(6 * 25.4 ^ 3, bw.surface.read(path, {unit = "inch"}).volume, 1e-6)
+    end
+    assert.truthy(check.read(folder .. "/box.obj"):find "3000")
+  end)
+
+  it("is checked and repaired", function()
+    local open = bw.surface.new {points = box.points, triangles = box.triangles:rows(1, 11)}
+    local report = open:check()
+    assert.is_false(report.sound)
+    assert.equal(1, report.holes)
+    assert.equal("table", type(report.defects[1].at))
+    local whole, log = assert(open:repair())
+    check.near(6, whole.volume, 1e-12)
+    assert.truthy(#log.steps >= 1)
+    assert.truthy(box:distance(box) < 1e-15)
+    check.near(0.5, box:distance(box:translate {0.5, 0, 0}), 1e-12)
+  end)
+
+  it("says what is wrong with a file", function()
+    local value, message, details = bw.surface.read "no/such/file.stl"
+    check.fails("io", "no/such/file.stl", value, message, details)
+    local path = check.folder() .. "/bad.obj"
+    check.write(path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n")
+    value, message, details = bw.surface.read(path)
+    check.fails("format", "bad.obj", value, message, details)
+    assert.equal(4, details.line)
+  end)
+
+  it("raises for misuse and names what was meant", function()
+    check.raises("unknown option 'unti': did you mean 'unit'?", bw.surface.read, "x.stl", {unti = "mm"})
+    check.raises("unknown unit 'milimetre'", bw.surface.read, "x.stl", {unit = "milimetre"})
+    check.raises("option 'radius': a finite number expected, got string", bw.surface.sphere,
+      {radius = "1"})
+    check.raises("option 'radius' is missing", bw.surface.sphere, {})
+    check.raises("no 'volum': did you mean 'volume'", function() return box.volum end)
+    check.raises("surface expected, got number", box.distance, box, 1)
+    check.raises("surface expected, got mesh", bw.mesh.fill, check.beam())
+    check.raises("named", bw.surface.sphere, {1, 2})
+  end)
+end)
+
+describe("a mesh", function()
+  local beam = check.beam()
+
+  it("is a grid, and says so", function()
+    assert.equal(240, beam.element_count)
+    check.near(0.01, beam.volume, 1e-12)
+    check.near(0.01, beam.volumes:sum(), 1e-12)
+    assert.equal("mesh of 240 tet4 and 99 nodes, 1 x 0.1 x 0.1 m from (0, 0, 0)", tostring(beam))
+    assert.equal(1, beam.elements:min())
+    assert.equal(99, beam.elements:max())
+    assert.equal(1, beam.component_count)
+    local quality = beam:quality()
+    assert.truthy(quality.dihedral_low > 0.3 and quality.dihedral_high < 3)
+  end)
+
+  it("changes order, size and extent", function()
+    local fine = assert(beam:with_order(2))
+    assert.equal(10, fine.elements.column_count)
+    assert.equal(99, fine:with_order(1).node_count)
+    check.near(0.08, beam:scale(2).volume, 1e-12)
+    local half = assert(beam:subset(beam:to_nodes(beam.volumes):map("a*0 + 1") and
+      bw.array.range(1, 240):below(121)))
+    assert.equal(120, half.element_count)
+    check.fails("geometry", "", beam:moved(beam.nodes * -1))
+    check.raises("a row for every node", beam.moved, beam, {{1, 2, 3}})
+  end)
+
+  it("finds points", function()
+    local element, weights, inside = beam:locate {0.5, 0.05, 0.01}
+    assert.is_true(inside)
+    local x = 0
+    for i, w in ipairs(weights) do x = x + w * beam.nodes(beam.elements(element, i), 1) end
+    check.near(0.5, x, 1e-12)
+    assert.is_false(select(3, beam:locate {2, 0, 0}))
+  end)
+
+  it("brings values of elements to nodes", function()
+    local ones = beam.volumes:map "a*0 + 3"
+    check.near(3, beam:to_nodes(ones):min(), 1e-14)
+    local marked = bw.array.range(1, 240):map "where(a == 7, 5, 0)"
+    assert.equal(5, beam:to_nodes(marked, "max"):max())
+    assert.equal(4, beam:to_nodes(marked, "max"):above(0):where().row_count)
+  end)
+
+  it("has a boundary surface", function()
+    local surface, nodes = beam:surface()
+    check.near(0.01, surface.volume, 1e-12)
+    assert.equal(surface.point_count, #nodes)
+    assert.truthy((beam.nodes:gather(nodes) - surface.points):norm() == 0)
+    check.near(0.42, beam.boundary.area, 1e-12)
+  end)
+
+  it("goes through files with fields", function()
+    local folder = check.folder()
+    local fields = {u = beam.nodes, mark = {beam.volumes, on = "elements"}}
+    for _, name in ipairs {"m.vtu", "m.msh", "m.mesh", "m.node", "m.inp"} do
+      assert(beam:write(folder .. "/" .. name, {fields = fields}))
+      local back, file = assert(bw.mesh.read(folder .. "/" .. name))
+      assert.same(beam.elements:totable(), back.elements:totable())
+      assert.truthy((beam.nodes - back.nodes):norm() < 1e-7)
+      if name == "m.vtu" then
+        assert.equal(beam.nodes:tostring "<f8", file.fields.u:tostring "<f8")
+        assert.equal(240, #file.fields.mark)
+      end
+    end
+    local inches = assert(bw.mesh.read(folder .. "/m.mesh", {unit = "inch"}))
+    check.near(0.01 * 0.0254 ^ 3, inches.volume, 1e-9)
+    check.raises("field 'u' has 3 rows; nodes: 99, elements: 240", beam.write, beam, folder .. "/x.vtu",
+      {fields = {u = bw.array {1, 2, 3}}})
+    check.fails("format", "", bw.mesh.read(check.root .. "/README.md"))
+  end)
+
+  it("is made from tables", function()
+    local one = assert(bw.mesh.new {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+      elements = {{1, 3, 2, 4}}})
+    check.near(1 / 6, one.volume, 1e-14)
+    check.fails("geometry", "", bw.mesh.new {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+      elements = {{1, 2, 3, 4}}})
+    check.raises("rows of 4 numbers", bw.mesh.new, {nodes = {{0, 0, 0}}, elements = {{1, 2, 3}}})
+  end)
+
+  it("is filled from a surface", function()
+    local surface = bw.surface.sphere {radius = 0.05, subdivisions = 3}
+    local ball, log = assert(bw.mesh.fill(surface, {elements = 2000}))
+    check.near(2000, ball.element_count, 0.2)
+    check.near(surface.volume, ball.volume, 0.03)
+    assert.is_false(log.repaired)
+    assert.truthy(log.attempts >= 1)
+    local near = assert(bw.mesh.fill(surface, {size = "where(x > 0, 0.01, 0.03)"}))
+    assert.truthy(near.element_count > 100)
+    check.raises("did you mean 'elements'", bw.mesh.fill, surface, {elemets = 5})
+    check.raises("whole number, 0 or more", bw.mesh.fill, surface, {elements = -5})
+  end)
+end)
+
+describe("a selection", function()
+  local beam = check.beam()
+  local all = beam.boundary
+
+  it("is geometric", function()
+    assert.equal(9, all:below(1, 0).node_count)
+    check.near(0.01, all:below("x", 0).area, 1e-12)
+    assert.equal(9, all:above(1, 1).node_count)
+    assert.equal(9, all:plane({1, 0, 0}, {1, 0, 0}).node_count)
+    assert.equal(1, all:near({0, 0, 0}, 0.01).node_count)
+    assert.equal(1, all:sphere({0, 0, 0}, 0.01).node_count)
+    assert.equal(9, all:box({-1, -1, -1}, {0.01, 1, 1}).node_count)
+    check.near(0.1, all:facing({0, 0, 1}, 0.1).area, 1e-12)
+    check.near(0.1, all:patch({0.5, 0.05, 0.1}, 0.5).area, 1e-12)
+    assert.equal(4, all:nearest({0, 0, 0}, 4).node_count)
+    assert.equal(9, all:beyond({0.99, 0, 0}, {1, 0, 0}).node_count)
+    local top = all:facing {0, 1, 0}
+    check.near(1, top.normal[2], 1e-12)
+    check.near(0.5, top.centre[1], 1e-12)
+    assert.equal(beam, top.mesh)
+  end)
+
+  it("takes a predicate: formula, mask, function", function()
+    local formula = all:where "x < 0.05 and z > 0.09"
+    local fn = all:where(function(x, _, z) return x < 0.05 and z > 0.09 end)
+    local mask = all:where(beam.nodes:map "a.x < 0.05 and a.z > 0.09")
+    assert.same(formula.nodes:totable(), fn.nodes:totable())
+    assert.same(formula.nodes:totable(), mask.nodes:totable())
+    assert.equal(3, formula.node_count)
+    local facets = bw.array.range(1, beam.facet_count):below(3)
+    assert.equal(2, all:where(facets).facet_count)
+    check.raises("unknown name 'w'", all.where, all, "w > 1")
+  end)
+
+  it("is joined, cut and narrowed", function()
+    local left, right, top = all:below(1, 0), all:above(1, 1), all:above(3, 0.1)
+    assert.equal(18, (left | right).node_count)
+    assert.equal(3, (left & top).node_count)
+    assert.equal(all.facet_count - 8, (all - left).facet_count)
+    assert.equal(3, left:above(3, 0.1).node_count) -- within what it is called on
+    assert.same((left | top).nodes:totable(), left:union(top).nodes:totable())
+    check.raises("same mesh", left.union, left, check.beam().boundary)
+  end)
+
+  it("raises when it is empty, and tells where the mesh is", function()
+    check.raises("", all.near, all, {5, 5, 5}, 0.1)
+    local fine, message = pcall(all.near, all, {5, 5, 5}, 0.1)
+    assert.is_false(fine)
+    assert.truthy(message:find "nearest")
+    check.raises("", function() return all:below(1, 0) & all:above(1, 1) end)
+    check.raises("axis expected", all.below, all, 4, 0)
+    check.raises("three finite numbers", all.near, all, {1, 2}, 0.1)
+    check.raises("selection expected", bw.model({mesh = beam,
+      material = bw.material.steel}).fix, bw.model {mesh = beam, material = bw.material.steel})
+  end)
+end)

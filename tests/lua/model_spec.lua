@@ -1,0 +1,222 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+local bw = require "barwright"
+local check = require "check"
+
+describe("a material", function()
+  it("is found by name", function()
+    assert.equal(210e9, bw.material.steel.young)
+    assert.equal(0.3, bw.material.steel.poisson)
+    assert.is_true(bw.material.steel.isotropic)
+    for _, name in ipairs(bw.material.names()) do
+      local material = bw.material[name]
+      assert.equal(name, material.name)
+      assert.truthy(next(material.sources))
+      assert.truthy(tostring(material):find(name, 1, true))
+    end
+    check.raises("there is no material 'stel': did you mean 'steel'?", function()
+      return bw.material.stel
+    end)
+  end)
+
+  it("is given by constants", function()
+    local rubber = bw.material.isotropic {young = 1e6, poisson = 0.49, name = "rubber"}
+    check.near(1e6 / 2 / 1.49, rubber.shear, 1e-12)
+    assert.is_nil(rubber.density)
+    assert.is_nil(rubber.strength)
+    assert.is_nil(rubber:strength_along {1, 0, 0})
+    check.raises("Poisson", bw.material.isotropic, {young = 1, poisson = 0.5})
+    check.raises("did you mean 'young'", bw.material.isotropic, {youngs = 1})
+    check.raises("option 'young': a finite number expected, got string", bw.material.isotropic,
+      {young = "1e9"})
+  end)
+
+  it("has axes that turn", function()
+    local wood = bw.material.orthotropic {young = {10e9, 1e9, 0.5e9}, poisson = {0.3, 0.02, 0.3},
+      strength = {80e6, 8e6, 4e6}, name = "wood"}
+    assert.same({10e9, 1e9, 0.5e9}, wood.young)
+    local turned = wood:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
+    check.near(wood.elasticity(1, 1), turned.elasticity(2, 2), 1e-12)
+    check.near(80e6, turned:strength_along {0, 3, 0}, 1e-12)
+    check.raises("rotation", wood.rotated, wood, {{2, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+  end)
+
+  it("tells how much of its strength a stress uses", function()
+    local used = bw.material.steel:utilisation {{235e6, 0, 0, 0, 0, 0}, {-117.5e6, 0, 0, 0, 0, 0}}
+    check.near(1, used[1], 1e-12)
+    check.near(0.5, used[2], 1e-12)
+  end)
+end)
+
+describe("a model", function()
+  local function bar(order)
+    local mesh = check.beam({8, 2, 2}, order)
+    local part = bw.model {mesh = mesh,
+      material = bw.material.isotropic {young = 200e9, poisson = 0, density = 8000}}
+    return part, mesh
+  end
+
+  it("stretches as a bar does", function()
+    local part, mesh = bar()
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1e6, 0, 0}}
+    local static = assert(part:solve())
+    -- u = F L / (E A), sigma = F / A
+    check.near(1e6 / (200e9 * 0.01), static.displacement:column(1):max(), 1e-9)
+    check.near(1e8, static.von_mises:mean(), 1e-9)
+    check.near(1e8, static.element_max_principal:max(), 1e-9)
+    check.near(1e8, static.principal:column(1):min(), 1e-9)
+    check.near(0.5 * 1e6 * 1e6 / (200e9 * 0.01), static.energy, 1e-9)
+    check.near(static.energy, static.element_energy:sum(), 1e-9)
+    check.near(-1e6, static:reaction_on(mesh.boundary:below(1, 0))[1], 1e-9)
+    local relative, elements = static:error_estimate()
+    assert.truthy(relative < 1e-6)
+    assert.equal(mesh.element_count, #elements)
+    assert.equal(mesh, static.mesh)
+    assert.truthy(static.residual < 1e-9)
+    assert.equal(static.stress, static.stress) -- kept, not computed again
+  end)
+
+  it("takes loads of every kind, with their resultants", function()
+    local part, mesh = bar()
+    local tip = mesh.boundary:above(1, 1)
+    part:fix(mesh.boundary:below(1, 0))
+    part:gravity {0, -10, 0}
+    part:load {on = tip, pressure = 1e5}
+    part:load {on = tip, traction = {0, 0, 1e5}}
+    part:load {on = tip, torque = {100, 0, 0}}
+    part:load {nodal = bw.array.zeros(mesh.node_count, 3)}
+    part:temperature(10, 1e-5)
+    local loads = part.loads
+    assert.equal(6, #loads)
+    check.near(-800, loads[1].resultant[2], 1e-9)
+    check.near(-1000, loads[2].resultant[1], 1e-9)
+    check.near(1000, loads[3].resultant[3], 1e-9)
+    check.near(100, loads[4].moment[1], 1e-9)
+    assert.truthy(tostring(part):find "gravity")
+    assert.truthy(tostring(part):find "torque")
+    part:clear_loads()
+    assert.equal(0, #part.loads)
+    assert.equal(0, part:force_vector():norm())
+  end)
+
+  it("expands freely when it is warmed", function()
+    local part, mesh = bar()
+    part:temperature(50, 1e-5)
+    local static = assert(part:solve())
+    local x = static.displacement:column(1)
+    check.near(50 * 1e-5, x:max() - x:min(), 1e-9)
+    assert.truthy(static.von_mises:max() < 1) -- Pa, against 1e8 were it held
+    assert(mesh)
+  end)
+
+  it("slides and is pushed by prescribed displacement", function()
+    local part, mesh = bar()
+    local all = mesh.boundary
+    part:slide(all:below(1, 0)):slide(all:below(2, 0), {0, 1, 0}):slide(all:below(3, 0))
+    part:prescribe(all:above(1, 1), {1e-3, false, false})
+    local static = assert(part:solve())
+    check.near(200e9 * 1e-3, static.von_mises:max(), 1e-9)
+    local field = assert(part.clear_supports(part) and mesh.nodes:map "a*1e-3")
+    part:prescribe(all, field)
+    check.near(200e6, assert(part:solve()).element_principal:column(3):min(), 1e-9)
+    check.raises("displacement: {x, y, z}", part.prescribe, part, all, {1, true, 0})
+  end)
+
+  it("names what is free", function()
+    local part, mesh = bar()
+    assert.equal(6, #part:free_motions())
+    part:load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
+    local value, message, details = part:solve()
+    check.fails("free", "translation", value, message, details)
+    assert.equal(6, details.motions)
+    local relieved = assert(part:solve {inertia_relief = true})
+    assert.truthy(relieved.von_mises:max() > 0)
+    part:slide(mesh.boundary:below(1, 0))
+    assert.equal(3, #part:free_motions())
+  end)
+
+  it("solves a balanced load on a free body exactly", function()
+    local part, mesh = bar()
+    part:load {on = mesh.boundary:above(1, 1), force = {1e6, 0, 0}}
+    part:load {on = mesh.boundary:below(1, 0), force = {-1e6, 0, 0}}
+    check.near(1e8, assert(part:solve()).element_von_mises:min(), 1e-9)
+  end)
+
+  it("rings at the pitch of a free bar", function()
+    local part = bar(2)
+    local modes = assert(part:modes {count = 8})
+    assert.equal(6, modes.rigid_count)
+    assert.is_true(modes.counted)
+    assert.equal(8, #modes)
+    -- longitudinal: c / 2L = 2500 Hz with Poisson's ratio 0
+    local nearest = (modes.frequencies - 2500):map("abs(a)"):min()
+    assert.truthy(nearest < 5, tostring(modes.frequencies))
+    assert.equal(3, modes:shape(1).column_count)
+    assert.truthy(modes.residuals:max() < 1e-6)
+    check.raises("a number from 1 to 8", modes.shape, modes, 9)
+    local laplacian = assert(part:modes {count = 3, laplacian = true})
+    check.near(math.pi ^ 2, laplacian.eigenvalues[1], 0.01)
+    assert.is_nil(laplacian.frequencies)
+  end)
+
+  it("gives its system, which solves for forces", function()
+    local part, mesh = bar()
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1e6, 0, 0}}
+    local static = assert(part:solve())
+    local system = assert(part:system())
+    local u = assert(system:solve(part:force_vector()))
+    assert.truthy((u - static.displacement):norm() < 1e-12 * u:norm())
+    assert.equal(0, system.motion_count)
+    assert.truthy(system.times.factor_entries > 0)
+    local stress = bw.element_stress(mesh, part.material, u)
+    check.near(1e8, bw.von_mises(stress):max(), 1e-9)
+    check.near(1e8, bw.max_principal(stress):max(), 1e-9)
+    check.near(1e8, bw.principal(stress)(1, 1), 1e-9)
+    check.near(1e8, bw.von_mises(bw.nodal_stress(mesh, part.material, u)):max(), 1e-9)
+  end)
+
+  it("writes files and pictures", function()
+    local part, mesh = bar()
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {0, 0, -1e3}}
+    local folder = check.folder()
+    local static = assert(part:solve())
+    assert(static:write(folder .. "/s.vtu"))
+    local _, file = assert(bw.mesh.read(folder .. "/s.vtu"))
+    assert.equal(static.displacement:tostring "<f8", file.fields.displacement:tostring "<f8")
+    assert(static:picture(folder .. "/s.png", {width = 300, height = 200}))
+    assert(static:picture(folder .. "/u.png", {field = "displacement", width = 300, height = 200}))
+    assert.equal("\137PNG", check.read(folder .. "/s.png"):sub(1, 4))
+    assert(part:write_inp(folder .. "/s.inp"))
+    assert.truthy(check.read(folder .. "/s.inp"):find "%*STATIC")
+    local modes = assert(part:modes {count = 2})
+    assert(modes:write(folder .. "/m.vtu"))
+    assert(modes:picture(1, folder .. "/m.png", {width = 300, height = 200}))
+    assert(mesh:picture(folder .. "/mesh.png", {width = 300, height = 200}))
+    assert(mesh:surface():picture(folder .. "/surface.png", {width = 300, height = 200}))
+    check.raises("did you mean 'von_mises'", static.picture, static, folder .. "/x.png",
+      {field = "vonmises"})
+    check.fails("io", "/no/such", static:write "/no/such/folder/s.vtu")
+  end)
+
+  it("raises for misuse", function()
+    local part, mesh = bar()
+    check.raises("unknown option 'mateial': did you mean 'material'?", bw.model,
+      {mesh = mesh, mateial = bw.material.pla})
+    check.raises("an open mesh expected, got surface", bw.model,
+      {mesh = mesh:surface(), material = bw.material.pla})
+    check.raises("one of force, traction", part.load, part, {on = mesh.boundary})
+    check.raises("one of force, traction", part.load, part, {on = mesh.boundary, force = {1, 0, 0},
+      pressure = 3})
+    check.raises("option 'on': an open selection expected, got mesh", part.load, part,
+      {on = mesh, pressure = 3})
+    check.raises("option 'force': three finite numbers", part.load, part,
+      {on = mesh.boundary, force = 3})
+    check.raises("'about' belongs to a torque", part.load, part,
+      {on = mesh.boundary, force = {1, 0, 0}, about = {0, 0, 0}})
+    check.raises("a model has no 'slove': did you mean 'solve'?", function() part:slove() end)
+    mesh:close()
+    check.raises("closed", function() return mesh.volume end)
+    check.raises("an open mesh expected", bw.model, {mesh = mesh, material = bw.material.pla})
+    assert.equal("mesh (closed)", tostring(mesh))
+    assert.truthy(part.mesh.volume > 0) -- the model keeps what it depends on
+  end)
+end)

@@ -1,0 +1,92 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Every bound name is in the stubs and in the reference, and the stubs name nothing that is not there.
+local bw = require "barwright"
+local core = require "barwright.core"
+local check = require "check"
+package.path = check.root .. "/scripts/docs/?.lua;" .. package.path
+local stubs = require "stubs"
+
+local documented = stubs.names(check.read(check.root .. "/lua/stubs/barwright.lua"))
+local reference = check.read(check.root .. "/docs/reference.md")
+
+local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
+  selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
+  modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
+  pressure_basis = "bw.PressureBasis"}
+
+local function keys(...)
+  local out = {}
+  for _, t in ipairs {...} do
+    for name in pairs(t) do
+      if type(name) == "string" and not name:match "^__" then out[name] = true end
+    end
+  end
+  return out
+end
+
+-- Both ways, with the names that differ in the message.
+local function same(bound, class, also)
+  local stub = assert(documented[class], class .. " is not in the stubs")
+  local missing, unbound = {}, {}
+  for name in pairs(bound) do
+    if not stub[name] then missing[#missing + 1] = name end
+    assert.truthy(reference:find(name, 1, true), name .. " is not in docs/reference.md")
+  end
+  for name in pairs(stub) do
+    if not bound[name] and not (also and also[name]) then unbound[#unbound + 1] = name end
+  end
+  table.sort(missing)
+  table.sort(unbound)
+  assert.equal("", table.concat(missing, " "), "not in the stubs: " .. class)
+  assert.equal("", table.concat(unbound, " "), "in the stubs but not bound: " .. class)
+end
+
+describe("the stubs", function()
+  it("hold the module", function()
+    same(keys(bw), "bw")
+    same(keys(bw.array), "bw.ArrayModule")
+    same(keys(bw.surface), "bw.SurfaceModule")
+    same(keys(bw.mesh), "bw.MeshModule")
+    same(keys(bw.json), "bw.JsonModule")
+    same({open = true, peak_memory = true}, "bw.ResultsModule")
+    local library = {}
+    for _, name in ipairs(bw.material.names()) do library[name] = true end
+    same(keys(bw.material, library), "bw.MaterialModule")
+  end)
+
+  it("hold every class of the C module", function()
+    for name, meta in pairs(core.classes) do
+      if name ~= "locator" then
+        same(keys(meta.__methods, meta.__properties), assert(class_of[name], name))
+      end
+    end
+  end)
+
+  it("hold the classes written in Lua, with the fields of a result", function()
+    local part = bw.model {mesh = check.beam({6, 1, 1}), material = bw.material.pla}
+    local loads = {force = 1, pressure = 1e6}
+    local worst = assert(bw.worst_case(part, {force = 1, pressure = 1e6, modes = 2, regions = 1}))
+    local brute = assert(bw.brute_force(part, {force = 1, pressure = 1e6, elements = 2}))
+    local drops = assert(bw.drop_test(part, {drops = 2}))
+    local function inner(object)
+      local out = keys(object, getmetatable(object))
+      out.analyse, out.solved = nil, nil
+      return out
+    end
+    same(inner(worst), "bw.WorstCase")
+    same(inner(brute), "bw.BruteForce")
+    same(inner(drops), "bw.DropTest")
+    assert(loads)
+    local results = assert(bw.results.open(check.folder()))
+    local bound = keys(results, getmetatable(results))
+    bound.open, bound.peak_memory = nil, nil
+    same(bound, "bw.Results")
+  end)
+
+  it("make the reference, which is up to date", function()
+    local path = check.folder() .. "/reference.md"
+    local status, _, message = check.run("'" .. check.root .. "/scripts/docs/reference.lua' " .. path)
+    assert.equal(0, status, message)
+    assert.equal(check.read(path), reference)
+  end)
+end)
