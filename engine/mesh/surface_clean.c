@@ -82,19 +82,22 @@ static bool same_turn(const int32_t *a, const int32_t *b) {
   return false;
 }
 
-/* Edges that would not have two facets when the facets with `weight` 0 went and the others stayed.
- */
-static int64_t bad_edges(const bwi_topology *topology, const int32_t *patch, int32_t which,
-                         const uint8_t *weight, const int64_t *edges, int64_t count) {
+/* Of a patch's edges, those where other facets join it, and that would not have two facets if the
+ * patch's facets counted `weight` times. */
+static int64_t bad_rim(const bwi_topology *topology, const int32_t *patch, int32_t which,
+                       const uint8_t *keep, int weight, const int64_t *edges, int64_t count) {
   int64_t bad = 0;
   for (int64_t i = 0; i < count; i++) {
     int64_t e = edges[i];
-    int facets = 0;
+    int own = 0, others = 0;
     for (int64_t s = topology->start[e]; s < topology->start[e + 1]; s++) {
       int32_t t = (int32_t)(topology->side[s] / 3);
-      facets += patch[t] == which ? weight[t] : weight[t] > 0;
+      if (patch[t] == which)
+        own += keep[t];
+      else
+        others += keep[t];
     }
-    bad += facets != 2 && facets != 0;
+    bad += others > 0 && others + weight * own != 2;
   }
   return bad;
 }
@@ -110,10 +113,9 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
       BW_NEW0(context, int32_t, facets);             /* first ones: copies one way less the other */
   int32_t *patch = BW_NEW(context, int32_t, facets); /* facets back to back, joined by edges */
   uint8_t *keep = BW_NEW(context, uint8_t, facets);
-  uint8_t *none = BW_NEW(context, uint8_t, facets);
   uint8_t *doubled = BW_NEW0(context, uint8_t, facets);
   int64_t *edges = NULL, *first = NULL;
-  if (!same || !balance || !patch || !keep || !none || !doubled) {
+  if (!same || !balance || !patch || !keep || !doubled) {
     status = BW_MEMORY;
     goto done;
   }
@@ -145,12 +147,9 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
       before = t;
     }
   }
-  memcpy(none, keep, (size_t)facets);
   for (int32_t t = 0; t < facets; t++) {
     bool wall = keep[t] && doubled[t] && balance[t] == 0;
     patch[t] = wall ? bwi_set_root(patch, t) : -1;
-    if (wall)
-      none[t] = 0;
   }
   /* The edges of each patch, listed together by sorting (patch, edge) with counting. */
   first = BW_NEW0(context, int64_t, (size_t)facets + 1);
@@ -178,8 +177,8 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
     int64_t start = p ? first[p - 1] : 0, count = first[p] - start;
     if (count == 0)
       continue;
-    int64_t bad_one = bad_edges(topology, patch, p, keep, edges + start, count);
-    int64_t bad_none = bad_edges(topology, patch, p, none, edges + start, count);
+    int64_t bad_one = bad_rim(topology, patch, p, keep, 1, edges + start, count);
+    int64_t bad_none = bad_rim(topology, patch, p, keep, 0, edges + start, count);
     doubled[p] = bad_none < bad_one ? 2 : 1; /* p is the first facet of its patch */
   }
   for (int32_t t = 0; t < facets; t++)
@@ -194,7 +193,6 @@ done:
   bw_free(balance);
   bw_free(patch);
   bw_free(keep);
-  bw_free(none);
   bw_free(doubled);
   bw_free(edges);
   bw_free(first);

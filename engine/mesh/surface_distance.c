@@ -61,8 +61,8 @@ static bw_status measure(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-static bw_status one_sided_distance(bw_context *context, const bw_surface *from,
-                                    const bw_surface *to, double *distance) {
+bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, const bw_surface *to,
+                                 double *distance) {
   bw_status status = BW_OK;
   bwi_tree *tree = NULL;
   int64_t chunks = from->triangle_count / GRAIN + 1;
@@ -89,8 +89,8 @@ bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw
     return bw_fail(context, BW_EMPTY,
                    "the distance to a surface without facets (%d and %d facets) is not defined",
                    a->triangle_count, b->triangle_count);
-  BW_TRY(one_sided_distance(context, a, b, &there));
-  BW_TRY(one_sided_distance(context, b, a, &back));
+  BW_TRY(bwi_one_sided_distance(context, a, b, &there));
+  BW_TRY(bwi_one_sided_distance(context, b, a, &back));
   *distance = there > back ? there : back;
 done:
   return status;

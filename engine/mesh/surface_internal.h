@@ -23,6 +23,13 @@ double bwi_facet_volume(const double *point, const int32_t *triangle, const doub
 bw_status bwi_weld_map(bw_context *context, int64_t points, const double *point,
                        const uint8_t *used, double tolerance, int32_t *to, int32_t *count);
 
+/* The largest distance from samples of one surface to another. */
+bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, const bw_surface *to,
+                                 double *distance);
+/* How far the outside moved: the distance from `after` to `before`, and back from those samples of
+ * `before` that do not lie inside `after`. Inner walls that went do not count. */
+bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const bw_surface *after,
+                            double *moved);
 /* Give the facets of a surface just made, which has no groups, the groups of the nearest facets. */
 bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surface *to);
 

@@ -60,11 +60,17 @@ static bw_status look(repairer *r) {
   if (status != BW_OK)
     return status;
   bw_surface_report report;
-  BW_TRY(bw_surface_check(r->context, r->now, 1, &report));
+  BW_TRY(bw_surface_check(r->context, r->now, 0, &report));
   bw_surface_report_clear(&r->report);
   r->report = report;
 done:
   return status;
+}
+
+/* Steps that take inner walls out move the outside little, and that is what counts. */
+static bool outside_only(const char *name) {
+  return strcmp(name, "union") == 0 || strcmp(name, "drop duplicates") == 0 ||
+         strcmp(name, "drop walls") == 0;
 }
 
 /* Take a step's result over. With a name, log it with the distance it moved. */
@@ -75,7 +81,8 @@ static bw_status take(repairer *r, bw_surface *next, const char *name, int64_t c
   BW_TRY(bwi_take_groups(r->context, r->now, next));
   if (name) {
     if (next->triangle_count && r->now->triangle_count)
-      BW_TRY(bw_surface_distance(r->context, r->now, next, &moved));
+      BW_TRY(outside_only(name) ? bwi_moved_outside(r->context, r->now, next, &moved)
+                                : bw_surface_distance(r->context, r->now, next, &moved));
     if (moved < 1e-12 * r->diagonal) /* rounding in the measurement */
       moved = 0;
     bw_shape_log_add(r->log, name, count, moved, "%lld %s", (long long)count, text);

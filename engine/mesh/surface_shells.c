@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "mesh/predicates.h"
+#include "mesh/surface_internal.h"
 #include "mesh/surface_topology.h"
 
 enum { SAMPLES = 5, DIRECTIONS = 12 };
@@ -56,15 +57,11 @@ static bool cross(void *data, int32_t facet) {
   return true;
 }
 
-/* The shells that a segment from the middle of a facet to the outside crosses. */
-static bw_status count_crossings(crossing *c, const bwi_tree *tree, int32_t facet, double size) {
-  const int32_t *corner = c->topology->corner + 3 * (int64_t)facet;
-  const double *point = c->topology->point;
+/* The shells that a segment from a point to the outside crosses. */
+static bw_status count_crossings(crossing *c, const bwi_tree *tree, const double from[3],
+                                 double size) {
   double *p = c->p, *q = c->q;
-  for (int i = 0; i < 3; i++)
-    p[i] = (point[3 * (int64_t)corner[0] + i] + point[3 * (int64_t)corner[1] + i] +
-            point[3 * (int64_t)corner[2] + i]) /
-           3;
+  memcpy(p, from, 3 * sizeof *p);
   for (int d = 0; d < DIRECTIONS; d++) {
     /* directions on a spiral: none lies along a grid or a plane of symmetry */
     double z = 0.83 - 1.61 * (d + 0.37) / DIRECTIONS, r = sqrt(1 - z * z),
@@ -80,6 +77,13 @@ static bw_status count_crossings(crossing *c, const bwi_tree *tree, int32_t face
       break;
   }
   return c->status;
+}
+
+static void facet_middle(const double *point, const int32_t *corner, double middle[3]) {
+  for (int i = 0; i < 3; i++)
+    middle[i] = (point[3 * (int64_t)corner[0] + i] + point[3 * (int64_t)corner[1] + i] +
+                 point[3 * (int64_t)corner[2] + i]) /
+                3;
 }
 
 bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, const uint8_t *closed,
@@ -136,7 +140,10 @@ bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, co
     size_t listed = 0;
     c.own = s;
     for (int k = 0; k < SAMPLES; k++) {
-      BW_TRY(count_crossings(&c, tree, sample[SAMPLES * (int64_t)s + k], size));
+      double middle[3];
+      int64_t facet = sample[SAMPLES * (int64_t)s + k];
+      facet_middle(topology->point, topology->corner + 3 * facet, middle);
+      BW_TRY(count_crossings(&c, tree, middle, size));
       if (c.unclear)
         continue; /* the sample touches another shell whatever the direction: it says nothing */
       decided++;
@@ -170,5 +177,51 @@ done:
   bw_free(c.hits);
   bw_free(list);
   bwi_tree_free(tree);
+  return status;
+}
+
+bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const bw_surface *after,
+                            double *moved) {
+  bw_status status = BW_OK;
+  bwi_topology *topology = NULL;
+  bwi_tree *tree = NULL;
+  uint8_t *flat = NULL;
+  crossing c = {.context = context, .own = -1};
+  double worst = 0, size = 2 * (bwi_surface_diagonal(before) + bwi_surface_diagonal(after));
+  int32_t hint = -1;
+  BW_TRY(bwi_one_sided_distance(context, after, before, &worst));
+  BW_TRY(bwi_topology_create(context, after, &topology));
+  c.topology = topology;
+  flat = BW_NEW(context, uint8_t, topology->facets);
+  if (!flat) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bwi_flat_facets(context, topology, flat));
+  BW_TRY(
+      bwi_tree_create(context, topology->point, topology->facets, topology->corner, flat, &tree));
+  for (int64_t t = 0; t < before->triangle_count; t++) {
+    const int32_t *corner = before->triangle + 3 * t;
+    if (t % 1024 == 0)
+      BW_TRY(bw_check_cancel(context));
+    for (int s = 0; s < 4; s++) { /* the middle, and points near the corners */
+      double x[3], place[3];
+      facet_middle(before->point, corner, x);
+      for (int k = 0; k < 3 && s > 0; k++)
+        x[k] += 0.99 * (before->point[3 * (int64_t)corner[s - 1] + k] - x[k]);
+      double far = bwi_tree_nearest(tree, x, hint, worst * worst, place, &hint);
+      if (far <= worst * worst)
+        continue;
+      BW_TRY(count_crossings(&c, tree, x, size));
+      if (c.unclear || c.count % 2 == 0)
+        worst = sqrt(far);
+    }
+  }
+  *moved = worst;
+done:
+  bwi_topology_free(topology);
+  bwi_tree_free(tree);
+  bw_free(flat);
+  bw_free(c.hits);
   return status;
 }
