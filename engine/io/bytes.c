@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -256,6 +257,19 @@ bw_status bwi_read_real(bwi_cursor *cursor, double *value, const char *what) {
       !ends_word(cursor, after))
     return fail_number(cursor, what);
   cursor->at = after;
+  return BW_OK;
+}
+
+bw_status bwi_read_any_real(bwi_cursor *cursor, double *value, const char *what) {
+  bwi_word word = bwi_peek_word(cursor);
+  const unsigned char *after;
+  if (bwi_parse_real(word.at, word.at + word.length, value, &after) != BWI_NOT_FINITE)
+    return bwi_read_real(cursor, value, what);
+  bwi_next_word(cursor, &word);
+  bool negative = *word.at == '-', sign = negative || *word.at == '+';
+  unsigned char first = word.at[sign] | 0x20;
+  bool infinite = first == 'i' || (word.at[sign] >= '0' && word.at[sign] <= '9');
+  *value = infinite ? (negative ? -HUGE_VAL : HUGE_VAL) : (double)NAN;
   return BW_OK;
 }
 

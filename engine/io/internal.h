@@ -56,6 +56,8 @@ const char *bwi_show(bwi_word word);
  * finite values only. */
 bw_status bwi_read_real(bwi_cursor *cursor, double *value, const char *what);
 bw_status bwi_read_integer(bwi_cursor *cursor, int64_t *value, const char *what);
+/* The same with NaN and infinities let through, which fields may hold. */
+bw_status bwi_read_any_real(bwi_cursor *cursor, double *value, const char *what);
 /* A count, which `least` bytes each of the rest of the file must be able to hold. */
 bw_status bwi_read_count(bwi_cursor *cursor, size_t least, int64_t *value, const char *what);
 /* The same test for a count that was read otherwise. */
@@ -129,6 +131,7 @@ bw_status bwi_off_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
 bw_status bwi_off_write(bw_writer *writer, const bw_surface *surface);
 bw_status bwi_ply_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);
 bw_status bwi_ply_write(bw_writer *writer, const bw_surface *surface, bool ascii);
+bw_status bwi_medit_write(bw_writer *writer, const bw_mesh *mesh);
 bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh);
 
 #endif

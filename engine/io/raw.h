@@ -71,8 +71,6 @@ void bwi_ids_clear(bwi_ids *ids);
 /* Readers. They fill raw, and *format with a static string. */
 bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format);
 bw_status bwi_msh_read(bwi_cursor *cursor, bwi_raw *raw, const char **format);
-bw_status bwi_msh22_read(bwi_cursor *cursor, bool binary, bwi_raw *raw);
-bw_status bwi_msh41_read(bwi_cursor *cursor, bool binary, bwi_raw *raw);
 bw_status bwi_medit_read(bwi_cursor *cursor, bwi_raw *raw, const char **format);
 bw_status bwi_inp_read(bwi_cursor *cursor, bwi_raw *raw, const char **format);
 bw_status bwi_tetgen_read(bwi_cursor *node, bwi_cursor *ele, bwi_raw *raw, const char **format);
@@ -80,6 +78,12 @@ bw_status bwi_tetgen_read(bwi_cursor *node, bwi_cursor *ele, bwi_raw *raw, const
 /* Writers that open and commit on their own. */
 bw_status bwi_vtu_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
                         const bw_field *fields);
+bw_status bwi_msh41_write(bw_context *context, const bw_mesh *mesh, const char *path,
+                          int field_count, const bw_field *fields);
+bw_status bwi_tetgen_write(bw_context *context, const bw_mesh *mesh, const char *node_path,
+                           const char *ele_path);
+bw_status bwi_msh_write_surface(bw_context *context, const bw_surface *surface, const char *path,
+                                bool ascii);
 
 /* Fields whose rows fit the mesh; BW_INVALID names the one that does not. (fields.c) */
 bw_status bwi_check_fields(bw_context *context, int64_t points, int64_t elements, int field_count,

@@ -132,6 +132,36 @@ bw_status bwi_fail_unknown(bwi_cursor *cursor, const char *considered) {
                        bwi_show((bwi_word){cursor->at, left < 41 ? left : 41}), considered);
 }
 
+/* The path with another ending of the same kind of file; release with bw_free. */
+static char *with_ending(bw_context *context, const char *path, const char *ending) {
+  size_t stem = (size_t)(bwi_ending(path) - path), length = strlen(ending);
+  char *other = BW_NEW(context, char, stem + length + 1);
+  if (other) {
+    memcpy(other, path, stem);
+    memcpy(other + stem, ending, length + 1);
+  }
+  return other;
+}
+
+/* From two files in memory, named for messages after `name`. */
+static bw_status tetgen_pair(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
+  bw_status status = BW_OK;
+  bool is_node = has_ending(cursor->name, "node");
+  unsigned char *bytes = NULL;
+  size_t count;
+  char *other = with_ending(cursor->context, cursor->name, is_node ? "ele" : "node");
+  if (!other)
+    return BW_MEMORY;
+  bwi_cursor second;
+  BW_TRY(bw_read_file(cursor->context, other, &bytes, &count));
+  bwi_cursor_init(&second, cursor->context, other, bytes, count);
+  BW_TRY(bwi_tetgen_read(is_node ? cursor : &second, is_node ? &second : cursor, raw, format));
+done:
+  bw_free(other);
+  bw_free(bytes);
+  return status;
+}
+
 /* Formats of meshes. *known is false when the format is none of them. */
 static bw_status read_raw(bwi_cursor *cursor, bwi_format kind, bwi_raw *raw, const char **format,
                           bool *known) {
@@ -139,6 +169,14 @@ static bw_status read_raw(bwi_cursor *cursor, bwi_format kind, bwi_raw *raw, con
   switch (kind) {
   case BWI_VTU:
     return bwi_vtu_read(cursor, raw, format);
+  case BWI_MSH:
+    return bwi_msh_read(cursor, raw, format);
+  case BWI_MEDIT:
+    return bwi_medit_read(cursor, raw, format);
+  case BWI_INP:
+    return bwi_inp_read(cursor, raw, format);
+  case BWI_TETGEN:
+    return tetgen_pair(cursor, raw, format);
   default:
     *known = false;
     return BW_OK;
@@ -240,6 +278,18 @@ bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *pa
                         const bw_field *fields) {
   if (has_ending(path, "vtu"))
     return bwi_vtu_write(context, mesh, path, field_count, fields);
+  if (has_ending(path, "msh"))
+    return bwi_msh41_write(context, mesh, path, field_count, fields);
+  if (has_ending(path, "mesh"))
+    return write_plain(context, path, bwi_medit_write, mesh);
+  if (has_ending(path, "node") || has_ending(path, "ele")) {
+    char *node = with_ending(context, path, "node"), *ele = with_ending(context, path, "ele");
+    bw_status status =
+        node && ele ? bwi_tetgen_write(context, mesh, node, ele) : (bw_status)BW_MEMORY;
+    bw_free(node);
+    bw_free(ele);
+    return status;
+  }
   if (has_ending(path, "inp"))
     return write_plain(context, path, bwi_inp_write_mesh, mesh);
   return bw_fail(context, BW_INVALID,
@@ -267,6 +317,8 @@ bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const
   bool off = has_ending(path, "off"), ply = has_ending(path, "ply");
   if (has_ending(path, "vtu"))
     return bw_surface_write_vtu(context, surface, path, 0, NULL);
+  if (has_ending(path, "msh"))
+    return bwi_msh_write_surface(context, surface, path, ascii);
   if (!stl && !obj && !off && !ply)
     return bw_fail(context, BW_INVALID,
                    "%s: the ending '%s' names no format that surfaces are written in: use .stl "

@@ -275,20 +275,6 @@ static bw_status text_cursor(const bwi_cursor *cursor, const bwi_vtu_array *arra
   return bwi_check_count(text, count, 2, what);
 }
 
-/* NaN and infinities are let through where fields may hold them. */
-static bw_status text_real(bwi_cursor *text, bool finite, double *value) {
-  bwi_word word = bwi_peek_word(text);
-  const unsigned char *after;
-  double number;
-  if (finite || bwi_parse_real(word.at, word.at + word.length, &number, &after) != BWI_NOT_FINITE)
-    return bwi_read_real(text, value, "a number");
-  bwi_next_word(text, &word);
-  bool negative = *word.at == '-', sign = negative || *word.at == '+';
-  bool infinite = (word.at[sign] | 0x20) == 'i' || (word.at[sign] >= '0' && word.at[sign] <= '9');
-  *value = infinite ? (negative ? -HUGE_VAL : HUGE_VAL) : (double)NAN;
-  return BW_OK;
-}
-
 static bw_status expect_end(bwi_cursor *text, const bwi_vtu_array *array, uint64_t count) {
   if (!bwi_skip_space(text))
     return BW_OK;
@@ -313,7 +299,8 @@ bw_status bwi_vtu_reals(const bwi_cursor *cursor, const bwi_vtu_file *file,
   }
   for (uint64_t i = 0; i < count; i++) {
     if (array->form == BWI_VTU_ASCII)
-      BW_TRY(text_real(&text, finite, &made[i]));
+      BW_TRY(finite ? bwi_read_real(&text, &made[i], "a number")
+                    : bwi_read_any_real(&text, &made[i], "a number"));
     else if (array->type == BWI_VTK_F32)
       made[i] = (double)bwi_f32(bytes + 4 * i, cursor->swap);
     else

@@ -197,7 +197,7 @@ static void refusals(void **state) {
   static const char *const change[][3] = {
       {"'6' ", "'4000000000' ", "at most 2147483647"},
       {"'6' ", "'2000000000' ", "the number of values of 'a' is 6000000000, but only"},
-      {"'6' ", "'7' ", "the number of values of '' is 21, but only 35 bytes follow"},
+      {"'6' ", "'7' ", "the number of values of 'a' is 21, but only 35 bytes follow"},
       {"'6' ", "'5' ", "goes on behind the 15 numbers"},
       {"'6' ", "'x' ", "found NumberOfPoints=\"x\""},
       {"'3'", "'2000000000'", "the number of cells is"},

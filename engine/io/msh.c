@@ -1,0 +1,432 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Gmsh files of versions 2.2 and 4.1, text and binary: the sections that both have, and what an
+ * element becomes. A tetrahedron's region is its first physical group; every physical group is a
+ * named set, of elements in three dimensions, of nodes in fewer. Unknown sections are passed over.
+ */
+#include "io/msh.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- numbers ------------------------------------------------------------------------------------
+ */
+
+bw_status bwi_msh_fail(bwi_msh *msh, const char *format, ...) {
+  char text[600];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return msh->binary ? bwi_fail_byte(msh->cursor, "%s", text)
+                     : bwi_fail_line(msh->cursor, "%s", text);
+}
+
+bw_status bwi_msh_int(bwi_msh *msh, int64_t *value, const char *what) {
+  if (!msh->binary)
+    return bwi_read_integer(msh->cursor, value, what);
+  const unsigned char *bytes;
+  bw_status status = bwi_take(msh->cursor, 4, &bytes, what);
+  if (status == BW_OK)
+    *value = (int32_t)bwi_u32(bytes, msh->cursor->swap);
+  return status;
+}
+
+bw_status bwi_msh_size(bwi_msh *msh, int64_t *value, const char *what) {
+  bw_status status;
+  if (!msh->binary) {
+    status = bwi_read_integer(msh->cursor, value, what);
+  } else {
+    const unsigned char *bytes;
+    status = bwi_take(msh->cursor, 8, &bytes, what);
+    if (status == BW_OK)
+      *value = (int64_t)bwi_u64(bytes, msh->cursor->swap);
+  }
+  if (status == BW_OK && *value < 0)
+    status = bwi_msh_fail(msh, "%s is %lld: it cannot be negative", what, (long long)*value);
+  return status;
+}
+
+bw_status bwi_msh_real(bwi_msh *msh, double *value, const char *what) {
+  if (!msh->binary)
+    return bwi_read_real(msh->cursor, value, what);
+  const unsigned char *bytes;
+  bw_status status = bwi_take(msh->cursor, 8, &bytes, what);
+  if (status != BW_OK)
+    return status;
+  *value = bwi_f64(bytes, msh->cursor->swap);
+  if (!isfinite(*value)) {
+    msh->cursor->at = bytes;
+    return bwi_fail_byte(msh->cursor, "%s is %g: a finite number was expected", what, *value);
+  }
+  return BW_OK;
+}
+
+bw_status bwi_msh_check(bwi_msh *msh, int64_t count, size_t text, size_t binary, const char *what) {
+  return bwi_check_count(msh->cursor, (uint64_t)count, msh->binary ? binary : text, what);
+}
+
+/* ---- elements -----------------------------------------------------------------------------------
+ */
+
+int bwi_msh_width(int64_t type) {
+  static const int width[] = {0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
+                              8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
+  if (type == 92)
+    return 64;
+  if (type == 93)
+    return 125;
+  return type > 0 && type < (int64_t)(sizeof width / sizeof *width) ? width[type] : 0;
+}
+
+static int dimension_of(int64_t type) {
+  switch (type) {
+  case 15:
+    return 0;
+  case 1:
+  case 8:
+  case 26:
+  case 27:
+  case 28:
+    return 1;
+  case 2:
+  case 3:
+  case 9:
+  case 10:
+  case 16:
+  case 20:
+  case 21:
+  case 22:
+  case 23:
+  case 24:
+  case 25:
+    return 2;
+  default:
+    return 3;
+  }
+}
+
+static bw_status find_group(bwi_msh *msh, int64_t dimension, int64_t tag, bwi_msh_group **group) {
+  for (size_t i = 0; i <= msh->group_count; i++) {
+    size_t at = i == 0 ? msh->last_group : i - 1; /* most often the one of the element before */
+    if (at < msh->group_count && msh->group[at].tag == tag &&
+        msh->group[at].dimension == dimension) {
+      msh->last_group = at;
+      *group = &msh->group[at];
+      return BW_OK;
+    }
+  }
+  if (!bw_grow(msh->raw->context, (void **)&msh->group, &msh->group_capacity, msh->group_count, 1,
+               sizeof *msh->group))
+    return BW_MEMORY;
+  *group = &msh->group[msh->group_count++];
+  **group = (bwi_msh_group){dimension, tag, {msh->cursor->at, 0}, false, 0};
+  return BW_OK;
+}
+
+/* Enter an element, or the nodes of a lower one, into the sets of its physical groups. */
+static bw_status enter_sets(bwi_msh *msh, int dimension, const int32_t *member, int members,
+                            const int64_t *physical, size_t physical_count) {
+  bw_status status = BW_OK;
+  for (size_t i = 0; i < physical_count; i++) {
+    bwi_msh_group *group;
+    if (physical[i] == 0)
+      continue;
+    BW_TRY(find_group(msh, dimension, physical[i], &group));
+    if (!group->has_set) {
+      char text[60];
+      bwi_word name = group->name;
+      if (name.length == 0) {
+        int length =
+            snprintf(text, sizeof text, "physical_%d_%lld", dimension, (long long)physical[i]);
+        name = (bwi_word){(const unsigned char *)text, (size_t)length};
+      }
+      BW_TRY(bwi_raw_find_set(msh->raw, name, dimension == 3, &group->set));
+      group->has_set = true;
+    }
+    for (int k = 0; k < members; k++)
+      BW_TRY(bwi_raw_member(msh->raw, group->set, member[k]));
+  }
+done:
+  return status;
+}
+
+bw_status bwi_msh_element(bwi_msh *msh, int64_t id, int64_t type, const int64_t *node,
+                          const int64_t *physical, size_t physical_count) {
+  bw_status status = BW_OK;
+  bwi_raw *raw = msh->raw;
+  int width = bwi_msh_width(type), dimension = dimension_of(type);
+  int32_t corner[125];
+  for (int k = 0; k < width; k++) {
+    corner[k] = bwi_ids_find(&msh->nodes, node[k]);
+    if (corner[k] < 0)
+      return bwi_msh_fail(msh, "element %lld names node %lld, which the file does not define",
+                          (long long)id, (long long)node[k]);
+  }
+  int64_t region = physical_count ? physical[0] : 0;
+  if (region < INT32_MIN || region > INT32_MAX)
+    return bwi_msh_fail(msh, "element %lld is in the physical group %lld, beyond 32 bits",
+                        (long long)id, (long long)region);
+  if (type == 4 || type == 11) {
+    if (type == 11) { /* Gmsh has the middles of the edges 23 and 13 the other way round */
+      int32_t kept = corner[8];
+      corner[8] = corner[9];
+      corner[9] = kept;
+    }
+    if (!bw_grow(raw->context, (void **)&msh->tet_id, &msh->tet_capacity, raw->tet_count, 1,
+                 sizeof *msh->tet_id))
+      return BW_MEMORY;
+    msh->tet_id[raw->tet_count] = id;
+    BW_TRY(bwi_raw_tet(raw, width, corner, (int32_t)region));
+    int32_t element = (int32_t)raw->tet_count - 1;
+    BW_TRY(enter_sets(msh, 3, &element, 1, physical, physical_count));
+    return BW_OK;
+  }
+  int corners = type == 2 || type == 9 ? 3 : type == 3 || type == 10 || type == 16 ? 4 : 0;
+  if (corners)
+    BW_TRY(bwi_raw_facet(raw, (size_t)corners, corner, (int32_t)region));
+  else
+    raw->skipped++;
+  if (dimension < 3)
+    BW_TRY(enter_sets(msh, dimension, corner, width, physical, physical_count));
+done:
+  return status;
+}
+
+bw_status bwi_msh_nodes_done(bwi_msh *msh, int64_t *id, size_t count) {
+  int64_t twice = 0;
+  if (msh->nodes.id) {
+    bw_free(id);
+    return bwi_msh_fail(msh, "a second section of nodes");
+  }
+  bw_status status = bwi_ids_build(msh->raw->context, id, count, &msh->nodes, &twice);
+  return status == BW_FORMAT ? bwi_msh_fail(msh, "node %lld is defined twice", (long long)twice)
+                             : status;
+}
+
+/* ---- sections of both versions
+ * -------------------------------------------------------------------
+ */
+
+static bw_status read_format(bwi_msh *msh, int *version) {
+  bw_status status = BW_OK;
+  bwi_cursor *cursor = msh->cursor;
+  bwi_word word;
+  int64_t type, size;
+  bwi_next_word(cursor, &word);
+  *version = bwi_word_is(word, "2.2") || bwi_word_is(word, "2.1") || bwi_word_is(word, "2") ? 2
+             : bwi_word_is(word, "4.1")                                                     ? 4
+                                                                                            : 0;
+  if (*version == 0)
+    BW_TRY(bwi_fail_word(cursor, word, "version 2.2 or 4.1 of the MSH format"));
+  BW_TRY(bwi_read_integer(cursor, &type, "0 (text) or 1 (binary)"));
+  BW_TRY(bwi_read_integer(cursor, &size, "the size of a number (8)"));
+  if (type < 0 || type > 1 || (type == 1 && size != 8))
+    BW_TRY(bwi_fail_line(cursor,
+                         "file type %lld with numbers of %lld bytes: 0 (text), or 1 (binary) with "
+                         "8 was expected",
+                         (long long)type, (long long)size));
+  msh->binary = type == 1;
+  if (msh->binary) {
+    const unsigned char *bytes;
+    bwi_skip_line(cursor);
+    BW_TRY(bwi_take(cursor, 4, &bytes, "the number 1 that shows the byte order"));
+    cursor->swap = bwi_u32(bytes, false) != 1;
+    if (bwi_u32(bytes, cursor->swap) != 1)
+      BW_TRY(bwi_fail_byte(cursor, "found %u where the number 1 shows the byte order",
+                           bwi_u32(bytes, false)));
+  }
+done:
+  return status;
+}
+
+static bw_status read_physical_names(bwi_msh *msh) {
+  bw_status status = BW_OK;
+  bwi_cursor *cursor = msh->cursor, line;
+  int64_t count, dimension, tag;
+  BW_TRY(bwi_read_count(cursor, 6, &count, "the number of physical names"));
+  bwi_skip_line(cursor);
+  for (int64_t i = 0; i < count; i++) {
+    if (!bwi_next_line(cursor, &line))
+      BW_TRY(bwi_fail_word(cursor, (bwi_word){cursor->end, 0}, "a physical name"));
+    BW_TRY(bwi_read_integer(&line, &dimension, "the dimension of a physical name"));
+    BW_TRY(bwi_read_integer(&line, &tag, "the number of a physical name"));
+    const unsigned char *open = memchr(line.at, '"', bwi_left(&line));
+    const unsigned char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;
+    if (!close)
+      BW_TRY(bwi_fail_word(&line, bwi_peek_word(&line), "a name in quotation marks"));
+    bwi_msh_group *group;
+    BW_TRY(find_group(msh, dimension, tag, &group));
+    group->name = (bwi_word){open + 1, (size_t)(close - open - 1)};
+  }
+done:
+  return status;
+}
+
+static bw_status read_value(bwi_msh *msh, double *value) {
+  if (!msh->binary)
+    return bwi_read_any_real(msh->cursor, value, "a value");
+  const unsigned char *bytes;
+  bw_status status = bwi_take(msh->cursor, 8, &bytes, "a value");
+  if (status == BW_OK)
+    *value = bwi_f64(bytes, msh->cursor->swap);
+  return status;
+}
+
+/* $NodeData and $ElementData: name, components and rows in the header; the rows carry tags. A field
+ * on fewer than half of the nodes or tetrahedra is passed over; what else is missing is NaN. */
+static bw_status read_data(bwi_msh *msh, bool nodes) {
+  bw_status status = BW_OK;
+  bwi_cursor *cursor = msh->cursor, line;
+  bwi_raw *raw = msh->raw;
+  bwi_word name = {(const unsigned char *)"data", 4};
+  bw_array *array = NULL;
+  int64_t count, integer[3] = {0, 1, 0}, id;
+  double unused;
+  BW_TRY(bwi_read_count(cursor, 2, &count, "the number of string tags"));
+  bwi_skip_line(cursor);
+  for (int64_t i = 0; i < count; i++) {
+    if (!bwi_next_line(cursor, &line))
+      BW_TRY(bwi_fail_word(cursor, (bwi_word){cursor->end, 0}, "a string tag"));
+    bwi_skip_blank(&line);
+    const unsigned char *end = line.end;
+    while (end > line.at && end[-1] <= ' ')
+      end--;
+    bool quoted = end - line.at >= 2 && *line.at == '"' && end[-1] == '"';
+    if (i == 0)
+      name = (bwi_word){line.at + quoted, (size_t)(end - line.at) - (quoted ? 2 : 0)};
+  }
+  BW_TRY(bwi_read_count(cursor, 2, &count, "the number of real tags"));
+  for (int64_t i = 0; i < count; i++)
+    BW_TRY(bwi_read_real(cursor, &unused, "a real tag"));
+  BW_TRY(bwi_read_count(cursor, 2, &count, "the number of integer tags"));
+  for (int64_t i = 0; i < count; i++)
+    BW_TRY(bwi_read_integer(cursor, i < 3 ? &integer[i] : &id, "an integer tag"));
+  int64_t columns = integer[1], given = integer[2];
+  if (columns < 1 || columns > 9 || given < 0)
+    BW_TRY(bwi_fail_line(cursor, "%lld rows of %lld components: 1 to 9 were expected",
+                         (long long)given, (long long)columns));
+  if (msh->binary)
+    bwi_skip_line(cursor);
+  BW_TRY(bwi_msh_check(msh, given, 2 + 2 * (size_t)columns, 4 + 8 * (size_t)columns,
+                       "the number of rows"));
+  size_t rows = nodes ? raw->point_count : raw->tet_count;
+  bool wanted = rows > 0 && (uint64_t)given >= rows / 2;
+  if (!nodes && wanted && !msh->elements.id) {
+    int64_t *copy = BW_NEW(raw->context, int64_t, raw->tet_count), twice;
+    if (!copy) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    memcpy(copy, msh->tet_id, raw->tet_count * sizeof *copy);
+    status = bwi_ids_build(raw->context, copy, raw->tet_count, &msh->elements, &twice);
+    if (status == BW_FORMAT)
+      bwi_msh_fail(msh, "element %lld is defined twice", (long long)twice);
+    if (status != BW_OK)
+      goto done;
+  }
+  if (wanted)
+    BW_TRY(bw_array_create(raw->context, BW_F64, (int64_t)rows, columns, &array));
+  for (size_t i = 0; wanted && i < rows * (size_t)columns; i++)
+    ((double *)array->data)[i] = (double)NAN;
+  for (int64_t i = 0; i < given; i++) {
+    BW_TRY(bwi_msh_int(msh, &id, "the number of a node or element"));
+    int32_t row = wanted ? bwi_ids_find(nodes ? &msh->nodes : &msh->elements, id) : -1;
+    for (int64_t j = 0; j < columns; j++) {
+      double value;
+      BW_TRY(read_value(msh, &value));
+      if (row >= 0)
+        ((double *)array->data)[(int64_t)row * columns + j] = value;
+    }
+  }
+  if (wanted) {
+    status = bwi_raw_add_field(raw, name, nodes ? BW_ON_NODES : BW_ON_ELEMENTS, array);
+    array = NULL;
+  } else {
+    raw->skipped++;
+  }
+done:
+  bw_release(array);
+  return status;
+}
+
+static bw_status end_section(bwi_cursor *cursor, const char *name) {
+  char text[40];
+  bwi_word word;
+  snprintf(text, sizeof text, "$End%s", name);
+  bwi_next_word(cursor, &word);
+  return bwi_word_is(word, text) ? BW_OK : bwi_fail_word(cursor, word, text);
+}
+
+/* Past "$EndNAME"; a section that does not end is an error. */
+static bw_status skip_section(bwi_cursor *cursor, bwi_word name) {
+  char text[80];
+  if (name.length < 2 || name.length > 60)
+    return bwi_fail_word(cursor, name, "a section ('$Nodes', '$Elements', ...)");
+  snprintf(text, sizeof text, "$End%.*s", (int)name.length - 1, (const char *)name.at + 1);
+  const unsigned char *found = bwi_find(cursor, text);
+  if (!found)
+    return bwi_fail_line(cursor, "the section '%s' has no '%s'", bwi_show(name), text);
+  for (; cursor->at < found; cursor->at++)
+    cursor->line += *cursor->at == '\n';
+  cursor->at += strlen(text);
+  return BW_OK;
+}
+
+static bw_status read_section(bwi_msh *msh, int *version, bwi_word word) {
+  static const struct {
+    const char *name;
+    bw_status (*read22)(bwi_msh *), (*read41)(bwi_msh *);
+  } section[] = {{"PhysicalNames", read_physical_names, read_physical_names},
+                 {"Entities", NULL, bwi_msh41_entities},
+                 {"Nodes", bwi_msh22_nodes, bwi_msh41_nodes},
+                 {"Elements", bwi_msh22_elements, bwi_msh41_elements}};
+  bw_status status = BW_OK;
+  bwi_word name = {word.at + 1, word.length - 1};
+  if (bwi_word_is(name, "MeshFormat")) {
+    BW_TRY(read_format(msh, version));
+    return end_section(msh->cursor, "MeshFormat");
+  }
+  for (size_t i = 0; i < sizeof section / sizeof *section; i++) {
+    bw_status (*read)(bwi_msh *) = *version == 2 ? section[i].read22 : section[i].read41;
+    if (!bwi_word_is(name, section[i].name) || !read)
+      continue;
+    if (*version == 0)
+      return bwi_fail_line(msh->cursor, "the section '%s' stands before $MeshFormat",
+                           bwi_show(word));
+    bwi_skip_line(msh->cursor);
+    BW_TRY(read(msh));
+    return end_section(msh->cursor, section[i].name);
+  }
+  bool nodes = bwi_word_is(name, "NodeData");
+  if (*version && (nodes || bwi_word_is(name, "ElementData"))) {
+    BW_TRY(read_data(msh, nodes));
+    return end_section(msh->cursor, nodes ? "NodeData" : "ElementData");
+  }
+  return skip_section(msh->cursor, word);
+done:
+  return status;
+}
+
+bw_status bwi_msh_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
+  bw_status status = BW_OK;
+  bwi_msh msh = {.cursor = cursor, .raw = raw};
+  int version = 0;
+  bwi_word word;
+  while (bwi_next_word(cursor, &word)) {
+    if (*word.at != '$')
+      BW_TRY(bwi_fail_word(cursor, word, "a section ('$Nodes', '$Elements', ...)"));
+    BW_TRY(read_section(&msh, &version, word));
+    BW_TRY(bw_check_cancel(cursor->context));
+  }
+  *format = version == 2 ? (msh.binary ? "MSH 2.2 binary" : "MSH 2.2")
+                         : (msh.binary ? "MSH 4.1 binary" : "MSH 4.1");
+done:
+  bwi_ids_clear(&msh.nodes);
+  bwi_ids_clear(&msh.elements);
+  bw_free(msh.tet_id);
+  bw_free(msh.group);
+  bw_free(msh.entity);
+  bw_free(msh.physical);
+  return status;
+}

@@ -1,0 +1,304 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* MSH, MEDIT, TetGen and INP: round trips, hand-written variants, refusals, memory. */
+#include "mesh_check.h"
+
+static bw_status parse(bw_context *context, const char *name, const char *text,
+                       bw_mesh_file *file) {
+  return bw_mesh_parse(context, name, (const unsigned char *)text, strlen(text), file);
+}
+
+static void write_as(bw_context *context, const sample *s, const char *name, const char *path) {
+  if (strcmp(name, "22.msh") == 0)
+    check_ok(context, bw_msh22_write(context, s->mesh, path, FIELDS, s->field));
+  else
+    check_ok(context, bw_mesh_write(context, s->mesh, path, FIELDS, s->field));
+}
+
+static void round_trips(void **state) {
+  bw_context *context = check_context(state);
+  static const char *const name[] = {"a.msh", "22.msh", "a.mesh", "a.node", "a.ele", "a.inp"};
+  for (int order = 1; order <= 2; order++)
+    for (int regions = 0; regions < 2; regions++)
+      for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
+        char path[300], other[300];
+        bw_mesh_file file;
+        sample s = make_sample(context, order, regions == 1);
+        bool inp = strcmp(name[i], "a.inp") == 0;
+        if (inp) { /* 20 characters to a number: sixteen digits of 1e4 fit, seventeen of 1e-17 not
+                    */
+          bw_mesh *plain;
+          check_ok(context, bw_mesh_box_grid(context, (double[3]){0, 0, 0}, (double[3]){1, 2, 0.5},
+                                             (int[3]){2, 2, 2}, order, &plain));
+          bw_mesh *tagged;
+          check_ok(context, bw_mesh_copy(context, order, plain->node_count, plain->node,
+                                         plain->element_count, plain->element,
+                                         s.mesh->region ? s.mesh->region : NULL, &tagged));
+          bw_release(plain);
+          bw_release(s.mesh);
+          s.mesh = tagged;
+          check_ok(context, bw_mesh_write(context, s.mesh, temporary(path, name[i]), 0, NULL));
+        } else {
+          write_as(context, &s, name[i], temporary(path, name[i]));
+        }
+        check_ok(context, bw_mesh_read(context, path, &file));
+        if (inp) {
+          assert_null(file.mesh->region);
+          assert_int_equal(file.set_count, regions ? 5 : 2); /* NALL, EALL, REGION_1 to 3 */
+          assert_int_equal(file.set[0].count, s.mesh->node_count);
+          assert_int_equal(file.set[1].count, s.mesh->element_count);
+          assert_memory_equal(s.mesh->node, file.mesh->node, 24 * (size_t)s.mesh->node_count);
+          assert_memory_equal(s.mesh->element, file.mesh->element,
+                              4 * (size_t)(s.mesh->element_count * s.mesh->nodes_per_element));
+        } else {
+          same_mesh(s.mesh, file.mesh);
+        }
+        if (strstr(name[i], ".msh")) {
+          same_field(&file, &s.field[0], true);
+          same_field(&file, &s.field[2], false);
+          same_field(&file, &s.field[3], false);
+          assert_int_equal(file.set_count, regions ? 3 : 0);
+        }
+        bw_mesh_file_clear(&file);
+        free_sample(&s);
+        unlink(path);
+        unlink(temporary(other, "a.node"));
+        unlink(temporary(other, "a.ele"));
+      }
+}
+
+/* Tags that Gmsh cannot have as groups come back through the field "region". */
+static void msh_negative_regions(void **state) {
+  bw_context *context = check_context(state);
+  sample s = make_sample(context, 1, true);
+  bw_mesh *mesh;
+  bw_mesh_file file;
+  char path[300];
+  int32_t *region = malloc(sizeof *region * (size_t)s.mesh->element_count);
+  for (int i = 0; i < s.mesh->element_count; i++)
+    region[i] = i % 3 - 1;
+  check_ok(context, bw_mesh_copy(context, 1, s.mesh->node_count, s.mesh->node,
+                                 s.mesh->element_count, s.mesh->element, region, &mesh));
+  for (int i = 0; i < 2; i++) {
+    temporary(path, "n.msh");
+    check_ok(context, i ? bw_msh22_write(context, mesh, path, 0, NULL)
+                        : bw_mesh_write(context, mesh, path, 0, NULL));
+    check_ok(context, bw_mesh_read(context, path, &file));
+    same_mesh(mesh, file.mesh);
+    assert_int_equal(file.field_count, 0);
+    bw_mesh_file_clear(&file);
+  }
+  unlink(path);
+  free(region);
+  bw_release(mesh);
+  free_sample(&s);
+}
+
+static const char msh22[] =
+    "$MeshFormat\r\n2.2 0 8\r\n$EndMeshFormat\r\n$Comments\nhello $Nodes\n$EndComments\n"
+    "$PhysicalNames\n3\n2 7 \"clamped face\"\n3 5 \"body\"\n3 9 \"unused\"\n$EndPhysicalNames\n"
+    "$Nodes\n6\n10 0 0 0\n20 1 0 0\n30 0 1 0\n40 0 0 1\n50 1 1 1\n60 7 7 7\n$EndNodes\n"
+    "$Elements\n5\n1 15 2 0 1 10\n2 2 2 7 1 10 20 30\n3 4 2 5 1 10 20 30 40\n"
+    "4 4 3 5 1 0 20 30 40 50\n5 1 0 10 20\n$EndElements\n"
+    "$NodeData\n1\n\"T\"\n1\n0.5\n3\n0\n1\n6\n10 1\n20 2\n30 3\n40 4\n50 5\n60 6\n$EndNodeData\n"
+    "$ElementData\n1\n\"E\"\n0\n3\n0\n3\n2\n4 1 2 3\n3 4 5 6\n$EndElementData\n";
+
+static void msh22_text(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh_file file;
+  check_ok(context, parse(context, "a.msh", msh22, &file));
+  assert_string_equal(file.info.format, "MSH 2.2");
+  assert_int_equal(file.mesh->node_count, 5);
+  assert_int_equal(file.mesh->element_count, 2);
+  assert_int_equal(file.mesh->region[1], 5);
+  assert_int_equal(file.info.skipped, 3);
+  assert_int_equal(file.set_count, 2);
+  assert_string_equal(file.set[0].name, "clamped face");
+  assert_int_equal(file.set[0].count, 3);
+  assert_false(file.set[0].of_elements);
+  assert_string_equal(file.set[1].name, "body");
+  assert_int_equal(file.set[1].member[1], 1);
+  assert_true(bw_array_get(file.field_array[0], 4, 0) == 5);
+  assert_true(bw_array_get(file.field_array[1], 0, 2) == 6);
+  bw_mesh_file_clear(&file);
+}
+
+static void refuse(void **state, const char *name, const char *text, const char *message) {
+  bw_context *context = check_context(state);
+  bw_mesh_file file;
+  check_fails(context, BW_FORMAT, message, parse(context, name, text, &file));
+  assert_null(file.mesh);
+}
+
+#define MSH "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+#define MSH4 "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+
+static void msh_refusals(void **state) {
+  refuse(state, "a.msh", "$MeshFormat\n3.0 0 8\n", "a.msh:2: found '3.0'");
+  refuse(state, "a.msh", "$MeshFormat\n4.1 1 4\n", "numbers of 4 bytes");
+  refuse(state, "a.msh", "$Nodes\n1\n", "no format that is read here");
+  refuse(state, "a.msh", MSH "$Nodes\n4000000000\n1 0 0 0\n", "a.msh:5: the number of nodes is 4");
+  refuse(state, "a.msh", MSH "$Nodes\n1\n1 0 0 nan\n", "a.msh:6: a coordinate of a node is 'nan'");
+  refuse(state, "a.msh", MSH "$Nodes\n2\n1 0 0 0\n1 0 0 1\n$EndNodes\n", "node 1 is defined twice");
+  refuse(state, "a.msh", MSH "$Nodes\n1\n1 0 0 0\n$EndNode\n", "found '$EndNode'");
+  refuse(state, "a.msh", MSH "$Foo\n1\n", "'$Foo' has no '$EndFoo'");
+  refuse(state, "a.msh", MSH "$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n", "names node 1");
+  refuse(state, "a.msh", MSH "$Elements\n9999\n1 4 0 1 2 3 4\n$EndElements\n", "is 9999, but only");
+  refuse(state, "a.msh", MSH "$Elements\n1\n1 444 0 1 2 3 4\n$EndElements\n", "unknown type 444");
+  refuse(state, "a.msh", MSH4 "$Nodes\n1 99999999 1 1\n3 1 0 2\n",
+         "the number of nodes is 99999999");
+  refuse(state, "a.msh", MSH4 "$Nodes\n1 1 1 1\n3 1 0 2\n1\n2\n", "a block of 2 nodes");
+  refuse(state, "a.msh", MSH4 "$Elements\n1 1 1 1\n3 1 4 99999\n1 1 2 3 4\n", "is 99999, but only");
+  refuse(state, "a.msh", MSH4 "$Entities\n99999999 0 0 0\n1\n", "99999999");
+  refuse(state, "a.msh", MSH, "holds no tetrahedra");
+}
+
+static void medit_text(void **state) {
+  bw_context *context = check_context(state);
+  static const char text[] =
+      "# comment\nmeshversionformatted 1\n\nDimension\n3\nVertices 5\n0 0 0 1\n1 0 0 2\n0 1 0 3\n"
+      "0 0 1 4\n1 1 1 0\nCorners 2\n1 2\nTriangles\n1\n1 2 3 4\nTetrahedra\n2\n1 2 3 4 -7\n"
+      "2 3 4 5 9\nRequiredVertices\n1\n3\nEnd";
+  bw_mesh_file file;
+  check_ok(context, parse(context, "a.mesh", text, &file));
+  assert_int_equal(file.mesh->element_count, 2);
+  assert_int_equal(file.mesh->region[0], -7);
+  assert_int_equal(file.info.skipped, 1);
+  bw_mesh_file_clear(&file);
+  refuse(state, "a.mesh", "MeshVersionFormatted 2\nDimension 2\n", "a.mesh:2: a mesh in 2");
+  refuse(state, "a.mesh", "MeshVersionFormatted 2\nVertices 2000000000\n0 0 0 0\n",
+         "the number of vertices is 2000000000");
+  refuse(state, "a.mesh", "MeshVersionFormatted 2\nTetrahedra 1\n1 2 3 4 0\n",
+         "names vertex 1, but there are 0");
+  refuse(state, "a.mesh", "MeshVersionFormatted 2\n!\n", "found '!'");
+}
+
+/* The two files written out, read by either name. */
+static void tetgen_text(void **state) {
+  bw_context *context = check_context(state);
+  char node[300], ele[300];
+  bw_mesh_file file;
+  FILE *out = fopen(temporary(node, "t.node"), "w");
+  fputs("# x\n4 3 2 1\n0 0 0 0 1.5 -2 7\n1 1 0 0 1 1 8\n\n2 0 1 0 1 1 9\n3 0 0 1 1 nan 10 # y\n",
+        out);
+  fclose(out);
+  out = fopen(temporary(ele, "t.ele"), "w");
+  fputs("1 4 2\n0 0 1 2 3 17 0.25\n", out);
+  fclose(out);
+  for (int i = 0; i < 2; i++) {
+    check_ok(context, bw_mesh_read(context, i ? ele : node, &file));
+    assert_int_equal(file.mesh->region[0], 17);
+    assert_int_equal(file.field_count, 5);
+    assert_string_equal(file.field_name[0], "attribute_1");
+    assert_true(bw_array_get(file.field_array[1], 0, 0) == -2);
+    assert_string_equal(file.field_name[2], "marker");
+    assert_true(bw_array_get(file.field_array[2], 3, 0) == 10);
+    assert_true(bw_array_get(file.field_array[4], 0, 0) == 0.25);
+    bw_mesh_file_clear(&file);
+  }
+  out = fopen(ele, "w");
+  fputs("1 4 0\n0 0 1 2 4\n", out);
+  fclose(out);
+  check_fails(context, BW_FORMAT, "t.ele:2: element 0 names point 4",
+              bw_mesh_read(context, node, &file));
+  out = fopen(ele, "w");
+  fputs("100000000 4 0\n0 0 1 2 3\n", out);
+  fclose(out);
+  check_fails(context, BW_FORMAT, "t.ele:2: the number of elements is 100000000",
+              bw_mesh_read(context, node, &file));
+  unlink(ele);
+  check_fails(context, BW_IO, "t.ele: cannot be read", bw_mesh_read(context, node, &file));
+  unlink(node);
+}
+
+static void inp_text(void **state) {
+  bw_context *context = check_context(state);
+  static const char text[] =
+      "** comment\n*Heading\n a title\n*NODE, nset=All\n 1 , 0.,0,0\n2,1.,0.0D0,\n3,0,1,0,\n"
+      "** more\n40,0,0,1\n50,1,1,1\n*Element, Type=c3d10,\n elset=none\n*ELEMENT,TYPE=C3D4, "
+      "ELSET=Eall\n1,1,2,\n3,40\n12, 2,3,40,50\n*ELEMENT,TYPE=B31\n7,1,2\n*NSET,NSET=ends\n1,50,\n"
+      "*NSET, NSET=range, GENERATE\n2,42,2\n*Nset, nset=both\nends, RANGE\n*ELSET,ELSET=E,GENERATE"
+      "\n12,12\n*MATERIAL,NAME=x\n*ELASTIC\n1,2\n*STEP\n";
+  bw_mesh_file file;
+  check_ok(context, parse(context, "a.inp", text, &file));
+  assert_int_equal(file.mesh->node_count, 5);
+  assert_int_equal(file.mesh->element_count, 2);
+  assert_int_equal(file.info.skipped, 1);
+  static const struct {
+    const char *name;
+    int count, last;
+  } set[] = {{"All", 5, 4},   {"Eall", 2, 1}, {"ends", 2, 4},
+             {"range", 2, 3}, {"both", 4, 4}, {"E", 1, 1}};
+  for (size_t i = 0; i < sizeof set / sizeof *set; i++) {
+    bool found = false;
+    for (int k = 0; k < file.set_count; k++)
+      if (strcmp(file.set[k].name, set[i].name) == 0) {
+        found = true;
+        assert_int_equal(file.set[k].count, set[i].count);
+        assert_int_equal(file.set[k].member[set[i].count - 1], set[i].last);
+      }
+    assert_true(found);
+  }
+  bw_mesh_file_clear(&file);
+}
+
+static void inp_refusals(void **state) {
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n*INCLUDE, INPUT=b.inp\n",
+         "a.inp:3: *INCLUDE: other files are not read in");
+  refuse(state, "a.inp", "*NODE\n1,0,x,0\n", "a.inp:2: found 'x'");
+  refuse(state, "a.inp", "*NODE\n1,0,inf,0\n", "a.inp:2: found 'inf'");
+  refuse(state, "a.inp", "*NODE\nx,0,0,0\n", "a.inp:2: found 'x' where the number of a node");
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n",
+         "a.inp:4: element 1 names node 2");
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n1,0,0,0\n*NSET,NSET=a\n1\n", "node 1 is defined twice");
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n*ELEMENT,TYPE=C3D4\n1,1,1\n", "an element of 3 numbers");
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n*NSET,NSET=a,GENERATE\n5,1\n", "GENERATE from 5 to 1");
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n*NSET,NSET=a\nb\n", "found 'b'");
+  refuse(state, "a.inp", "*NODE\n1,0,0,0\n", "holds no tetrahedra");
+}
+
+/* A failure inside the mesh names the file as well. */
+static void flat_element(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh_file file;
+  check_fails(context, BW_GEOMETRY, "a.mesh: ",
+              parse(context, "a.mesh",
+                    "MeshVersionFormatted 2\nVertices 4\n0 0 0 0\n1 0 0 0\n"
+                    "0 1 0 0\n1 1 0 0\nTetrahedra 1\n1 2 3 4 0\n",
+                    &file));
+  check_fails(context, BW_FORMAT, "read it as a surface",
+              parse(context, "a.stl", "solid\nendsolid\n", &file));
+}
+
+static void out_of_memory(void **state) {
+  bw_context *context = check_context(state);
+  sample s = make_sample(context, 1, true);
+  static const char *const name[] = {"m.msh", "m.mesh", "m.node", "m.inp"};
+  char path[300];
+  for (size_t i = 0; i < 4; i++) {
+    for (int writing = 1; writing >= 0; writing--)
+      for (int64_t n = 1;; n++) {
+        bw_mesh_file file = {0};
+        temporary(path, name[i]);
+        bw_fail_allocation(n, true);
+        bw_status status = writing ? bw_mesh_write(context, s.mesh, path, FIELDS, s.field)
+                                   : bw_mesh_read(context, path, &file);
+        bw_fail_allocation(0, false);
+        bw_mesh_file_clear(&file);
+        if (status == BW_OK)
+          break;
+        assert_int_equal(status, BW_MEMORY);
+      }
+    unlink(path);
+  }
+  unlink(temporary(path, "m.ele"));
+  free_sample(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(round_trips),  check_test(msh_negative_regions),
+                                     check_test(msh22_text),   check_test(msh_refusals),
+                                     check_test(medit_text),   check_test(tetgen_text),
+                                     check_test(inp_text),     check_test(inp_refusals),
+                                     check_test(flat_element), check_test(out_of_memory)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,111 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* One input through the readers, as the fuzzers and the replay test do it. What comes back is
+ * either an object or a failure with a message; either way nothing may be left. */
+#ifndef PARSE_BYTES_H
+#define PARSE_BYTES_H
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "barwright.h"
+#include "io/raw.h"
+
+static inline void parse_require(int condition) {
+  if (!condition)
+    abort();
+}
+
+static inline bw_context *parse_context(void) {
+  static bw_context *context;
+  if (!context) {
+    context = bw_context_create();
+    parse_require(context != NULL && bw_set_threads(context, 1) == BW_OK);
+  }
+  bw_clear_failure(context);
+  bw_clear_remarks(context);
+  return context;
+}
+
+static inline bw_status parse_surface(const char *name, const unsigned char *bytes, size_t count) {
+  bw_context *context = parse_context();
+  bw_surface *surface = NULL;
+  bw_read_info info;
+  bw_status status = bw_surface_parse(context, name, bytes, count, &surface, &info);
+  parse_require((status == BW_OK) == (surface != NULL));
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  parse_require(!surface || surface->triangle_count > 0);
+  bw_release(surface);
+  return status;
+}
+
+static inline bw_status parse_mesh(const char *name, const unsigned char *bytes, size_t count) {
+  bw_context *context = parse_context();
+  bw_mesh_file file;
+  bw_status status = bw_mesh_parse(context, name, bytes, count, &file);
+  parse_require((status == BW_OK) == (file.mesh != NULL));
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  for (int i = 0; file.mesh && i < file.field_count; i++)
+    parse_require(
+        file.field_array[i]->rows ==
+        (file.field_place[i] == BW_ON_NODES ? file.mesh->node_count : file.mesh->element_count));
+  for (int i = 0; file.mesh && i < file.set_count; i++)
+    for (int64_t k = 0; k < file.set[i].count; k++)
+      parse_require(file.set[i].member[k] >= 0 &&
+                    file.set[i].member[k] < (file.set[i].of_elements ? file.mesh->element_count
+                                                                     : file.mesh->node_count));
+  bw_mesh_file_clear(&file);
+  return status;
+}
+
+/* TetGen's two files in one: .node, a line "----", .ele. */
+static inline bw_status parse_tetgen(const unsigned char *bytes, size_t count) {
+  static const char mark[] = "----\n";
+  const unsigned char *cut = count ? memmem(bytes, count, mark, sizeof mark - 1) : NULL;
+  bw_context *context = parse_context();
+  bwi_cursor node, ele;
+  bwi_raw raw;
+  bw_mesh_file file;
+  const char *format;
+  size_t first = cut ? (size_t)(cut - bytes) : count;
+  bwi_cursor_init(&node, context, "a.node", bytes, first);
+  bwi_cursor_init(&ele, context, "a.ele", cut ? cut + sizeof mark - 1 : bytes,
+                  cut ? count - first - (sizeof mark - 1) : 0);
+  bwi_raw_init(&raw, context, "a.node");
+  memset(&file, 0, sizeof file);
+  bw_status status = bwi_tetgen_read(&node, &ele, &raw, &format);
+  if (status == BW_OK)
+    status = bwi_raw_mesh(&raw, format, &file);
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  bwi_raw_clear(&raw);
+  bw_mesh_file_clear(&file);
+  return status;
+}
+
+/* By the name of the format: "stl", "msh", ... The bytes are copied to a block of their exact
+ * size, so that the address sanitizer sees a read past the end. */
+static inline void parse_bytes(const char *format, const unsigned char *bytes, size_t count) {
+  char name[32];
+  unsigned char *copy = malloc(count ? count : 1);
+  parse_require(copy != NULL);
+  if (count)
+    memcpy(copy, bytes, count);
+  int64_t blocks = bw_live_blocks();
+  parse_context();
+  blocks = bw_live_blocks() > blocks ? bw_live_blocks() : blocks;
+  snprintf(name, sizeof name, "a.%s", strcmp(format, "medit") == 0 ? "mesh" : format);
+  if (strcmp(format, "tetgen") == 0) {
+    parse_tetgen(copy, count);
+  } else {
+    parse_surface(name, copy, count);
+    bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||
+                        strcmp(format, "off") == 0 || strcmp(format, "ply") == 0;
+    if (!surface_only)
+      parse_mesh(name, copy, count);
+  }
+  bw_clear_remarks(parse_context());
+  parse_require(bw_live_blocks() <= blocks);
+  free(copy);
+}
+
+#endif
