@@ -99,6 +99,35 @@ end
 
 local surface = core.classes.surface.__methods
 
+-- ---- what a check and a repair found, in words ----
+
+function core.tables.surface_report:__tostring()
+  local lines = {("%s: %d shells, %s, volume %.6g m3, area %.6g m2"):format(
+    self.sound and "sound" or "not sound", self.shells, self.closed and "closed" or
+    ("open with %d holes"):format(self.holes), self.volume, self.area)}
+  local kinds = {}
+  for kind, count in pairs(self.count) do
+    if count > 0 then kinds[#kinds + 1] = ("  %s: %d"):format(kind, count) end
+  end
+  table.sort(kinds)
+  for _, line in ipairs(kinds) do lines[#lines + 1] = line end
+  for i = 1, math.min(5, #self.defects) do
+    local d = self.defects[i]
+    lines[#lines + 1] = ("  %s at facet %d, (%.6g, %.6g, %.6g) m"):format(d.kind, d.facet,
+      table.unpack(d.at))
+  end
+  return table.concat(lines, "\n")
+end
+
+function core.tables.shape_log:__tostring()
+  if #self.steps == 0 then return "nothing was changed" end
+  local lines = {}
+  for i, step in ipairs(self.steps) do lines[i] = ("%s: %s"):format(step.name, step.text) end
+  return table.concat(lines, "\n")
+end
+
+-- ---- pictures ----
+
 --- A shaded picture; options of bw.picture (values over points or facets).
 function surface:picture(path, given)
   return core.picture(self, path, given)

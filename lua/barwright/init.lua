@@ -30,12 +30,6 @@ local bw = {
 }
 require "barwright.fields"
 
--- bw.array{1, 2, 3} is short for bw.array.new{1, 2, 3}.
-setmetatable(bw.array, {__call = function(_, ...) return core.array.new(...) end})
-
--- bw.material.steel: looked up in the library by name; an unknown name raises and names the nearest.
-setmetatable(bw.material, {__index = function(_, name) return core.material.named(name) end})
-
 --- "0.1.0", and the commit it was built from ("" when it was not known).
 function bw.version()
   return core.version, core.commit

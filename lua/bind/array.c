@@ -147,6 +147,12 @@ static int array_new(lua_State *L) {
   return 1;
 }
 
+/* array{...}: the module table itself is called */
+static int module_call(lua_State *L) {
+  lua_remove(L, 1);
+  return array_new(L);
+}
+
 /* array.zeros(rows, columns, type) */
 static int array_zeros(lua_State *L) {
   lua_Integer rows = luaL_checkinteger(L, 1), columns = luaL_optinteger(L, 2, 1);
@@ -570,6 +576,10 @@ void lbw_open_array(lua_State *L) {
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   lbw_add_array_functions(L);
+  lua_createtable(L, 0, 1);
+  lua_pushcfunction(L, module_call);
+  lua_setfield(L, -2, "__call");
+  lua_setmetatable(L, -2);
   lua_setfield(L, -2, "array");
   lua_pushcfunction(L, core_base64);
   lua_setfield(L, -2, "base64");

@@ -171,6 +171,7 @@ void lbw_push_shape_log(lua_State *L, const bw_shape_log *log) {
     lua_rawseti(L, -2, i + 1);
   }
   lua_setfield(L, -2, "steps");
+  luaL_setmetatable(L, "barwright.shape_log");
 }
 
 /* ---- fields of files ------------------------------------------------------------------------- */

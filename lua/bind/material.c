@@ -89,6 +89,12 @@ static int material_named(lua_State *L) {
   return leave(L, box, out, status);
 }
 
+/* material.steel: looked up in the library when the module has no such function */
+static int module_index(lua_State *L) {
+  lua_remove(L, 1);
+  return material_named(L);
+}
+
 /* material.names(): the library's names */
 static int material_names(lua_State *L) {
   lua_newtable(L);
@@ -312,5 +318,9 @@ void lbw_open_material(lua_State *L) {
   lbw_class_register(L, &lbw_material_class);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
+  lua_createtable(L, 0, 1);
+  lua_pushcfunction(L, module_index);
+  lua_setfield(L, -2, "__index");
+  lua_setmetatable(L, -2);
   lua_setfield(L, -2, "material");
 }

@@ -326,6 +326,12 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lua_setfield(L, -2, "commit");
   lua_newtable(L); /* class name -> metatable, filled by lbw_class_register */
   lua_setfield(L, -2, "classes");
+  lua_newtable(L); /* metatables of tables that the engine's answers come in */
+  luaL_newmetatable(L, "barwright.shape_log");
+  lua_setfield(L, -2, "shape_log");
+  luaL_newmetatable(L, "barwright.surface_report");
+  lua_setfield(L, -2, "surface_report");
+  lua_setfield(L, -2, "tables");
   lbw_open_array(L);
   lbw_open_surface(L);
   lbw_open_mesh(L);

@@ -399,6 +399,7 @@ static void push_report(lua_State *L, const bw_surface_report *report) {
     lua_rawseti(L, -2, i + 1);
   }
   lua_setfield(L, -2, "defects");
+  luaL_setmetatable(L, "barwright.surface_report");
 }
 
 /* The report's list of defects must go even when building the table runs out of memory. */

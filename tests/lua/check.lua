@@ -73,10 +73,10 @@ function check.folder()
 end
 
 --- Runs the program; returns exit status, standard output, standard error.
-function check.run(arguments, before)
+function check.run(arguments, input)
   local folder = check.folder()
-  local _, _, status = os.execute(("%s BARWRIGHT_QUIET=1 '%s' %s >%s/out 2>%s/err </dev/null"):format(
-    before or "", check.program, arguments, folder, folder))
+  local _, _, status = os.execute(("BARWRIGHT_QUIET=1 '%s' %s >%s/out 2>%s/err <%s"):format(
+    check.program, arguments, folder, folder, input or "/dev/null"))
   return status, check.read(folder .. "/out"), check.read(folder .. "/err")
 end
 

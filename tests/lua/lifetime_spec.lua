@@ -1,0 +1,119 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Objects keep what they depend on, go when they are told or not needed, and a loop over big ones
+-- does not fill memory.
+local bw = require "barwright"
+local core = require "barwright.core"
+local check = require "check"
+
+local function settle()
+  collectgarbage()
+  collectgarbage()
+  return core.external()
+end
+
+describe("an object", function()
+  it("keeps what it depends on when that is closed first", function()
+    local mesh = check.beam({6, 2, 2})
+    local foot = mesh.boundary:below(1, 0)
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(foot):load {on = mesh.boundary:above(1, 1), force = {0, 0, -1}}
+    local nodes = mesh.nodes
+    local view = nodes:rows(2, 5):column(3)
+    local before = view:totable()
+    mesh:close()
+    foot:close()
+    nodes:close()
+    local static = assert(part:solve())
+    part:close()
+    collectgarbage()
+    assert.same(before, view:totable())
+    local u = static.displacement
+    local most = static.von_mises:max()
+    static:close()
+    collectgarbage()
+    assert.truthy(u:norm() > 0 and most > 0)
+  end)
+
+  it("survives any order of the collector, in both modes", function()
+    for _, mode in ipairs {"generational", "incremental"} do
+      collectgarbage(mode)
+      for _ = 1, 300 do
+        local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}}
+        local some = mesh.boundary:below(1, 0) | mesh.boundary:above(2, 1)
+        local column = mesh.nodes:column(1)
+        mesh = nil
+        assert(some.mesh.volume > 0 and column:sum() > 0 and mesh == nil)
+      end
+    end
+    collectgarbage "incremental"
+  end)
+
+  it("is released by close, by scope, and by the collector", function()
+    local bytes, blocks = settle()
+    do
+      local mesh <close> = check.beam()
+      local _ <close> = mesh.nodes
+      assert.truthy(core.external() > bytes)
+    end
+    local bytes_after, blocks_after = core.external()
+    assert.equal(bytes, bytes_after)
+    assert.equal(blocks, blocks_after)
+    for _ = 1, 50 do check.beam() end
+    bytes_after, blocks_after = settle()
+    assert.equal(bytes, bytes_after)
+    assert.equal(blocks, blocks_after)
+  end)
+
+  it("is the same as another box of the same thing", function()
+    local mesh = check.beam()
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    assert.equal(mesh, part.mesh)
+    assert.are_not.equal(mesh, check.beam())
+  end)
+end)
+
+describe("memory", function()
+  it("is not filled by a loop over meshes that are dropped", function()
+    settle()
+    local most = 0
+    for _ = 1, 60 do
+      -- about 15 MB each, 900 MB in all
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {24, 24, 24}}
+      assert(mesh.element_count > 0)
+      most = math.max(most, (core.external()))
+    end
+    assert.truthy(most < 300e6, ("%.0f MB at most"):format(most / 1e6))
+  end)
+
+  it("that runs out is told as nil, message, details; nothing leaks", function()
+    local mesh = check.beam({4, 1, 1})
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    assert(bw.worst_case(part, {force = 1, pressure = 1e6, modes = 1, regions = 1}))
+    local _, before = settle()
+    local step = os.getenv "BARWRIGHT_FULL" and 1 or 7
+    local n, failures = 1, 0
+    while true do
+      core.fail_allocation(n, true)
+      local fine, worst, message, details = pcall(function()
+        local fresh = bw.model {mesh = mesh, material = part.material}
+        if type(fresh) == "nil" then return nil, "not enough memory", {status = "memory"} end
+        return bw.worst_case(fresh, {force = 1, pressure = 1e6, modes = 1, regions = 1})
+      end)
+      core.fail_allocation(0, false)
+      if fine and worst then
+        worst:close()
+        break
+      end
+      failures = failures + 1
+      if fine then
+        assert.equal("memory", details.status, message)
+      end -- else a property, which can only raise
+      worst = nil
+      local _, after = settle()
+      assert.equal(before, after, "blocks after failure " .. n)
+      n = n + step
+      assert(n < 200000)
+    end
+    assert.truthy(failures > 10)
+  end)
+end)
