@@ -149,10 +149,11 @@ static bw_status add_columns(void *data, int64_t begin, int64_t end, int worker)
     while (add->runs[r].from + add->runs[r].length <= j)
       r++;
     int64_t column = add->runs[r].to + (j - add->runs[r].from);
-    double *target = column < add->pivots
-                         ? add->panel + column * add->rows
-                         : add->update + (column - add->pivots) * outer - add->pivots;
-    const double *source = add->from + j * add->size;
+    double *target =
+        column < add->pivots
+            ? add->panel + column * add->rows
+            : add->update + bwi_update_column(outer, column - add->pivots) - add->pivots;
+    const double *source = add->from + bwi_update_column(add->size, j);
     int64_t from = j, to = column, length = add->runs[r].length - (j - add->runs[r].from);
     for (int32_t q = r;;) {
       double *restrict a = target + to;
@@ -200,16 +201,18 @@ static bw_status add_child(const factorisation *f, int32_t s, int32_t child, wor
 
 typedef struct clearing {
   double *block;
-  int64_t ld;
-  bool lower;
+  int64_t rows;
+  bool update; /* an update matrix, else a panel */
 } clearing;
 
 static bw_status clear_columns(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const clearing *clear = data;
   for (int64_t j = begin; j < end; j++) {
-    int64_t first = clear->lower ? j : 0;
-    memset(clear->block + j * clear->ld + first, 0, (size_t)(clear->ld - first) * sizeof(double));
+    int64_t first = clear->update ? j : 0;
+    double *column = clear->block +
+                     (clear->update ? bwi_update_column(clear->rows, j) : j * clear->rows) + first;
+    memset(column, 0, (size_t)(clear->rows - first) * sizeof(double));
   }
   return BW_OK;
 }
@@ -221,7 +224,7 @@ static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *spac
   const bwi_symbolic *symbolic = f->symbolic;
   const bwi_order *order = symbolic->order;
   int32_t rows = symbolic->rows[s], pivots = bwi_pivots(symbolic, s), outer = rows - pivots;
-  int64_t numbers = (int64_t)outer * outer, children = 0;
+  int64_t numbers = bwi_update_size(outer), children = 0;
 
   for (int64_t k = order->row_start[s], offset = 0; k < order->row_start[s + 1]; k++) {
     int32_t p = order->row[k];
@@ -229,7 +232,7 @@ static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *spac
     offset += symbolic->first[p + 1] - symbolic->first[p];
   }
   double *panel = f->value ? f->value + symbolic->panel[s] : space->panel;
-  double *update = own ? bwi_numbers(context, numbers) : space->stack + space->fill;
+  double *update = own ? BW_NEW(context, double, numbers) : space->stack + space->fill;
   if (!update)
     return BW_MEMORY;
   clearing clear_panel = {panel, rows, false}, clear_update = {update, outer, true};
@@ -239,11 +242,10 @@ static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *spac
   add_matrix(f, s, space->local, panel, space->scale);
   for (int32_t c = f->child[s]; c >= 0; c = f->sibling[c]) {
     BW_TRY(add_child(f, s, c, space, panel, update));
-    int64_t size = symbolic->rows[c] - bwi_pivots(symbolic, c);
-    if (symbolic->task_of[c] >= 0 && f->update[c])
+    if (symbolic->task_of[c] >= 0)
       bw_free(f->update[c]);
     else
-      children += size * size;
+      children += bwi_update_size(symbolic->rows[c] - bwi_pivots(symbolic, c));
     f->update[c] = NULL;
   }
   bwi_front front = {.rows = rows,
@@ -286,7 +288,7 @@ static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
     if (task->stack > space->stack_size) {
       bw_free(space->stack);
       space->stack_size = 0;
-      space->stack = bwi_numbers(f->context, task->stack);
+      space->stack = BW_NEW(f->context, double, task->stack);
       if (!space->stack)
         return BW_MEMORY;
       space->stack_size = task->stack;
@@ -331,7 +333,7 @@ static bw_status factorise(factorisation *f) {
     space->local = BW_NEW(context, int32_t, order->size);
     space->runs = BW_NEW(context, run, symbolic->max_rows);
     space->scale = BW_NEW(context, double, symbolic->max_rows);
-    space->panel = f->value ? NULL : bwi_numbers(context, symbolic->max_panel);
+    space->panel = f->value ? NULL : BW_NEW(context, double, symbolic->max_panel);
     if (!space->local || !space->runs || !space->scale || (!f->value && !space->panel)) {
       status = BW_MEMORY;
       goto done;
@@ -344,7 +346,7 @@ static bw_status factorise(factorisation *f) {
     f->space[w].stack = NULL;
   }
   if (symbolic->top_count > 0) {
-    space->stack = bwi_numbers(context, symbolic->top_stack);
+    space->stack = BW_NEW(context, double, symbolic->top_stack);
     if (!space->stack) {
       status = BW_MEMORY;
       goto done;
@@ -412,7 +414,7 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
     return BW_MEMORY;
   bw_object_init(factor, &factor_kind);
   factor->symbolic = bw_retain(symbolic);
-  factor->value = bwi_numbers(context, symbolic->panel[symbolic->order->super_count]);
+  factor->value = BW_NEW(context, double, symbolic->panel[symbolic->order->super_count]);
   if (!factor->value) {
     status = BW_MEMORY;
     goto done;

@@ -74,7 +74,7 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
   while (most < BWI_MAX_WIDTH && most < count)
     most *= 2;
   transfer move = {.symbolic = symbolic, .numbering = numbering};
-  move.x = bwi_numbers(context, (int64_t)symbolic->unknowns * most);
+  move.x = BW_NEW(context, double, (int64_t)symbolic->unknowns *most);
   if (!move.x)
     return BW_MEMORY;
   for (int64_t done_count = 0; done_count < count; done_count += move.used) {

@@ -8,7 +8,9 @@
  * nearly every one) costs what Cholesky costs, and the few negative columns are put right by a
  * product of their own.
  *
- * Panels of WIDTH columns, left-looking; below the diagonal, and in the update matrix, tiles whose
+ * Two levels, both left-looking: blocks of TILE columns take all columns before them at once, in
+ * products large enough for the BLAS to run at full speed; within a block, panels of WIDTH columns
+ * take the columns of the block before them. Rows, and the update matrix, are cut into tiles whose
  * borders depend on the sizes only. No pivoting: the caller checks `weak`. */
 #include <math.h>
 #include <string.h>
@@ -16,7 +18,7 @@
 #include "solve/blas.h"
 #include "solve/internal.h"
 
-enum { WIDTH = 128, TILE = 512 };
+enum { WIDTH = 128, TILE = BWI_TILE };
 
 /* A pivot below this fraction of its diagonal entry's size has no digits left. */
 static const double weak_fraction = 1e-13;
@@ -27,8 +29,9 @@ typedef struct elimination {
   bwi_front *front;
   double *minus; /* rows x minus_count: the columns of L with a negative sign */
   int minus_count, minus_capacity;
-  int begin, end;   /* the panel at work */
-  int minus_before; /* negative columns before this panel */
+  int block, block_end; /* the block of columns at work */
+  int block_minus;      /* columns in `minus` when it began */
+  int begin, end;       /* the panel at work */
   uint8_t negative[WIDTH];
   int negative_here;
 } elimination;
@@ -81,6 +84,26 @@ static double *entry(const bwi_front *front, int row, int column) {
   return front->panel + (size_t)front->rows * (size_t)column + row;
 }
 
+static double *minus_row(const elimination *work, int row, int column) {
+  return work->minus + (size_t)work->front->rows * (size_t)column + row;
+}
+
+/* Rows of the block at work: subtract what all columns before the block contribute. */
+static bw_status block_rows(void *data, int64_t low, int64_t high, int worker) {
+  (void)worker;
+  elimination *work = data;
+  bwi_front *front = work->front;
+  int block = work->block, width = work->block_end - block, ld = front->rows;
+  int first = block + (int)low, rows = (int)(high - low);
+  double *target = entry(front, first, block);
+  dgemm_("N", "T", &rows, &width, &block, &minus_one, entry(front, first, 0), &ld,
+         entry(front, block, 0), &ld, &one, target, &ld);
+  if (work->minus_count > 0)
+    dgemm_("N", "T", &rows, &width, &work->minus_count, &two, minus_row(work, first, 0), &ld,
+           minus_row(work, block, 0), &ld, &one, target, &ld);
+  return BW_OK;
+}
+
 /* The diagonal block of the panel: bring it up to date and factor it. */
 static bw_status diagonal_block(bw_context *context, elimination *work) {
   bwi_front *front = work->front;
@@ -88,10 +111,13 @@ static bw_status diagonal_block(bw_context *context, elimination *work) {
   double *block = entry(front, begin, begin);
   memset(work->negative, 0, sizeof work->negative);
   work->negative_here = 0;
-  if (begin > 0)
-    dsyrk_("L", "N", &width, &begin, &minus_one, entry(front, begin, 0), &ld, &one, block, &ld);
-  if (work->minus_count > 0)
-    dsyrk_("L", "N", &width, &work->minus_count, &two, work->minus + begin, &ld, &one, block, &ld);
+  int done = begin - work->block, minus = work->minus_count - work->block_minus;
+  if (done > 0)
+    dsyrk_("L", "N", &width, &done, &minus_one, entry(front, begin, work->block), &ld, &one, block,
+           &ld);
+  if (minus > 0)
+    dsyrk_("L", "N", &width, &minus, &two, minus_row(work, begin, work->block_minus), &ld, &one,
+           block, &ld);
   if (front->signs) {
     double *copy = BW_NEW(context, double, (size_t)width *(size_t)width);
     if (!copy)
@@ -132,12 +158,13 @@ static bw_status panel_rows(void *data, int64_t low, int64_t high, int worker) {
   int begin = work->begin, width = work->end - begin, ld = front->rows;
   int first = work->end + (int)low, rows = (int)(high - low);
   double *target = entry(front, first, begin);
-  if (begin > 0)
-    dgemm_("N", "T", &rows, &width, &begin, &minus_one, entry(front, first, 0), &ld,
-           entry(front, begin, 0), &ld, &one, target, &ld);
-  if (work->minus_count > 0)
-    dgemm_("N", "T", &rows, &width, &work->minus_count, &two, work->minus + first, &ld,
-           work->minus + begin, &ld, &one, target, &ld);
+  int done = begin - work->block, minus = work->minus_count - work->block_minus;
+  if (done > 0)
+    dgemm_("N", "T", &rows, &width, &done, &minus_one, entry(front, first, work->block), &ld,
+           entry(front, begin, work->block), &ld, &one, target, &ld);
+  if (minus > 0)
+    dgemm_("N", "T", &rows, &width, &minus, &two, minus_row(work, first, work->block_minus), &ld,
+           minus_row(work, begin, work->block_minus), &ld, &one, target, &ld);
   dtrsm_("R", "L", "T", "N", &rows, &width, &one, entry(front, begin, begin), &ld, target, &ld);
   for (int j = 0; j < width; j++)
     if (work->negative[j]) {
@@ -170,20 +197,21 @@ static bw_status update_tile(void *data, int64_t low, int64_t high, int worker) 
     int row = i * TILE, column = j * TILE;
     int rows = outer - row < TILE ? outer - row : TILE;
     int columns = outer - column < TILE ? outer - column : TILE;
-    double *target = front->update + (size_t)outer * (size_t)column + row;
+    double *target = front->update + bwi_update_column(outer, column) + row;
+    int down = outer - column; /* leading dimension of this block column */
     const double *left = entry(front, pivots + row, 0), *right = entry(front, pivots + column, 0);
     const double *minus_left = work->minus ? work->minus + pivots + row : NULL;
     const double *minus_right = work->minus ? work->minus + pivots + column : NULL;
     if (i == j) {
-      dsyrk_("L", "N", &rows, &pivots, &minus_one, left, &ld, &one, target, &outer);
+      dsyrk_("L", "N", &rows, &pivots, &minus_one, left, &ld, &one, target, &down);
       if (work->minus_count > 0)
-        dsyrk_("L", "N", &rows, &work->minus_count, &two, minus_left, &ld, &one, target, &outer);
+        dsyrk_("L", "N", &rows, &work->minus_count, &two, minus_left, &ld, &one, target, &down);
     } else {
       dgemm_("N", "T", &rows, &columns, &pivots, &minus_one, left, &ld, right, &ld, &one, target,
-             &outer);
+             &down);
       if (work->minus_count > 0)
         dgemm_("N", "T", &rows, &columns, &work->minus_count, &two, minus_left, &ld, minus_right,
-               &ld, &one, target, &outer);
+               &ld, &one, target, &down);
     }
   }
   return BW_OK;
@@ -194,12 +222,19 @@ bw_status bwi_front_eliminate(bw_context *context, bwi_front *front) {
   elimination work = {.front = front};
   front->negative = 0;
   front->failed = front->weak = -1;
-  for (int begin = 0; begin < front->pivots; begin += WIDTH) {
-    work.begin = begin;
-    work.end = front->pivots - begin < WIDTH ? front->pivots : begin + WIDTH;
-    BW_TRY(diagonal_block(context, &work));
-    BW_TRY(bw_parallel(context, front->rows - work.end, TILE, panel_rows, &work));
-    BW_TRY(keep_minus(context, &work));
+  for (int block = 0; block < front->pivots; block += TILE) {
+    work.block = block;
+    work.block_end = front->pivots - block < TILE ? front->pivots : block + TILE;
+    work.block_minus = work.minus_count;
+    if (block > 0)
+      BW_TRY(bw_parallel(context, front->rows - block, TILE, block_rows, &work));
+    for (int begin = block; begin < work.block_end; begin += WIDTH) {
+      work.begin = begin;
+      work.end = work.block_end - begin < WIDTH ? work.block_end : begin + WIDTH;
+      BW_TRY(diagonal_block(context, &work));
+      BW_TRY(bw_parallel(context, front->rows - work.end, TILE, panel_rows, &work));
+      BW_TRY(keep_minus(context, &work));
+    }
   }
   int64_t outer = front->rows - front->pivots, tiles = (outer + TILE - 1) / TILE;
   if (front->pivots > 0)

@@ -14,9 +14,6 @@
 
 #include "barwright/solve.h"
 
-/* As bw_alloc of `count` doubles, on huge pages where it is large; release with bw_free. */
-double *bwi_numbers(bw_context *context, int64_t count) BW_MUST_USE;
-
 /* ---- order ------------------------------------------------------------------------------------
  */
 
@@ -112,10 +109,26 @@ enum { BWI_MAX_WIDTH = 16 };
 /* ---- dense kernels (front.c) ------------------------------------------------------------------
  */
 
+/* An update matrix is a lower triangle kept as columns of tiles: block column c holds the rows from
+ * its diagonal tile down, column-major. That is half of a square, and each tile is a plain matrix.
+ */
+enum { BWI_TILE = 512 };
+/* Numbers in the update matrix of `outer` rows. */
+static inline int64_t bwi_update_size(int64_t outer) {
+  int64_t full = outer / BWI_TILE, rest = outer % BWI_TILE;
+  return BWI_TILE * (full * outer - BWI_TILE * (full * (full - 1) / 2)) + rest * rest;
+}
+/* Where row 0 of a column would be: the pointer plus a row at or below the diagonal is an entry. */
+static inline int64_t bwi_update_column(int64_t outer, int64_t column) {
+  int64_t c = column / BWI_TILE, before = c * BWI_TILE;
+  return BWI_TILE * (c * outer - BWI_TILE * (c * (c - 1) / 2)) +
+         (column - before) * (outer - before) - before;
+}
+
 typedef struct bwi_front {
   int rows, pivots;    /* the panel is rows x pivots, column-major, leading dimension rows */
   double *panel;       /* assembled in, L out */
-  double *update;      /* (rows - pivots)^2, lower triangle: assembled in, Schur complement out */
+  double *update;      /* of rows - pivots: assembled in, Schur complement out */
   const double *scale; /* pivots: size of each diagonal entry before elimination */
   bool signs;          /* allow negative pivots */
   /* out */

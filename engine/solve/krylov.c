@@ -57,8 +57,8 @@ static bw_status lanczos_open(bw_context *context, const bwi_eigen_problem *prob
                  .capacity = capacity,
                  .block = block};
   bw_random_seed(&l->random, seed);
-  l->v = bwi_numbers(context, capacity * l->size);
-  l->mv = bwi_numbers(context, capacity * l->size);
+  l->v = BW_NEW(context, double, capacity * l->size);
+  l->mv = BW_NEW(context, double, capacity * l->size);
   l->t = BW_NEW0(context, double, (int64_t)capacity *capacity);
   l->r = BW_NEW0(context, double, (int64_t)block *block);
   l->theta = BW_NEW(context, double, capacity);
@@ -140,7 +140,7 @@ static bw_status append_random(lanczos *l) {
   bw_status status = BW_OK;
   const bwi_eigen_problem *problem = l->problem;
   double taken[BLOCK];
-  double *w = bwi_numbers(l->context, l->block * l->size);
+  double *w = BW_NEW(l->context, double, l->block * l->size);
   double *h = BW_NEW(l->context, double, (int64_t)l->used * l->block);
   if (!w || !h) {
     status = BW_MEMORY;
@@ -165,7 +165,7 @@ static bw_status step(lanczos *l) {
   const bwi_eigen_problem *problem = l->problem;
   int count = l->used - l->done, against = l->used;
   double taken[BLOCK];
-  double *w = bwi_numbers(l->context, count * l->size);
+  double *w = BW_NEW(l->context, double, count * l->size);
   double *h = BW_NEW(l->context, double, against *count);
   if (!w || !h) {
     status = BW_MEMORY;
@@ -241,7 +241,7 @@ static int converged(const lanczos *l, int wanted, double tolerance) {
 static bw_status restart(lanczos *l, int keep, bool next) {
   bw_status status = BW_OK;
   int behind = next ? l->used - l->done : 0;
-  double *kept = bwi_numbers(l->context, keep * l->size);
+  double *kept = BW_NEW(l->context, double, keep * l->size);
   if (!kept)
     return BW_MEMORY;
   for (int which = 0; which < 2; which++) {
@@ -341,9 +341,9 @@ static bw_status take_out(lanczos *l, int count, double tolerance, bwi_eigen_res
   result->vector = result->value = result->residual = NULL;
   result->value = BW_NEW(context, double, count);
   result->residual = BW_NEW(context, double, count);
-  x = bwi_numbers(context, count * size);
-  kx = bwi_numbers(context, count * size);
-  mx = bwi_numbers(context, count * size);
+  x = BW_NEW(context, double, count *size);
+  kx = BW_NEW(context, double, count *size);
+  mx = BW_NEW(context, double, count *size);
   int length = 8 * count + 64;
   gram = BW_NEW(context, double, (int64_t)count *count);
   turn = BW_NEW(context, double, (int64_t)count *count);
@@ -361,7 +361,7 @@ static bw_status take_out(lanczos *l, int count, double tolerance, bwi_eigen_res
     worst = fmax(worst, result->residual[k]);
   for (int pass = 0; pass < 2 && worst > tolerance; pass++) {
     if (!next) {
-      next = bwi_numbers(context, count * size);
+      next = BW_NEW(context, double, count *size);
       if (!next) {
         status = BW_MEMORY;
         goto done;

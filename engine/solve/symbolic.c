@@ -131,22 +131,22 @@ static bw_status plan(bw_context *context, bwi_symbolic *symbolic) {
   stack_count stack = {0, 0}, top_stack = {0, 0};
   for (int32_t s = 0; s < supers; s++) {
     int32_t parent = order->parent[s];
-    int64_t outer = symbolic->rows[s] - bwi_pivots(symbolic, s);
+    int64_t update = bwi_update_size(symbolic->rows[s] - bwi_pivots(symbolic, s));
     bool root = in_task[s] && (parent < 0 || !in_task[parent]);
     symbolic->task_of[s] = -1;
     if (in_task[s]) {
       /* a task's root puts its update matrix in a block of its own */
-      count_stack(&stack, children[s], root ? 0 : outer * outer);
+      count_stack(&stack, children[s], root ? 0 : update);
       if (root) {
         symbolic->task[tasks++] = (bwi_task){lowest[s], s, below[s], stack.peak};
         stack = (stack_count){0, 0};
       }
     } else {
       symbolic->top[tops++] = s;
-      count_stack(&top_stack, children[s], outer * outer);
+      count_stack(&top_stack, children[s], update);
     }
     if (parent >= 0 && !root)
-      children[parent] += outer * outer;
+      children[parent] += update;
   }
   symbolic->top_stack = top_stack.peak;
   qsort(symbolic->task, (size_t)tasks, sizeof *symbolic->task, by_flops);

@@ -190,9 +190,14 @@ static void inertia(void **state) {
 static void same_bits(void **state) {
   bw_context *context = check_context(state);
   problem p;
-  open_problem(context, 13, 12, 11, 1, 0, &p);
+  open_problem(context, 18, 17, 16, 1, 0, &p);
   size_t numbers_of_l = (size_t)p.symbolic->panel[p.order->super_count];
-  assert_true(p.symbolic->max_rows > 512);
+  int64_t outer = 0, size = 3 * (int64_t)p.mesh->node_count;
+  for (int32_t s = 0; s < p.order->super_count; s++)
+    outer = outer > p.symbolic->rows[s] - bwi_pivots(p.symbolic, s)
+                ? outer
+                : p.symbolic->rows[s] - bwi_pivots(p.symbolic, s);
+  assert_true(outer > BWI_TILE);
   bwi_factor *first = NULL;
   double *x = numbers(8 * (int64_t)p.count), *y = numbers(8 * (int64_t)p.count);
   for (int threads = 1; threads <= 3; threads++) {
@@ -204,6 +209,19 @@ static void same_bits(void **state) {
     if (!first) {
       first = factor;
       memcpy(y, x, 8 * (size_t)p.count * sizeof(double));
+      double *u = numbers(size), *ku = numbers(size), *solution = numbers(p.count);
+      from_order(&p, 8, 5, x, solution);
+      for (int64_t i = 0; i < size; i++)
+        u[i] = p.unknown[i] < 0 ? 0 : solution[p.unknown[i]];
+      check_ok(context, bw_graph_multiply(context, p.graph, p.stiffness, 9, 3, 1, u, ku));
+      random_field(2, 8 * (int64_t)p.count, x);
+      from_order(&p, 8, 5, x, solution);
+      for (int64_t i = 0; i < size; i++)
+        if (p.unknown[i] >= 0)
+          check_near(ku[i], solution[p.unknown[i]], 1e-9);
+      free(u);
+      free(ku);
+      free(solution);
       continue;
     }
     assert_memory_equal(first->value, factor->value, numbers_of_l * sizeof(double));
