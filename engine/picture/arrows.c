@@ -78,6 +78,35 @@ static int32_t nearest_point(const bwi_solid *body, const double *original, cons
   return best;
 }
 
+/* Where the ray from x along a unit direction leaves the body, when x lies inside it: a resultant
+ * acts at the middle of a pressed patch, which on a curved body is below the surface. 0 when x is
+ * outside or on the surface (nearer than `near`). */
+static double way_out(const bwi_solid *body, const double x[3], const double direction[3],
+                      double near) {
+  double first = HUGE_VAL;
+  int crossings = 0;
+  for (int32_t f = 0; f < body->triangle_count; f++) {
+    const int32_t *t = body->triangle + 3 * (size_t)f;
+    const double *p = body->point + 3 * (size_t)t[0], *q = body->point + 3 * (size_t)t[1];
+    const double *r = body->point + 3 * (size_t)t[2];
+    double a[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+    double b[3] = {r[0] - p[0], r[1] - p[1], r[2] - p[2]};
+    double from[3] = {x[0] - p[0], x[1] - p[1], x[2] - p[2]}, n[3], c[3];
+    bw_cross(a, b, n);
+    double slope = bw_dot(n, direction);
+    if (slope == 0)
+      continue;
+    double along = -bw_dot(n, from) / slope; /* Cramer's rule for x + along d = p + u a + v b */
+    bw_cross(from, direction, c);
+    double u = -bw_dot(b, c) / slope, v = bw_dot(a, c) / slope;
+    if (along < near || u < 0 || v < 0 || u + v > 1)
+      continue;
+    crossings++;
+    first = fmin(first, along);
+  }
+  return crossings % 2 ? first : 0;
+}
+
 bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow, double size,
                            const bwi_solid *body, const double *original, bwi_solid *solid,
                            double *end) {
@@ -125,8 +154,14 @@ bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow
       continue;
     double length = size * fmax(SHORTEST, force / largest);
     bool pushes = (bw_dot(arrow[i].force, normal + 3 * (size_t)i) < 0) != body->turned;
+    double out[3];
     for (int k = 0; k < 3; k++) {
       direction[k] = arrow[i].force[k] / force;
+      out[k] = pushes ? -direction[k] : direction[k];
+    }
+    double depth = way_out(body, tail, out, 1e-3 * size);
+    for (int k = 0; k < 3; k++) {
+      tail[k] += depth * out[k];
       tail[k] -= pushes ? length * direction[k] : 0;
       end[3 * i + k] = tail[k] + (pushes ? 0 : length * direction[k]);
     }

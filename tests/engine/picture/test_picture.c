@@ -284,6 +284,27 @@ static void arrows_ghost_and_deformation_show(void **state) {
   bw_release(surface);
 }
 
+/* A resultant below the surface: its arrow ends on the surface all the same. */
+static void arrows_end_on_the_surface(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = sphere(context, 16);
+  bwi_solid body = {.point_count = surface->point_count,
+                    .triangle_count = surface->triangle_count,
+                    .point = surface->point,
+                    .triangle = surface->triangle};
+  bw_arrow arrow[3] = {{{0.02, 0.01, 0.6}, {0, 0, -1}, 1},
+                       {{0.6, 0.02, 0.01}, {2, 0, 0}, 1},
+                       {{0.01, 1.2, 0.02}, {0, -2, 0}, 1}};
+  double end[9];
+  bwi_solid solid;
+  check_ok(context, bwi_arrows_solid(context, 3, arrow, 0.5, &body, surface->point, &solid, end));
+  check_near(end[2], 1 + 0.25, 0.01);   /* pushes, half as long: tip at z = 1 */
+  check_near(end[3], 1 + 0.5, 0.01);    /* pulls: tail at x = 1 */
+  check_near(end[7], 1.2 + 0.5, 1e-12); /* outside: stays */
+  bwi_solid_clear(&solid);
+  bw_release(surface);
+}
+
 static void unusable_requests_are_refused(void **state) {
   bw_context *context = check_context(state);
   bw_surface *surface = sphere(context, 2), *empty = NULL;
@@ -525,6 +546,7 @@ int main(void) {
       check_test(picture_is_a_png_with_bar_and_grey_for_missing),
       check_test(same_bytes_again_and_for_any_number_of_threads),
       check_test(arrows_ghost_and_deformation_show),
+      check_test(arrows_end_on_the_surface),
       check_test(unusable_requests_are_refused),
       check_test(odd_values_are_drawn),
       check_test(inward_surfaces_are_lit_from_outside),
