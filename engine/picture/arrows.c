@@ -78,13 +78,10 @@ static int32_t nearest_point(const bwi_solid *body, const double *original, cons
   return best;
 }
 
-/* Where the ray from x along a unit direction leaves the body, when x lies inside it: a resultant
- * acts at the middle of a pressed patch, which on a curved body is below the surface. 0 when x is
- * outside or on the surface (nearer than `near`). */
-static double way_out(const bwi_solid *body, const double x[3], const double direction[3],
-                      double near) {
-  double first = HUGE_VAL;
+int bwi_solid_crossings(const bwi_solid *body, const double x[3], const double direction[3],
+                        double near, double *first) {
   int crossings = 0;
+  *first = HUGE_VAL;
   for (int32_t f = 0; f < body->triangle_count; f++) {
     const int32_t *t = body->triangle + 3 * (size_t)f;
     const double *p = body->point + 3 * (size_t)t[0], *q = body->point + 3 * (size_t)t[1];
@@ -102,9 +99,17 @@ static double way_out(const bwi_solid *body, const double x[3], const double dir
     if (along < near || u < 0 || v < 0 || u + v > 1)
       continue;
     crossings++;
-    first = fmin(first, along);
+    *first = fmin(*first, along);
   }
-  return crossings % 2 ? first : 0;
+  return crossings;
+}
+
+/* How far x, when inside the body, lies below its surface along a unit direction: a resultant acts
+ * at the middle of a pressed patch, which on a curved body is inside. */
+static double way_out(const bwi_solid *body, const double x[3], const double direction[3],
+                      double near) {
+  double first;
+  return bwi_solid_crossings(body, x, direction, near, &first) % 2 ? first : 0;
 }
 
 bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow, double size,

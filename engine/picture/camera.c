@@ -39,6 +39,27 @@ bw_status bwi_view_axes(bw_context *context, const double direction[3], const do
   return BW_OK;
 }
 
+void bwi_view_usual(const double up[3], double turn, bool below, double direction[3]) {
+  double above[3], first[3] = {0, 0, 0}, second[3];
+  if (!unit(up, above)) {
+    above[0] = above[1] = 0;
+    above[2] = 1;
+  }
+  int most = 0;
+  for (int k = 1; k < 3; k++)
+    if (fabs(above[k]) > fabs(above[most]))
+      most = k;
+  first[(most + 1) % 3] = 1;
+  double part = bw_dot(first, above);
+  for (int k = 0; k < 3; k++)
+    first[k] -= part * above[k];
+  unit(first, first);
+  bw_cross(above, first, second);
+  double c = cos(turn), s = sin(turn), across = c + 1.4 * s, front = s - 1.4 * c;
+  for (int k = 0; k < 3; k++)
+    direction[k] = across * first[k] + front * second[k] + (below ? -0.8 : 0.8) * above[k];
+}
+
 void bwi_view_bound(const bwi_view *view, int64_t count, const double *point, double bounds[4]) {
   for (int64_t i = 0; i < count; i++)
     for (int k = 0; k < 2; k++) {

@@ -20,6 +20,9 @@ typedef struct bwi_view {
 /* BW_INVALID when the direction has no length; an up along it is replaced. */
 bw_status bwi_view_axes(bw_context *context, const double direction[3], const double up[3],
                         bwi_view *view);
+/* The usual direction (1, -1.4, 0.8 where z is up), turned about `up` by `turn`, from below when so
+ * asked. */
+void bwi_view_usual(const double up[3], double turn, bool below, double direction[3]);
 /* Grow bounds (low and high along axis 0 and 1) by points. */
 void bwi_view_bound(const bwi_view *view, int64_t count, const double *point, double bounds[4]);
 /* Fit bounds into the frame left, top, right, bottom (pixels). */
@@ -58,6 +61,10 @@ void bwi_solid_clear(bwi_solid *solid);
 /* Arrows as one solid. Each touches the body with its tip when it pushes, with its tail when it
  * pulls (by the nearest point's normal). `size`: length of the longest. The tail or tip away from
  * the body is written to `end` (count x 3) for labels. */
+/* How often a ray from x along a direction crosses the solid farther than `near` from x (in units
+ * of the direction's length), and where first. */
+int bwi_solid_crossings(const bwi_solid *solid, const double x[3], const double direction[3],
+                        double near, double *first);
 bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow, double size,
                            const bwi_solid *body, const double *original, bwi_solid *solid,
                            double *end);

@@ -18,9 +18,6 @@ void bw_picture_options_default(bw_picture_options *options) {
   memset(options, 0, sizeof *options);
   options->width = 1200;
   options->height = 900;
-  options->direction[0] = 1;
-  options->direction[1] = -1.4;
-  options->direction[2] = 0.8;
   options->up[2] = 1;
   options->zoom = 1;
   options->scale = 1;
@@ -95,6 +92,53 @@ typedef struct stage {
   bwi_image image;
 } stage;
 
+/* Where the largest value is, and the vector area of the facets there. */
+static void largest_place(const stage *s, double at[3], double normal[3]) {
+  const bwi_solid *body = &s->solid[0];
+  int64_t which = s->range.largest_at;
+  memset(at, 0, 3 * sizeof *at);
+  memset(normal, 0, 3 * sizeof *normal);
+  for (int64_t f = 0; f < body->triangle_count; f++) {
+    const int32_t *t = body->triangle + 3 * f;
+    if (body->on_facets ? f != which : t[0] != which && t[1] != which && t[2] != which)
+      continue;
+    const double *x = body->point + 3 * (size_t)t[0], *p = body->point + 3 * (size_t)t[1];
+    const double *q = body->point + 3 * (size_t)t[2];
+    double a[3], b[3], n[3];
+    for (int k = 0; k < 3; k++) {
+      a[k] = (p[k] - x[k]) / s->diagonal;
+      b[k] = (q[k] - x[k]) / s->diagonal;
+      at[k] = (x[k] + p[k] + q[k]) / 3;
+    }
+    bw_cross(a, b, n);
+    for (int k = 0; k < 3; k++)
+      normal[k] += body->turned ? -n[k] : n[k];
+  }
+  if (!body->on_facets)
+    memcpy(at, body->point + 3 * which, 3 * sizeof *at);
+}
+
+/* The usual view, or the first of those around the body that shows the largest value: not edge-on,
+ * and with nothing in front. */
+static void choose_direction(const stage *s, double direction[3]) {
+  static const int turn[] = {0, 1, -1, 2, -2, 3, -3, 4}; /* eighths */
+  const double *up = s->options->up;
+  double at[3], normal[3], first;
+  bwi_view_usual(up, 0, false, direction);
+  if (s->range.largest_at < 0 || !(s->diagonal > 0))
+    return;
+  largest_place(s, at, normal);
+  for (int i = 0; i < 16; i++) {
+    double try[3];
+    bwi_view_usual(up, turn[i % 8] * 0.7853981633974483, i >= 8, try);
+    if (bw_dot(normal, try) > 0.35 * bw_norm(normal) * bw_norm(try) &&
+        bwi_solid_crossings(&s->solid[0], at, try, 1e-4 * s->diagonal, &first) == 0) {
+      memcpy(direction, try, sizeof try);
+      return;
+    }
+  }
+}
+
 static bw_status copy_surface(bw_context *context, const bw_surface *surface, bwi_solid *solid) {
   size_t points = 3 * (size_t)surface->point_count, corners = 3 * (size_t)surface->triangle_count;
   solid->point = BW_NEW(context, double, points);
@@ -148,20 +192,8 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   s->diagonal = hypot(hypot(size[0], size[1]), size[2]); /* of any magnitude */
   if (!(s->diagonal < 1e150))
     return bw_fail(context, BW_GEOMETRY, "a body of %g m is too large for a picture", s->diagonal);
-  BW_TRY(bwi_view_axes(context, options->direction, options->up, &s->view));
   BW_TRY(copy_surface(context, surface, body));
   BW_TRY(deform(context, s));
-  if (options->ghost && options->displacement)
-    BW_TRY(copy_surface(context, surface, ghost));
-  if (options->arrow_count > 0 && s->diagonal > 0) {
-    s->arrow_end = BW_NEW(context, double, 3 * (size_t)options->arrow_count);
-    if (!s->arrow_end) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    BW_TRY(bwi_arrows_solid(context, options->arrow_count, options->arrow, ARROW_SIZE * s->diagonal,
-                            body, surface->point, arrows, s->arrow_end));
-  }
   body->edges = options->edges;
   if (value) {
     int64_t count = on_facets ? surface->triangle_count : surface->point_count;
@@ -172,6 +204,22 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
     body->high = s->range.high;
     if (!(body->high > body->low)) /* one value only: the middle of the colours */
       body->high = (body->low -= 1) + 2;
+  }
+  double direction[3];
+  memcpy(direction, options->direction, sizeof direction);
+  if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0)
+    choose_direction(s, direction);
+  BW_TRY(bwi_view_axes(context, direction, options->up, &s->view));
+  if (options->ghost && options->displacement)
+    BW_TRY(copy_surface(context, surface, ghost));
+  if (options->arrow_count > 0 && s->diagonal > 0) {
+    s->arrow_end = BW_NEW(context, double, 3 * (size_t)options->arrow_count);
+    if (!s->arrow_end) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    BW_TRY(bwi_arrows_solid(context, options->arrow_count, options->arrow, ARROW_SIZE * s->diagonal,
+                            body, surface->point, arrows, s->arrow_end));
   }
   /* The frame: room for title, bar, triad and text. */
   double w = options->width, h = options->height;
@@ -237,16 +285,9 @@ static bool is_hidden(const stage *s, const double pixel[3]) {
 }
 
 static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
-  const bwi_solid *body = &s->solid[0];
-  double at[3] = {0, 0, 0}, pixel[3];
+  double at[3], normal[3], pixel[3];
   char number[64], label[160];
-  if (body->on_facets)
-    for (int c = 0; c < 3; c++)
-      for (int k = 0; k < 3; k++)
-        at[k] +=
-            body->point[3 * (size_t)body->triangle[3 * s->range.largest_at + c] + (size_t)k] / 3;
-  else
-    memcpy(at, body->point + 3 * s->range.largest_at, sizeof at);
+  largest_place(s, at, normal);
   bwi_view_project(&s->view, at, pixel);
   double w = s->image.width, h = s->image.height;
   if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] >= w || pixel[1] >= h)

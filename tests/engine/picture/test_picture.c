@@ -317,7 +317,7 @@ static void unusable_requests_are_refused(void **state) {
   check_fails(context, BW_INVALID, "10 x 900 pixels",
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);
-  options.direction[0] = options.direction[1] = options.direction[2] = 0;
+  options.direction[0] = NAN;
   check_fails(context, BW_INVALID, "no direction",
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);
@@ -419,6 +419,40 @@ static void bodies_of_any_size_are_drawn_or_refused(void **state) {
               bw_picture_surface(context, surface, NULL, false, &options, path));
   unlink(path);
   free(u);
+  bw_release(surface);
+}
+
+/* The largest value sits on one side of a sphere after another: the chosen view always shows it as
+ * a dark red place. */
+static void chosen_view_shows_the_largest_value(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = sphere(context, 12);
+  static const double side[6][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                    {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+  double *value = malloc(sizeof *value * (size_t)surface->point_count);
+  bw_picture_options options;
+  bw_picture_options_default(&options);
+  options.width = 320;
+  options.height = 240;
+  char *path = path_of("chosen");
+  for (int i = 0; i < 12; i++) {
+    int red = 0, rgb[3];
+    memset(options.up, 0, sizeof options.up);
+    options.up[i < 6 ? 2 : 1] = 1;
+    for (int32_t k = 0; k < surface->point_count; k++)
+      value[k] = exp(6 * bw_dot(surface->point + 3 * k, side[i % 6]));
+    check_ok(context, bw_picture_surface(context, surface, value, false, &options, path));
+    cairo_surface_t *image = read_png(path);
+    for (int y = 30; y < 230; y++)
+      for (int x = 10; x < 230; x++) {
+        pixel_of(image, x, y, rgb);
+        red += rgb[0] > 90 && rgb[0] > 2 * rgb[1] && rgb[0] > 2 * rgb[2];
+      }
+    cairo_surface_destroy(image);
+    assert_true(red > 200);
+  }
+  unlink(path);
+  free(value);
   bw_release(surface);
 }
 
@@ -551,6 +585,7 @@ int main(void) {
       check_test(odd_values_are_drawn),
       check_test(inward_surfaces_are_lit_from_outside),
       check_test(bodies_of_any_size_are_drawn_or_refused),
+      check_test(chosen_view_shows_the_largest_value),
       check_test(cancelled_pictures_leave_no_file),
       check_test(ticks_are_round),
       check_test(colours_are_even),
