@@ -9,4 +9,9 @@
  * functions; either may be NULL. Returns the element's volume (curved edges included). */
 double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3], double *value);
 
+/* Signed weights (not yet scaled) of a region of a Laplacian mode from the mean gradients of the
+ * mode in all elements (weak_laplacian.c). */
+void bwi_laplacian_weights(const bw_mesh *mesh, const bw_weak_region *region,
+                           const double *gradient, double *weight);
+
 #endif

@@ -157,48 +157,27 @@ static int by_energy(const void *a, const void *b) {
   return (x->element[0] > y->element[0]) - (x->element[0] < y->element[0]);
 }
 
-/* The unit direction e with the largest integral of (e . grad phi)^2 over the region. */
-static void dominant_direction(const bw_mesh *mesh, const bw_weak_region *region,
-                               const double *gradient, double direction[3]) {
-  double tensor[6] = {0}, values[3], vectors[9];
-  for (int32_t i = 0; i < region->count; i++) {
-    const double *g = gradient + 3 * (size_t)region->element[i];
-    double v = mesh->volume[region->element[i]];
-    tensor[0] += v * g[0] * g[0];
-    tensor[1] += v * g[1] * g[1];
-    tensor[2] += v * g[2] * g[2];
-    tensor[3] += v * g[1] * g[2];
-    tensor[4] += v * g[2] * g[0];
-    tensor[5] += v * g[0] * g[1];
-  }
-  bw_eigen3(tensor, values, vectors);
-  memcpy(direction, vectors, 3 * sizeof *direction);
-}
-
 static bw_status set_weights(bw_context *context, const bw_mesh *mesh, const mode_fields *fields,
                              bw_worst_target target, bw_weak_region *region) {
-  int width = target == BW_WORST_STRESS ? 1 : 3;
-  double sum = 0, direction[3];
-  region->weight = BW_NEW(context, double, (size_t)region->count *(size_t)width);
+  bool stress = target == BW_WORST_STRESS;
+  size_t width = stress ? 1 : 3, count = (size_t)region->count;
+  double sum = 0;
+  region->weight = BW_NEW(context, double, count *width);
   if (!region->weight)
     return BW_MEMORY;
-  if (target == BW_WORST_STRESS && fields->components == 3)
-    dominant_direction(mesh, region, fields->field, direction);
-  for (int32_t i = 0; i < region->count; i++) {
+  if (stress && fields->components == 3)
+    bwi_laplacian_weights(mesh, region, fields->field, region->weight);
+  for (size_t i = 0; i < count; i++) {
     int32_t e = region->element[i];
     const double *t = fields->field + (size_t)e * (size_t)fields->components;
-    double *w = region->weight + (size_t)i * (size_t)width;
-    if (target == BW_WORST_DISPLACEMENT) {
+    double *w = region->weight + i * width;
+    if (!stress)
       memcpy(w, t, 3 * sizeof *w);
-      sum += bw_norm(w) * mesh->volume[e];
-      continue;
-    }
-    bool laplacian = fields->components == 3;
-    double trace = laplacian ? bw_dot(direction, t) : t[0] + t[1] + t[2];
-    *w = copysign(laplacian ? bw_norm(t) : frobenius(t), trace);
-    sum += fabs(*w) * mesh->volume[e];
+    else if (fields->components == 6)
+      *w = copysign(frobenius(t), t[0] + t[1] + t[2]);
+    sum += mesh->volume[e] * (stress ? fabs(*w) : bw_norm(w));
   }
-  for (size_t i = 0; i < (size_t)region->count * (size_t)width; i++)
+  for (size_t i = 0; i < count * width; i++)
     region->weight[i] /= sum;
   return BW_OK;
 }
