@@ -328,6 +328,7 @@ static bw_status mend(repairer *r) {
       {bwi_drop_duplicates, "drop duplicates", "duplicate facets dropped"},
       {bwi_split_flat, "split flat facets", "facets of no area dropped, neighbours split"},
       {bwi_drop_fins, "drop fins", "facets that stick out of the surface dropped"},
+      {bwi_drop_walls, "drop walls", "facets of inner and hanging sheets dropped"},
   };
   for (int round = 0; round < 2; round++) {
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)

@@ -27,6 +27,10 @@ bw_status bwi_split_flat(bw_context *context, const bw_surface *surface, bw_surf
  */
 bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surface **out,
                         int64_t *changed);
+/* Sheets that hang on the rest along edges of three facets: those that lie inside (baffles), and
+ * small ones with an open rim, one after another. */
+bw_status bwi_drop_walls(bw_context *context, const bw_surface *surface, bw_surface **out,
+                         int64_t *changed);
 /* Close cracks: points of open edges closer than tolerance are merged, and open edges are split
  * where such a point lies on them within tolerance. */
 bw_status bwi_stitch(bw_context *context, const bw_surface *surface, double tolerance,

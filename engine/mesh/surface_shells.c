@@ -180,18 +180,26 @@ done:
   return status;
 }
 
+bw_status bwi_inside(bw_context *context, const bwi_topology *topology, const bwi_tree *tree,
+                     const double x[3], double size, bool *inside, bool *unclear) {
+  crossing c = {.context = context, .topology = topology, .own = -1};
+  bw_status status = count_crossings(&c, tree, x, size);
+  *unclear = c.unclear;
+  *inside = !c.unclear && c.count % 2 == 1;
+  bw_free(c.hits);
+  return status;
+}
+
 bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const bw_surface *after,
                             double *moved) {
   bw_status status = BW_OK;
   bwi_topology *topology = NULL;
   bwi_tree *tree = NULL;
   uint8_t *flat = NULL;
-  crossing c = {.context = context, .own = -1};
   double worst = 0, size = 2 * (bwi_surface_diagonal(before) + bwi_surface_diagonal(after));
   int32_t hint = -1;
   BW_TRY(bwi_one_sided_distance(context, after, before, &worst));
   BW_TRY(bwi_topology_create(context, after, &topology));
-  c.topology = topology;
   flat = BW_NEW(context, uint8_t, topology->facets);
   if (!flat) {
     status = BW_MEMORY;
@@ -212,8 +220,9 @@ bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const
       double far = bwi_tree_nearest(tree, x, hint, worst * worst, place, &hint);
       if (far <= worst * worst)
         continue;
-      BW_TRY(count_crossings(&c, tree, x, size));
-      if (c.unclear || c.count % 2 == 0)
+      bool inside, unclear;
+      BW_TRY(bwi_inside(context, topology, tree, x, size, &inside, &unclear));
+      if (!inside)
         worst = sqrt(far);
     }
   }
@@ -222,6 +231,5 @@ done:
   bwi_topology_free(topology);
   bwi_tree_free(tree);
   bw_free(flat);
-  bw_free(c.hits);
   return status;
 }

@@ -64,6 +64,11 @@ bw_status bwi_intersections(bw_context *context, const bwi_topology *topology, c
 bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, const uint8_t *closed,
                            const uint8_t *skip, int32_t *depth);
 
+/* Does a segment from x to the outside (`size`: beyond the surface's box diagonal) cross the facets
+ * in the tree an odd number of times? *unclear when x touches a facet. */
+bw_status bwi_inside(bw_context *context, const bwi_topology *topology, const bwi_tree *tree,
+                     const double x[3], double size, bool *inside, bool *unclear);
+
 #ifdef __cplusplus
 }
 #endif

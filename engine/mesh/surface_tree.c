@@ -271,16 +271,21 @@ double bwi_nearest_on_triangle(const double x[3], const double a[3], const doubl
     v[k] = c[k] - a[k];
     r[k] = x[k] - a[k];
   }
-  /* barycentric coordinates of the foot of the perpendicular, when it lies inside */
-  double uu = bw_dot(u, u), uv = bw_dot(u, v), vv = bw_dot(v, v), ru = bw_dot(r, u),
-         rv = bw_dot(r, v);
-  double det = uu * vv - uv * uv;
-  if (det > 1e-14 * uu * vv) {
-    double s = (vv * ru - uv * rv) / det, t = (uu * rv - uv * ru) / det;
+  /* Barycentric coordinates of the foot of the perpendicular, by areas along the normal: the normal
+   * equations would lose twice as many digits in a thin triangle. */
+  double n[3], q[3];
+  bw_cross(u, v, n);
+  double nn = bw_dot(n, n);
+  if (nn > 0) {
+    bw_cross(r, v, q);
+    double s = bw_dot(q, n) / nn;
+    bw_cross(u, r, q);
+    double t = bw_dot(q, n) / nn;
     if (s >= 0 && t >= 0 && s + t <= 1) {
+      double height = bw_dot(r, n);
       for (int k = 0; k < 3; k++)
         place[k] = a[k] + s * u[k] + t * v[k];
-      return square_distance(x, place);
+      return height * height / nn;
     }
   }
   double other[3], best = nearest_on_segment(x, a, b, place);
