@@ -86,7 +86,7 @@ bw_status bw_read_file(bw_context *context, const char *path, unsigned char **by
 void bwi_cursor_init(bwi_cursor *cursor, bw_context *context, const char *name,
                      const unsigned char *bytes, size_t count) {
   static const unsigned char none[1] = {0};
-  *cursor = (bwi_cursor){context, name, bytes ? bytes : none, NULL, NULL, 1, false};
+  *cursor = (bwi_cursor){context, name, bytes ? bytes : none, NULL, NULL, 1, false, false};
   cursor->at = cursor->begin;
   cursor->end = cursor->begin + count;
   if (count >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0)
@@ -136,6 +136,7 @@ bool bwi_next_line(bwi_cursor *cursor, bwi_cursor *line) {
     return false;
   *line = *cursor;
   line->end = line_end(cursor);
+  line->is_line = true;
   bwi_skip_line(cursor);
   return true;
 }
@@ -226,7 +227,8 @@ bw_status bwi_fail_byte(const bwi_cursor *cursor, const char *format, ...) {
 
 bw_status bwi_fail_word(const bwi_cursor *cursor, bwi_word found, const char *expected) {
   if (found.length == 0)
-    return bwi_fail_line(cursor, "the file ends where %s was expected", expected);
+    return bwi_fail_line(cursor, "the %s ends where %s was expected",
+                         cursor->is_line ? "line" : "file", expected);
   return bwi_fail_line(cursor, "found '%s' where %s was expected", bwi_show(found), expected);
 }
 

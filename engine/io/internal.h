@@ -18,7 +18,8 @@ typedef struct bwi_cursor {
   const char *name; /* of the file, for messages */
   const unsigned char *begin, *at, *end;
   int64_t line;
-  bool swap; /* binary numbers are in the other byte order */
+  bool swap;    /* binary numbers are in the other byte order */
+  bool is_line; /* end is that of a line, not of the file */
 } bwi_cursor;
 
 /* A piece of the file; not 0-terminated. */

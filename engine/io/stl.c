@@ -19,11 +19,10 @@ bool bwi_stl_is_binary(const unsigned char *bytes, size_t count) {
          HEADER_BYTES + (uint64_t)FACET_BYTES * bwi_u32(bytes + 80, swap) == count;
 }
 
+/* Text has no byte 0; a binary file has one in its count of facets, unless they are 2^24. */
 static bool is_text(const bwi_cursor *cursor) {
   size_t look = bwi_left(cursor) < 2048 ? bwi_left(cursor) : 2048;
-  bwi_word word = bwi_peek_word(cursor);
-  return word.length >= 5 && bwi_word_is_nocase((bwi_word){word.at, 5}, "solid") &&
-         !memchr(cursor->at, 0, look);
+  return look > 0 && !memchr(cursor->at, 0, look);
 }
 
 /* ---- binary ------------------------------------------------------------------------------------
@@ -125,11 +124,15 @@ done:
 
 static bw_status parse_text(bwi_cursor *cursor, bwi_soup *soup) {
   bw_status status = BW_OK;
-  bwi_word word;
+  bwi_word word = bwi_peek_word(cursor);
+  if (word.length < 5 || !bwi_word_is_nocase((bwi_word){word.at, 5}, "solid"))
+    BW_TRY(bwi_fail_word(cursor, word,
+                         "'solid', the first word of a text STL file (and its size is not that of "
+                         "a binary one)"));
   for (int64_t i = 0; bwi_next_word(cursor, &word); i++) {
     if (bwi_word_is_nocase(word, "facet")) {
       BW_TRY(parse_facet(cursor, soup));
-    } else if (bwi_word_is_nocase(word, "solid")) {
+    } else if (i == 0 || bwi_word_is_nocase(word, "solid")) {
       bwi_soup_next_group(soup);
       bwi_skip_line(cursor); /* a name of any words */
     } else if (bwi_word_is_nocase(word, "endsolid") || bwi_word_is_nocase(word, "end")) {

@@ -421,9 +421,10 @@ bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
     int64_t first_point = (int64_t)raw->point_count, cells = file.piece[i].cells;
     BW_TRY(read_points(cursor, &file, i, raw));
     /* a cell has at least a byte somewhere, but for what zlib can make of one */
-    BW_TRY(bwi_check_count(&(bwi_cursor){cursor->context, cursor->name, cursor->begin,
-                                         cursor->begin, cursor->end, file.piece[i].line, false},
-                           (uint64_t)(cells / 1032), 1, "the number of cells"));
+    BW_TRY(
+        bwi_check_count(&(bwi_cursor){cursor->context, cursor->name, cursor->begin, cursor->begin,
+                                      cursor->end, file.piece[i].line, false, false},
+                        (uint64_t)(cells / 1032), 1, "the number of cells"));
     if (cells > most || !tet_cell) {
       bw_free(tet_cell);
       tet_cell = BW_NEW(cursor->context, int32_t, cells);

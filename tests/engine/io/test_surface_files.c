@@ -55,7 +55,7 @@ static void ascii_stl_refusals(void **state) {
   refuse(state, "a.stl", "solid x\nfoo\n", "a.stl:2: found 'foo'");
   refuse(state, "a.stl", "solid x\nendsolid x\n", "holds no facet");
   refuse(state, "a.stl", "", "a.stl: byte 0: the file is empty");
-  refuse(state, "a.stl", "hello", "the header of a binary STL file takes 84 bytes");
+  refuse(state, "a.stl", "hello", "a.stl:1: found 'hello' where 'solid'");
 }
 
 static void binary_stl_refusals(void **state) {
@@ -106,7 +106,7 @@ static void obj_refusals(void **state) {
   refuse(state, "a.obj", "v 0 0 0\nf 1 1\n", "a facet of 2 corners");
   refuse(state, "a.obj", "v 0 0 0\nf 1/x 1 1\n", "found '1/x'");
   refuse(state, "a.obj", "v 0 0 0\nf 1/1/1/1 1 1\n", "found '1/1/1/1'");
-  refuse(state, "a.obj", "v 0 0\nf 1 1 1\n", "a.obj:1: the file ends where the z coordinate");
+  refuse(state, "a.obj", "v 0 0\nf 1 1 1\n", "a.obj:1: the line ends where the z coordinate");
   refuse(state, "a.obj", "v 0 0 -inf\n", "'-inf'");
   refuse(state, "a.obj", "v 99999999999999999999 0 0\nf 99999999999999999999 1 1\n", "a.obj:2:");
   refuse(state, "a.obj", "# nothing\n", "holds no facet");
