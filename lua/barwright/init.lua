@@ -30,6 +30,11 @@ local bw = {
 }
 require "barwright.fields"
 
+-- What the prompt completes after "bw.material." beside the functions.
+local library = {}
+for _, name in ipairs(core.material.names()) do library[name] = true end
+getmetatable(core.material).__properties = library
+
 --- "0.1.0", and the commit it was built from ("" when it was not known).
 function bw.version()
   return core.version, core.commit

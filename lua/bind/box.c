@@ -91,7 +91,8 @@ void lbw_box_fill(lua_State *L, lbw_box *box, const void *object) {
 }
 
 void lbw_push(lua_State *L, const lbw_class *class, const void *object) {
-  lbw_box_fill(L, lbw_box_new(L, class), bw_retain(object));
+  lbw_box *box = lbw_box_new(L, class); /* may raise: the reference is taken after it */
+  lbw_box_fill(L, box, bw_retain(object));
 }
 
 void lbw_box_close(lua_State *L, lbw_box *box) {

@@ -1,0 +1,100 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Lua itself running out of memory, at every allocation in turn: the error comes out of lua_pcall,
+ * the state can be closed, and no block of the engine is left. */
+#include "check.h"
+
+#include <lauxlib.h>
+#include <lualib.h>
+
+#include "bind.h"
+
+typedef struct budget {
+  long left; /* allocations until they fail, all from there on */
+  bool failed;
+} budget;
+
+static void *allocate(void *data, void *block, size_t old_size, size_t size) {
+  budget *b = (budget *)data;
+  (void)old_size;
+  if (size == 0) {
+    free(block);
+    return NULL;
+  }
+  if (!block || size > old_size) { /* shrinking never fails: Lua relies on it */
+    if (b->left <= 0) {
+      b->failed = true;
+      return NULL;
+    }
+    b->left--;
+  }
+  return realloc(block, size);
+}
+
+static const char script[] =
+    "local bw = ...\n"
+    "local mesh = assert(bw.mesh.box{low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}})\n"
+    "local all = mesh.boundary\n"
+    "local part = assert(bw.model{mesh = mesh, material = bw.material.named 'steel'})\n"
+    "part:fix(all:below(1, 0) | all:where 'x < 0.1')\n"
+    "part:load{on = all:above(1, 1), force = {1, 0, 0}}\n"
+    "local static = assert(part:solve())\n"
+    "local a = static.von_mises:map('a*2 + b', {b = 1}):gather(all.nodes):sorted()\n"
+    "local surface = assert(mesh:surface())\n"
+    "assert(surface:check().sound)\n"
+    "local text = tostring(part) .. tostring(surface) .. tostring(a) .. #a:tostring '<f8'\n"
+    "part:clear_supports()\n"
+    "assert(#part:free_motions() == 6)\n"
+    "local modes = assert(part:modes{count = 2})\n"
+    "local weak = assert(bw.weak_regions(mesh, part.material, modes, {regions = 1}))\n"
+    "local basis = assert(bw.pressure_basis(mesh))\n"
+    "local loads = assert(bw.worst_loads(part:system(), basis, weak, {force = 1, pressure = 10}))\n"
+    "assert(#basis:arrows(loads.pressures[1]) > 0)\n"
+    "assert(bw.drops(part:system(), {drops = 2}))\n"
+    "local ball = bw.surface.implicit(function(x, y, z) return x*x + y*y + z*z - 0.5 end,\n"
+    "  {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 3})\n"
+    "bw.surface.read 'no such file'\n"
+    "return #a:totable()\n";
+
+static int work(lua_State *L) {
+  luaL_openlibs(L);
+  luaL_requiref(L, "barwright.core", luaopen_barwright_core, 0);
+  if (luaL_loadstring(L, script) != LUA_OK)
+    return lua_error(L);
+  lua_insert(L, -2);
+  lua_call(L, 1, 1);
+  return 1;
+}
+
+/* True when the budget was enough. */
+static bool attempt(long allocations) {
+  int64_t blocks = bw_live_blocks();
+  budget b = {allocations, false};
+  lua_State *L = lua_newstate(allocate, &b);
+  bool fine = false;
+  if (L) {
+    lua_pushcfunction(L, work);
+    int status = lua_pcall(L, 0, 1, 0);
+    fine = status == LUA_OK;
+    if (!fine && !b.failed)
+      fail_msg("%s", lua_tostring(L, -1));
+    lua_close(L);
+  }
+  if (bw_live_blocks() != blocks)
+    fail_msg("allocation %ld: %lld blocks left", allocations,
+             (long long)(bw_live_blocks() - blocks));
+  return fine;
+}
+
+static void test_every_allocation_may_fail(void **state) {
+  (void)state;
+  assert_true(attempt(1L << 40));
+  long n = 0;
+  while (!attempt(n))
+    n++;
+  assert_true(n > 1000);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_allocation_may_fail)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
