@@ -55,7 +55,7 @@ const camera = new THREE.PerspectiveCamera(35, 1, size * 0.001, size * 20);
 camera.up.set(0, 0, 1);
 const start = data.view || [1, -1.4, 0.8];
 camera.position.copy(
-  new THREE.Vector3(...start).normalize().multiplyScalar(size * 1.75).add(centre),
+  new THREE.Vector3(...start).normalize().multiplyScalar(size * 1.5).add(centre),
 );
 camera.add(lamp);
 lamp.position.set(0.6, 0.8, 1);
@@ -117,7 +117,7 @@ function recolour() {
     paint.array[3 * i + 2] = linear.b;
   }
   paint.needsUpdate = true;
-  byId("low").textContent = number(low);
+  byId("low").textContent = number(Math.abs(low) < 1e-6 * Math.abs(full) ? 0 : low);
   byId("high").textContent = `${state.range < 1 ? "≥ " : ""}${number(high)}`;
   byId("unit").textContent = field.unit || "";
 }
