@@ -124,7 +124,7 @@ int lbw_check_axis(lua_State *L, int argument) {
 
 void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
                       double *matrix) {
-  int64_t count;
+  int64_t count = 0;
   argument = lua_absindex(L, argument);
   double *data = NULL;
   if (lua_istable(L, argument) && (int)lua_rawlen(L, argument) == rows * columns) {

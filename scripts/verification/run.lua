@@ -4,7 +4,6 @@
 --   build/barwright scripts/verification/run.lua [--out FILE] [--only TEXT] [--models RESULTS.json]
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. package.path
-local bw = require "barwright"
 
 local out, only, models
 for i, a in ipairs(arg) do
