@@ -130,7 +130,8 @@ static bw_status enter_sets(bwi_msh *msh, int dimension, const int32_t *member, 
   bw_status status = BW_OK;
   for (size_t i = 0; i < physical_count; i++) {
     bwi_msh_group *group;
-    if (physical[i] == 0)
+    /* A polycrystal may have a group per grain: the region says all there is to say then. */
+    if (physical[i] == 0 || msh->group_count >= BWI_MOST_SETS)
       continue;
     BW_TRY(find_group(msh, dimension, physical[i], &group));
     if (!group->has_set) {

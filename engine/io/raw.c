@@ -108,13 +108,12 @@ bw_status bwi_raw_add_field(bwi_raw *raw, bwi_word name, bw_field_place place, b
 }
 
 bw_status bwi_raw_find_set(bwi_raw *raw, bwi_word name, bool of_elements, size_t *set) {
-  enum { MOST_SETS = 10000 };
   for (size_t i = 0; i < raw->set_count; i++)
     if (raw->set[i].of_elements == of_elements && bwi_word_is_nocase(name, raw->set[i].name)) {
       *set = i;
       return BW_OK;
     }
-  if (raw->set_count == MOST_SETS)
+  if (raw->set_count == BWI_MOST_SETS)
     return fail_file(raw, BW_LIMIT, "more than 10000 named sets");
   if (!bw_grow(raw->context, (void **)&raw->set, &raw->set_capacity, raw->set_count, 1,
                sizeof *raw->set))

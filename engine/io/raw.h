@@ -35,6 +35,9 @@ typedef struct bwi_raw {
   int64_t skipped;
 } bwi_raw;
 
+/* Sets are looked up one by one. */
+enum { BWI_MOST_SETS = 10000 };
+
 void bwi_raw_init(bwi_raw *raw, bw_context *context, const char *name);
 void bwi_raw_clear(bwi_raw *raw);
 bw_status bwi_raw_point(bwi_raw *raw, const double point[3]);

@@ -199,10 +199,56 @@ static void calculix_weight_and_equations(void **state) {
   bw_release(mesh);
 }
 
+/* A bar pulled by a prescribed displacement of its end, sideways free: u = x / length * value. */
+static void calculix_prescribed(void **state) {
+  if (system("command -v ccx > /dev/null 2>&1") != 0)
+    skip();
+  bw_context *context = check_context(state);
+  bw_mesh *mesh;
+  check_ok(context, bw_mesh_box_grid(context, (double[3]){0, 0, 0}, (double[3]){2, 1, 1},
+                                     (int[3]){2, 1, 1}, 1, &mesh));
+  double *u = calloc((size_t)mesh->node_count * 3, sizeof *u), value[100];
+  int32_t node[100];
+  int direction[100], fixed = 0;
+  const double pulled = -1.23456789012345678e-5;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      bool end = k == 0 && mesh->node[3 * i] == 2;
+      if (mesh->node[3 * i + k] != 0 && !end)
+        continue;
+      node[fixed] = i, direction[fixed] = k, value[fixed++] = end ? pulled : 0;
+    }
+  bw_inp_deck deck = {.mesh = mesh,
+                      .title = "*pulled\n*NODE",
+                      .isotropic = true,
+                      .young = 1e9,
+                      .poisson = 0.25,
+                      .fixed_count = fixed,
+                      .fixed_node = node,
+                      .fixed_direction = direction,
+                      .fixed_value = value};
+  char stem[300], path[400];
+  temporary(stem, "pulled");
+  snprintf(path, sizeof path, "%s.inp", stem);
+  check_ok(context, bw_inp_write(context, &deck, path));
+  assert_true(ccx_runs(stem));
+  assert_int_equal(read_displacements(stem, mesh->node_count, u), mesh->node_count);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    check_near(u[3 * i], pulled * mesh->node[3 * i] / 2, 1e-6 * fabs(pulled));
+    check_near(u[3 * i + 1], -0.25 * pulled / 2 * mesh->node[3 * i + 1], 1e-6 * fabs(pulled));
+  }
+  node[0] = 9999;
+  check_fails(context, BW_INVALID, "holds node 9999", bw_inp_write(context, &deck, path));
+  remove_all(stem);
+  free(u);
+  bw_release(mesh);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(calculix_bars),
       check_test(calculix_weight_and_equations),
+      check_test(calculix_prescribed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
