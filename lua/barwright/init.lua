@@ -41,6 +41,7 @@ function bw.version()
 end
 
 return setmetatable(bw, {
+  __tostring = function() return "barwright " .. core.version end,
   __index = function(_, name)
     local names = {}
     for known in pairs(bw) do names[#names + 1] = known end

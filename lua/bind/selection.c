@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const bw_selection *self(lua_State *L) {
@@ -147,17 +148,49 @@ static int select_patch(lua_State *L) {
   return leave_within(L, box, context, chosen, status);
 }
 
-/* selection:nearest(point, count) */
+typedef struct distant {
+  double distance;
+  int32_t node;
+} distant;
+
+static int compare_distance(const void *a, const void *b) {
+  const distant *x = (const distant *)a, *y = (const distant *)b;
+  int order = (x->distance > y->distance) - (x->distance < y->distance);
+  return order ? order : (x->node > y->node) - (x->node < y->node);
+}
+
+/* A mask of the `count` nodes of a selection nearest to a point, in a userdata that is pushed. */
+static const uint8_t *nearest_mask(lua_State *L, const bw_selection *from, const double point[3],
+                                   lua_Integer count) {
+  const bw_mesh *mesh = from->mesh;
+  distant *list = (distant *)lua_newuserdatauv(L, ((size_t)from->node_count + 1) * sizeof *list, 0);
+  uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)mesh->node_count + 1, 0);
+  memset(mask, 0, (size_t)mesh->node_count);
+  for (int32_t i = 0; i < from->node_count; i++) {
+    const double *at = mesh->node + 3 * (int64_t)from->node[i];
+    double away[3] = {at[0] - point[0], at[1] - point[1], at[2] - point[2]};
+    list[i] = (distant){bw_norm(away), from->node[i]};
+  }
+  qsort(list, (size_t)from->node_count, sizeof *list, compare_distance);
+  for (int32_t i = 0; i < from->node_count && i < count; i++)
+    mask[list[i].node] = 1;
+  return mask;
+}
+
+/* selection:nearest(point, count): of its nodes */
 static int select_nearest(lua_State *L) {
-  const bw_mesh *mesh = self(L)->mesh;
+  const bw_selection *from = self(L);
   double point[3];
   lbw_check_vector(L, 2, "point", point);
   lua_Integer count = luaL_optinteger(L, 3, 1);
   luaL_argcheck(L, count >= 1 && count <= INT32_MAX, 3, "a count of 1 or more expected");
+  lua_settop(L, 3);
+  const uint8_t *mask = is_all(from) ? NULL : nearest_mask(L, from, point, count);
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);
   bw_selection *chosen = NULL;
   bw_context *context = lbw_enter(L);
-  bw_status status = bw_select_nearest(context, mesh, point, (int32_t)count, &chosen);
+  bw_status status = mask ? bw_select_mask(context, from->mesh, NULL, mask, &chosen)
+                          : bw_select_nearest(context, from->mesh, point, (int32_t)count, &chosen);
   return leave_within(L, box, context, chosen, status);
 }
 

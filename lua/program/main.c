@@ -45,6 +45,13 @@ static void on_interrupt(int number) {
   }
 }
 
+/* Told to end: no half-written file stays behind. */
+static void on_termination(int number) {
+  bw_writers_abandon();
+  signal(number, SIG_DFL);
+  raise(number);
+}
+
 void program_catch_interrupt(lua_State *L) {
   struct sigaction action;
   memset(&action, 0, sizeof action);
@@ -284,6 +291,8 @@ int main(int argc, char **argv) {
   const char *quiet = getenv("BARWRIGHT_QUIET");
   if (!quiet || strcmp(quiet, "1") != 0)
     engine->progress = program_progress;
+  signal(SIGTERM, on_termination);
+  signal(SIGHUP, on_termination);
   bool fine = run(L, &c);
   int status = engine->stopping ? INTERRUPTED : fine ? EXIT_SUCCESS : EXIT_FAILURE;
   program_ignore_interrupt();

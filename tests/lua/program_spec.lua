@@ -88,6 +88,16 @@ describe("the program", function()
       local surface = bw.surface.implicit(function(x, y, z) return x * x + y * y + z * z - 0.5 end,
         {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 4})
       assert(surface:check().sound and surface:check() and #bw.json.encode(worst.regions) > 10)
+      local solid, log = assert(bw.mesh.fill(bw.surface.sphere {radius = 0.1, subdivisions = 1}))
+      assert(tostring(log) and solid:locate {0, 0, 0} and #solid:quality() == 0)
+      local path = os.tmpname()
+      assert(surface:write(path .. ".ply") and bw.surface.read(path .. ".ply"))
+      assert(static:write(path .. ".vtu") and bw.mesh.read(path .. ".vtu"))
+      assert(worst:write(path .. ".vtu") and worst:report(path .. ".html", {modes = 1, loads = 1}))
+      assert(worst:picture(path .. ".png", {width = 120, height = 90}))
+      for _, ending in ipairs {"", ".ply", ".vtu", ".html", ".png"} do os.remove(path .. ending) end
+      assert(bw.brute_force(part, {force = 1, pressure = 1e6, elements = 3}):compare(worst).ratio > 0)
+      assert(bw.drop_test(part, {drops = 3}):correlation(worst))
       print(a:max() > 0 and "survived")
     ]])
     assert.equal("", err)
@@ -127,6 +137,23 @@ describe("an interrupt", function()
       while true do pcall(function() while true do end end) end
     ]], 3)
     assert.equal(130, status)
+  end)
+end)
+
+describe("a signal to end", function()
+  it("leaves no half-written file", function()
+    local folder = check.folder()
+    check.write(folder .. "/script.lua", [[
+      local bw = require "barwright"
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {30, 30, 30}}
+      io.open('ready', 'w'):close()
+      while true do mesh:write "big.vtu" end
+    ]])
+    os.execute(([[cd %s && { BARWRIGHT_QUIET=1 '%s' script.lua & pid=$!; n=0
+      while [ ! -e ready ] && [ $n -lt 200 ]; do sleep 0.05; n=$((n+1)); done
+      sleep 0.3; kill -TERM $pid; wait $pid; } 2>/dev/null]]):format(folder,
+      check.program:match "^/" and check.program or os.getenv "PWD" .. "/" .. check.program))
+    for name in io.popen("ls " .. folder):lines() do assert.is_nil(name:find "partial", name) end
   end)
 end)
 
