@@ -210,6 +210,33 @@ static void tetgen_text(void **state) {
   unlink(node);
 }
 
+/* TetGen's order of middles, as its manual and its library have it: 23 03 01 12 13 02. */
+static void tetgen_ten_nodes(void **state) {
+  bw_context *context = check_context(state);
+  char node[300], ele[300];
+  FILE *out = fopen(temporary(node, "q.node"), "w");
+  fputs("10 3 0 0\n1 0 0 0\n2 2 0 0\n3 0 2 0\n4 0 0 2\n5 0 1 1\n6 0 0 1\n7 1 0 0\n8 1 1 0\n"
+        "9 1 0 1\n10 0 1 0\n",
+        out);
+  fclose(out);
+  out = fopen(temporary(ele, "q.ele"), "w");
+  fputs("1 10 0\n1 1 2 3 4 5 6 7 8 9 10\n", out);
+  fclose(out);
+  bw_mesh_file file;
+  check_ok(context, bw_mesh_read(context, ele, &file));
+  const bw_mesh *mesh = file.mesh;
+  for (int e = 0; e < 6; e++)
+    for (int k = 0; k < 3; k++)
+      check_near(mesh->node[3 * mesh->element[4 + e] + k],
+                 (mesh->node[3 * mesh->element[bw_tet_edge[e][0]] + k] +
+                  mesh->node[3 * mesh->element[bw_tet_edge[e][1]] + k]) /
+                     2,
+                 1e-15);
+  bw_mesh_file_clear(&file);
+  unlink(node);
+  unlink(ele);
+}
+
 static void inp_text(void **state) {
   bw_context *context = check_context(state);
   static const char text[] =
@@ -295,10 +322,11 @@ static void out_of_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(round_trips),  check_test(msh_negative_regions),
-                                     check_test(msh22_text),   check_test(msh_refusals),
-                                     check_test(medit_text),   check_test(tetgen_text),
-                                     check_test(inp_text),     check_test(inp_refusals),
-                                     check_test(flat_element), check_test(out_of_memory)};
+  const struct CMUnitTest tests[] = {check_test(round_trips),      check_test(msh_negative_regions),
+                                     check_test(msh22_text),       check_test(msh_refusals),
+                                     check_test(medit_text),       check_test(tetgen_text),
+                                     check_test(tetgen_ten_nodes), check_test(inp_text),
+                                     check_test(inp_refusals),     check_test(flat_element),
+                                     check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -93,6 +93,29 @@ static void text_form(void **state) {
   bw_mesh_file_clear(&file);
 }
 
+static void replace(char *text, const char *from, const char *to) {
+  char *at = strstr(text, from);
+  assert_non_null(at);
+  memmove(at + strlen(to), at + strlen(from), strlen(at + strlen(from)) + 1);
+  memcpy(at, to, strlen(to));
+}
+
+/* VTK orders a symmetric tensor xx yy zz xy yz zx, the engine xx yy zz yz zx xy. */
+static void tensor_order(void **state) {
+  bw_context *context = check_context(state);
+  char text[3000];
+  bw_mesh_file file;
+  strcpy(text, ascii);
+  replace(text, "<DataArray type=\"Int64\" Name=\"c\" NumberOfComponents=\"2\">1 2 3 4 5 6",
+          "<DataArray type=\"Float64\" Name=\"c\" NumberOfComponents=\"6\">0 0 0 0 0 0 11 22 33 12 "
+          "23 31 0 0 0 0 0 0");
+  check_ok(context, parse(context, text, &file));
+  static const double expected[6] = {11, 22, 33, 23, 31, 12};
+  for (int k = 0; k < 6; k++)
+    assert_true(bw_array_get(file.field_array[1], 0, k) == expected[k]);
+  bw_mesh_file_clear(&file);
+}
+
 /* Points and cells of two tetrahedra as appended raw data with 32-bit headers, big endian, not
  * compressed; then all in base64 in the tags, header and data encoded together. */
 static void put(unsigned char **to, uint64_t value, int bytes) {
@@ -185,13 +208,6 @@ static void binary_forms(void **state) {
   }
 }
 
-static void replace(char *text, const char *from, const char *to) {
-  char *at = strstr(text, from);
-  assert_non_null(at);
-  memmove(at + strlen(to), at + strlen(from), strlen(at + strlen(from)) + 1);
-  memcpy(at, to, strlen(to));
-}
-
 static void refusals(void **state) {
   bw_context *context = check_context(state);
   static const char *const change[][3] = {
@@ -277,9 +293,9 @@ static void out_of_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(round_trip),   check_test(threads_do_not_matter),
-                                     check_test(text_form),    check_test(binary_forms),
-                                     check_test(refusals),     check_test(damaged_compression),
-                                     check_test(out_of_memory)};
+  const struct CMUnitTest tests[] = {
+      check_test(round_trip),          check_test(threads_do_not_matter), check_test(text_form),
+      check_test(binary_forms),        check_test(tensor_order),          check_test(refusals),
+      check_test(damaged_compression), check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
