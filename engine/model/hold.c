@@ -51,8 +51,7 @@ static bw_status add_condition(bw_context *context, const bw_model *model, int s
   return status;
 }
 
-/* ---- slides along the body's own surface ------------------------------------------------------
- */
+/* ---- slides along the body's own surface ----------------------------------------------------- */
 
 /* The weight of a facet in the mean normal of its node: the angle at a corner. */
 static double facet_weight(const bw_mesh *mesh, int32_t facet, int k) {

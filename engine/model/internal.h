@@ -6,7 +6,7 @@
 #include "barwright/element.h"
 #include "barwright/model.h"
 
-/* ---- hold.c ---------------------------------------------------------------------------- */
+/* ---- hold.c ---------------------------------------------------------------------------------- */
 
 /* What the supports hold at each node: an orthonormal set of directions with values. */
 typedef struct bwi_hold {
@@ -18,7 +18,7 @@ typedef struct bwi_hold {
 /* The held nodes of a model, ascending. Release with bw_free. */
 bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *count, bwi_hold **hold);
 
-/* ---- rigid.c --------------------------------------------------------------------------- */
+/* ---- moments.c, rigid.c, motions.c ----------------------------------------------------------- */
 
 /* The volume's moments of every body: fills body_volume, body_centre and weight (which must have
  * room) and inertia, component_count x 9: 1/V integral of |y|^2 1 - y y^T, y = x - centre. */
@@ -36,7 +36,7 @@ int bwi_free_motions(const bw_numbering *numbering, int32_t component, const dou
 /* u = r(x) */
 void bwi_motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]);
 
-/* ---- facet.c --------------------------------------------------------------------------- */
+/* ---- facet.c --------------------------------------------------------------------------------- */
 
 /* The normal of a boundary facet at barycentric coordinates, of the size of twice the area that a
  * unit of parameter area covers. */
@@ -64,20 +64,20 @@ bw_status bwi_facet_incidence_of(bw_context *context, const bw_mesh *mesh,
                                  bwi_facet_incidence *incidence);
 void bwi_facet_incidence_clear(bwi_facet_incidence *incidence);
 
-/* ---- loads.c --------------------------------------------------------------------------- */
+/* ---- loads.c --------------------------------------------------------------------------------- */
 
 /* Fills area, resultant and moment. */
 bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *load);
 /* As bw_model_force_vector, gravity left out when false. */
 bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity, double *force);
 
-/* ---- thermal.c ------------------------------------------------------------------------- */
+/* ---- thermal.c ------------------------------------------------------------------------------- */
 
 /* Nodal forces of one element that expands. */
 void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
                        double (*force)[3]);
 
-/* ---- select.c -------------------------------------------------------------------------- */
+/* ---- select.c -------------------------------------------------------------------------------- */
 
 /* A selection of what the masks mark (facet: facet_count, node: node_count; with the nodes of the
  * facets). When that is nothing: BW_EMPTY with `what` was asked for, the mesh's box and, when
@@ -86,7 +86,7 @@ bw_status bwi_selection_make(bw_context *context, const bw_mesh *mesh, const uin
                              const uint8_t *node, const char *what, int32_t nearest,
                              double distance, bw_selection **selection);
 
-/* ---- text ------------------------------------------------------------------------------- */
+/* ---- text.c ---------------------------------------------------------------------------------- */
 
 /* A growing text in a bw_alloc block. */
 typedef struct bwi_text {

@@ -50,7 +50,7 @@ bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_mat
   return BW_OK;
 }
 
-/* ---- checks ------------------------------------------------------------------------------- */
+/* ---- checks ---------------------------------------------------------------------------------- */
 
 static bw_status check_finite(bw_context *context, const char *what, const double v[3]) {
   for (int k = 0; k < 3; k++)
@@ -96,7 +96,7 @@ static bw_status check_nodal(bw_context *context, const bw_model *model, const b
   return BW_OK;
 }
 
-/* ---- supports ----------------------------------------------------------------------------- */
+/* ---- supports -------------------------------------------------------------------------------- */
 
 static bw_status add_support(bw_context *context, bw_model *model, const bw_support *support) {
   bw_support *list = (bw_support *)bw_resize(
@@ -173,7 +173,7 @@ done:
   return status;
 }
 
-/* ---- loads -------------------------------------------------------------------------------- */
+/* ---- loads ----------------------------------------------------------------------------------- */
 
 /* Measures the load (area, resultant, moment) and adds it. */
 static bw_status add_load(bw_context *context, bw_model *model, bw_load *load) {

@@ -161,7 +161,7 @@ done:
   return status;
 }
 
-/* ---- measures ------------------------------------------------------------------------------- */
+/* ---- measures -------------------------------------------------------------------------------- */
 
 /* Area, first moment of area and vector area of one facet. */
 static double facet_area(const bw_mesh *mesh, int32_t facet, double first[3], double vector[3]) {

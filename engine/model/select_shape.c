@@ -47,7 +47,7 @@ static bw_status check_numbers(bw_context *context, const char *what, int count,
   return BW_OK;
 }
 
-/* ---- box ------------------------------------------------------------------------------------ */
+/* ---- box ------------------------------------------------------------------------------------- */
 
 typedef struct box {
   double low[3], high[3];
@@ -85,7 +85,7 @@ bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double l
   return select_by(context, mesh, box_distance, &b, what, selection);
 }
 
-/* ---- half space and plane ------------------------------------------------------------------- */
+/* ---- half space and plane -------------------------------------------------------------------- */
 
 typedef struct plane {
   double point[3], normal[3], tolerance;
@@ -147,8 +147,7 @@ bw_status bw_select_plane(bw_context *context, const bw_mesh *mesh, const double
   return select_plane(context, mesh, point, normal, tolerance, true, selection);
 }
 
-/* ---- sphere ------------------------------------------------------------------------------------
- */
+/* ---- sphere ---------------------------------------------------------------------------------- */
 
 typedef struct sphere {
   double centre[3], radius;
@@ -179,8 +178,7 @@ done:
   return status;
 }
 
-/* ---- nearest ----------------------------------------------------------------------------------
- */
+/* ---- nearest --------------------------------------------------------------------------------- */
 
 typedef struct near_node {
   double distance;

@@ -79,8 +79,7 @@ void bwi_draw_title(cairo_t *cairo, double x, double y, double width, double siz
   cairo_restore(cairo);
 }
 
-/* ---- triad ------------------------------------------------------------------------------------
- */
+/* ---- triad ----------------------------------------------------------------------------------- */
 
 void bwi_draw_triad(cairo_t *cairo, const bwi_view *view, double x, double y, double length,
                     double u) {
@@ -123,8 +122,7 @@ void bwi_draw_triad(cairo_t *cairo, const bwi_view *view, double x, double y, do
   }
 }
 
-/* ---- mark --------------------------------------------------------------------------------------
- */
+/* ---- mark ------------------------------------------------------------------------------------ */
 
 void bwi_draw_mark(cairo_t *cairo, const double pixel[3], bool hidden, const double frame[4],
                    double u, const char *label) {

@@ -8,7 +8,7 @@
 
 #include "barwright/picture.h"
 
-/* ---- camera.c ------------------------------------------------------------------------------- */
+/* ---- camera.c -------------------------------------------------------------------------------- */
 
 /* A view along parallel lines: no perspective, so that lengths compare. */
 typedef struct bwi_view {
@@ -29,8 +29,7 @@ void bwi_view_bound(const bwi_view *view, int64_t count, const double *point, do
 void bwi_view_fit(bwi_view *view, const double bounds[4], const double frame[4], double zoom);
 void bwi_view_project(const bwi_view *view, const double x[3], double pixel[3]);
 
-/* ---- solid.c: what is drawn --------------------------------------------------------------------
- */
+/* ---- solid.c: what is drawn ------------------------------------------------------------------ */
 
 typedef enum bwi_finish { BWI_BODY, BWI_ARROW, BWI_GHOST } bwi_finish;
 
@@ -55,8 +54,7 @@ bw_status bwi_solid_prepare(bw_context *context, bwi_solid *solid, const bwi_vie
                             double crease, double push);
 void bwi_solid_clear(bwi_solid *solid);
 
-/* ---- arrows.c ----------------------------------------------------------------------------------
- */
+/* ---- arrows.c -------------------------------------------------------------------------------- */
 
 /* Arrows as one solid. Each touches the body with its tip when it pushes, with its tail when it
  * pulls (by the nearest point's normal). `size`: length of the longest. The tail or tip away from
@@ -69,8 +67,7 @@ bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow
                            const bwi_solid *body, const double *original, bwi_solid *solid,
                            double *end);
 
-/* ---- raster.c ----------------------------------------------------------------------------------
- */
+/* ---- raster.c -------------------------------------------------------------------------------- */
 
 /* Colours in sRGB bytes, and what lies under each pixel's middle. */
 typedef struct bwi_image {
@@ -86,8 +83,13 @@ bw_status bwi_render(bw_context *context, int solid_count, const bwi_solid *soli
 bw_status bwi_occlude(bw_context *context, bwi_image *image, double radius);
 void bwi_image_clear(bwi_image *image);
 
-/* ---- bar.c, annotate.c: Cairo -----------------------------------------------------------------
- */
+/* ---- output.c -------------------------------------------------------------------------------- */
+
+/* The image over a background, the ghost with an outline, onto a canvas of its size (RGB24). */
+void bwi_compose(const bwi_image *image, cairo_surface_t *canvas);
+bw_status bwi_write_png(bw_context *context, cairo_surface_t *canvas, const char *path);
+
+/* ---- bar.c, annotate.c: Cairo ---------------------------------------------------------------- */
 
 /* Round numbers between low and high, at most `most`; returns their count and the number of
  * decimals that shows them. */

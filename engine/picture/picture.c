@@ -45,8 +45,7 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
   return BW_OK;
 }
 
-/* ---- the values --------------------------------------------------------------------------------
- */
+/* ---- the values ------------------------------------------------------------------------------ */
 
 typedef struct range {
   double low, high;      /* of the colours */
@@ -77,8 +76,7 @@ static range range_of(const double *value, int64_t count, double low, double hig
   return r;
 }
 
-/* ---- the stage ---------------------------------------------------------------------------------
- */
+/* ---- the stage ------------------------------------------------------------------------------- */
 
 typedef struct stage {
   const bw_surface *surface;
@@ -257,8 +255,7 @@ static void strike_stage(stage *s) {
   bw_free(s->arrow_end);
 }
 
-/* ---- labels ------------------------------------------------------------------------------------
- */
+/* ---- labels ---------------------------------------------------------------------------------- */
 
 /* Three significant digits, the point a '.', e.g. for "max 5.83 MPa". */
 static void short_number(char *buffer, size_t size, double value) {
@@ -275,13 +272,13 @@ static void short_number(char *buffer, size_t size, double value) {
   bwi_fixed(buffer, size, value, decimals < 0 ? 0 : decimals);
 }
 
-/* Nearer than this many pixels under the front counts as seen. */
-static bool is_hidden(const stage *s, const double pixel[3]) {
+/* Is something in front of a place by more than so many pixels? */
+static bool is_hidden(const stage *s, const double pixel[3], double allowance) {
   int x = (int)floor(pixel[0]), y = (int)floor(pixel[1]);
   if (x < 0 || y < 0 || x >= s->image.width || y >= s->image.height)
     return false;
   float front = s->image.depth[(size_t)y * (size_t)s->image.width + (size_t)x];
-  return (double)front > pixel[2] + 6 * s->u;
+  return (double)front > pixel[2] + allowance;
 }
 
 static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
@@ -292,7 +289,7 @@ static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
   double w = s->image.width, h = s->image.height;
   if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] >= w || pixel[1] >= h)
     return; /* zoomed out of the picture */
-  bool hidden = is_hidden(s, pixel);
+  bool hidden = is_hidden(s, pixel, 6 * s->u);
   const char *comma = unit ? strrchr(unit, ',') : NULL;
   short_number(number, sizeof number, s->range.largest * s->options->scale);
   snprintf(label, sizeof label, "max %s%s%.60s%s", number, comma ? " " : "",
@@ -312,7 +309,8 @@ static void label_arrows(const stage *s, cairo_t *cairo) {
   if (!(force > 0))
     return;
   bwi_view_project(&s->view, s->arrow_end + 3 * (size_t)most, pixel);
-  if (is_hidden(s, pixel))
+  /* by more than its own shaft */
+  if (is_hidden(s, pixel, 0.1 * ARROW_SIZE * s->diagonal * s->view.scale))
     return;
   short_number(number, sizeof number, force);
   snprintf(label, sizeof label, "%s N", number);
@@ -367,78 +365,6 @@ done:
   return status;
 }
 
-/* ---- out
- * -----------------------------------------------------------------------------------------
- */
-
-/* How much of an outline runs through a pixel of the ghost: where its neighbours show background.
- */
-static double outline_at(const bwi_image *image, int x, int y) {
-  size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-  int least = image->colour[4 * at + 3];
-  if (image->finish[at] != BWI_GHOST || image->depth[at] == -HUGE_VALF)
-    return 0;
-  for (int dy = -1; dy <= 1; dy++)
-    for (int dx = -1; dx <= 1; dx++) {
-      int px = x + dx, py = y + dy;
-      if (px < 0 || py < 0 || px >= image->width || py >= image->height)
-        continue;
-      int other = image->colour[4 * ((size_t)py * (size_t)image->width + (size_t)px) + 3];
-      least = other < least ? other : least;
-    }
-  return 0.38 * (255 - least) / 255;
-}
-
-/* The rendered colours over the background: white, a little greyer towards the bottom. */
-static void compose(const bwi_image *image, cairo_surface_t *canvas) {
-  unsigned char *pixels = cairo_image_surface_get_data(canvas);
-  int stride = cairo_image_surface_get_stride(canvas);
-  cairo_surface_flush(canvas);
-  for (int y = 0; y < image->height; y++) {
-    double down = (double)y / image->height;
-    double back[3] = {255 - 13 * down, 255 - 11 * down, 255 - 8 * down};
-    uint32_t *row = (uint32_t *)(void *)(pixels + (size_t)y * (size_t)stride);
-    for (int x = 0; x < image->width; x++) {
-      const unsigned char *c = image->colour + 4 * ((size_t)y * (size_t)image->width + (size_t)x);
-      uint32_t out = 0;
-      double line = outline_at(image, x, y);
-      for (int k = 0; k < 3; k++) {
-        double v = (c[k] * c[3] + back[k] * (255 - c[3])) / 255;
-        out = out << 8 | (uint32_t)(v * (1 - line) + 0.5);
-      }
-      row[x] = out;
-    }
-  }
-  cairo_surface_mark_dirty(canvas);
-}
-
-typedef struct sink {
-  bw_writer *writer;
-  bw_status status;
-} sink;
-
-static cairo_status_t write_bytes(void *data, const unsigned char *bytes, unsigned int count) {
-  sink *out = (sink *)data;
-  out->status = bw_writer_bytes(out->writer, bytes, count);
-  return out->status == BW_OK ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
-}
-
-static bw_status write_png(bw_context *context, cairo_surface_t *canvas, const char *path) {
-  sink out = {NULL, BW_OK};
-  bw_status status = bw_writer_open(context, path, &out.writer);
-  if (status != BW_OK)
-    return status;
-  cairo_status_t drawn = cairo_surface_write_to_png_stream(canvas, write_bytes, &out);
-  if (drawn == CAIRO_STATUS_SUCCESS)
-    return bw_writer_commit(out.writer);
-  bw_writer_discard(out.writer);
-  if (out.status != BW_OK)
-    return out.status;
-  return drawn == CAIRO_STATUS_NO_MEMORY
-             ? bw_fail(context, BW_MEMORY, "%s: no memory for the PNG file", path)
-             : bw_fail(context, BW_INTERNAL, "%s: %s", path, cairo_status_to_string(drawn));
-}
-
 bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
                              bool on_facets, const bw_picture_options *options, const char *path) {
   bw_picture_options usual;
@@ -464,7 +390,7 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
   canvas = cairo_image_surface_create(CAIRO_FORMAT_RGB24, options->width, options->height);
   cairo = cairo_create(canvas);
   if (cairo_status(cairo) == CAIRO_STATUS_SUCCESS) {
-    compose(&s.image, canvas);
+    bwi_compose(&s.image, canvas);
     BW_TRY(annotate(context, &s, cairo));
   }
   if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS) {
@@ -473,7 +399,7 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
                      cairo_status_to_string(cairo_status(cairo)));
     goto done;
   }
-  BW_TRY(write_png(context, canvas, path));
+  BW_TRY(bwi_write_png(context, canvas, path));
 done:
   if (cairo)
     cairo_destroy(cairo);

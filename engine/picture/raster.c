@@ -30,7 +30,7 @@ typedef struct scene {
   unsigned char tone[TONES + 1]; /* linear light to sRGB bytes */
 } scene;
 
-/* ---- light --------------------------------------------------------------------------------- */
+/* ---- light ----------------------------------------------------------------------------------- */
 
 static float linear_of(int byte) {
   double s = byte / 255.;
@@ -186,8 +186,7 @@ static void shade(const scene *s, int64_t number, float x, float y, unsigned cha
   memcpy(normal, n, 3 * sizeof *n);
 }
 
-/* ---- bands -------------------------------------------------------------------------------------
- */
+/* ---- bands ----------------------------------------------------------------------------------- */
 
 /* The bands that a facet touches; false when it lies outside the picture. */
 static bool bands_of(const scene *s, const bwi_solid *solid, const int32_t *t, int *low,
