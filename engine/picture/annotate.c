@@ -5,8 +5,6 @@
 
 #include "picture/internal.h"
 
-#define FONT "DejaVu Sans"
-
 char *bwi_clean_text(bw_context *context, const char *text) {
   size_t length = strlen(text);
   char *clean = BW_NEW(context, char, length + 1);
@@ -38,7 +36,7 @@ char *bwi_clean_text(bw_context *context, const char *text) {
 }
 
 static void choose_font(cairo_t *cairo, double size, bool bold) {
-  cairo_select_font_face(cairo, FONT, CAIRO_FONT_SLANT_NORMAL,
+  cairo_select_font_face(cairo, BWI_FONT, CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo, size);
 }

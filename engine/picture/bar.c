@@ -69,6 +69,32 @@ static int end_decimals(double size) {
   return digits < 0 ? 0 : digits > 9 ? 9 : digits;
 }
 
+/* Lines of bold text, the last one at y, broken at spaces to fit into `width`. */
+static void draw_heading(cairo_t *cairo, double right, double y, double width, double u,
+                         char *text) {
+  enum { LINES = 4 };
+  char *line[LINES] = {text};
+  int lines = 1;
+  cairo_select_font_face(cairo, BWI_FONT, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
+  cairo_set_font_size(cairo, 15 * u);
+  for (char *space = strchr(text, ' '); space && lines < LINES;) {
+    cairo_text_extents_t extents;
+    char *next = strchr(space + 1, ' ');
+    if (next)
+      *next = 0;
+    cairo_text_extents(cairo, line[lines - 1], &extents);
+    if (next)
+      *next = ' ';
+    if (extents.x_advance > width) { /* the word after this space does not fit */
+      *space = 0;
+      line[lines++] = space + 1;
+    }
+    space = next;
+  }
+  for (int i = 0; i < lines; i++)
+    bwi_draw_text(cairo, right, y - 19 * u * (lines - 1 - i), 1, 15 * u, true, false, line[i]);
+}
+
 void bwi_bar_draw(cairo_t *cairo, const bwi_bar *bar, double x, double top, double bottom,
                   double right, double u) {
   double size = fmax(fabs(bar->low), fabs(bar->high)), wide = 22 * u, text = 14 * u;
@@ -89,7 +115,7 @@ void bwi_bar_draw(cairo_t *cairo, const bwi_bar *bar, double x, double top, doub
   char second[240];
   snprintf(second, sizeof second, "%s%s%s", power, power[0] && unit[0] ? " " : "", unit);
   cairo_set_source_rgb(cairo, 0.13, 0.15, 0.19);
-  bwi_draw_text(cairo, right, top - (second[0] ? 36 : 16) * u, 1, 15 * u, true, false, name);
+  draw_heading(cairo, right, top - (second[0] ? 36 : 16) * u, 170 * u, u, name);
   bwi_draw_text(cairo, right, top - 16 * u, 1, text, false, false, second);
 
   /* the colours, one pixel row each */

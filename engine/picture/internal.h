@@ -91,6 +91,8 @@ bw_status bwi_write_png(bw_context *context, cairo_surface_t *canvas, const char
 
 /* ---- bar.c, annotate.c: Cairo ---------------------------------------------------------------- */
 
+#define BWI_FONT "DejaVu Sans"
+
 /* Round numbers between low and high, at most `most`; returns their count and the number of
  * decimals that shows them. */
 enum { BWI_TICKS = 12 };

@@ -3,6 +3,7 @@
  * written whole or not at all. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "picture/internal.h"
@@ -12,7 +13,7 @@
 /* The longest arrow, and the largest displacement when the factor is chosen here. */
 #define ARROW_SIZE 0.2
 #define DEFORMATION_SIZE 0.05
-enum { LEAST_PIXELS = 64, MOST_PIXELS = 16384, MOST_ARROWS = 10000 };
+enum { LEAST_PIXELS = 64, MOST_PIXELS = 16384, MOST_ARROWS = 10000, MOST_JUDGED = 6 };
 
 void bw_picture_options_default(bw_picture_options *options) {
   memset(options, 0, sizeof *options);
@@ -83,6 +84,7 @@ typedef struct stage {
   const bw_picture_options *options;
   bwi_view view;
   double diagonal, factor; /* of the box; on the displacement */
+  int longest;             /* side of the box */
   bwi_solid solid[3];      /* body, arrows, ghost; unused ones hold no facet */
   double *arrow_end;
   range range;
@@ -116,23 +118,51 @@ static void largest_place(const stage *s, double at[3], double normal[3]) {
     memcpy(at, body->point + 3 * which, 3 * sizeof *at);
 }
 
-/* The usual view, or the first of those around the body that shows the largest value: not edge-on,
- * and with nothing in front. */
+/* How well the arrows show from a direction, 0 to 1: seen from the side, ends not hidden. */
+static double arrows_show(const stage *s, const double direction[3]) {
+  double all = 0, shown = 0, first;
+  int count = s->arrow_end ? s->options->arrow_count : 0;
+  for (int i = 0; i < count && i < MOST_JUDGED; i++) {
+    const double *force = s->options->arrow[i].force, *at = s->options->arrow[i].at;
+    const double *end = s->arrow_end + 3 * (size_t)i;
+    double size = bw_norm(force), across[3], near_body[3];
+    for (int k = 0; k < 3; k++)
+      near_body[k] = end[k] + 0.6 * (at[k] - end[k]);
+    all += size;
+    if (!(size > 0) ||
+        bwi_solid_crossings(&s->solid[0], near_body, direction, 1e-4 * s->diagonal, &first) > 0)
+      continue;
+    bw_cross(force, direction, across);
+    shown += bw_norm(across) / bw_norm(direction);
+  }
+  return all > 0 ? shown / all : 0;
+}
+
+/* The best of eight views around the body from above, or else from below, that show the largest
+ * value: not edge-on, and with nothing in front. The usual view wins when it is about as good. */
 static void choose_direction(const stage *s, double direction[3]) {
-  static const int turn[] = {0, 1, -1, 2, -2, 3, -3, 4}; /* eighths */
   const double *up = s->options->up;
-  double at[3], normal[3], first;
+  double at[3], normal[3], first, best = -1;
   bwi_view_usual(up, 0, false, direction);
   if (s->range.largest_at < 0 || !(s->diagonal > 0))
     return;
   largest_place(s, at, normal);
-  for (int i = 0; i < 16; i++) {
+  for (int i = 0; i < 16 && (i != 8 || best < 0); i++) {
+    int turn = i % 8 < 5 ? i % 8 : i % 8 - 8; /* eighths, -3 to 4 */
     double try[3];
-    bwi_view_usual(up, turn[i % 8] * 0.7853981633974483, i >= 8, try);
-    if (bw_dot(normal, try) > 0.35 * bw_norm(normal) * bw_norm(try) &&
-        bwi_solid_crossings(&s->solid[0], at, try, 1e-4 * s->diagonal, &first) == 0) {
+    bwi_view_usual(up, turn * 0.7853981633974483, i >= 8, try);
+    double facing = bw_dot(normal, try) / (bw_norm(normal) * bw_norm(try));
+    if (!(facing > 0.3) ||
+        bwi_solid_crossings(&s->solid[0], at, try, 1e-4 * s->diagonal, &first) > 0 ||
+        bwi_solid_crossings(&s->solid[1], at, try, 1e-4 * s->diagonal, &first) > 0)
+      continue;
+    double score = arrows_show(s, try) + 0.2 * facing + (turn == 0 ? 0.15 : 0.02 * (4 - abs(turn)));
+    /* a long body is better seen from the side */
+    double along = try[s->longest] / bw_norm(try);
+    score += 0.5 * sqrt(1 - along * along);
+    if (score > best) {
+      best = score;
       memcpy(direction, try, sizeof try);
-      return;
     }
   }
 }
@@ -188,6 +218,9 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   for (int k = 0; k < 3; k++)
     size[k] = high[k] - low[k];
   s->diagonal = hypot(hypot(size[0], size[1]), size[2]); /* of any magnitude */
+  for (int k = 1; k < 3; k++)
+    if (size[k] > size[s->longest])
+      s->longest = k;
   if (!(s->diagonal < 1e150))
     return bw_fail(context, BW_GEOMETRY, "a body of %g m is too large for a picture", s->diagonal);
   BW_TRY(copy_surface(context, surface, body));
@@ -203,11 +236,6 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
     if (!(body->high > body->low)) /* one value only: the middle of the colours */
       body->high = (body->low -= 1) + 2;
   }
-  double direction[3];
-  memcpy(direction, options->direction, sizeof direction);
-  if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0)
-    choose_direction(s, direction);
-  BW_TRY(bwi_view_axes(context, direction, options->up, &s->view));
   if (options->ghost && options->displacement)
     BW_TRY(copy_surface(context, surface, ghost));
   if (options->arrow_count > 0 && s->diagonal > 0) {
@@ -219,6 +247,11 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
     BW_TRY(bwi_arrows_solid(context, options->arrow_count, options->arrow, ARROW_SIZE * s->diagonal,
                             body, surface->point, arrows, s->arrow_end));
   }
+  double direction[3];
+  memcpy(direction, options->direction, sizeof direction);
+  if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0)
+    choose_direction(s, direction);
+  BW_TRY(bwi_view_axes(context, direction, options->up, &s->view));
   /* The frame: room for title, bar, triad and text. */
   double w = options->width, h = options->height;
   s->u = fmax(fmin(w / 1200, h / 900), 0.6); /* text stays legible */

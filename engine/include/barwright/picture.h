@@ -11,7 +11,7 @@ extern "C" {
 typedef struct bw_picture_options {
   int width, height;   /* pixels, default 1200 x 900 */
   double direction[3]; /* from the object to the viewer; zero (default): from the front right and
-                          above, turned about `up` until the largest value can be seen */
+                        * above, turned about `up` until the largest value and the arrows show */
   double up[3];        /* default (0, 0, 1) */
   double zoom;         /* default 1: the box fills the picture */
   const char *title;   /* may be NULL */
