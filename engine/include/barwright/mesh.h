@@ -47,9 +47,9 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
                             int64_t *flipped);
 
 typedef enum bw_defect_kind {
-  BW_DEFECT_OPEN_EDGE,         /* an edge with one facet; facet, other = its two points */
-  BW_DEFECT_NONMANIFOLD_EDGE,  /* an edge with three or more facets */
-  BW_DEFECT_NONMANIFOLD_POINT, /* facets meet in a point without sharing edges around it */
+  BW_DEFECT_OPEN_EDGE,         /* an edge with one facet; other = -1 */
+  BW_DEFECT_NONMANIFOLD_EDGE,  /* an edge with three or more facets, two of them named */
+  BW_DEFECT_NONMANIFOLD_POINT, /* the facets around a point do not form one fan */
   BW_DEFECT_MISORIENTED_EDGE,  /* two facets run along an edge in the same direction */
   BW_DEFECT_SELF_INTERSECTION, /* facet and other cut each other */
   BW_DEFECT_DUPLICATE_FACET,   /* facet has the same points as other */
@@ -126,8 +126,9 @@ typedef struct bw_remesh_options {
   double tolerance;   /* largest distance allowed, m; 0: a quarter of edge_length */
 } bw_remesh_options;
 void bw_remesh_options_default(bw_remesh_options *options);
-/* Isotropic remeshing (CGAL) of a closed manifold surface, sharp edges and features smaller than
- * the edge length kept. */
+/* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
+ * than the edge length, edges there are shorter (down to a twelfth of it), so that there may be
+ * more facets than asked for. A sound surface gives a sound one. */
 bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
                             const bw_remesh_options *options, bw_surface **remeshed,
                             bw_shape_log *log);
