@@ -430,6 +430,18 @@ static int mesh_volumes(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, mesh->element_count, 1, mesh->volume, mesh);
 }
 
+static int compute_node_volumes(lua_State *L) {
+  const bw_mesh *mesh = self(L);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 1)->data;
+  lbw_leave_or_raise(L, bw_lumped_mass(lbw_enter(L), mesh, out));
+  return 1;
+}
+
+/* Every node's share of the volume (lumped mass of density 1): weights for values at nodes. */
+static int mesh_node_volumes(lua_State *L) {
+  return lbw_cached(L, "node_volumes", compute_node_volumes);
+}
+
 static int mesh_facets(lua_State *L) {
   const bw_mesh *mesh = self(L);
   return lbw_push_indices(L, mesh->facet_count, mesh->nodes_per_facet, mesh->facet);
@@ -509,6 +521,7 @@ static const luaL_Reg properties[] = {{"nodes", mesh_nodes},
                                       {"elements", mesh_elements},
                                       {"regions", mesh_regions},
                                       {"volumes", mesh_volumes},
+                                      {"node_volumes", mesh_node_volumes},
                                       {"facets", mesh_facets},
                                       {"facet_elements", mesh_facet_elements},
                                       {"neighbours", mesh_neighbours},

@@ -115,8 +115,20 @@ static int regions_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg regions_methods[] = {
-    {"elements", regions_elements}, {"weights", regions_weights}, {NULL, NULL}};
+/* regions:objective(i, material): the forces whose displacement q gives the objective's gradient,
+ * basis:gradient(q) (eq. 15 of the paper): a row of three for every node */
+static int regions_objective(lua_State *L) {
+  const bw_weak_regions *regions = regions_self(L);
+  int64_t i = lbw_check_index(L, 2, "region", regions->count);
+  const bw_material *material = (const bw_material *)lbw_check(L, 3, &lbw_material_class);
+  double *out = (double *)lbw_push_array(L, BW_F64, regions->mesh->node_count, 3)->data;
+  return lbw_leave(L, bw_region_objective(lbw_enter(L), regions, (int)i, material, out), 1);
+}
+
+static const luaL_Reg regions_methods[] = {{"elements", regions_elements},
+                                           {"weights", regions_weights},
+                                           {"objective", regions_objective},
+                                           {NULL, NULL}};
 static const luaL_Reg regions_properties[] = {
     {"count", regions_count}, {"mesh", regions_mesh}, {NULL, NULL}};
 static const luaL_Reg regions_meta[] = {{"__len", regions_count},
@@ -196,6 +208,52 @@ static int basis_arrows(lua_State *L) {
   return lbw_leave(L, BW_OK, 1);
 }
 
+/* basis:gradient(q): by each pressure, of the work of the forces on q */
+static int basis_gradient(lua_State *L) {
+  const bw_pressure_basis *basis = basis_self(L);
+  int64_t rows;
+  double *q = lbw_to_doubles(L, 2, "q", 3, &rows);
+  luaL_argcheck(L, rows == basis->mesh->node_count, 2, "q: a row for every mesh node expected");
+  bw_array *out = lbw_push_array(L, BW_F64, basis->count, 1);
+  bw_pressure_gradient(basis, q, (double *)out->data);
+  return 1;
+}
+
+/* basis:maximise(system, objective, {pressure, force, at_most}): the pressure of an allowed load
+ * that makes objective . pressure largest, and that value */
+static int basis_maximise(lua_State *L) {
+  bw_worst_load_options options;
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(bw_worst_load_options, pressure)},
+      {"force", LBW_REAL, offsetof(bw_worst_load_options, force)},
+      {"at_most", LBW_BOOLEAN, offsetof(bw_worst_load_options, at_most)},
+      {NULL, LBW_OTHER, 0}};
+  const bw_pressure_basis *basis = basis_self(L);
+  const bw_system *system = (const bw_system *)lbw_check(L, 2, &lbw_system_class);
+  luaL_argcheck(L, system->mesh == basis->mesh, 2, "a system of the same mesh expected");
+  memset(&options, 0, sizeof options);
+  lua_settop(L, 4);
+  lbw_options(L, 4, "maximise", list, &options);
+  int64_t rows;
+  double *objective = lbw_to_doubles(L, 3, "objective", 1, &rows), value = 0;
+  luaL_argcheck(L, rows == basis->count, 3, "objective: one for every node of the basis expected");
+  double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
+  bw_status status = bw_worst_loads(lbw_enter(L), basis, system->numbering, &options, 1, objective,
+                                    out, &value, NULL);
+  lua_pushnumber(L, value);
+  return lbw_leave(L, status, 2);
+}
+
+static int basis_tostring(lua_State *L) {
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_test(L, 1, &lbw_pressure_basis_class);
+  if (basis)
+    lua_pushfstring(L, "pressure basis of %d boundary nodes", (int)basis->count);
+  else
+    lua_pushliteral(L, "pressure basis (closed)");
+  return 1;
+}
+
 static int basis_nodes(lua_State *L) {
   const bw_pressure_basis *basis = basis_self(L);
   return lbw_push_indices(L, basis->count, 1, basis->node);
@@ -211,12 +269,16 @@ static int basis_count(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg basis_methods[] = {
-    {"force", basis_force}, {"arrows", basis_arrows}, {NULL, NULL}};
+static const luaL_Reg basis_methods[] = {{"force", basis_force},
+                                         {"gradient", basis_gradient},
+                                         {"maximise", basis_maximise},
+                                         {"arrows", basis_arrows},
+                                         {NULL, NULL}};
+static const luaL_Reg basis_meta[] = {{"__tostring", basis_tostring}, {NULL, NULL}};
 static const luaL_Reg basis_properties[] = {
     {"nodes", basis_nodes}, {"areas", basis_areas}, {"count", basis_count}, {NULL, NULL}};
-const lbw_class lbw_pressure_basis_class = {"pressure_basis", basis_methods, basis_properties, NULL,
-                                            NULL};
+const lbw_class lbw_pressure_basis_class = {"pressure_basis", basis_methods, basis_properties,
+                                            basis_meta, NULL};
 
 /* ---- worst loads ----------------------------------------------------------------------------- */
 

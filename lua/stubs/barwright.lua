@@ -89,6 +89,40 @@ function bw.principal(stress) end
 ---@return bw.Array?
 function bw.max_principal(stress) end
 
+---The steps of the worst case by themselves. First: the weak regions of modes.
+---@param mesh bw.Mesh
+---@param material bw.Material
+---@param modes bw.Modes
+---@param options? {measure: "stress"|"energy", target: "stress"|"displacement", fraction: number, regions: integer}
+---@return bw.WeakRegions?
+---@return string? message
+---@return table? details
+function bw.weak_regions(mesh, material, modes, options) end
+
+---Every element, or those given, as a region of its own, with a weight of `sign` (default 1).
+---@param mesh bw.Mesh
+---@param elements? bw.Array|integer[]
+---@param sign? number
+---@return bw.WeakRegions?
+function bw.single_regions(mesh, elements, sign) end
+
+---Pressures at the boundary nodes of a mesh, linear over its facets.
+---@param mesh bw.Mesh
+---@return bw.PressureBasis?
+function bw.pressure_basis(mesh) end
+
+---The worst load of every region and the stresses under it: arrays peaks, peak_elements,
+---utilisations, utilised_elements, displacements, objectives, seconds, flipped (of regions), weakness,
+---worst_region (of elements), pressures (regions x nodes of the basis).
+---@param system bw.System
+---@param basis bw.PressureBasis
+---@param regions bw.WeakRegions
+---@param options {pressure: number, force: number, at_most?: boolean, one_sign?: boolean, batch?: integer, keep_pressures?: boolean, glpk?: boolean}
+---@return table?
+---@return string? message
+---@return table? details
+function bw.worst_loads(system, basis, regions, options) end
+
 ---Spearman's rank correlation of two columns, ties averaged; with weights (volumes), a sample of
 ---twice the weight counts as two.
 ---@param a bw.Array
@@ -537,6 +571,7 @@ function mesh_module.box(options) end
 ---@field elements bw.Array element_count x 4 or 10 (corners, then the middles of 12 23 31 14 24 34)
 ---@field regions bw.Array? a tag for every element
 ---@field volumes bw.Array of every element, m3
+---@field node_volumes bw.Array every node's share of the volume: weights for values at nodes
 ---@field facets bw.Array of the boundary: corners, then middles
 ---@field facet_elements bw.Array the element behind every facet
 ---@field neighbours bw.Array element_count x 4: across each face, 0 for none
@@ -1063,6 +1098,12 @@ function WeakRegions:elements(i) end
 ---@return bw.Array
 function WeakRegions:weights(i) end
 
+---Forces whose displacement q gives the region's objective, basis:gradient(q): (15) of the paper.
+---@param i integer
+---@param material bw.Material
+---@return bw.Array?
+function WeakRegions:objective(i, material) end
+
 ---Lets go at once.
 function WeakRegions:close() end
 
@@ -1078,6 +1119,22 @@ local PressureBasis = {}
 ---@return bw.Array
 function PressureBasis:force(pressure) end
 
+---The change of the work of the forces on displacements q with each pressure.
+---@param q bw.Array
+---@return bw.Array
+function PressureBasis:gradient(q) end
+
+---The pressure of an allowed load (0 to `pressure`, total `force`, balanced) that makes
+---objective . pressure largest, and that value.
+---@param system bw.System
+---@param objective bw.Array
+---@param options {pressure: number, force: number, at_most?: boolean}
+---@return bw.Array? pressure
+---@return number|string value or message
+---@return table? details
+function PressureBasis:maximise(system, objective, options) end
+
+---The forces of a pressure summed into a few arrows {at, force, area}, largest first.
 ---@param pressure bw.Array
 ---@param radius? number
 ---@return table[]?

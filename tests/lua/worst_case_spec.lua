@@ -82,6 +82,30 @@ describe("the worst case", function()
     assert.truthy(with("at_most", true).max_principal > 0.99 * with("at_most", false).max_principal)
   end)
 
+  it("can be taken step by step, and no sampled load beats the programme", function()
+    local system, basis, regions = worst.system, worst.basis, worst.weak_regions
+    local q = assert(system:solve(assert(regions:objective(1, part.material))))
+    local objective = basis:gradient(q)
+    local limits = {pressure = 2e5, force = 5}
+    local p, value = assert(basis:maximise(system, objective, limits))
+    check.near(value, p:dot(objective), 1e-9)
+    for i = 1, #worst.regions do -- other regions' loads are allowed too
+      assert.truthy(worst.pressures[i]:dot(objective) <= value * (1 + 1e-7))
+    end
+    -- the objective is the weighted stress of the region: work of the region's forces on the answer
+    local u = assert(system:solve(basis:force(p)))
+    check.near(value, regions:objective(1, part.material):dot(u), 1e-6)
+    check.fails("infeasible", "", basis:maximise(system, objective, {pressure = 1, force = 1e9}))
+    check.raises("one for every node of the basis", basis.maximise, basis, system, bw.array {1}, limits)
+    check.near(mesh.volume, mesh.volumes:sum(), 1e-12)
+    check.near(mesh.volume, mesh.node_volumes:sum(), 1e-12)
+    local singles = assert(bw.single_regions(mesh, {3, 5}))
+    assert.equal(2, #singles)
+    assert.equal(5, singles:elements(2)[1])
+    assert.equal(1, bw.worst_loads(system, bw.pressure_basis(mesh), assert(bw.weak_regions(mesh,
+      part.material, worst.modes, {regions = 1})), limits).peaks.column_count)
+  end)
+
   it("stays near brute force, and drops agree with it", function()
     local brute = assert(bw.brute_force(part, {force = 5, pressure = 2e5, elements = 150}))
     local beside = brute:compare(worst)
