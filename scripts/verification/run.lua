@@ -1,15 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Runs the verification cases, writes docs/verification.md (or --out FILE), and exits with 1 when a
 -- case is outside its tolerance.
---   build/barwright scripts/verification/run.lua [--out FILE] [--only TEXT] [--models RESULTS.json]
+--   build/barwright scripts/verification/run.lua [--out FILE] [--only TEXT]
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. package.path
 
-local out, only, models
+local out, only
 for i, a in ipairs(arg) do
   if a == "--out" then out = arg[i + 1] end
   if a == "--only" then only = arg[i + 1] end
-  if a == "--models" then models = arg[i + 1] end
 end
 
 local lines, failed, count = {}, 0, 0
@@ -76,11 +75,10 @@ if test and not only then
   write ""
 end
 
-local extra = models and io.open(models)
-if extra then
-  write("%s", (extra:read "a"):gsub("%%", "%%%%"))
-  extra:close()
-end
+-- The tables of real models, which scripts/verification/models.lua makes where there are models.
+local extra = io.open "docs/verification_models.md"
+if extra and not only then lines[#lines + 1] = extra:read "a" end
+if extra then extra:close() end
 
 print(("%d of %d within their tolerance"):format(count - failed, count))
 if not only or out then
