@@ -13,7 +13,9 @@ static void bulge(void *data, const double unit[3], double out[3]) {
 static bw_material *orthotropic(bw_context *context) {
   bw_material *material = NULL, *turned = NULL;
   bw_orthotropic constants = {.young = {1.22e9, 0.68e9, 0.234e9}, .poisson = {0.3, 0.05, 0.3}};
-  const double c = cos(0.4), s = sin(0.4), rotation[9] = {c, -s, 0, s, c, 0, 0, 0, 1};
+  /* About z and then about x, so that no component of C : I vanishes. */
+  const double c = cos(0.4), s = sin(0.4), d = cos(1.1), e = sin(1.1);
+  const double rotation[9] = {c, -s, 0, d * s, d * c, -e, e * s, e * c, d};
   check_ok(context, bw_material_orthotropic(context, &constants, &material));
   check_ok(context, bw_material_rotated(context, material, rotation, &turned));
   bw_release(material);
