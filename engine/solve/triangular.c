@@ -11,8 +11,13 @@
 #include "solve/blas.h"
 #include "solve/internal.h"
 
-/* Columns solved together, rows kept in the first-level cache, columns of one chunk of work. */
-enum { PANEL = 128, ROWS = 256, COLUMNS = 32 };
+/* Columns solved together, numbers kept in the first-level cache, columns of one chunk of work. */
+enum { PANEL = 128, CACHED = 4096, COLUMNS = 32 };
+
+/* Rows of one chunk of work in the top. */
+static int64_t rows_at_once(int width) {
+  return width < 4 ? CACHED / 4 : CACHED / width;
+}
 
 #ifdef __FP_FAST_FMA
 #define multiply_add(a, b, c) __builtin_fma(a, b, c)
@@ -29,8 +34,9 @@ enum { PANEL = 128, ROWS = 256, COLUMNS = 32 };
 /* y -= L x */
 ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int64_t rows,
                                   int64_t columns, const double *x, double *y) {
-  for (int64_t begin = 0; begin < rows; begin += ROWS) {
-    int64_t end = rows - begin < ROWS ? rows : begin + ROWS;
+  const int64_t block = CACHED / W;
+  for (int64_t begin = 0; begin < rows; begin += block) {
+    int64_t end = rows - begin < block ? rows : begin + block;
     int64_t c = 0;
     for (; c + 4 <= columns; c += 4) {
       const double *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld, *xc = x + c * W;
@@ -57,8 +63,9 @@ ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int6
 /* x -= L^T y */
 ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int64_t rows,
                                    int64_t columns, double *x, const double *y) {
-  for (int64_t begin = 0; begin < rows; begin += ROWS) {
-    int64_t end = rows - begin < ROWS ? rows : begin + ROWS;
+  const int64_t block = CACHED / W;
+  for (int64_t begin = 0; begin < rows; begin += block) {
+    int64_t end = rows - begin < block ? rows : begin + block;
     int64_t c = 0;
     for (; W > 1 && c + 4 <= columns; c += 4) {
       const double *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
@@ -324,9 +331,10 @@ static bw_status forward_top(solution *solve, int32_t s) {
     lower_triangle(solve->width, solve->panel + solve->begin * (solve->ld + 1), solve->ld,
                    solve->end - solve->begin,
                    solve->x + (solve->first + solve->begin) * solve->width);
-    BW_TRY(bw_parallel(solve->context, solve->pivots - solve->end, ROWS, top_inner_rows, solve));
+    BW_TRY(bw_parallel(solve->context, solve->pivots - solve->end, rows_at_once(solve->width),
+                       top_inner_rows, solve));
   }
-  BW_TRY(bw_parallel(solve->context, outer, ROWS, top_outer_rows, solve));
+  BW_TRY(bw_parallel(solve->context, outer, rows_at_once(solve->width), top_outer_rows, solve));
 done:
   return status;
 }
