@@ -277,6 +277,9 @@ static bw_status iterate(lanczos *l, int wanted, double tolerance) {
         break;
     }
     BW_TRY(step(l));
+    bool full = l->used + l->block > l->capacity || l->used == l->done;
+    if (l->done < wanted && !full)
+      continue;
     BW_TRY(ritz(l));
     int found = converged(l, wanted, tolerance);
     bw_progress(l->context, "modes", (double)found / wanted);
@@ -421,11 +424,11 @@ done:
 
 /* The end of the cluster that eigenvalue number `count` (from 1) belongs to, and a shift above it;
  * 0 when the known values do not show a gap. */
-static int find_gap(const lanczos *l, int count, int known, double *shift) {
+static int find_gap(const lanczos *l, int count, int known, double fraction, double *shift) {
   for (int n = count; n < known; n++) {
     double low = 1 / l->theta[n - 1], high = 1 / l->theta[n];
     if (l->theta[n] > 0 && high - low > 1e-4 * low) {
-      *shift = low + fmin(0.3 * (high - low), 0.01 * low);
+      *shift = low + fraction * fmin(high - low, 0.03 * low);
       return n;
     }
   }
@@ -458,16 +461,23 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
 
   if (options->sturm && problem->below)
     for (int attempt = 0; attempt < RECOVERIES; attempt++) {
-      double shift = 0;
+      double shift = 0, fraction = 0.3 + 0.1 * attempt;
       int known = l.done < (int)problem->dimension ? l.done : count;
-      int n = find_gap(&l, count, known, &shift);
+      int n = find_gap(&l, count, known, fraction, &shift);
       if (n == 0) { /* everything there is was found */
         if (l.done >= problem->dimension) {
           result->counted = true;
           break;
         }
-        BW_TRY(iterate(&l, count + BLOCK, tolerance));
-        n = find_gap(&l, count, l.done, &shift);
+        status = iterate(&l, count + BLOCK, tolerance);
+        if (status == BW_CONVERGENCE) { /* the modes wanted are there all the same */
+          bw_clear_failure(context);
+          status = BW_OK;
+          break;
+        }
+        if (status != BW_OK)
+          goto done;
+        n = find_gap(&l, count, l.done, fraction, &shift);
         if (n == 0)
           break;
       }
@@ -476,8 +486,8 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
       int64_t below = 0;
       bool trusted = false;
       BW_TRY(problem->below(context, problem->data, shift, &below, &trusted));
-      if (!trusted || below < n)
-        break;
+      if (!trusted || below < n) /* rounding: once more elsewhere in the gap */
+        continue;
       if (below == n) {
         result->counted = true;
         break;

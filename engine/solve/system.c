@@ -86,11 +86,14 @@ done:
 
 static bw_status say_singular(bw_context *context, const bw_system *system, int32_t node) {
   const double *x = system->mesh->node + 3 * (int64_t)node;
-  bw_fail(context, BW_SINGULAR,
-          "the stiffness is singular at node %d, (%g, %g, %g) m, although the body is held: parts "
-          "that touch only in a node or an edge turn freely there, and elements almost without "
-          "volume have almost no stiffness. Join the parts properly, or mesh again",
-          node + 1, x[0], x[1], x[2]);
+  bw_fail(
+      context, BW_SINGULAR,
+      "the stiffness is singular, or so nearly that double precision cannot tell, at node %d, "
+      "(%g, %g, %g) m, although the body cannot move freely: parts that touch only in a node or "
+      "an edge turn there, elements almost without volume have almost no stiffness, and a body "
+      "ten thousand times longer than thick is nearly a mechanism. Join the parts properly, or "
+      "mesh again",
+      node + 1, x[0], x[1], x[2]);
   bw_detail_number(context, "node", node + 1);
   bw_detail_number(context, "x", x[0]);
   bw_detail_number(context, "y", x[1]);

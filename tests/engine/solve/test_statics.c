@@ -212,9 +212,36 @@ static void mechanism_is_refused(void **state) {
   bw_release(one);
 }
 
+/* Everything held: no unknown is left, and no mode. */
+static void nothing_to_solve(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 1, 1, 1, 1, 1, 1, 1);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *all = NULL;
+  const bool held[3] = {true, true, true};
+  const double value[3] = {1, 2, 3};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_select_all(context, mesh, &all));
+  check_ok(context, bw_model_prescribe(context, model, all, held, value));
+  bw_static *result = NULL;
+  bw_modes *modes = NULL;
+  check_ok(context, bw_statics(context, model, NULL, NULL, &result));
+  check_near(result->displacement[4], 2, 0);
+  check_near(result->energy, 0, 1e-3); /* of terms of 1e11 J */
+  check_ok(context, bw_modes_elastic(context, result->system, NULL, &modes));
+  assert_int_equal(modes->count, 0);
+  bw_release(modes);
+  bw_release(result);
+  bw_release(all);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(bar_in_tension), check_test(bar_under_own_weight),
-                                     check_test(prescribed_stretch), check_test(free_bodies),
-                                     check_test(mechanism_is_refused)};
+  const struct CMUnitTest tests[] = {
+      check_test(bar_in_tension), check_test(bar_under_own_weight), check_test(prescribed_stretch),
+      check_test(free_bodies),    check_test(mechanism_is_refused), check_test(nothing_to_solve)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
