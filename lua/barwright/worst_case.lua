@@ -20,6 +20,7 @@ local rules = {
   laplacian = {type = "boolean", default = false},
   one_sign = {type = "boolean", default = false},
   tolerance = {type = "number", default = 1e-8, above = 0},
+  sturm = {type = "boolean", default = false},
   seed = {type = "integer", default = 1},
   batch = {type = "integer", default = 0, least = 0},
   glpk = {type = "boolean", default = false},
@@ -103,7 +104,7 @@ function worst_case.analyse(part, given)
   start = clock()
   local modes
   modes, message, details = part:modes {count = wish.modes, tolerance = wish.tolerance,
-    seed = wish.seed, laplacian = wish.laplacian, sturm = false}
+    seed = wish.seed, laplacian = wish.laplacian, sturm = wish.sturm}
   if not modes then return nil, message, details end
   self.modes = modes
   seconds.modes = clock() - start

@@ -180,6 +180,7 @@ function bw.version() end
 ---@field laplacian? boolean the cheaper modes of the Laplacian; default false
 ---@field one_sign? boolean only the sign that the mode came with; default false: both are tried
 ---@field tolerance? number of the modes' residuals; default 1e-8
+---@field sturm? boolean count the modes by a second factor, so that none is missing; default false
 ---@field seed? integer of the start vector of the modes; default 1
 ---@field batch? integer regions worked on at once; 0: chosen
 ---@field glpk? boolean solve the programmes by GLPK; default false
