@@ -1,0 +1,439 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Filling: volumes of shapes with closed forms, cavities, wanted numbers, sizes, limits, and with
+ * BARWRIGHT_FULL=1 the table over all models. */
+#include "check.h"
+
+#include "mesh/fill_internal.h"
+
+static const double pi = 3.14159265358979323846;
+
+static bw_surface *box(bw_context *context, double low, double high) {
+  double a[3] = {low, low, low}, b[3] = {high, high, high};
+  bw_surface *surface;
+  check_ok(context, bw_surface_box_shape(context, a, b, &surface));
+  return surface;
+}
+
+static bw_surface *sphere(bw_context *context, double radius, int subdivisions) {
+  double centre[3] = {0.1, 0.2, 0.3};
+  bw_surface *surface;
+  check_ok(context, bw_surface_sphere_shape(context, centre, radius, subdivisions, &surface));
+  return surface;
+}
+
+/* Several surfaces as one; `turned` has a bit for each that is to face the other way. */
+static bw_surface *join(bw_context *context, bw_surface **part, int count, unsigned turned) {
+  int32_t points = 0, triangles = 0;
+  for (int i = 0; i < count; i++) {
+    points += part[i]->point_count;
+    triangles += part[i]->triangle_count;
+  }
+  double *point = BW_NEW(context, double, 3 * points);
+  int32_t *triangle = BW_NEW(context, int32_t, 3 * triangles);
+  points = triangles = 0;
+  for (int i = 0; i < count; i++) {
+    memcpy(point + 3 * points, part[i]->point, 24 * (size_t)part[i]->point_count);
+    for (int32_t t = 0; t < part[i]->triangle_count; t++)
+      for (int k = 0; k < 3; k++)
+        triangle[3 * (triangles + t) + (turned >> i & 1 ? 2 - k : k)] =
+            part[i]->triangle[3 * t + k] + points;
+    points += part[i]->point_count;
+    triangles += part[i]->triangle_count;
+    bw_release(part[i]);
+  }
+  bw_surface *all;
+  check_ok(context, bw_surface_own(context, points, point, triangles, triangle, NULL, &all));
+  return all;
+}
+
+static void test_cube(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *cube = box(context, 0, 1);
+  bw_mesh *mesh, *again;
+  bw_mesh_quality q;
+  bw_fill_log log;
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.elements = 3000;
+  check_ok(context, bw_mesh_fill(context, cube, &options, &mesh, &log));
+  check_near(bw_mesh_volume(mesh), 1, 1e-9);
+  check_near(log.surface_moved, 0, 1e-9);
+  assert_true(log.attempts >= 1 && !log.repaired);
+  assert_true(abs(mesh->element_count - 3000) <= 450);
+  bw_mesh_quality_of(mesh, &q);
+  assert_true(q.dihedral_low > 5 * pi / 180);
+  options.order = 2;
+  check_ok(context, bw_mesh_fill(context, cube, &options, &again, NULL));
+  assert_int_equal(again->nodes_per_element, 10);
+  assert_int_equal(again->element_count, mesh->element_count);
+  for (int32_t e = 0; e < mesh->element_count; e++) /* the same bits from run to run */
+    for (int k = 0; k < 4; k++)
+      assert_memory_equal(mesh->node + 3 * mesh->element[4 * e + k],
+                          again->node + 3 * again->element[10 * e + k], 24);
+  bw_release(again);
+  bw_release(mesh);
+  bw_release(cube);
+}
+
+/* A body in a cavity in a body, whichever way the shells face; and two bodies side by side. */
+static void test_shells(void **state) {
+  bw_context *context = check_context(state);
+  for (unsigned turned = 0; turned < 8; turned += 7) {
+    bw_surface *part[3] = {sphere(context, 1, 2), sphere(context, 0.6, 2), sphere(context, 0.3, 2)};
+    double volume =
+        bw_surface_volume(part[0]) - bw_surface_volume(part[1]) + bw_surface_volume(part[2]);
+    bw_surface *nested = join(context, part, 3, turned ? 5 : 2);
+    double *hole;
+    int32_t holes;
+    check_ok(context, bwi_find_cavities(context, nested, &hole, &holes));
+    assert_int_equal(holes, 1);
+    double r = hypot(hypot(hole[0] - 0.1, hole[1] - 0.2), hole[2] - 0.3);
+    assert_true(r > 0.35 && r < 0.55);
+    bw_free(hole);
+    bw_fill_options options;
+    bw_fill_options_default(&options);
+    options.remesh = false;
+    bw_mesh *mesh;
+    check_ok(context, bw_mesh_fill(context, nested, &options, &mesh, NULL));
+    assert_int_equal(mesh->component_count, 2);
+    check_near(bw_mesh_volume(mesh), volume, 2e-3 * volume);
+    bw_release(mesh);
+    bw_release(nested);
+  }
+  bw_surface *pair[2] = {box(context, 0, 1), box(context, 1.5, 2)};
+  bw_surface *two = join(context, pair, 2, 0);
+  bw_mesh *mesh;
+  check_ok(context, bw_mesh_fill(context, two, NULL, &mesh, NULL));
+  assert_int_equal(mesh->component_count, 2);
+  check_near(bw_mesh_volume(mesh), 1.125, 1e-6);
+  bw_release(mesh);
+  bw_release(two);
+}
+
+static void test_keep_surface(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *ball = sphere(context, 1, 3);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.keep_surface = true;
+  options.elements = 8000;
+  bw_mesh *mesh;
+  bw_fill_log log;
+  check_ok(context, bw_mesh_fill(context, ball, &options, &mesh, &log));
+  assert_int_equal(mesh->facet_count, ball->triangle_count);
+  check_near(bw_mesh_volume(mesh), bw_surface_volume(ball), 1e-12);
+  check_near(log.surface_moved, 0, 0);
+  assert_true(abs(mesh->element_count - 8000) <= 1200);
+  bw_release(mesh);
+  /* Fewer than the surface alone makes: the nearest there is, and a remark. */
+  bw_clear_remarks(context);
+  options.elements = 1000;
+  check_ok(context, bw_mesh_fill(context, ball, &options, &mesh, &log));
+  assert_non_null(bw_remark_at(context, 0));
+  assert_non_null(strstr(bw_remark_at(context, 0), "1000 elements were asked for"));
+  bw_release(mesh);
+  bw_release(ball);
+}
+
+static void test_max_volume(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *ball = sphere(context, 1, 3);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.max_volume = 1e-3;
+  bw_mesh *mesh;
+  bw_mesh_quality q;
+  check_ok(context, bw_mesh_fill(context, ball, &options, &mesh, NULL));
+  bw_mesh_quality_of(mesh, &q);
+  assert_true(q.volume_high <= 1.5e-3); /* the optimisation at the end may exceed the bound */
+  bw_release(mesh);
+  bw_release(ball);
+}
+
+/* Mean edge length of the elements whose middle lies in a shell around a point. */
+static double mean_edge(const bw_mesh *mesh, const double at[3], double from, double to) {
+  double sum = 0;
+  int64_t count = 0;
+  for (int32_t i = 0; i < mesh->element_count; i++) {
+    const double *x[4];
+    double d[3] = {-at[0], -at[1], -at[2]};
+    for (int k = 0; k < 4; k++) {
+      x[k] = mesh->node + 3 * mesh->element[4 * i + k];
+      for (int j = 0; j < 3; j++)
+        d[j] += x[k][j] / 4;
+    }
+    double r = bw_norm(d);
+    if (r < from || r > to)
+      continue;
+    for (int k = 0; k < 6; k++) {
+      double e[3];
+      for (int j = 0; j < 3; j++)
+        e[j] = x[bw_tet_edge[k][1]][j] - x[bw_tet_edge[k][0]][j];
+      sum += bw_norm(e);
+      count++;
+    }
+  }
+  return count ? sum / (double)count : 0;
+}
+
+static double by_height(void *data, const double at[3]) {
+  (void)data;
+  return at[2] > 0.8 ? 0.05 : 0;
+}
+
+static double no_length(void *data, const double at[3]) {
+  (void)data;
+  return at[0] > 0.5 ? NAN : 0.3;
+}
+
+static void test_sizes(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *cube = box(context, 0, 1);
+  bw_mesh *mesh;
+  bw_fill_options options;
+  bw_size_point corner = {{0, 0, 0}, 0.1, 0.03};
+  bw_fill_options_default(&options);
+  options.elements = 4000;
+  options.size_point_count = 1;
+  options.size_point = &corner;
+  check_ok(context, bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  double near = mean_edge(mesh, corner.at, 0, 0.1), middle = mean_edge(mesh, corner.at, 0.35, 0.45);
+  double far = mean_edge(mesh, corner.at, 1, 2);
+  assert_true(near > 0.6 * 0.03 && near < 1.15 * 0.03);
+  assert_true(middle < 1.15 * (0.03 + 0.3 * 0.35)); /* grows by 0.3 per distance */
+  assert_true(far > 2.5 * near);
+  check_near(bw_mesh_volume(mesh), 1, 1e-6);
+  bw_release(mesh);
+  options.size_point_count = 0;
+  options.elements = 0;
+  options.max_volume = 1e-2;
+  options.size = by_height;
+  check_ok(context, bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  double top[3] = {0.5, 0.5, 1}, bottom[3] = {0.5, 0.5, 0};
+  assert_true(mean_edge(mesh, top, 0, 0.15) < 1.2 * 0.05);
+  assert_true(mean_edge(mesh, bottom, 0, 0.3) > 0.1);
+  bw_release(mesh);
+  options.size = no_length;
+  check_fails(context, BW_INVALID, "no length", bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  bw_release(cube);
+}
+
+/* A thin dome, coarsened to edges ten times its thickness: still sound, its walls still apart. */
+static double dome(void *data, const double at[3]) {
+  (void)data;
+  double r = bw_norm(at);
+  return fmax(fabs(r - 0.9) - 0.02, -at[2]);
+}
+
+static void test_coarsen(void **state) {
+  bw_context *context = check_context(state);
+  double low[3] = {-1, -1, -0.1}, high[3] = {1, 1, 1};
+  bw_surface *fine, *coarse;
+  check_ok(context, bw_surface_implicit(context, low, high, 90, dome, NULL, &fine));
+  check_ok(context, bwi_coarsen_surface(context, fine, 0.4, 0.3, 0.015, &coarse));
+  bw_surface_report report;
+  check_ok(context, bw_surface_check(context, coarse, 0, &report));
+  assert_true(report.sound);
+  bw_surface_report_clear(&report);
+  assert_true(coarse->triangle_count < fine->triangle_count / 8);
+  double volume = bw_surface_volume(fine);
+  check_near(bw_surface_volume(coarse), volume, 0.2 * volume);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.elements = 2500;
+  bw_mesh *mesh;
+  check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
+  assert_true(abs(mesh->element_count - 2500) <= 500);
+  bw_release(mesh);
+  bw_release(coarse);
+  bw_release(fine);
+}
+
+static void test_refine(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *cube = box(context, 0, 1), *fine, *none;
+  bw_size_point corner = {{1, 1, 1}, 0.1, 0.02};
+  bwi_size_field field = {.point_count = 1, .point = &corner};
+  check_ok(context, bwi_refine_surface(context, cube, &field, 1.0, 100000, &fine));
+  bw_surface_report report;
+  check_ok(context, bw_surface_check(context, fine, 0, &report));
+  assert_true(report.sound);
+  bw_surface_report_clear(&report);
+  check_near(bw_surface_volume(fine), 1, 1e-12);
+  for (int32_t t = 0; t < fine->triangle_count; t++)
+    for (int k = 0; k < 3; k++) {
+      const double *a = fine->point + 3 * fine->triangle[3 * t + k];
+      const double *b = fine->point + 3 * fine->triangle[3 * t + (k + 1) % 3];
+      double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+      double m[3] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2};
+      assert_true(bw_norm(d) <= bwi_size_at(&field, m) * (1 + 1e-12));
+    }
+  assert_true(fine->triangle_count < 20000);
+  check_fails(context, BW_LIMIT, "facets",
+              bwi_refine_surface(context, cube, &field, 1.0, 500, &none));
+  bw_release(fine);
+  bw_release(cube);
+}
+
+static void test_refusals(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *cube = box(context, 0, 1), *open;
+  bw_mesh *mesh;
+  bw_fill_options options;
+  check_ok(context, bw_surface_copy(context, cube->point_count, cube->point,
+                                    cube->triangle_count - 1, cube->triangle, NULL, &open));
+  bw_fill_options_default(&options);
+  options.repair = false;
+  check_fails(context, BW_GEOMETRY, "not closed (3 x open edge)",
+              bw_mesh_fill(context, open, &options, &mesh, NULL));
+  options.repair = true;
+  bw_fill_log log;
+  check_ok(context, bw_mesh_fill(context, open, &options, &mesh, &log));
+  assert_true(log.repaired);
+  check_near(bw_mesh_volume(mesh), 1, 1e-6);
+  bw_release(mesh);
+  bw_release(open);
+  check_ok(context, bw_surface_copy(context, 0, NULL, 0, NULL, NULL, &open));
+  check_fails(context, BW_GEOMETRY, "no facets", bw_mesh_fill(context, open, NULL, &mesh, NULL));
+  bw_release(open);
+
+  options.order = 3;
+  check_fails(context, BW_INVALID, "order 3", bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  bw_fill_options_default(&options);
+  options.radius_edge = 0.5;
+  check_fails(context, BW_INVALID, "radius_edge",
+              bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  bw_fill_options_default(&options);
+  options.elements = -5;
+  check_fails(context, BW_INVALID, "-5 elements",
+              bw_mesh_fill(context, cube, &options, &mesh, NULL));
+
+  /* Limits: a million elements in a hundredth of a second or ten megabytes. */
+  bw_fill_options_default(&options);
+  options.keep_surface = true;
+  options.max_volume = 1e-6;
+  options.time_limit = 0.05;
+  check_fails(context, BW_LIMIT, "seconds", bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  options.time_limit = 60;
+  options.memory_limit = 2e7;
+  check_fails(context, BW_LIMIT, "memory", bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  bw_cancel(context);
+  assert_int_equal(bw_mesh_fill(context, cube, NULL, &mesh, NULL), BW_CANCELLED);
+  bw_clear_cancel(context);
+  bw_release(cube);
+}
+
+/* TetGen itself must refuse what cuts through itself, with a message and no crash of ours. */
+static void test_crossing(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *pair[2] = {box(context, 0, 1), box(context, 0.5, 1.7)};
+  bw_surface *crossing = join(context, pair, 2, 0);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.repair = false;
+  options.keep_surface = true;
+  bw_mesh *mesh = NULL;
+  bw_status status = bw_mesh_fill(context, crossing, &options, &mesh, NULL);
+  assert_int_equal(status, BW_GEOMETRY);
+  assert_true(strlen(bw_message(context)) > 10);
+  bw_fill_options_default(&options);
+  check_ok(context, bw_mesh_fill(context, crossing, &options, &mesh, NULL));
+  double both = 1 + 1.2 * 1.2 * 1.2 - 0.125; /* the union, or near it if it had to be wrapped */
+  check_near(bw_mesh_volume(mesh), both, 0.05 * both);
+  bw_release(mesh);
+  bw_release(crossing);
+}
+
+static void test_allocation_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *part[2] = {box(context, 0, 1), box(context, 0.25, 0.75)};
+  bw_surface *hollow = join(context, part, 2, 2);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.order = 2;
+  bw_size_point point = {{0, 0, 0}, 0.1, 0.4};
+  options.size_point = &point;
+  options.size_point_count = 1;
+  bw_status status = BW_MEMORY;
+  int64_t step = getenv("BARWRIGHT_FULL") ? 1 : 7;
+  for (int64_t n = 1; status != BW_OK; n += step) {
+    bw_mesh *mesh = NULL;
+    bw_fail_allocation(n, true);
+    status = bw_mesh_fill(context, hollow, &options, &mesh, NULL);
+    bw_fail_allocation(0, false);
+    if (status != BW_OK && status != BW_MEMORY)
+      fail_msg("allocation %lld: %s (%s)", (long long)n, bw_status_word(status),
+               bw_message(context));
+    bw_release(mesh);
+  }
+  status = BW_MEMORY;
+  for (int64_t n = 1; status != BW_OK; n++) {
+    bw_surface *made = NULL;
+    bw_fail_allocation(n, true);
+    status = bwi_coarsen_surface(context, hollow, 1, 0.8, 0.1, &made);
+    bw_fail_allocation(0, false);
+    assert_true(status == BW_OK || status == BW_MEMORY);
+    bw_release(made);
+  }
+  bw_release(hollow);
+}
+
+/* ---- the table over all models -------------------------------------------------------------- */
+
+static void test_models(void **state) {
+  bw_context *context = check_context(state);
+  static const char *const model[] = {
+      "bottle_opener_round.stl", "triceratops.off", "chair.ply",    "engine_bracket.obj",
+      "rocker_arm.obj",          "fandisk.obj",     "anchor.off",   "tray_bottom.stl",
+      "fan_blade.stl",           "fertility.off",   "boot.obj",     "cat.obj",
+      "screwdriver.ply",         "gear_spur.stl",   "armadillo.obj"};
+  static const int target[] = {5000, 20000, 100000, 400000};
+  const char *shared = getenv("BARWRIGHT_SHARED");
+  bool full = getenv("BARWRIGHT_FULL") != NULL;
+  for (size_t m = full ? 0 : 13; m < (full ? 15u : 14u); m++) {
+    char path[1000];
+    bw_surface *surface;
+    snprintf(path, sizeof path, "%s/models/%s", shared ? shared : "../shared", model[m]);
+    FILE *file = fopen(path, "rb");
+    if (!file)
+      continue;
+    fclose(file);
+    check_ok(context, bw_surface_read(context, path, &surface, NULL));
+    for (int t = 0; t < (full ? 4 : 1); t++) {
+      bw_fill_options options;
+      bw_fill_options_default(&options);
+      options.elements = target[t];
+      bw_mesh *mesh;
+      bw_fill_log log;
+      bw_mesh_quality q;
+      double low[3], high[3], start = bw_seconds();
+      bw_surface_box(surface, low, high);
+      double size = hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+      check_ok(context, bw_mesh_fill(context, surface, &options, &mesh, &log));
+      bw_mesh_quality_of(mesh, &q);
+      double ratio = (double)mesh->element_count / target[t];
+      printf("%-24s %6d %6d  %4.2f  %2d attempts %6.1f s  moved %.3f %%  dihedral %5.2f to %6.2f\n",
+             model[m], target[t], mesh->element_count, ratio, log.attempts, bw_seconds() - start,
+             100 * log.surface_moved / size, q.dihedral_low * 180 / pi, q.dihedral_high * 180 / pi);
+      fflush(stdout);
+      assert_true(ratio > 0.8 && ratio < 1.2);
+      double volume = fabs(bw_surface_volume(surface));
+      check_near(bw_mesh_volume(mesh), volume, 0.06 * volume);
+      assert_true(log.surface_moved < 0.03 * size);
+      bw_release(mesh);
+    }
+    bw_release(surface);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_cube),         check_test(test_shells),
+      check_test(test_keep_surface), check_test(test_max_volume),
+      check_test(test_sizes),        check_test(test_coarsen),
+      check_test(test_refine),       check_test(test_refusals),
+      check_test(test_crossing),     check_test(test_allocation_failures),
+      check_test(test_models),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
