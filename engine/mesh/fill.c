@@ -198,15 +198,65 @@ static bool may_cure(bw_status status) {
 
 /* ---- the surface for TetGen ----------------------------------------------------------------- */
 
+/* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles
+ * keep it busy for minutes, and there is another way for those. */
+typedef struct remesh_job {
+  const bw_surface *from;
+  bw_remesh_options options;
+} remesh_job;
+
+typedef struct remesh_head {
+  int64_t points, triangles;
+  bw_shape_log log;
+} remesh_head;
+
+static bw_status remesh_child(bw_context *context, void *data, bwi_child_stream *out) {
+  const remesh_job *job = data;
+  bw_surface *made = NULL;
+  remesh_head head = {.log.count = 0};
+  bw_status status;
+  BW_TRY(bw_surface_remesh(context, job->from, &job->options, &made, &head.log));
+  head.points = made->point_count;
+  head.triangles = made->triangle_count;
+  BW_TRY(bwi_child_write(out, &head, sizeof head));
+  BW_TRY(bwi_child_write(out, made->point, 24 * (size_t)head.points));
+  BW_TRY(bwi_child_write(out, made->triangle, 12 * (size_t)head.triangles));
+done:
+  bw_release(made);
+  return status;
+}
+
 static bw_status remesh(filler *f, const bw_surface *from, double length, double sharp,
                         bw_surface **made, bw_shape_log *log) {
-  bw_remesh_options options;
-  bw_remesh_options_default(&options);
-  options.edge_length = length;
-  options.sharp_angle = sharp;
-  options.iterations = 4;
-  options.tolerance = 1e30; /* the distance moved is reported, not limited */
-  return bw_surface_remesh(f->context, from, &options, made, log);
+  remesh_job job = {.from = from};
+  bw_remesh_options_default(&job.options);
+  job.options.edge_length = length;
+  job.options.sharp_angle = sharp;
+  double facets = f->area / (0.4330127 * length * length) + from->triangle_count;
+  bwi_child_limits limits = {fmin(8 + 2e-4 * facets, f->options->time_limit),
+                             f->options->memory_limit};
+  unsigned char *bytes = NULL;
+  size_t count = 0;
+  remesh_head head;
+  bw_status status;
+  BW_TRY(bwi_child_run(f->context, "remeshing the surface", &limits, remesh_child, &job, &bytes,
+                       &count));
+  if (count >= sizeof head)
+    memcpy(&head, bytes, sizeof head);
+  if (count < sizeof head || head.points < 0 || head.triangles < 0 || head.points > INT32_MAX ||
+      head.triangles > INT32_MAX ||
+      count != sizeof head + 24 * (size_t)head.points + 12 * (size_t)head.triangles) {
+    status = bw_fail(f->context, BW_INTERNAL, "%zu bytes are no remeshed surface", count);
+    goto done;
+  }
+  const unsigned char *points = bytes + sizeof head; /* aligned: the head is whole doubles long */
+  BW_TRY(bw_surface_copy(
+      f->context, head.points, (const double *)(const void *)points, head.triangles,
+      (const int32_t *)(const void *)(points + 24 * (size_t)head.points), NULL, made));
+  append_log(log, &head.log);
+done:
+  bw_free(bytes);
+  return status;
 }
 
 /* Remeshing sees no further than the facets around a point: where walls are thin and edges long,
