@@ -232,8 +232,8 @@ static bw_status remesh(filler *f, const bw_surface *from, double length, double
   bw_remesh_options_default(&job.options);
   job.options.edge_length = length;
   job.options.sharp_angle = sharp;
-  double facets = f->area / (0.4330127 * length * length) + from->triangle_count;
-  bwi_child_limits limits = {fmin(8 + 2e-4 * facets, f->options->time_limit),
+  double facets = f->area / (0.4330127 * length * length) + 0.5 * from->triangle_count;
+  bwi_child_limits limits = {fmin(5 + 2.5e-4 * facets, f->options->time_limit),
                              f->options->memory_limit};
   unsigned char *bytes = NULL;
   size_t count = 0;
@@ -451,6 +451,8 @@ static bw_status fill_at(filler *f, way *how, double length, double max_volume, 
     }
     if (status == BW_OK || !may_cure(status))
       break;
+    if (filled && status == BW_LIMIT && *how != WAY_AS_IS)
+      break; /* well-shaped facets already: another surface takes as long */
     if (filled || *how >= WAY_COARSEN)
       snprintf(why, sizeof why, "%s", bw_message(f->context));
     if (!f->options->remesh || f->options->keep_surface)
@@ -499,6 +501,8 @@ static bw_status tune_volume(filler *f, double wanted, double volume, int64_t co
       inverse = 0;
     }
     BW_TRY(attempt(f, inverse > 0 ? 1 / inverse : 0, &count));
+    if (fabs((double)count - last_count) < 0.01 * last_count)
+      break; /* walls with nothing inside */
     double steepness = ((double)count - last_count) / (inverse - last_inverse);
     if (inverse != last_inverse && steepness > 0.05 * f->volume)
       slope = steepness;
@@ -507,6 +511,12 @@ static bw_status tune_volume(filler *f, double wanted, double volume, int64_t co
   }
 done:
   return status;
+}
+
+/* A surface much finer than wanted needs coarsening only, which is faster than remeshing. */
+static way first_way(const filler *f, double length) {
+  double own = sqrt(f->area / (0.4330127 * f->base->triangle_count));
+  return own < 0.6 * length ? WAY_COARSEN : WAY_REMESH;
 }
 
 static bw_status meet_count(filler *f) {
@@ -524,7 +534,7 @@ static bw_status meet_count(filler *f) {
    * that of a solid, -3, unless detail that must be kept flattens it. */
   double length = first_length(f, wanted), slope = -2.4, last_length = 0, last_count = 0;
   double low = 0, high = INFINITY; /* lengths known to give too many, too few */
-  how = WAY_REMESH;
+  how = first_way(f, length);
   for (int i = 0; i < 8 && f->attempts < MOST_ATTEMPTS; i++) {
     double volume = volume_of_length * length * length * length;
     status = fill_at(f, &how, length, volume, &count);
@@ -542,7 +552,7 @@ static bw_status meet_count(filler *f) {
       low = fmax(low, length);
     else
       high = fmin(high, length);
-    if (ratio > 0.65 && ratio < 1) { /* a few more inside do it */
+    if (ratio > 0.4 && ratio < 1) { /* more elements inside do it */
       BW_TRY(tune_volume(f, wanted, volume, count, 2));
       if (f->best_miss <= tolerance)
         break;
@@ -571,12 +581,12 @@ done:
 static bw_status fill_once(filler *f) {
   const bw_fill_options *o = f->options;
   int64_t count;
-  way how = o->remesh && !o->keep_surface ? WAY_REMESH : WAY_AS_IS;
   double length = sqrt(f->area / (0.4330127 * 1.15 * (double)f->base->triangle_count));
   double bound = 0;
   if (o->max_volume > 0)
     length = fmin(length, cbrt(o->max_volume / volume_of_length));
-  else if (how != WAY_AS_IS)
+  way how = o->remesh && !o->keep_surface ? first_way(f, length) : WAY_AS_IS;
+  if (o->max_volume == 0 && how != WAY_AS_IS)
     bound = 8 * length * length * length;
   bw_status status = fill_at(f, &how, length, bound, &count);
   return status;

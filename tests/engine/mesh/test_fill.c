@@ -218,19 +218,25 @@ static void test_sizes(void **state) {
   bw_release(cube);
 }
 
-/* A thin dome, coarsened to edges ten times its thickness: still sound, its walls still apart. */
-static double dome(void *data, const double at[3]) {
+/* Half a pipe with a thin wall, coarsened to edges eight times its thickness: still sound, its
+ * walls still apart. */
+static void half_pipe(void *data, const double unit[3], double out[3]) {
   (void)data;
-  double r = bw_norm(at);
-  return fmax(fabs(r - 0.9) - 0.02, -at[2]);
+  double r = 0.9 + 0.05 * unit[2], angle = pi * unit[0];
+  out[0] = r * cos(angle);
+  out[1] = r * sin(angle);
+  out[2] = 1.5 * unit[1];
 }
 
 static void test_coarsen(void **state) {
   bw_context *context = check_context(state);
-  double low[3] = {-1, -1, -0.1}, high[3] = {1, 1, 1};
+  int cells[3] = {90, 45, 2};
+  bw_mesh *grid;
   bw_surface *fine, *coarse;
-  check_ok(context, bw_surface_implicit(context, low, high, 90, dome, NULL, &fine));
-  check_ok(context, bwi_coarsen_surface(context, fine, 0.4, 0.3, 0.015, &coarse));
+  check_ok(context, bw_mesh_mapped_box(context, cells, 1, half_pipe, NULL, &grid));
+  check_ok(context, bw_mesh_boundary(context, grid, &fine, NULL));
+  bw_release(grid);
+  check_ok(context, bwi_coarsen_surface(context, fine, 0.4, 0.3, 0.02, &coarse));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, coarse, 0, &report));
   assert_true(report.sound);
@@ -308,13 +314,14 @@ static void test_refusals(void **state) {
   check_fails(context, BW_INVALID, "-5 elements",
               bw_mesh_fill(context, cube, &options, &mesh, NULL));
 
-  /* Limits: a million elements in a hundredth of a second or ten megabytes. */
+  /* Limits: some hundred thousand elements in a fifth of a second or twenty megabytes. */
   bw_fill_options_default(&options);
-  options.keep_surface = true;
-  options.max_volume = 1e-6;
-  options.time_limit = 0.05;
+  options.max_volume = 1e-5;
+  options.time_limit = 0.2;
   check_fails(context, BW_LIMIT, "seconds", bw_mesh_fill(context, cube, &options, &mesh, NULL));
   options.time_limit = 60;
+  options.max_volume = 1e-6;
+  options.remesh = false;
   options.memory_limit = 2e7;
   check_fails(context, BW_LIMIT, "memory", bw_mesh_fill(context, cube, &options, &mesh, NULL));
   bw_cancel(context);
