@@ -139,7 +139,7 @@ typedef struct bwi_front {
 /* Eliminate the pivots. Tiles run through bw_parallel where there are several. */
 bw_status bwi_front_eliminate(bw_context *context, bwi_front *front);
 
-/* ---- eigenvalues (krylov.c, sturm.c) ----------------------------------------------------------
+/* ---- eigenvalues (eigen.c) ----------------------------------------------------------
  */
 
 /* A symmetric generalised problem K x = lambda M x seen through an operator. Fields are `size`

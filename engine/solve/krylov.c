@@ -1,46 +1,18 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The lowest eigenpairs of K x = lambda M x by block Lanczos on the inverse, Op = K^+ M, which is
- * symmetric in the M inner product: eigenvalues theta = 1/lambda, the lowest lambda outermost.
- *
- * Why blocks: one pass over the factor serves a whole block of right-hand sides, and a block of b
- * vectors sees eigenvalues of multiplicity up to b at once, where a single-vector method sees
- * partners only by rounding.
- *
- * Invariants of the basis V (M-orthonormal, orthogonalised twice in full): T = V^T M Op V holds in
- * its upper triangle for all blocks that went through Op (`done` vectors); the vectors behind them
- * are the next block, with R its coupling, so that Op V = V T + V_next R. A restart keeps the best
- * Ritz vectors in front of the next block; the coupling comes back by the projection, which always
- * is taken on the whole basis. */
-#include <float.h>
+/* Block Lanczos: the steps. What they keep true stands in krylov.h. */
 #include <math.h>
 #include <string.h>
 
 #include "solve/blas.h"
-#include "solve/internal.h"
+#include "solve/krylov.h"
 #include "solve/multivector.h"
 
-enum { BLOCK = 8, ATTEMPTS = 40, RECOVERIES = 6 };
+enum { BLOCK = BWI_BLOCK, ATTEMPTS = 40 };
 
 /* A vector that loses all but this fraction of itself by orthogonalisation lay in the basis. */
 static const double dependent = 1e-9;
 
-typedef struct lanczos {
-  bw_context *context;
-  const bwi_eigen_problem *problem;
-  int64_t size;
-  int capacity, block;
-  int used;       /* vectors in the basis, with the next block */
-  int done;       /* of these, through Op */
-  double *v, *mv; /* capacity x size: basis, and M times basis */
-  double *t;      /* capacity x capacity, column-major, upper triangle */
-  double *r;      /* coupling: (used - done) x the last `r_columns` done vectors, ld = block */
-  int r_columns;
-  double *theta, *s; /* Ritz values (descending) and coefficients, ld = capacity */
-  bw_random random;
-  int solves;
-} lanczos;
-
-static void lanczos_clear(lanczos *l) {
+void bwi_lanczos_clear(bwi_lanczos *l) {
   bw_free(l->v);
   bw_free(l->mv);
   bw_free(l->t);
@@ -49,13 +21,13 @@ static void lanczos_clear(lanczos *l) {
   bw_free(l->s);
 }
 
-static bw_status lanczos_open(bw_context *context, const bwi_eigen_problem *problem, int capacity,
-                              int block, uint64_t seed, lanczos *l) {
-  *l = (lanczos){.context = context,
-                 .problem = problem,
-                 .size = problem->size,
-                 .capacity = capacity,
-                 .block = block};
+bw_status bwi_lanczos_open(bw_context *context, const bwi_eigen_problem *problem, int capacity,
+                           int block, uint64_t seed, bwi_lanczos *l) {
+  *l = (bwi_lanczos){.context = context,
+                     .problem = problem,
+                     .size = problem->size,
+                     .capacity = capacity,
+                     .block = block};
   bw_random_seed(&l->random, seed);
   l->v = BW_NEW(context, double, capacity * l->size);
   l->mv = BW_NEW(context, double, capacity * l->size);
@@ -68,7 +40,7 @@ static bw_status lanczos_open(bw_context *context, const bwi_eigen_problem *prob
 
 /* Orthogonalise `count` vectors w against the first `against` of the basis, twice; the sum of the
  * coefficients goes to h (against x count). */
-static bw_status orthogonalise(lanczos *l, int against, int count, double *w, double *h) {
+static bw_status orthogonalise(bwi_lanczos *l, int against, int count, double *w, double *h) {
   bw_status status = BW_OK;
   double *part = BW_NEW(l->context, double, (int64_t)against *count);
   if (!part)
@@ -88,7 +60,7 @@ done:
 /* Append `count` vectors w, orthogonal to the basis, as the next block: Gram-Schmidt among
  * themselves, those that depend on the others dropped. Coefficients to r (ld = block): row k for
  * the k-th vector kept. taken[j]: length of what orthogonalisation took from vector j. */
-static bw_status append(lanczos *l, int count, double *w, const double *taken, double *r) {
+static bw_status append(bwi_lanczos *l, int count, double *w, const double *taken, double *r) {
   bw_status status = BW_OK;
   const bwi_eigen_problem *problem = l->problem;
   int first = l->used, kept = 0;
@@ -134,9 +106,7 @@ static void lengths(int rows, int count, const double *h, double *out) {
   }
 }
 
-/* Random vectors as the next block: at the start, and where the space that was searched is closed
- * under Op but something is missing. */
-static bw_status append_random(lanczos *l) {
+bw_status bwi_lanczos_random(bwi_lanczos *l) {
   bw_status status = BW_OK;
   const bwi_eigen_problem *problem = l->problem;
   double taken[BLOCK];
@@ -160,7 +130,7 @@ done:
 }
 
 /* Send the next block through Op. */
-static bw_status step(lanczos *l) {
+static bw_status step(bwi_lanczos *l) {
   bw_status status = BW_OK;
   const bwi_eigen_problem *problem = l->problem;
   int count = l->used - l->done, against = l->used;
@@ -188,7 +158,7 @@ done:
 }
 
 /* Ritz values and coefficients of the vectors done, descending. */
-static bw_status ritz(lanczos *l) {
+static bw_status ritz(bwi_lanczos *l) {
   int n = l->done, info = 0, length = 4 * n + 64;
   double *work = BW_NEW(l->context, double, length);
   if (!work)
@@ -215,7 +185,7 @@ static bw_status ritz(lanczos *l) {
 }
 
 /* |Op x - theta x|_M of Ritz vector i: what the coupling lets through. */
-static double ritz_residual(const lanczos *l, int i) {
+static double ritz_residual(const bwi_lanczos *l, int i) {
   int next = l->used - l->done;
   double sum = 0;
   const double *last = l->s + (int64_t)i * l->capacity + (l->done - l->r_columns);
@@ -228,8 +198,7 @@ static double ritz_residual(const lanczos *l, int i) {
   return sqrt(sum);
 }
 
-/* Leading Ritz vectors that have converged. */
-static int converged(const lanczos *l, int wanted, double tolerance) {
+int bwi_lanczos_converged(const bwi_lanczos *l, int wanted, double tolerance) {
   int count = 0;
   while (count < wanted && count < l->done && l->theta[count] > 0 &&
          ritz_residual(l, count) <= tolerance * l->theta[count])
@@ -237,8 +206,7 @@ static int converged(const lanczos *l, int wanted, double tolerance) {
   return count;
 }
 
-/* Keep the first `keep` Ritz vectors and the next block (or no next block). */
-static bw_status restart(lanczos *l, int keep, bool next) {
+bw_status bwi_lanczos_restart(bwi_lanczos *l, int keep, bool next) {
   bw_status status = BW_OK;
   int behind = next ? l->used - l->done : 0;
   double *kept = BW_NEW(l->context, double, keep * l->size);
@@ -263,8 +231,7 @@ done:
   return status;
 }
 
-/* Go on until `wanted` Ritz vectors have converged, or the whole space is searched. */
-static bw_status iterate(lanczos *l, int wanted, double tolerance) {
+bw_status bwi_lanczos_iterate(bwi_lanczos *l, int wanted, double tolerance) {
   bw_status status = BW_OK;
   for (int restarts = 0;;) {
     BW_TRY(bw_check_cancel(l->context));
@@ -272,7 +239,7 @@ static bw_status iterate(lanczos *l, int wanted, double tolerance) {
       if (l->done >= l->problem->dimension || l->done >= l->capacity)
         break;
       int before = l->used;
-      BW_TRY(append_random(l));
+      BW_TRY(bwi_lanczos_random(l));
       if (l->used == before)
         break;
     }
@@ -281,7 +248,7 @@ static bw_status iterate(lanczos *l, int wanted, double tolerance) {
     if (l->done < wanted && !full)
       continue;
     BW_TRY(ritz(l));
-    int found = converged(l, wanted, tolerance);
+    int found = bwi_lanczos_converged(l, wanted, tolerance);
     bw_progress(l->context, "modes", (double)found / wanted);
     if (found >= wanted)
       break;
@@ -292,218 +259,9 @@ static bw_status iterate(lanczos *l, int wanted, double tolerance) {
                        tolerance, l->solves);
       int keep = wanted + (l->capacity - l->block - wanted) / 3;
       if (keep < l->done)
-        BW_TRY(restart(l, keep, true));
+        BW_TRY(bwi_lanczos_restart(l, keep, true));
     }
   }
 done:
-  return status;
-}
-
-/* ---- results ------------------------------------------------------------------------------------
- */
-
-void bwi_eigen_result_clear(bwi_eigen_result *result) {
-  bw_free(result->value);
-  bw_free(result->vector);
-  bw_free(result->residual);
-  *result = (bwi_eigen_result){0};
-}
-
-/* |K x - lambda M x| / |lambda M x|, and the part of it that rounding alone may cause. */
-static bw_status true_residuals(bw_context *context, const bwi_eigen_problem *problem, int count,
-                                const double *value, const double *vector, double *residual,
-                                double *kx, double *mx) {
-  bw_status status = BW_OK;
-  BW_TRY(problem->stiffness(context, problem->data, count, vector, kx));
-  BW_TRY(problem->mass(context, problem->data, count, vector, mx));
-  for (int k = 0; k < count; k++) {
-    double difference = 0, size = 0;
-    for (int64_t i = k * problem->size; i < (k + 1) * problem->size; i++) {
-      double m = value[k] * mx[i], d = kx[i] - m;
-      difference += d * d;
-      size += m * m;
-    }
-    residual[k] = size > 0 ? sqrt(difference / size) : 0;
-  }
-done:
-  return status;
-}
-
-/* Take the first `count` Ritz pairs out. Where a true residual is above the tolerance, the vectors
- * go through Op once more, which divides what is left of high modes by their eigenvalues, and
- * through a Rayleigh-Ritz step. */
-static bw_status take_out(lanczos *l, int count, double tolerance, bwi_eigen_result *result) {
-  bw_status status = BW_OK;
-  bw_context *context = l->context;
-  const bwi_eigen_problem *problem = l->problem;
-  int64_t size = l->size;
-  double *x = NULL, *kx = NULL, *mx = NULL, *gram = NULL, *turn = NULL, *work = NULL, *next = NULL;
-  bw_free(result->value);
-  bw_free(result->vector);
-  bw_free(result->residual);
-  result->vector = result->value = result->residual = NULL;
-  result->value = BW_NEW(context, double, count);
-  result->residual = BW_NEW(context, double, count);
-  x = BW_NEW(context, double, count *size);
-  kx = BW_NEW(context, double, count *size);
-  mx = BW_NEW(context, double, count *size);
-  int length = 8 * count + 64;
-  gram = BW_NEW(context, double, (int64_t)count *count);
-  turn = BW_NEW(context, double, (int64_t)count *count);
-  work = BW_NEW(context, double, length);
-  if (!result->value || !result->residual || !x || !kx || !mx || !gram || !turn || !work) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(bwi_multi_combine(context, size, l->done, l->v, count, l->s, l->capacity, 1, 0, x));
-  for (int k = 0; k < count; k++)
-    result->value[k] = 1 / l->theta[k];
-  BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, kx, mx));
-  double worst = 0;
-  for (int k = 0; k < count; k++)
-    worst = fmax(worst, result->residual[k]);
-  for (int pass = 0; pass < 2 && worst > tolerance; pass++) {
-    if (!next) {
-      next = BW_NEW(context, double, count *size);
-      if (!next) {
-        status = BW_MEMORY;
-        goto done;
-      }
-    }
-    BW_TRY(problem->solve(context, problem->data, count, mx, next));
-    l->solves += count;
-    for (int k = 0; k < count; k++)
-      for (int64_t i = k * size; i < (k + 1) * size; i++)
-        next[i] *= result->value[k];
-    BW_TRY(problem->stiffness(context, problem->data, count, next, kx));
-    BW_TRY(problem->mass(context, problem->data, count, next, mx));
-    BW_TRY(bwi_multi_dot(context, size, count, next, count, kx, turn));
-    BW_TRY(bwi_multi_dot(context, size, count, next, count, mx, gram));
-    int info = 0, kind = 1;
-    double *value = work, *space = BW_NEW(context, double, length);
-    if (!space) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    dsygv_(&kind, "V", "L", &count, turn, &count, gram, &count, value, space, &length, &info);
-    bw_free(space);
-    if (info != 0)
-      break;
-    BW_TRY(bwi_multi_combine(context, size, count, next, count, turn, count, 1, 0, kx));
-    memcpy(next, kx, (size_t)count * (size_t)size * sizeof(double));
-    double *fresh = gram; /* count numbers of scratch */
-    BW_TRY(true_residuals(context, problem, count, value, next, fresh, kx, mx));
-    double now = 0;
-    for (int k = 0; k < count; k++)
-      now = fmax(now, fresh[k]);
-    if (!(now < worst))
-      break;
-    bool slow = now > 0.2 * worst;
-    worst = now;
-    double *other = x;
-    x = next;
-    next = other;
-    memcpy(result->value, value, (size_t)count * sizeof(double));
-    memcpy(result->residual, fresh, (size_t)count * sizeof(double));
-    if (slow)
-      break;
-  }
-  result->count = count;
-  result->vector = x;
-  x = NULL;
-done:
-  bw_free(x);
-  bw_free(next);
-  bw_free(kx);
-  bw_free(mx);
-  bw_free(gram);
-  bw_free(turn);
-  bw_free(work);
-  return status;
-}
-
-/* The end of the cluster that eigenvalue number `count` (from 1) belongs to, and a shift above it;
- * 0 when the known values do not show a gap. */
-static int find_gap(const lanczos *l, int count, int known, double fraction, double *shift) {
-  for (int n = count; n < known; n++) {
-    double low = 1 / l->theta[n - 1], high = 1 / l->theta[n];
-    if (l->theta[n] > 0 && high - low > 1e-4 * low) {
-      *shift = low + fraction * fmin(high - low, 0.03 * low);
-      return n;
-    }
-  }
-  return 0;
-}
-
-bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
-                           const bw_modes_options *options, bwi_eigen_result *result) {
-  bw_status status = BW_OK;
-  *result = (bwi_eigen_result){0};
-  int count = options->count;
-  if (count > problem->dimension)
-    count = (int)problem->dimension;
-  if (count == 0)
-    return BW_OK;
-  int64_t capacity = 3 * (int64_t)count + 6 * BLOCK;
-  if (capacity > problem->dimension + BLOCK)
-    capacity = problem->dimension + BLOCK;
-  if (capacity * capacity > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "%d modes are more than this eigensolver takes", count);
-  int block = problem->dimension < BLOCK ? (int)problem->dimension : BLOCK;
-  double tolerance = fmin(options->tolerance, 1e-6);
-  lanczos l;
-  bwi_blas_serial();
-  BW_TRY(lanczos_open(context, problem, (int)capacity, block, options->seed, &l));
-  BW_TRY(append_random(&l));
-  BW_TRY(iterate(&l, count, tolerance));
-  if (l.done < count)
-    count = l.done;
-
-  if (options->sturm && problem->below)
-    for (int attempt = 0; attempt < RECOVERIES; attempt++) {
-      double shift = 0, fraction = 0.3 + 0.1 * attempt;
-      int known = l.done < (int)problem->dimension ? l.done : count;
-      int n = find_gap(&l, count, known, fraction, &shift);
-      if (n == 0) { /* everything there is was found */
-        if (l.done >= problem->dimension) {
-          result->counted = true;
-          break;
-        }
-        status = iterate(&l, count + BLOCK, tolerance);
-        if (status == BW_CONVERGENCE) { /* the modes wanted are there all the same */
-          bw_clear_failure(context);
-          status = BW_OK;
-          break;
-        }
-        if (status != BW_OK)
-          goto done;
-        n = find_gap(&l, count, l.done, fraction, &shift);
-        if (n == 0)
-          break;
-      }
-      if (converged(&l, n, tolerance) < n)
-        BW_TRY(iterate(&l, n, tolerance));
-      int64_t below = 0;
-      bool trusted = false;
-      BW_TRY(problem->below(context, problem->data, shift, &below, &trusted));
-      if (!trusted || below < n) /* rounding: once more elsewhere in the gap */
-        continue;
-      if (below == n) {
-        result->counted = true;
-        break;
-      }
-      int missing = (int)(below - n), keep = n;
-      BW_TRY(restart(&l, keep, false));
-      BW_TRY(append_random(&l));
-      BW_TRY(iterate(&l, n + missing < l.capacity - block ? n + missing : l.capacity - block,
-                     tolerance));
-      result->recovered += missing;
-    }
-  BW_TRY(take_out(&l, count, options->tolerance, result));
-  result->solves = l.solves;
-done:
-  lanczos_clear(&l);
-  if (status != BW_OK)
-    bwi_eigen_result_clear(result);
   return status;
 }
