@@ -75,10 +75,14 @@ if test and not only then
   write ""
 end
 
--- The tables of real models, which scripts/verification/models.lua makes where there are models.
-local extra = io.open "docs/verification_models.md"
-if extra and not only then lines[#lines + 1] = extra:read "a" end
-if extra then extra:close() end
+-- Parts that take long are made by scripts of their own, and kept.
+for _, part in ipairs {"docs/verification_brute_force.md", "docs/verification_models.md"} do
+  local file = not only and io.open(part)
+  if file then
+    lines[#lines + 1] = file:read "a"
+    file:close()
+  end
+end
 
 print(("%d of %d within their tolerance"):format(count - failed, count))
 if not only or out then
