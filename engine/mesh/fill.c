@@ -389,6 +389,22 @@ done:
   return status;
 }
 
+/* TetGen's last step may leave elements of no volume, which no mesh may have. */
+static bw_status check_volumes(bw_context *context, const bwi_tetgen_result *result) {
+  for (int64_t i = 0; i < result->element_count; i++) {
+    const int32_t *e = result->element + 4 * i;
+    const double *x[4];
+    for (int k = 0; k < 4; k++)
+      x[k] = result->node + 3 * (int64_t)e[k];
+    double error, volume = bwi_tet_determinant(x[0], x[1], x[2], x[3], &error);
+    if (!(fabs(volume) > error))
+      return bw_fail(context, BW_GEOMETRY,
+                     "TetGen left an element without volume near (%g, %g, %g)", x[0][0], x[0][1],
+                     x[0][2]);
+  }
+  return BW_OK;
+}
+
 /* ---- one attempt ---------------------------------------------------------------------------- */
 
 static bw_status attempt(filler *f, double max_volume, int64_t *count) {
@@ -420,6 +436,12 @@ static bw_status attempt(filler *f, double max_volume, int64_t *count) {
   bw_progress(f->context, "fill", 0.1 + 0.85 * (1 - pow(0.6, f->attempts)));
   if (status != BW_OK)
     return status;
+  status = check_volumes(f->context, &result);
+  if (status != BW_OK) {
+    bw_free(result.node);
+    bw_free(result.element);
+    return status;
+  }
   *count = result.element_count;
   double miss = o->elements > 0 ? fabs(log((double)*count / (double)o->elements)) : 0;
   if (!f->best.node || miss < f->best_miss) {
@@ -443,25 +465,28 @@ static bw_status fill_at(filler *f, way *how, double length, double max_volume, 
   bw_status status = BW_OK;
   char why[300] = "";
   for (; *how < WAYS; ++*how) {
+    /* What TetGen stumbles over is often an accident of this very surface: one of slightly other
+     * edges is tried before the next way. */
     bool filled = false;
-    status = make_surface(f, *how, length);
-    if (status == BW_OK) {
+    for (int try = 0; try < (*how == WAY_AS_IS ? 1 : 2); try++) {
+      status = make_surface(f, *how, try ? 0.96 * length : length);
+      if (status != BW_OK)
+        break;
       filled = true;
       status = attempt(f, max_volume, count);
+      if (status == BW_OK || status == BW_LIMIT || !may_cure(status))
+        break;
     }
     if (status == BW_OK || !may_cure(status))
       break;
     if (filled && status == BW_LIMIT && *how != WAY_AS_IS)
       break; /* well-shaped facets already: another surface takes as long */
-    if (filled || *how >= WAY_COARSEN)
-      snprintf(why, sizeof why, "%s", bw_message(f->context));
+    snprintf(why, sizeof why, "%s", bw_message(f->context));
     if (!f->options->remesh || f->options->keep_surface)
       break;
   }
-  if (status == BW_OK && why[0])
-    bw_remark(f->context, "%s; a surface %s serves instead", why,
-              *how == WAY_COARSEN ? "cut and coarsened without intersections"
-                                  : "wrapped around it and remeshed");
+  if (status == BW_OK && why[0] && *how == WAY_WRAP)
+    bw_remark(f->context, "%s; a surface wrapped around it and remeshed serves instead", why);
   return status;
 }
 
