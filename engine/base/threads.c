@@ -17,21 +17,22 @@ typedef struct job {
   bw_status status;
 } job;
 
+typedef struct worker_start {
+  bwi_pool *pool;
+  int worker;
+} worker_start;
+
 struct bwi_pool {
   pthread_mutex_t lock;
   pthread_cond_t wake, done;
   int threads; /* extra ones */
   pthread_t *thread;
+  worker_start *start; /* one per extra thread; lives as long as the pool does */
   job *current;
   uint64_t generation;
   int busy; /* workers inside the current job */
   bool stopping;
 };
-
-typedef struct worker_start {
-  bwi_pool *pool;
-  int worker;
-} worker_start;
 
 static _Thread_local bool on_pool_thread;
 static _Thread_local bool inside_body;
@@ -80,9 +81,8 @@ static void work_on(bwi_pool *pool, job *work, int worker) {
 }
 
 static void *worker_main(void *data) {
-  worker_start start = *(worker_start *)data;
-  bw_free(data);
-  bwi_pool *pool = start.pool;
+  const worker_start *start = (const worker_start *)data;
+  bwi_pool *pool = start->pool;
   on_pool_thread = true;
   uint64_t seen = 0;
   pthread_mutex_lock(&pool->lock);
@@ -95,7 +95,7 @@ static void *worker_main(void *data) {
     job *work = pool->current;
     pool->busy++;
     pthread_mutex_unlock(&pool->lock);
-    work_on(pool, work, start.worker);
+    work_on(pool, work, start->worker);
     pthread_mutex_lock(&pool->lock);
     if (--pool->busy == 0)
       pthread_cond_broadcast(&pool->done);
@@ -109,7 +109,10 @@ bwi_pool *bwi_pool_create(int extra_threads) {
   if (!pool)
     return NULL;
   pool->thread = BW_NEW0(NULL, pthread_t, extra_threads);
-  if (!pool->thread) {
+  pool->start = BW_NEW0(NULL, worker_start, extra_threads);
+  if (!pool->thread || !pool->start) {
+    bw_free(pool->thread);
+    bw_free(pool->start);
     bw_free(pool);
     return NULL;
   }
@@ -117,15 +120,10 @@ bwi_pool *bwi_pool_create(int extra_threads) {
   pthread_cond_init(&pool->wake, NULL);
   pthread_cond_init(&pool->done, NULL);
   for (int i = 0; i < extra_threads; i++) {
-    worker_start *start = BW_NEW(NULL, worker_start, 1);
-    if (!start)
+    pool->start[i].pool = pool;
+    pool->start[i].worker = i + 1;
+    if (pthread_create(&pool->thread[i], NULL, worker_main, &pool->start[i]) != 0)
       break;
-    start->pool = pool;
-    start->worker = i + 1;
-    if (pthread_create(&pool->thread[i], NULL, worker_main, start) != 0) {
-      bw_free(start);
-      break;
-    }
     pool->threads++;
   }
   return pool;
@@ -144,6 +142,7 @@ void bwi_pool_destroy(bwi_pool *pool) {
   pthread_cond_destroy(&pool->done);
   pthread_mutex_destroy(&pool->lock);
   bw_free(pool->thread);
+  bw_free(pool->start);
   bw_free(pool);
 }
 

@@ -27,7 +27,6 @@ bw_status bw_library_versions(bw_context *context, char **text) {
            "%s (%s, %s variant)%s\n"
            "CHOLMOD %d.%d.%d\n"
            "METIS %d.%d.%d\n"
-           "ARPACK-ng (32-bit integers)\n"
            "GLPK %s\n"
            "zlib %s\n"
            "cairo %s\n",

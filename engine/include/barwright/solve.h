@@ -102,7 +102,7 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
 bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                              const bw_modes_options *options, bw_modes **modes);
 
-/* Name and version of the BLAS in use, the thread libraries, CHOLMOD, ARPACK, GLPK...: one line
+/* Name and version of the BLAS in use, the thread libraries, CHOLMOD, METIS, GLPK...: one line
  * each. A BLAS known to be slow here (OpenMP variant) is said. Release with bw_free. */
 bw_status bw_library_versions(bw_context *context, char **text);
 
