@@ -51,8 +51,7 @@ typedef struct drop_test {
   double *stress, *principal; /* of one drop */
 } drop_test;
 
-/* ---- mass ---------------------------------------------------------------------------------------
- */
+/* ---- mass ---------------------------------------------------------------------------------- */
 
 /* Second moments of a tetrahedron: V/20 (sum x x^T + (sum x)(sum x)^T). */
 static bw_status weigh(bw_context *context, const bw_mesh *mesh, double density,
@@ -101,8 +100,7 @@ static bw_status weigh(bw_context *context, const bw_mesh *mesh, double density,
   return BW_OK;
 }
 
-/* ---- one drop
- * ------------------------------------------------------------------------------------- */
+/* ---- one drop ------------------------------------------------------------------------------ */
 
 typedef struct contact {
   double at[3], push[3]; /* the point, and the unit direction of the peg's force on the body */
@@ -273,8 +271,7 @@ static bw_status drop_body(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* ---- all drops
- * ------------------------------------------------------------------------------------- */
+/* ---- all drops ----------------------------------------------------------------------------- */
 
 /* Where no strength is known: the 97.5th percentile, by volume, of the stresses of the first drops,
  * from a histogram whose bins are 1/64 of an octave wide. */

@@ -27,8 +27,7 @@ void bwi_programme_free(bwi_programme *programme) {
   bw_free(programme);
 }
 
-/* ---- columns in levels and segments ------------------------------------------------------------
- */
+/* ---- columns in levels and segments -------------------------------------------------------- */
 
 static uint32_t scatter(uint32_t x) {
   x ^= x >> 16;
@@ -101,8 +100,7 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
   return BW_OK;
 }
 
-/* ---- balance rows
- * -------------------------------------------------------------------------------- */
+/* ---- balance rows -------------------------------------------------------------------------- */
 
 static void motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]) {
   double arm[3] = {x[0] - motion->centre[0], x[1] - motion->centre[1], x[2] - motion->centre[2]};
@@ -233,8 +231,7 @@ static bw_status make_bodies(bw_context *context, bwi_programme *programme,
   return BW_OK;
 }
 
-/* ---- the whole
- * ------------------------------------------------------------------------------------ */
+/* ---- the whole ----------------------------------------------------------------------------- */
 
 static bw_status check_options(bw_context *context, const bw_pressure_basis *basis,
                                const bw_worst_load_options *options) {
@@ -321,8 +318,7 @@ done:
   return status;
 }
 
-/* ---- dense systems
- * ---------------------------------------------------------------------------------- */
+/* ---- dense systems ------------------------------------------------------------------------- */
 
 bool bwi_dense_factor(int32_t n, double *a, int32_t *pivot) {
   double largest = 0;
@@ -386,8 +382,7 @@ void bwi_dense_solve_transposed(int32_t n, const double *a, const int32_t *pivot
   }
 }
 
-/* ---- judging a vertex
- * ------------------------------------------------------------------------------- */
+/* ---- judging a vertex ---------------------------------------------------------------------- */
 
 static void add_column(const bwi_programme *programme, int32_t j, double factor, double *sum) {
   for (int32_t l = 0; l < programme->row_count[j]; l++)

@@ -120,8 +120,7 @@ bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_m
   return bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, energy_of_elements, &d);
 }
 
-/* ---- stress at nodes --------------------------------------------------------------------------
- */
+/* ---- stress at nodes ----------------------------------------------------------------------- */
 
 typedef struct node_data {
   element_data element;

@@ -90,8 +90,7 @@ static void mean_fields(const bw_mesh *mesh, const double *shape, bool laplacian
   }
 }
 
-/* ---- the threshold ----------------------------------------------------------------------------
- */
+/* ---- the threshold ------------------------------------------------------------------------- */
 
 typedef struct candidate {
   double measure, volume;
@@ -142,8 +141,7 @@ static int32_t select_top(candidate *list, int32_t count, double wanted) {
   return high > low ? low + 1 : low;
 }
 
-/* ---- the regions of one mode -------------------------------------------------------------------
- */
+/* ---- the regions of one mode --------------------------------------------------------------- */
 
 static int by_number(const void *a, const void *b) {
   int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;

@@ -13,8 +13,7 @@
 /* Far above any mesh that 2^31 nodes allow in practice; keeps a stray disk image out. */
 #define FILE_LIMIT ((int64_t)4 << 30)
 
-/* ---- whole files -------------------------------------------------------------------------------
- */
+/* ---- whole files --------------------------------------------------------------------------- */
 
 static bw_status fail_file(bw_context *context, bw_status status, const char *path,
                            const char *text) {
@@ -80,8 +79,7 @@ bw_status bw_read_file(bw_context *context, const char *path, unsigned char **by
   return status;
 }
 
-/* ---- cursor ------------------------------------------------------------------------------------
- */
+/* ---- cursor -------------------------------------------------------------------------------- */
 
 void bwi_cursor_init(bwi_cursor *cursor, bw_context *context, const char *name,
                      const unsigned char *bytes, size_t count) {
@@ -181,8 +179,7 @@ const unsigned char *bwi_find(const bwi_cursor *cursor, const char *text) {
   return bwi_left(cursor) ? memmem(cursor->at, bwi_left(cursor), text, strlen(text)) : NULL;
 }
 
-/* ---- failures ----------------------------------------------------------------------------------
- */
+/* ---- failures ------------------------------------------------------------------------------ */
 
 const char *bwi_show(bwi_word word) {
   enum { SHOWN = 40 };
@@ -232,8 +229,7 @@ bw_status bwi_fail_word(const bwi_cursor *cursor, bwi_word found, const char *ex
   return bwi_fail_line(cursor, "found '%s' where %s was expected", bwi_show(found), expected);
 }
 
-/* ---- numbers -----------------------------------------------------------------------------------
- */
+/* ---- numbers ------------------------------------------------------------------------------- */
 
 static bool ends_word(const bwi_cursor *cursor, const unsigned char *at) {
   return at == cursor->end || is_blank(*at) || *at == '\n' || *at == '\r';
@@ -309,8 +305,7 @@ bw_status bwi_check_count(const bwi_cursor *cursor, uint64_t count, size_t least
   return BW_OK;
 }
 
-/* ---- binary ------------------------------------------------------------------------------------
- */
+/* ---- binary -------------------------------------------------------------------------------- */
 
 bw_status bwi_take(bwi_cursor *cursor, size_t count, const unsigned char **bytes,
                    const char *what) {

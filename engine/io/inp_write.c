@@ -85,8 +85,7 @@ bw_status bwi_inp_write_mesh(bw_writer *writer, const bw_mesh *mesh) {
   return bw_writer_bytes(writer, NULL, 0);
 }
 
-/* ---- a whole analysis --------------------------------------------------------------------------
- */
+/* ---- a whole analysis ---------------------------------------------------------------------- */
 
 static void write_material(bw_writer *writer, const bw_inp_deck *deck) {
   bw_writer_print(writer, "*MATERIAL, NAME=MATERIAL\n");

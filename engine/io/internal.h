@@ -119,8 +119,7 @@ bw_status bwi_triangulate(bw_context *context, const double *point, const int32_
 
 bw_context *bwi_writer_context(const bw_writer *writer);
 
-/* ---- one reader and writer per format ----------------------------------------------------------
- */
+/* ---- one reader and writer per format ------------------------------------------------------ */
 
 bool bwi_stl_is_binary(const unsigned char *bytes, size_t count); /* by size consistency */
 bw_status bwi_stl_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *info);

@@ -9,8 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- numbers ------------------------------------------------------------------------------------
- */
+/* ---- numbers ------------------------------------------------------------------------------- */
 
 bw_status bwi_msh_fail(bwi_msh *msh, const char *format, ...) {
   char text[600];
@@ -66,8 +65,7 @@ bw_status bwi_msh_check(bwi_msh *msh, int64_t count, size_t text, size_t binary,
   return bwi_check_count(msh->cursor, (uint64_t)count, msh->binary ? binary : text, what);
 }
 
-/* ---- elements -----------------------------------------------------------------------------------
- */
+/* ---- elements ------------------------------------------------------------------------------ */
 
 int bwi_msh_width(int64_t type) {
   static const int width[] = {0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
@@ -205,9 +203,7 @@ bw_status bwi_msh_nodes_done(bwi_msh *msh, int64_t *id, size_t count) {
                              : status;
 }
 
-/* ---- sections of both versions
- * -------------------------------------------------------------------
- */
+/* ---- sections of both versions ------------------------------------------------------------- */
 
 static bw_status read_format(bwi_msh *msh, int *version) {
   bw_status status = BW_OK;

@@ -66,9 +66,7 @@ static void put_u64(bw_writer *writer, int64_t value) {
   bw_writer_bytes(writer, &value, sizeof value);
 }
 
-/* ---- fields
- * --------------------------------------------------------------------------------------
- */
+/* ---- fields -------------------------------------------------------------------------------- */
 
 static double component(const bw_array *array, int64_t row, int column, int columns) {
   static const int symmetric[9] = {0, 5, 4, 5, 1, 3, 4, 3, 2};
@@ -126,9 +124,7 @@ static void write_fields(bw_context *context, bw_writer *writer, const cells *c,
     write_field(context, writer, &c->fields[i], binary);
 }
 
-/* ---- 4.1 binary
- * ----------------------------------------------------------------------------------
- */
+/* ---- 4.1 binary ---------------------------------------------------------------------------- */
 
 static void write_entities(bw_writer *writer, const cells *c) {
   double box[6] = {0, 0, 0, 0, 0, 0};
@@ -211,9 +207,7 @@ static void write_41(bw_context *context, bw_writer *writer, const cells *c) {
   write_fields(context, writer, c, true);
 }
 
-/* ---- 2.2 text
- * ------------------------------------------------------------------------------------
- */
+/* ---- 2.2 text ------------------------------------------------------------------------------ */
 
 static void write_22(bw_context *context, bw_writer *writer, const cells *c) {
   bw_writer_print(writer, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%lld\n",

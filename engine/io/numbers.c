@@ -29,8 +29,7 @@ locale_t bwi_c_locale(void) {
   return c_locale;
 }
 
-/* ---- reading ----------------------------------------------------------------------------------
- */
+/* ---- reading ------------------------------------------------------------------------------- */
 
 enum { FIVE_POWERS = 27, LONGEST_NUMBER = 1000 };
 
@@ -222,8 +221,7 @@ bool bw_parse_number(const char *text, double *value) {
   return bwi_parse_real(at, end, value, &after) == BWI_NUMBER && after == end;
 }
 
-/* ---- writing ----------------------------------------------------------------------------------
- */
+/* ---- writing ------------------------------------------------------------------------------- */
 
 int bw_format_number(double value, char text[BW_NUMBER_BYTES]) {
   if (fabs(value) < 1e15 && value == (double)(int64_t)value && !(value == 0 && signbit(value)))

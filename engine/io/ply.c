@@ -39,8 +39,7 @@ typedef struct ply {
   size_t list_count, list_capacity;
 } ply;
 
-/* ---- header ------------------------------------------------------------------------------------
- */
+/* ---- header -------------------------------------------------------------------------------- */
 
 static scalar scalar_of(bwi_word word) {
   static const struct {
@@ -195,8 +194,7 @@ done:
   return status;
 }
 
-/* ---- elements ----------------------------------------------------------------------------------
- */
+/* ---- elements ------------------------------------------------------------------------------ */
 
 /* A scalar as a double (which holds every int32 and uint32 exactly). */
 static bw_status read_scalar(bwi_cursor *cursor, const ply *file, scalar type, bool finite,
@@ -400,8 +398,7 @@ done:
   return status;
 }
 
-/* ---- writing -----------------------------------------------------------------------------------
- */
+/* ---- writing ------------------------------------------------------------------------------- */
 
 static void put_u32(bw_writer *writer, uint32_t value) {
   unsigned char bytes[4];

@@ -31,8 +31,7 @@ void bwi_raw_clear(bwi_raw *raw) {
   bwi_raw_init(raw, raw->context, raw->name);
 }
 
-/* ---- collecting --------------------------------------------------------------------------------
- */
+/* ---- collecting ---------------------------------------------------------------------------- */
 
 static bw_status fail_file(const bwi_raw *raw, bw_status status, const char *text) {
   bw_fail(raw->context, status, "%s: %s", raw->name, text);
@@ -134,8 +133,7 @@ bw_status bwi_raw_member(bwi_raw *raw, size_t set, int32_t member) {
   return BW_OK;
 }
 
-/* ---- as a mesh ---------------------------------------------------------------------------------
- */
+/* ---- as a mesh ----------------------------------------------------------------------------- */
 
 /* to[i]: the new number of point i, or -1. The points are moved together. */
 static size_t drop_unused(bwi_raw *raw, int32_t *to) {
@@ -312,8 +310,7 @@ void bw_mesh_file_clear(bw_mesh_file *file) {
   memset(file, 0, sizeof *file);
 }
 
-/* ---- as a surface ------------------------------------------------------------------------------
- */
+/* ---- as a surface -------------------------------------------------------------------------- */
 
 static bw_status boundary(bwi_raw *raw, const char *format, bw_surface **surface,
                           bw_read_info *info) {

@@ -260,8 +260,7 @@ bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file
   return status;
 }
 
-/* ---- writing -----------------------------------------------------------------------------------
- */
+/* ---- writing ------------------------------------------------------------------------------- */
 
 static bw_status write_plain(bw_context *context, const char *path,
                              bw_status (*write)(bw_writer *, const bw_mesh *),

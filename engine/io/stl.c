@@ -25,8 +25,7 @@ static bool is_text(const bwi_cursor *cursor) {
   return look > 0 && !memchr(cursor->at, 0, look);
 }
 
-/* ---- binary ------------------------------------------------------------------------------------
- */
+/* ---- binary -------------------------------------------------------------------------------- */
 
 static bw_status parse_binary(bwi_cursor *cursor, bwi_soup *soup) {
   bw_status status = BW_OK;
@@ -78,8 +77,7 @@ done:
   return status;
 }
 
-/* ---- text --------------------------------------------------------------------------------------
- */
+/* ---- text ---------------------------------------------------------------------------------- */
 
 /* Behind "facet": the corners, up to and with "endfacet" (or "endloop" where that is left out). */
 static bw_status parse_facet(bwi_cursor *cursor, bwi_soup *soup) {
@@ -159,8 +157,7 @@ bw_status bwi_stl_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
   return status;
 }
 
-/* ---- writing -----------------------------------------------------------------------------------
- */
+/* ---- writing ------------------------------------------------------------------------------- */
 
 static void facet_normal(const bw_surface *surface, int32_t i, double normal[3]) {
   const int32_t *t = surface->triangle + 3 * (size_t)i;

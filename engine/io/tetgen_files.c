@@ -191,8 +191,7 @@ bw_status bwi_tetgen_read(bwi_cursor *node, bwi_cursor *ele, bwi_raw *raw, const
   return status == BW_OK ? read_elements(ele, raw, first) : status;
 }
 
-/* ---- writing -----------------------------------------------------------------------------------
- */
+/* ---- writing ------------------------------------------------------------------------------- */
 
 static void write_nodes(bw_writer *writer, const bw_mesh *mesh) {
   bw_writer_print(writer, "%d 3 0 0\n", (int)mesh->node_count);

@@ -5,8 +5,7 @@
 
 #include "io/raw.h"
 
-/* ---- XML tags (vtu_xml.c): as much of XML as VTK writes; no entities but the five in values ----
- */
+/* ---- XML tags (vtu_xml.c): as much of XML as VTK writes; no entities but the five in values  */
 
 enum { BWI_XML_ATTRIBUTES = 24 };
 typedef struct bwi_tag {
@@ -20,8 +19,7 @@ typedef struct bwi_tag {
 bw_status bwi_xml_next(bwi_cursor *cursor, bwi_tag *tag, bool *any);
 bwi_word bwi_xml_value(const bwi_tag *tag, const char *key); /* length 0: not there */
 
-/* ---- arrays (vtu_data.c) ------------------------------------------------------------------------
- */
+/* ---- arrays (vtu_data.c) ------------------------------------------------------------------- */
 
 typedef enum bwi_vtk_type {
   BWI_VTK_NONE,

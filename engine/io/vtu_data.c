@@ -18,8 +18,7 @@ static size_t size_of(bwi_vtk_type type) {
   return size[type];
 }
 
-/* ---- a stream of bytes --------------------------------------------------------------------------
- */
+/* ---- a stream of bytes --------------------------------------------------------------------- */
 
 typedef struct stream {
   bwi_cursor cursor;
@@ -101,8 +100,7 @@ static bw_status take_word(stream *s, bool wide, uint64_t *value) {
   return status;
 }
 
-/* ---- binary arrays ------------------------------------------------------------------------------
- */
+/* ---- binary arrays ------------------------------------------------------------------------- */
 
 static bw_status fail_size(const stream *s, const bwi_vtu_array *array, uint64_t found,
                            uint64_t expected) {
@@ -251,8 +249,7 @@ static bw_status array_bytes(const bwi_cursor *cursor, const bwi_vtu_file *file,
                           : take_plain(&s, cursor->context, file, array, expected, bytes);
 }
 
-/* ---- numbers ------------------------------------------------------------------------------------
- */
+/* ---- numbers ------------------------------------------------------------------------------- */
 
 static bw_status fail_not_finite(const bwi_cursor *cursor, const bwi_vtu_array *array, uint64_t i,
                                  double value) {

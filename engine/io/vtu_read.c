@@ -27,8 +27,7 @@ typedef struct vtu {
   size_t piece_count, piece_capacity, array_count, array_capacity;
 } vtu;
 
-/* ---- tags ---------------------------------------------------------------------------------------
- */
+/* ---- tags ---------------------------------------------------------------------------------- */
 
 static bwi_vtk_type type_of(bwi_word word) {
   static const char *const name[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
@@ -176,8 +175,7 @@ done:
   return status;
 }
 
-/* ---- arrays -------------------------------------------------------------------------------------
- */
+/* ---- arrays -------------------------------------------------------------------------------- */
 
 /* Of a piece and section; `name` NULL: the first. */
 static bw_status find_array(const bwi_cursor *cursor, const vtu *file, size_t number, section where,
@@ -334,8 +332,7 @@ done:
   return status;
 }
 
-/* ---- fields -------------------------------------------------------------------------------------
- */
+/* ---- fields -------------------------------------------------------------------------------- */
 
 static bw_type field_type(bwi_vtk_type type) {
   if (bwi_vtk_is_real(type))

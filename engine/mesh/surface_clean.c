@@ -199,8 +199,7 @@ done:
   return status;
 }
 
-/* ---- flat facets ------------------------------------------------------------------------------
- */
+/* ---- flat facets --------------------------------------------------------------------------- */
 
 static double side_length(const bwi_topology *topology, int64_t side) {
   const double *a = topology->point + 3 * (int64_t)bwi_side_from(topology, side),
@@ -300,8 +299,7 @@ done:
   return status;
 }
 
-/* ---- fins and specks ---------------------------------------------------------------------------
- */
+/* ---- fins and specks ----------------------------------------------------------------------- */
 
 bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surface **out,
                         int64_t *changed) {

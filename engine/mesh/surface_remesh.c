@@ -177,8 +177,7 @@ done:
   return status;
 }
 
-/* ---- collapse ----------------------------------------------------------------------------------
- */
+/* ---- collapse ------------------------------------------------------------------------------ */
 
 typedef enum verdict { FINE, REFUSED, FEATURE } verdict;
 
@@ -328,8 +327,7 @@ static void grade(bwi_changing *mesh) {
   }
 }
 
-/* ---- flip
- * ------------------------------------------------------------------------------------------ */
+/* ---- flip ---------------------------------------------------------------------------------- */
 
 /* The smallest of the three angles, by its cosine: the larger the cosine, the smaller the angle. */
 static double sharpest(const double a[3], const double b[3], const double c[3]) {
@@ -400,8 +398,7 @@ static bw_status flip_edges(remesher *r, int passes) {
   return BW_OK;
 }
 
-/* ---- relax
- * ------------------------------------------------------------------------------------------ */
+/* ---- relax --------------------------------------------------------------------------------- */
 
 /* Where a point would like to be: the middle of its facets' middles weighted by area; on a crease,
  * of its two neighbours there. */
@@ -488,8 +485,7 @@ static bw_status relax(remesher *r) {
   return BW_OK;
 }
 
-/* ---- the whole
- * ------------------------------------------------------------------------------------------ */
+/* ---- the whole ----------------------------------------------------------------------------- */
 
 typedef struct ray {
   const bw_surface *surface;

@@ -212,8 +212,7 @@ done:
   return status;
 }
 
-/* ---- intersections ------------------------------------------------------------------------------
- */
+/* ---- intersections ------------------------------------------------------------------------- */
 
 /* Run a child's step on the present surface; keep what it makes when that is closed and has fewer
  * intersections. *kept says whether. */
@@ -295,8 +294,7 @@ done:
   return status;
 }
 
-/* ---- the whole
- * ------------------------------------------------------------------------------------ */
+/* ---- the whole ----------------------------------------------------------------------------- */
 
 /* What is wrong, in words: "12 open edges, 3 self-intersections". */
 static void describe(const bw_surface_report *report, char *text, size_t size) {

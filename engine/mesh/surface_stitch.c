@@ -207,8 +207,7 @@ done:
   return status;
 }
 
-/* ---- apart ------------------------------------------------------------------------------------
- */
+/* ---- apart --------------------------------------------------------------------------------- */
 
 bw_status bwi_separate(bw_context *context, const bw_surface *surface, double gap, bw_surface **out,
                        int64_t *changed) {

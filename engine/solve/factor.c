@@ -49,8 +49,7 @@ static void lower_to(int32_t *place, int32_t value) {
     ;
 }
 
-/* ---- assembly of matrix entries ----------------------------------------------------------------
- */
+/* ---- assembly of matrix entries ------------------------------------------------------------ */
 
 /* block = F_row block F_column^T for nodes with frames of their own */
 static void turn_block(const bw_numbering *numbering, int32_t row, int32_t column, double *block) {
@@ -128,8 +127,7 @@ static void add_matrix(const factorisation *f, int32_t s, const int32_t *local, 
   }
 }
 
-/* ---- adding a child's update matrix ------------------------------------------------------------
- */
+/* ---- adding a child's update matrix -------------------------------------------------------- */
 
 typedef struct addition {
   const double *from;
@@ -196,8 +194,7 @@ static bw_status add_child(const factorisation *f, int32_t s, int32_t child, wor
   return bw_parallel(f->context, from, grain, add_columns, &add);
 }
 
-/* ---- one front ---------------------------------------------------------------------------------
- */
+/* ---- one front ----------------------------------------------------------------------------- */
 
 typedef struct clearing {
   double *block;
@@ -375,8 +372,7 @@ done:
   return status;
 }
 
-/* ---- what others call --------------------------------------------------------------------------
- */
+/* ---- what others call ---------------------------------------------------------------------- */
 
 static void factor_destroy(void *object) {
   bwi_factor *factor = object;

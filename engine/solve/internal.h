@@ -14,8 +14,7 @@
 
 #include "barwright/solve.h"
 
-/* ---- order ------------------------------------------------------------------------------------
- */
+/* ---- order --------------------------------------------------------------------------------- */
 
 typedef struct bwi_order {
   bw_object object;
@@ -35,8 +34,7 @@ typedef struct bwi_order {
 bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
                            bwi_order **order);
 
-/* ---- symbolic ---------------------------------------------------------------------------------
- */
+/* ---- symbolic ------------------------------------------------------------------------------ */
 
 /* A subtree of the supernodal tree, worked on by one thread; its supernodes are consecutive. */
 typedef struct bwi_task {
@@ -75,8 +73,7 @@ static inline int32_t bwi_pivots(const bwi_symbolic *symbolic, int32_t s) {
   return symbolic->first[o->super[s + 1]] - symbolic->first[o->super[s]];
 }
 
-/* ---- factor -----------------------------------------------------------------------------------
- */
+/* ---- factor -------------------------------------------------------------------------------- */
 
 /* The matrix stiffness + shift * mass on a graph's pairs, in frames where numbering asks. */
 typedef struct bwi_matrix {
@@ -106,8 +103,7 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
 bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, double *x);
 enum { BWI_MAX_WIDTH = 16 };
 
-/* ---- dense kernels (front.c) ------------------------------------------------------------------
- */
+/* ---- dense kernels (front.c) --------------------------------------------------------------- */
 
 /* An update matrix is a lower triangle kept as columns of tiles: block column c holds the rows from
  * its diagonal tile down, column-major. That is half of a square, and each tile is a plain matrix.
@@ -139,8 +135,7 @@ typedef struct bwi_front {
 /* Eliminate the pivots. Tiles run through bw_parallel where there are several. */
 bw_status bwi_front_eliminate(bw_context *context, bwi_front *front);
 
-/* ---- eigenvalues (eigen.c) ----------------------------------------------------------
- */
+/* ---- eigenvalues (eigen.c) ----------------------------------------------------------------- */
 
 /* A symmetric generalised problem K x = lambda M x seen through an operator. Fields are `size`
  * numbers each, one after the other. */
@@ -171,8 +166,7 @@ void bwi_eigen_result_clear(bwi_eigen_result *result);
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
                            const bw_modes_options *options, bwi_eigen_result *result);
 
-/* ---- fields and unknowns (fields.c) ------------------------------------------------------------
- */
+/* ---- fields and unknowns (fields.c) -------------------------------------------------------- */
 
 /* displacement = A^-1 force for fields (node_count x components each, one after the other; the two
  * may be the same block): 0 where there is no unknown. Frames by `numbering`, NULL: global. */
@@ -180,8 +174,7 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
                            const bw_numbering *numbering, int64_t count, const double *force,
                            double *displacement);
 
-/* ---- systems (system.c) ------------------------------------------------------------------------
- */
+/* ---- systems (system.c) -------------------------------------------------------------------- */
 
 /* Zero the components of a global field whose state's bit (1u << bw_unknown_state) is not in
  * `states`, in each node's frame. */

@@ -92,8 +92,7 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, int component
   return BW_OK;
 }
 
-/* ---- the elastic problem -----------------------------------------------------------------------
- */
+/* ---- the elastic problem ------------------------------------------------------------------- */
 
 typedef struct elastic {
   bw_system *system;

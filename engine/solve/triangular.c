@@ -26,8 +26,7 @@ static int64_t rows_at_once(int width) {
 #endif
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* ---- kernels -----------------------------------------------------------------------------------
- */
+/* ---- kernels ------------------------------------------------------------------------------- */
 /* L: panel entries from a given row and column on, leading dimension ld. x: one row of W numbers
  * per column. y: one per row. W is a constant wherever these are expanded. */
 
@@ -177,8 +176,7 @@ static void upper_triangle(int width, const double *l, int64_t ld, int64_t colum
   FOR_WIDTH(width, backward_triangle(W, l, ld, columns, x))
 }
 
-/* ---- the tree ----------------------------------------------------------------------------------
- */
+/* ---- the tree ------------------------------------------------------------------------------ */
 
 typedef struct scratch {
   int32_t *index; /* unknowns of a panel's rows below the pivots */

@@ -236,8 +236,7 @@ static void test_refusals(void **state) {
   bw_release(sheet);
 }
 
-/* ---- remeshing ----------------------------------------------------------------------------------
- */
+/* ---- remeshing ----------------------------------------------------------------------------- */
 
 static double smallest_angle(const bw_surface *surface) {
   double least = 4;
@@ -357,8 +356,7 @@ static void test_remesh_refuses_open(void **state) {
   bw_release(box);
 }
 
-/* ---- memory
- * --------------------------------------------------------------------------------------- */
+/* ---- memory -------------------------------------------------------------------------------- */
 
 static bw_status everything(bw_context *context, const bw_surface *broken) {
   bw_status status = BW_OK;
