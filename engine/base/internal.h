@@ -11,6 +11,9 @@ bwi_pool *bwi_pool_create(int extra_threads); /* NULL: no memory, work runs seri
 void bwi_pool_destroy(bwi_pool *pool);
 bwi_pool *bwi_context_pool(bw_context *context);
 bool bwi_on_pool_thread(void);
+/* Each thread that calls BLAS takes a buffer of 128 MB of OpenBLAS, which has room for few and
+ * waits for ever when it gets none. */
+enum { BWI_MOST_THREADS = 64 };
 int bwi_default_threads(void);
 
 #endif

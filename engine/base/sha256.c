@@ -3,8 +3,11 @@
 #include "barwright/base.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 typedef struct sha256 {
   uint32_t h[8];
@@ -74,10 +77,26 @@ static void finish(sha256 *sha, char digest[65]) {
     snprintf(digest + 8 * i, 9, "%08x", (unsigned)sha->h[i]);
 }
 
+static bw_status refuse(bw_context *context, const char *path, int descriptor, const char *why) {
+  bw_fail(context, BW_IO, "%s: cannot be read: %s", path[0] ? path : "(empty name)", why);
+  bw_detail_text(context, "file", path);
+  if (descriptor >= 0)
+    close(descriptor);
+  return BW_IO;
+}
+
 bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65]) {
-  FILE *file = fopen(path, "rb");
+  /* Without waiting: opening a pipe to which nobody writes would never return. */
+  int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  struct stat about;
+  if (descriptor < 0 || fstat(descriptor, &about) != 0)
+    return refuse(context, path, descriptor, strerror(errno));
+  if (!S_ISREG(about.st_mode)) /* a device may have no end */
+    return refuse(context, path, descriptor,
+                  S_ISDIR(about.st_mode) ? "it is a directory" : "it is not a regular file");
+  FILE *file = fdopen(descriptor, "rb");
   if (!file)
-    return bw_fail(context, BW_IO, "%s: %s", path, strerror(errno));
+    return refuse(context, path, descriptor, strerror(errno));
   sha256 sha = {{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab,
                  0x5be0cd19},
                 0,
@@ -89,7 +108,7 @@ bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65])
   bool failed = ferror(file) != 0;
   fclose(file);
   if (failed)
-    return bw_fail(context, BW_IO, "%s: reading failed", path);
+    return bw_fail(context, BW_IO, "%s: cannot be read: reading failed", path);
   finish(&sha, digest);
   return BW_OK;
 }

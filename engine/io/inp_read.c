@@ -212,11 +212,16 @@ static const shape shapes[] = {
     {"S8", 8, 4, false},      {"S8R", 8, 4, false},
 };
 
-static bw_status skip_elements(inp *deck) {
+static bw_status skip_elements(inp *deck, bwi_word type) {
   bwi_cursor line;
   bool go_on = false;
+  static const char solid[] = "C3D";
+  bool is_solid = type.length >= 3;
+  for (size_t i = 0; i < 3 && is_solid; i++)
+    is_solid = (type.at[i] & ~0x20) == (solid[i] & ~0x20);
   while (next_data(deck->cursor, &line)) {
     deck->raw->skipped += !go_on;
+    deck->raw->solids += is_solid && !go_on;
     go_on = ends_in_comma(&line);
   }
   return BW_OK;
@@ -231,7 +236,7 @@ static bw_status read_elements(inp *deck, const keyword *key) {
     if (bwi_word_is_nocase(key->type, shapes[i].type))
       kind = &shapes[i];
   if (!kind)
-    return skip_elements(deck);
+    return skip_elements(deck, key->type);
   BW_TRY(set_of(deck, key, true, &set));
   while (next_data(deck->cursor, &line)) {
     int32_t node[10];

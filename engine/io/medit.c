@@ -75,7 +75,7 @@ static bw_status read_cells(bwi_cursor *cursor, bwi_raw *raw, const keyword *kin
     else if (kind->corners)
       BW_TRY(bwi_raw_facet(raw, (size_t)kind->corners, node, (int32_t)reference));
     else
-      raw->skipped++;
+      raw->skipped++, raw->solids += kind->nodes > 3 && kind->name[0] != 'E';
     if (i % 65536 == 0)
       BW_TRY(bw_check_cancel(cursor->context));
   }

@@ -185,7 +185,7 @@ bw_status bwi_msh_element(bwi_msh *msh, int64_t id, int64_t type, const int64_t 
   if (corners)
     BW_TRY(bwi_raw_facet(raw, (size_t)corners, corner, (int32_t)region));
   else
-    raw->skipped++;
+    raw->skipped++, raw->solids += dimension == 3;
   if (dimension < 3)
     BW_TRY(enter_sets(msh, dimension, corner, width, physical, physical_count));
 done:

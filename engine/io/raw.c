@@ -255,10 +255,22 @@ bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file) {
   memset(file, 0, sizeof *file);
   if (raw->tet_count == 0) {
     char text[200];
-    snprintf(text, sizeof text,
-             "the %s file holds no tetrahedra (but %zu points, %zu facets, %lld other elements)",
-             format, raw->point_count, raw->facet_count, (long long)raw->skipped);
+    snprintf(
+        text, sizeof text,
+        "the %s file holds no tetrahedra (but %zu points, %zu facets, %lld hexahedra, prisms or "
+        "pyramids, %lld other elements)",
+        format, raw->point_count, raw->facet_count, (long long)raw->solids,
+        (long long)(raw->skipped - raw->solids));
     return fail_file(raw, BW_FORMAT, text);
+  }
+  if (raw->solids > 0) { /* without them it would be another body */
+    char text[200];
+    snprintf(
+        text, sizeof text,
+        "%lld hexahedra, prisms or pyramids beside %zu tetrahedra: a mesh has tetrahedra only; "
+        "divide the others into tetrahedra first",
+        (long long)raw->solids, raw->tet_count);
+    return fail_file(raw, BW_UNSUPPORTED, text);
   }
   to = BW_NEW(context, int32_t, raw->point_count);
   if (!to)

@@ -33,6 +33,7 @@ typedef struct bwi_raw {
   bwi_raw_field *field;
   bwi_raw_set *set;
   int64_t skipped;
+  int64_t solids; /* of them hexahedra, prisms, pyramids: parts of the body */
 } bwi_raw;
 
 /* Sets are looked up one by one. */

@@ -253,6 +253,7 @@ static bw_status add_cell(bwi_raw *raw, int64_t type, const int64_t *node, int64
   if (corners)
     return bwi_raw_facet(raw, (size_t)corners, scratch, group);
   raw->skipped++;
+  raw->solids += (type >= 11 && type <= 14) || (type >= 25 && type <= 27) || type == 42;
   return BW_OK;
 }
 

@@ -409,6 +409,13 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                      surface->triangle_count, r.diagonal);
     goto done;
   }
+  if (!(r.diagonal > 1e-90 && r.diagonal < 1e90)) { /* volumes and their squares must be numbers */
+    status = bw_fail(context, BW_GEOMETRY,
+                     "the box of the surface has a diagonal of %g m, beyond what can be computed "
+                     "(1e-90 to 1e90): are the coordinates or the unit wrong?",
+                     r.diagonal);
+    goto done;
+  }
   BW_TRY(look(&r));
   if (!r.report.sound) {
     BW_TRY(mend(&r));

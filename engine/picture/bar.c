@@ -8,7 +8,9 @@
 
 int bwi_ticks(double low, double high, int most, double tick[BWI_TICKS], int *decimals) {
   *decimals = 0;
-  if (!(high > low) || !isfinite(high - low) || most < 1)
+  /* Ends that differ by rounding alone hold no round number between them that doubles can count. */
+  double size = fmax(fabs(low), fabs(high));
+  if (!(high - low > 1e-9 * size) || !isfinite(high - low) || most < 1)
     return 0;
   most = most > BWI_TICKS ? BWI_TICKS : most;
   double power = pow(10, floor(log10((high - low) / most)));
@@ -32,6 +34,7 @@ int bwi_ticks(double low, double high, int most, double tick[BWI_TICKS], int *de
 
 void bwi_fixed(char *buffer, size_t size, double value, int decimals) {
   double power = 1;
+  decimals = decimals > 17 ? 17 : decimals; /* more do not fit into the whole number below */
   for (int i = 0; i < decimals; i++)
     power *= 10;
   double whole = floor(fabs(value) * power + 0.5);

@@ -505,11 +505,12 @@ static int mesh_tostring(lua_State *L) {
   double low[3], high[3];
   bw_mesh_box(mesh, low, high);
   lbw_push_box_text(L, low, high);
+  const char *box = lua_tostring(L, -1);
+  const char *bodies = mesh->component_count > 1
+                           ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)
+                           : "";
   lua_pushfstring(L, "mesh of %d tet%d and %d nodes, %s%s", (int)mesh->element_count,
-                  mesh->nodes_per_element, (int)mesh->node_count, lua_tostring(L, -1),
-                  mesh->component_count > 1
-                      ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)
-                      : "");
+                  mesh->nodes_per_element, (int)mesh->node_count, box, bodies);
   return 1;
 }
 

@@ -205,7 +205,7 @@ static int core_report_progress(lua_State *L) {
 static int core_threads(lua_State *L) {
   if (!lua_isnoneornil(L, 1)) {
     lua_Integer n = luaL_checkinteger(L, 1);
-    luaL_argcheck(L, n >= 1 && n <= 4096, 1, "a number of threads from 1 to 4096 expected");
+    luaL_argcheck(L, n >= 1 && n <= 64, 1, "a number of threads from 1 to 64 expected");
     lbw_leave_or_raise(L, bw_set_threads(lbw_enter(L), (int)n));
   }
   lua_pushinteger(L, bw_threads(lbw_state_of(L)->context));

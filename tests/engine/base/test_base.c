@@ -2,6 +2,8 @@
 /* Messages and details, memory, arrays, threads, tensors, SHA-256. */
 #include "check.h"
 
+#include <sys/stat.h>
+
 static void test_messages(void **state) {
   bw_context *context = check_context(state);
   assert_string_equal(bw_message(context), "");
@@ -116,6 +118,7 @@ static void test_threads(void **state) {
       assert_int_not_equal(bw_parallel(context, 10, 1, fail_chunk, NULL), BW_OK);
   }
   check_fails(context, BW_INVALID, "0 threads", bw_set_threads(context, 0));
+  check_fails(context, BW_INVALID, "65 threads", bw_set_threads(context, 65));
 }
 
 static void test_tensors(void **state) {
@@ -155,6 +158,14 @@ static void test_sha256(void **state) {
   remove("/tmp/barwright-sha256-test");
   assert_string_equal(digest, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   check_fails(context, BW_IO, "/nowhere", bw_sha256_file(context, "/nowhere/x", digest));
+  /* What has no end, or nobody at the other end, is refused at once. */
+  check_fails(context, BW_IO, "not a regular file", bw_sha256_file(context, "/dev/zero", digest));
+  check_fails(context, BW_IO, "a directory", bw_sha256_file(context, "tests", digest));
+  const char *pipe = "/tmp/barwright-sha256-pipe";
+  remove(pipe);
+  assert_int_equal(mkfifo(pipe, 0600), 0);
+  check_fails(context, BW_IO, "not a regular file", bw_sha256_file(context, pipe, digest));
+  remove(pipe);
 }
 
 int main(void) {

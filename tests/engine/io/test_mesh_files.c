@@ -150,6 +150,19 @@ static void msh_refusals(void **state) {
   refuse(state, "a.msh", MSH4 "$Elements\n1 1 1 1\n3 1 4 99999\n1 1 2 3 4\n", "is 99999, but only");
   refuse(state, "a.msh", MSH4 "$Entities\n99999999 0 0 0\n1\n", "99999999");
   refuse(state, "a.msh", MSH, "holds no tetrahedra");
+  /* A part of the body left out in silence would be another body. */
+  refuse(state, "a.msh",
+         MSH "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n$EndNodes\n"
+             "$Elements\n2\n1 4 0 1 2 3 4\n2 6 0 1 2 3 4 5 6\n$EndElements\n",
+         "1 hexahedra, prisms or pyramids beside 1 tetrahedra");
+  refuse(state, "a.mesh",
+         "MeshVersionFormatted 1\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n"
+         "0 0 1 0\nTetrahedra 1\n1 2 3 5 0\nPyramids 1\n1 2 3 4 5 0\nEnd\n",
+         "beside 1 tetrahedra");
+  refuse(state, "a.inp",
+         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,0,1\n6,0,1,1\n*ELEMENT,TYPE=C3D4\n"
+         "1,1,2,3,4\n*ELEMENT,TYPE=c3d6\n2,1,2,3,4,5,6\n",
+         "beside 1 tetrahedra");
 }
 
 static void medit_text(void **state) {

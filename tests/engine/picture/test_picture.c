@@ -480,6 +480,9 @@ static void ticks_are_round(void **state) {
   check_near(tick[2], 0, 0);
   assert_int_equal(decimals, 2);
   assert_int_equal(bwi_ticks(1, 1, 6, tick, &decimals), 0);
+  /* A uniform field after rounding: the ticks would be too many to count in doubles. */
+  assert_int_equal(bwi_ticks(1, 1 + 0x1p-52, 6, tick, &decimals), 0);
+  assert_int_equal(bwi_ticks(-3e7, -3e7 + 0x1p-27, 6, tick, &decimals), 0);
   assert_int_equal(bwi_ticks(0, 1, 5, tick, &decimals), 5); /* 0 0.25 .. 1 */
   assert_int_equal(decimals, 2);
   bwi_fixed(text, sizeof text, -0.125, 2);
