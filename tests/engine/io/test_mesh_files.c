@@ -150,19 +150,26 @@ static void msh_refusals(void **state) {
   refuse(state, "a.msh", MSH4 "$Elements\n1 1 1 1\n3 1 4 99999\n1 1 2 3 4\n", "is 99999, but only");
   refuse(state, "a.msh", MSH4 "$Entities\n99999999 0 0 0\n1\n", "99999999");
   refuse(state, "a.msh", MSH, "holds no tetrahedra");
-  /* A part of the body left out in silence would be another body. */
-  refuse(state, "a.msh",
-         MSH "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n$EndNodes\n"
-             "$Elements\n2\n1 4 0 1 2 3 4\n2 6 0 1 2 3 4 5 6\n$EndElements\n",
-         "1 hexahedra, prisms or pyramids beside 1 tetrahedra");
-  refuse(state, "a.mesh",
-         "MeshVersionFormatted 1\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n"
-         "0 0 1 0\nTetrahedra 1\n1 2 3 5 0\nPyramids 1\n1 2 3 4 5 0\nEnd\n",
-         "beside 1 tetrahedra");
-  refuse(state, "a.inp",
-         "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,0,1\n6,0,1,1\n*ELEMENT,TYPE=C3D4\n"
-         "1,1,2,3,4\n*ELEMENT,TYPE=c3d6\n2,1,2,3,4,5,6\n",
-         "beside 1 tetrahedra");
+}
+
+/* A part of the body left out in silence would be another body. */
+static void leave_out(void **state, const char *name, const char *text) {
+  bw_context *context = check_context(state);
+  bw_mesh_file file;
+  check_fails(context, BW_UNSUPPORTED, "1 hexahedra, prisms or pyramids beside 1 tetrahedra",
+              parse(context, name, text, &file));
+}
+
+static void mixed_meshes(void **state) {
+  leave_out(state, "a.msh",
+            MSH "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n$EndNodes\n"
+                "$Elements\n2\n1 4 0 1 2 3 4\n2 6 0 1 2 3 4 5 6\n$EndElements\n");
+  leave_out(state, "a.mesh",
+            "MeshVersionFormatted 1\nDimension 3\nVertices 5\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n"
+            "0 0 1 0\nTetrahedra 1\n1 2 3 5 0\nPyramids 1\n1 2 3 4 5 0\nEnd\n");
+  leave_out(state, "a.inp",
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,0,1\n6,0,1,1\n*ELEMENT,TYPE=C3D4\n"
+            "1,1,2,3,4\n*ELEMENT,TYPE=c3d6\n2,1,2,3,4,5,6\n");
 }
 
 static void medit_text(void **state) {
@@ -335,11 +342,10 @@ static void out_of_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(round_trips),      check_test(msh_negative_regions),
-                                     check_test(msh22_text),       check_test(msh_refusals),
-                                     check_test(medit_text),       check_test(tetgen_text),
-                                     check_test(tetgen_ten_nodes), check_test(inp_text),
-                                     check_test(inp_refusals),     check_test(flat_element),
-                                     check_test(out_of_memory)};
+  const struct CMUnitTest tests[] = {
+      check_test(round_trips),  check_test(msh_negative_regions), check_test(msh22_text),
+      check_test(msh_refusals), check_test(mixed_meshes),         check_test(medit_text),
+      check_test(tetgen_text),  check_test(tetgen_ten_nodes),     check_test(inp_text),
+      check_test(inp_refusals), check_test(flat_element),         check_test(out_of_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
