@@ -63,9 +63,12 @@ end
 
 local function make_folder(path)
   if is_folder(path) then return true end
-  os.execute("mkdir -p -- '" .. path:gsub("'", "'\\''") .. "' 2>/dev/null")
+  local pipe = io.popen("LC_ALL=C mkdir -p -- '" .. path:gsub("'", "'\\''") .. "' 2>&1")
+  local why = pipe and pipe:read "l"
+  if pipe then pipe:close() end
   if is_folder(path) then return true end
-  return nil, ("cannot make the folder %s"):format(path)
+  return nil, ("%s: cannot be made as a folder: %s"):format(path,
+    why and why:match ": ([^:]+)$" or "mkdir failed")
 end
 
 --- A folder for results; made when it is missing.
@@ -74,6 +77,10 @@ function results.open(folder, about)
   about = about or {}
   local fine, message = make_folder(folder)
   if not fine then return nil, message, {status = "io", file = folder} end
+  -- A folder that nothing can be written into is found now, not after the work.
+  local probe, why, details = core.write_file(folder .. "/result.json.probe", "{}\n")
+  if not probe then return nil, why, details end
+  os.remove(folder .. "/result.json.probe")
   local self = setmetatable({folder = folder}, results)
   local files = json.list {}
   for _, path in ipairs(about.inputs or {}) do

@@ -11,12 +11,14 @@ local bw = require "barwright"
 local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
 
 -- Without loads in mind: 20 N and 0.2 MPa, a hand's (the worst-case paper, section 6).
+-- kind, default, least and most ("above": more than the least).
 local known = {
-  elements = {"number", 40000}, modes = {"number", 15}, regions = {"number", 5},
-  material = {"string", "pla"}, unit = {"string"}, force = {"number", 20},
-  pressure = {"number", 2e5}, fraction = {"number", 0.025}, measure = {"string", "stress"},
-  target = {"string", "stress"}, laplacian = {"flag", false}, order = {"number", 1},
-  out = {"string"}, threads = {"number"},
+  elements = {"whole number", 40000, 1, 1e8}, modes = {"whole number", 15, 1, 500},
+  regions = {"whole number", 5, 1, 1000}, material = {"string", "pla"}, unit = {"string"},
+  force = {"number", 20, above = 0}, pressure = {"number", 2e5, above = 0},
+  fraction = {"number", 0.025, nil, 1, above = 0}, measure = {"string", "stress"},
+  target = {"string", "stress"}, laplacian = {"flag", false}, order = {"whole number", 1, 1, 2},
+  out = {"string"}, threads = {"whole number", nil, 1, 64},
 }
 
 -- The share of what full pressure could push that the total force may be: with less room the
@@ -30,7 +32,35 @@ local function stop(status, message)
 end
 
 local function usage(message)
-  stop(REFUSED, message .. " (usage: run.lua MODEL --out DIR; options stand in the script's head)")
+  stop(REFUSED, message .. " (usage: run.lua MODEL --out DIR; --help tells the options)")
+end
+
+local function help()
+  for line in io.lines(arg[0]) do
+    local text = line:match "^%-%- ?(.*)"
+    if not text then break end
+    if not text:match "^Copyright" then print(text) end
+  end
+  os.exit(ANSWERED, true)
+end
+
+-- Before anything is read or computed: the value of an option, or a refusal.
+local function value_of(name, text)
+  local kind, _, least, most = table.unpack(known[name], 1, 4)
+  local above = known[name].above
+  if text == nil then usage(("option --%s: a value expected, got nothing"):format(name)) end
+  if kind == "string" then return text end
+  local value = tonumber(text)
+  local fits = value and value - value == 0
+  if fits and kind == "whole number" then
+    value = math.tointeger(value)
+    fits = value ~= nil
+  end
+  fits = fits and not (least and value < least or most and value > most or above and value <= above)
+  if fits then return value end
+  local range = least and (" from %.0f to %.0f"):format(least, most)
+    or (most and " above %g and up to %g" or " above %g"):format(above, most)
+  usage(("option --%s: a %s%s expected, got '%s'"):format(name, kind, range, text))
 end
 
 local function nearest(name)
@@ -44,28 +74,26 @@ local function read_arguments()
   for key, about in pairs(known) do wish[key] = about[2] end
   local i = 1
   while i <= #arg do
-    local name = arg[i]:match "^%-%-(.+)$"
-    if not name then
+    local name, joined = arg[i]:match "^%-%-([^=]+)=?(.*)$"
+    if arg[i] == "-h" or arg[i] == "--help" then
+      help()
+    elseif not name then
       if model then usage(("one MODEL expected, got %s and %s"):format(model, arg[i])) end
       model = arg[i]
     elseif not known[name] then
       usage(("unknown option --%s: did you mean --%s?"):format(name, nearest(name)))
     elseif known[name][1] == "flag" then
       wish[name] = true
+    elseif arg[i]:find("=", 1, true) then
+      wish[name] = value_of(name, joined)
     else
       i = i + 1
-      local value = arg[i]
-      if known[name][1] == "number" then value = value and tonumber(value) end
-      if value == nil then
-        usage(("option --%s: %s expected, got %s"):format(name,
-          known[name][1] == "number" and "a number" or "a value", arg[i] or "nothing"))
-      end
-      wish[name] = math.tointeger(value) or value
+      wish[name] = value_of(name, arg[i])
     end
     i = i + 1
   end
-  if not model then usage "a MODEL is missing" end
-  if not wish.out then usage "--out DIR is missing" end
+  if not model or model == "" then usage "a MODEL is missing" end
+  if not wish.out or wish.out == "" then usage "--out DIR is missing" end
   return model, wish
 end
 
@@ -92,10 +120,11 @@ local refusals = {format = true, geometry = true, io = true, unsupported = true,
   invalid = true}
 
 -- A world's failure in preparing the input: refused when the input is to blame.
-local function prepared(value, message, details)
+local function prepared(value, message, details, path)
   if value then return value, message end
   say_remarks()
   if details and details.status == "cancelled" then stop(INTERRUPTED, message) end
+  if path and not message:find(path, 1, true) then message = path .. ": " .. message end
   stop(details and refusals[details.status] and REFUSED or UNFINISHED, message)
 end
 
@@ -108,17 +137,12 @@ local function main()
 
   -- ---- the model: a mesh, or a surface that is filled ----
 
-  local function surface_of(path)
-    local surface, info = prepared(checked(REFUSED, bw.surface.read, path, {unit = wish.unit}))
+  local function filled(path, surface, info, result)
     print(("read %s (%s): %s"):format(path, info.format, surface))
-    return surface
-  end
-
-  local function filled(path, result)
-    local surface = surface_of(path)
     result.input_triangles = surface.triangle_count
-    local mesh, log = prepared(checked(REFUSED, bw.mesh.fill, surface,
-      {elements = wish.elements, order = wish.order}))
+    local mesh, log, details = checked(REFUSED, bw.mesh.fill, surface,
+      {elements = wish.elements, order = wish.order})
+    prepared(mesh, log, details, path)
     say_remarks()
     result.repaired, result.surface_moved_m = log.repaired, log.surface_moved
     result.attempts = log.attempts
@@ -139,12 +163,19 @@ local function main()
   local function load_mesh(path, result)
     local ending = (path:match "%.(%w+)$" or ""):lower()
     local may_be_mesh = ({msh = 1, vtu = 1, mesh = 1, inp = 1, node = 1, ele = 1})[ending]
-    if not may_be_mesh then return filled(path, result) end
+    local function surface()
+      return checked(REFUSED, bw.surface.read, path, {unit = wish.unit})
+    end
+    if not may_be_mesh then
+      local found, info = prepared(surface())
+      return filled(path, found, info, result)
+    end
     local mesh, message, details = checked(REFUSED, bw.mesh.read, path, {unit = wish.unit})
     if not mesh then
-      -- These two also hold surfaces.
+      -- These two also hold surfaces. What the reader of meshes says tells more when they do not.
       if (ending == "msh" or ending == "vtu") and details.status == "format" then
-        return filled(path, result)
+        local found, info = surface()
+        if found then return filled(path, found, info, result) end
       end
       prepared(mesh, message, details)
     end
