@@ -1,10 +1,28 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 #include "solve/blas.h"
 
+#include <sys/mman.h>
+
+enum { BUFFER = 130 << 20 }; /* a little more than OpenBLAS takes at a time */
+
 void openblas_set_num_threads(int);
 int openblas_get_num_threads(void);
 
 void bwi_blas_serial(void) {
   if (openblas_get_num_threads() != 1)
     openblas_set_num_threads(1);
+}
+
+bool bwi_blas_has_room(int threads) {
+  static bool had_room;
+  if (__atomic_load_n(&had_room, __ATOMIC_RELAXED))
+    return true;
+  size_t size = (size_t)threads * BUFFER;
+  void *room =
+      mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED)
+    return false;
+  munmap(room, size);
+  __atomic_store_n(&had_room, true, __ATOMIC_RELAXED);
+  return true;
 }

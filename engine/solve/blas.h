@@ -7,6 +7,9 @@
 #ifndef BWI_SOLVE_BLAS_H
 #define BWI_SOLVE_BLAS_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 void dgemm_(const char *, const char *, const int *, const int *, const int *, const double *,
             const double *, const int *, const double *, const int *, const double *, double *,
             const int *);
@@ -22,5 +25,9 @@ void dsyev_(const char *, const char *, const int *, double *, const int *, doub
 
 /* One BLAS thread from here on. Cheap; called at the start of every factorisation and solve. */
 void bwi_blas_serial(void);
+
+/* Whether the address space has room for the buffers that OpenBLAS takes, one per thread: under a
+ * limit (ulimit -v) it would wait for them for ever. Asked until it has once been answered yes. */
+bool bwi_blas_has_room(int threads);
 
 #endif

@@ -309,6 +309,14 @@ static bw_status factorise(factorisation *f) {
   int32_t supers = order->super_count;
   bwi_blas_serial();
   f->workers = bw_threads(context);
+  if (!bwi_blas_has_room(f->workers)) {
+    status =
+        bw_fail(context, BW_MEMORY,
+                "the address space has no room for OpenBLAS, which takes 128 MB for each of %d "
+                "threads: raise the limit (ulimit -v) or use fewer threads",
+                f->workers);
+    goto done;
+  }
   f->failed = f->weak = INT32_MAX;
   f->update = BW_NEW0(context, double *, supers);
   f->child = BW_NEW(context, int32_t, supers);

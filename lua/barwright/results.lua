@@ -84,8 +84,8 @@ function results.open(folder, about)
   local self = setmetatable({folder = folder}, results)
   local files = json.list {}
   for _, path in ipairs(about.inputs or {}) do
-    local digest, why, details = core.sha256(path)
-    if not digest then return nil, why, details end
+    local digest, message_of, details_of = core.sha256(path)
+    if not digest then return nil, message_of, details_of end
     files[#files + 1] = {file = path, sha256 = digest}
   end
   local commit = core.commit

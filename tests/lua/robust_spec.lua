@@ -92,8 +92,7 @@ describe("wrong input", function()
   it("of another kind is refused with what was found", function()
     refused("gzip", file("packed.stl", "\x1f\x8b\x08\0\0\0\0\0"))
     refused("found '<html>404", file("page.stl", "<html>404</html>\n"))
-    refused("cut short or the count is wrong", file("photo.stl", "\x89PNG\r\n\x1a\n" ..
-      ("\xff"):rep(500)))
+    refused("PNG picture", file("photo.stl", "\x89PNG\r\n\x1a\n" .. ("\xff"):rep(500)))
     refused("1 hexahedra", file("hexahedron.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n"
       .. "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n"
       .. "$Elements\n1\n1 5 0 1 2 3 4 5 6 7 8\n$EndElements\n"))
