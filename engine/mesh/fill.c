@@ -167,9 +167,7 @@ static bw_status prepare_base(filler *f, const bw_surface *given) {
     if (repair.time_limit > f->options->time_limit)
       repair.time_limit = f->options->time_limit;
     BW_TRY(bw_surface_repair(context, welded, &repair, &made, &f->base_log));
-    for (int i = 0; i < f->base_log.count; i++)
-      if (strcmp(f->base_log.step[i].name, "weld") && strcmp(f->base_log.step[i].name, "orient"))
-        f->repaired = true;
+    f->repaired = f->base_log.count > 0;
     if (f->repaired)
       bw_remark(context, "the surface was repaired (%s) and moved by up to %.3g m", text,
                 f->base_log.moved);

@@ -280,7 +280,7 @@ static int material_tostring(lua_State *L) {
   luaL_buffinit(L, &buffer);
   luaL_addstring(&buffer, text);
   for (int i = 0; i < (material->isotropic ? 1 : 3); i++) {
-    char axis[8] = "";
+    char axis[16] = "";
     if (!material->isotropic)
       snprintf(axis, sizeof axis, " %d", i + 1);
     add_source(&buffer, "Young's modulus", axis, &material->young_value[i], 1e9, "GPa");

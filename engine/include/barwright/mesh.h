@@ -246,7 +246,7 @@ void bw_fill_options_default(bw_fill_options *options);
 
 typedef struct bw_fill_log {
   bw_shape_log shape;   /* repair, remesh, wrap */
-  bool repaired;        /* the surface was not sound and was changed beyond welding */
+  bool repaired;        /* the surface was not sound; `shape` says what was done */
   double surface_moved; /* m */
   int attempts;         /* runs of TetGen */
   double seconds_repair, seconds_remesh, seconds_fill;
