@@ -105,15 +105,21 @@ void lbw_box_close(lua_State *L, lbw_box *box) {
   bw_release(object);
 }
 
+/* The metatable is open to scripts, so even its functions are called with anything. */
+static lbw_box *self_box(lua_State *L) {
+  lbw_box *box = any_box(L, 1);
+  luaL_argcheck(L, box, 1, "an object of barwright expected");
+  return box;
+}
+
 static int box_gc(lua_State *L) {
-  lbw_box_close(L, (lbw_box *)lua_touserdata(L, 1));
+  lbw_box_close(L, self_box(L));
   return 0;
 }
 
 /* object:close(), and the end of a <close> variable's scope */
 static int box_close(lua_State *L) {
-  lbw_box *box = any_box(L, 1);
-  luaL_argcheck(L, box, 1, "an object of barwright expected");
+  lbw_box *box = self_box(L);
   if (lbw_state_of(L)->running)
     return luaL_error(L, "the engine is busy: nothing may be closed by a function that it calls");
   lbw_box_close(L, box);
@@ -123,7 +129,7 @@ static int box_close(lua_State *L) {
 }
 
 static int box_tostring(lua_State *L) {
-  lbw_box *box = (lbw_box *)lua_touserdata(L, 1);
+  lbw_box *box = self_box(L);
   lua_pushfstring(L, "%s%s", box->class->name, box->object ? "" : " (closed)");
   return 1;
 }
@@ -162,7 +168,7 @@ static int unknown_field(lua_State *L, lbw_box *box) {
 
 /* upvalues: methods, properties, the class's own __index or nil */
 static int box_index(lua_State *L) {
-  lbw_box *box = (lbw_box *)lua_touserdata(L, 1);
+  lbw_box *box = self_box(L);
   lua_settop(L, 2);
   lua_pushvalue(L, 2);
   if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL)
@@ -187,7 +193,7 @@ static int box_index(lua_State *L) {
 }
 
 static int box_newindex(lua_State *L) {
-  lbw_box *box = (lbw_box *)lua_touserdata(L, 1);
+  lbw_box *box = self_box(L);
   return luaL_error(L, "a %s cannot be changed by assignment", box->class->name);
 }
 
