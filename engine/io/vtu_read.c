@@ -290,11 +290,11 @@ static bw_status read_cells(const bwi_cursor *cursor, const vtu *file, size_t nu
   int64_t longest = 0;
   place.line = array->line;
   for (int64_t i = 0; i < p->cells; i++) {
-    int64_t count = end[i] - (i ? end[i - 1] : 0);
-    if (end[i] < 0 || count < 0 || (i == 0 && end[i] < 0))
+    int64_t start = i ? end[i - 1] : 0;
+    if (end[i] < start)
       BW_TRY(bwi_fail_line(&place, "the offsets of cells must grow, but number %lld is %lld",
                            (long long)i, (long long)end[i]));
-    longest = count > longest ? count : longest;
+    longest = end[i] - start > longest ? end[i] - start : longest;
   }
   BW_TRY(find_array(cursor, file, number, IN_CELLS, "connectivity", &array));
   BW_TRY(bwi_vtu_integers(cursor, &file->file, array, (uint64_t)end[p->cells - 1], &node));
