@@ -13,7 +13,7 @@ extern "C" {
 #endif
 
 typedef struct bwi_child_limits {
-  double seconds; /* of wall time; 0: no limit */
+  double seconds; /* of computing; 0: no limit */
   double bytes;   /* of address space beyond what the process has at the fork; 0: no limit */
 } bwi_child_limits;
 
