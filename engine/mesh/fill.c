@@ -49,6 +49,7 @@ typedef struct filler {
   int attempts;
   double seconds_repair, seconds_remesh, seconds_fill;
   bool repaired;
+  double start; /* of the search: no new run begins after time_limit, once there is a mesh */
 } filler;
 
 /* Elements per facet of the surface and per volume of an edge length, for the first guess. */
@@ -283,7 +284,8 @@ static bw_status collapse_short(filler *f, double length, double shorter, double
                                 bw_surface **surface, bw_shape_log *log) {
   bw_surface *made;
   double moved;
-  bw_status status = bwi_coarsen_surface(f->context, *surface, length, shorter, error, &made);
+  bw_status status = bwi_coarsen_surface(f->context, *surface, length, shorter, error,
+                                         f->options->time_limit, &made);
   if (status != BW_OK)
     return status;
   status = bw_surface_distance(f->context, *surface, made, &moved);
@@ -324,13 +326,15 @@ static bw_status coarsen(filler *f, double length, bw_surface **out, bw_shape_lo
   bw_status status;
   /* Needles would be cut into needles: mend what can be mended first. */
   if (!f->tidy || f->tidy_length > 1.2 * length) {
-    BW_TRY(bwi_coarsen_surface(f->context, f->base, length, 0.3 * length, 0.02 * length, &made));
+    BW_TRY(bwi_coarsen_surface(f->context, f->base, length, 0.3 * length, 0.02 * length,
+                               f->options->time_limit, &made));
     bw_release(f->tidy);
     f->tidy = made;
     f->tidy_length = length;
     made = NULL;
   }
-  BW_TRY(bwi_refine_surface(f->context, f->tidy, &field, 1.4, 4000000, &made));
+  BW_TRY(
+      bwi_refine_surface(f->context, f->tidy, &field, 1.4, 4000000, f->options->time_limit, &made));
   BW_TRY(collapse_short(f, length, 0.8 * length, 0.05 * length, &made, log));
   *out = made;
   made = NULL;
@@ -365,7 +369,8 @@ static bw_status make_surface(filler *f, way how, double length) {
   if (f->field.point_count || f->field.size) {
     if (how != WAY_AS_IS || (f->options->remesh && !f->options->keep_surface)) {
       bw_surface *refined;
-      BW_TRY(bwi_refine_surface(context, made, &f->field, 1.3, 4000000, &refined));
+      BW_TRY(bwi_refine_surface(context, made, &f->field, 1.3, 4000000, f->options->time_limit,
+                                &refined));
       bw_release(made);
       made = refined;
     }
@@ -508,13 +513,17 @@ static double first_length(const filler *f, double count) {
   return sqrt(low * high);
 }
 
+static bool too_late(const filler *f) {
+  return f->best.node && bw_seconds() - f->start > f->options->time_limit;
+}
+
 /* On one surface the count is about a + b / volume bound: two runs give both. Used for surfaces
  * that must stay as they are, and to close in when a remeshed surface is nearly right. */
 static bw_status tune_volume(filler *f, double wanted, double volume, int64_t count, int most) {
   bw_status status = BW_OK;
   double last_inverse = volume > 0 ? 1 / volume : 0, last_count = (double)count;
   double slope = 1.4 * f->volume;
-  for (int i = 0; i < most && f->attempts < MOST_ATTEMPTS; i++) {
+  for (int i = 0; i < most && f->attempts < MOST_ATTEMPTS && !too_late(f); i++) {
     if (f->best_miss <= log1p(f->options->tolerance) * 0.999)
       break;
     double inverse = last_inverse + (wanted - last_count) / slope;
@@ -534,6 +543,12 @@ static bw_status tune_volume(filler *f, double wanted, double volume, int64_t co
   }
 done:
   return status;
+}
+
+/* Tunnels through the surface: marching surfaces of walls thinner than their grid are full of them.
+ * Coarsening keeps each, with the ten facets or so that it takes. */
+static int64_t tunnels_of(const bw_surface *surface, int64_t bodies) {
+  return bodies - ((int64_t)surface->point_count - surface->triangle_count / 2) / 2;
 }
 
 /* A surface much finer than wanted needs coarsening only, which is faster than remeshing. */
@@ -558,7 +573,7 @@ static bw_status meet_count(filler *f) {
   double length = first_length(f, wanted), slope = -2.4, last_length = 0, last_count = 0;
   double low = 0, high = INFINITY; /* lengths known to give too many, too few */
   how = first_way(f, length);
-  for (int i = 0; i < 8 && f->attempts < MOST_ATTEMPTS; i++) {
+  for (int i = 0; i < 8 && f->attempts < MOST_ATTEMPTS && !too_late(f); i++) {
     double volume = volume_of_length * length * length * length;
     status = fill_at(f, &how, length, volume, &count);
     if (status != BW_OK) {
@@ -571,6 +586,16 @@ static bw_status meet_count(filler *f) {
     if (f->best_miss <= tolerance)
       break;
     double ratio = (double)count / wanted;
+    int64_t tunnels = tunnels_of(f->surface, 1);
+    if (ratio > 1 && how < WAY_WRAP && 40.0 * (double)tunnels > wanted) {
+      bw_remark(f->context,
+                "the surface has about %lld tunnels, which alone take more elements than wanted: "
+                "walls thinner than the grid that it was made on look like that. A surface wrapped "
+                "around it closes those narrower than an edge; a finer grid would keep the walls",
+                (long long)tunnels);
+      how = WAY_WRAP;
+      continue;
+    }
     if (ratio > 1)
       low = fmax(low, length);
     else
@@ -640,8 +665,9 @@ static bw_status report(filler *f, const bw_mesh *mesh, bw_fill_log *log) {
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
     bw_remark(
         f->context,
-        "%lld elements were asked for; %d is the nearest number that %d runs of TetGen came to",
-        (long long)f->options->elements, mesh->element_count, f->attempts);
+        "%lld elements were asked for; %d is the nearest number that %d runs of TetGen came to%s",
+        (long long)f->options->elements, mesh->element_count, f->attempts,
+        too_late(f) ? " within time_limit" : "");
   if (log)
     *log = whole;
   return BW_OK;
@@ -657,6 +683,7 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   BW_TRY(check_options(context, f.options));
   f.field = (bwi_size_field){f.options->size_point_count, f.options->size_point, f.options->size,
                              f.options->size_data};
+  f.start = bw_seconds();
   bw_progress(context, "fill", 0);
   BW_TRY(prepare_base(&f, surface));
   bw_progress(context, "fill", 0.1);

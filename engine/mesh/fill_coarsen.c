@@ -17,6 +17,7 @@
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
 #include "mesh/predicates.h"
+#include "mesh/surface_tree.h"
 
 #include <math.h>
 #include <string.h>
@@ -30,9 +31,12 @@ typedef struct entry {
 
 typedef struct coarse {
   bw_context *context;
-  double length;  /* the side of a cell of the grid; edges do not grow much longer than this */
-  double shorter; /* edges shorter than this are collapsed */
-  double error;   /* root mean square distance from the planes that a collapse may cause */
+  double length;   /* the side of a cell of the grid; edges do not grow much longer than this */
+  double shorter;  /* edges shorter than this are collapsed */
+  double error;    /* root mean square distance from the planes that a collapse may cause */
+  double floor;    /* shapes as good as that are good enough */
+  double deadline; /* of bw_seconds: what has been reached by then is handed over */
+  bool late;
   int32_t points, triangles;
   double *x; /* relative to `origin` */
   double origin[3];
@@ -151,13 +155,19 @@ static void normal(const double *const x[3], double n[3]) {
 typedef struct change {
   int32_t kept, gone; /* the second point is merged into the first */
   int32_t pair[2];
-  double at[3];  /* where a goes */
-  int32_t count; /* triangles that stay and change */
+  double at[3];               /* where a goes */
+  double worst, worst_before; /* shapes */
+  int32_t count;              /* triangles that stay and change */
   int32_t triangle[2 * RING];
   int32_t corner[2 * RING][3]; /* with `kept` in the place of `gone` */
   const double *x[2 * RING][3];
   double normal[2 * RING][3];
 } change;
+
+/* Do two triangles with a common side lie upon each other? */
+static bool folded(const double m[3], const double n[3]) {
+  return bw_dot(m, n) <= -0.98 * bw_norm(m) * bw_norm(n);
+}
 
 /* May the new triangles lie beside that living one? */
 static bool clear_of(coarse *c, const change *now, const double box[2 * RING][6], int32_t other) {
@@ -181,10 +191,12 @@ static bool clear_of(coarse *c, const change *now, const double box[2 * RING][6]
     int shared = 0;
     for (int k = 0; k < 9; k++)
       shared += now->corner[i][k / 3] == b[k % 3];
+    if (shared == 3)
+      return false;
     if (shared == 2) {
       double n[3];
       normal(xb, n);
-      if (bw_dot(n, now->normal[i]) <= -0.98 * bw_norm(n) * bw_norm(now->normal[i]))
+      if (folded(n, now->normal[i]))
         return false;
     } else if (cross(now->corner[i], now->x[i], b, xb)) {
       return false;
@@ -193,20 +205,17 @@ static bool clear_of(coarse *c, const change *now, const double box[2 * RING][6]
   return true;
 }
 
-/* New triangles that all face roughly one way lie side by side; others are tested in pairs. */
+/* The new triangles among themselves. */
 static bool fan_is_plain(const change *now) {
-  double mean[3] = {0, 0, 0};
-  bool plain = true;
   for (int i = 0; i < now->count; i++)
-    for (int k = 0; k < 3; k++)
-      mean[k] += now->normal[i][k];
-  double size = bw_norm(mean);
-  for (int i = 0; i < now->count; i++)
-    plain &= bw_dot(mean, now->normal[i]) >= 0.2 * size * bw_norm(now->normal[i]);
-  for (int i = 0; !plain && i < now->count; i++)
-    for (int j = 0; j < i; j++)
-      if (cross(now->corner[i], now->x[i], now->corner[j], now->x[j]))
+    for (int j = 0; j < i; j++) {
+      int shared = 0;
+      for (int k = 0; k < 9; k++)
+        shared += now->corner[i][k / 3] == now->corner[j][k % 3];
+      if (shared > 2 || (shared == 2 && folded(now->normal[i], now->normal[j])) ||
+          cross(now->corner[i], now->x[i], now->corner[j], now->x[j]))
         return false;
+    }
   return true;
 }
 
@@ -226,6 +235,15 @@ static bool meets_nothing(coarse *c, const change *now) {
     return false;
   cells_of(c, low, high, from, to);
   c->query++;
+  double cells = 1;
+  for (int k = 0; k < 3; k++)
+    cells *= (double)(to[k] - from[k] + 1);
+  if (cells > 512 + (double)c->triangles) { /* long facets among short ones: faster without grid */
+    for (int32_t t = 0; t < c->triangles; t++)
+      if (!clear_of(c, now, box, t))
+        return false;
+    return true;
+  }
   for (int64_t p = from[0]; p <= to[0]; p++)
     for (int64_t q = from[1]; q <= to[1]; q++)
       for (int64_t r = from[2]; r <= to[2]; r++)
@@ -269,14 +287,17 @@ static int neighbours_of(const coarse *c, const int32_t *ring, int count, int32_
   return found;
 }
 
-/* Where the merged point goes, from the middle m of the edge: the least of q(x) + w |x - m|^2.
- * False where the planes are too far from there. */
-static bool best_place(const coarse *c, int32_t a, int32_t b, double at[3]) {
-  double q[10], matrix[9], inverse[9], right[3];
-  for (int i = 0; i < 10; i++)
-    q[i] = c->quadric[a][i] + c->quadric[b][i];
-  for (int k = 0; k < 3; k++)
-    at[k] = (place(c, a)[k] + place(c, b)[k]) / 2;
+static bool planes_near(const coarse *c, const double q[10], const double at[3]) {
+  double square = q[0] * at[0] * at[0] + q[3] * at[1] * at[1] + q[5] * at[2] * at[2] +
+                  2 * (q[1] * at[0] * at[1] + q[2] * at[0] * at[2] + q[4] * at[1] * at[2]) +
+                  2 * (q[6] * at[0] + q[7] * at[1] + q[8] * at[2]) + q[9];
+  return square <= c->error * c->error * (q[0] + q[3] + q[5]);
+}
+
+/* Where a point of that quadric goes that would like to be at m, which is given in `at`: the least
+ * of q(x) + w |x - m|^2. False where the planes are too far from there. */
+static bool best_place(const coarse *c, const double q[10], double at[3]) {
+  double matrix[9], inverse[9], right[3];
   double weight = 0.01 * (q[0] + q[3] + q[5]) + 1e-300;
   memcpy(
       matrix,
@@ -294,10 +315,7 @@ static bool best_place(const coarse *c, int32_t a, int32_t b, double at[3]) {
       for (int k = 0; k < 3; k++)
         at[k] += step[k];
   }
-  double square = q[0] * at[0] * at[0] + q[3] * at[1] * at[1] + q[5] * at[2] * at[2] +
-                  2 * (q[1] * at[0] * at[1] + q[2] * at[0] * at[2] + q[4] * at[1] * at[2]) +
-                  2 * (q[6] * at[0] + q[7] * at[1] + q[8] * at[2]) + q[9];
-  return square <= c->error * c->error * (q[0] + q[3] + q[5]);
+  return planes_near(c, q, at);
 }
 
 static double distance_of(const double *x, const double *y) {
@@ -320,6 +338,7 @@ static double shape_of(const double *const x[3], const double n[3]) {
  * be good, or at least as good as the worst before, those that go included. */
 static bool plan(const coarse *c, change *now, const int32_t *ring, int count) {
   double worst = 1, worst_before = 1;
+  now->count = 0;
   for (int i = 0; i < count; i++) {
     int32_t t = ring[i] / 3;
     const int32_t *old = c->corner + 3 * (size_t)t;
@@ -350,11 +369,13 @@ static bool plan(const coarse *c, change *now, const int32_t *ring, int count) {
     }
     if (longest > fmax(1.6 * c->length, 1.05 * longest_before))
       return false;
-    if (bw_dot(n, now->normal[m]) <
-        (shape_before > 0.05 ? 0.5 : -0.2) * bw_norm(n) * bw_norm(now->normal[m]))
+    double cosine = bw_dot(n, now->normal[m]) / (bw_norm(n) * bw_norm(now->normal[m]) + 1e-300);
+    if (cosine < (shape_before > 0.05 ? 0.5 : -0.2))
       return false;
   }
-  return worst > 1e-4 && worst >= fmin(0.45, worst_before);
+  now->worst = worst;
+  now->worst_before = worst_before;
+  return worst > 1e-4 && worst >= fmin(c->floor, worst_before);
 }
 
 /* Collapse the edge from a to b if that is allowed. */
@@ -378,12 +399,20 @@ static bw_status collapse(coarse *c, int32_t a, int32_t b, bool *done) {
       }
   if (common != 2 || count_a + count_b < 8)
     return BW_OK;
-  change now = {.kept = a, .gone = b, .pair = {-1, -1}, .count = 0};
-  if (!best_place(c, a, b, now.at) || !plan(c, &now, ring, count_a + count_b) ||
-      !meets_nothing(c, &now))
+  /* First the place nearest to all planes, then either end, which leaves half of the facets as
+   * they are. */
+  change now = {.kept = a, .gone = b, .pair = {-1, -1}};
+  double q[10];
+  for (int i = 0; i < 10; i++)
+    q[i] = c->quadric[a][i] + c->quadric[b][i];
+  for (int try = 0; try < 3 && !*done; try++) {
+    for (int k = 0; k < 3; k++)
+      now.at[k] = try == 0 ? (place(c, a)[k] + place(c, b)[k]) / 2 : place(c, try == 1 ? a : b)[k];
+    *done = (try == 0 ? best_place(c, q, now.at) : planes_near(c, q, now.at)) &&
+            plan(c, &now, ring, count_a + count_b) && meets_nothing(c, &now);
+  }
+  if (!*done)
     return BW_OK;
-
-  *done = true;
   memcpy(c->x + 3 * (size_t)a, now.at, sizeof now.at);
   for (int i = 0; i < 10; i++)
     c->quadric[a][i] += c->quadric[b][i];
@@ -407,11 +436,132 @@ static bw_status collapse(coarse *c, int32_t a, int32_t b, bool *done) {
   return BW_OK;
 }
 
+/* Take a point with three facets away, if that moves the surface little: edges around such a point
+ * cannot be collapsed, and where they are many everything comes to a halt. */
+static bw_status remove_point(coarse *c, int32_t point, bool *done) {
+  int32_t ring[RING], other[RING];
+  int count;
+  *done = false;
+  if (!ring_of(c, point, ring, &count) || count != 3)
+    return BW_OK;
+  change now = {.kept = -1, .gone = point, .pair = {-1, -1}, .count = 1};
+  double worst_before = 1, near[3];
+  for (int i = 0; i < 3; i++) {
+    const double *x[3];
+    double n[3];
+    for (int k = 0; k < 3; k++)
+      x[k] = place(c, c->corner[ring[i] / 3 * 3 + k]);
+    normal(x, n);
+    worst_before = fmin(worst_before, shape_of(x, n));
+  }
+  int32_t *corner = now.corner[0];
+  for (int k = 0; k < 2; k++)
+    corner[k] = c->corner[ring[0] / 3 * 3 + (ring[0] + 1 + k) % 3];
+  corner[2] = -1;
+  for (int i = 1; i < 3; i++) /* the facet that runs on from the second corner */
+    if (c->corner[ring[i] / 3 * 3 + (ring[i] + 1) % 3] == corner[1])
+      corner[2] = c->corner[ring[i] / 3 * 3 + (ring[i] + 2) % 3];
+  if (corner[2] < 0 || corner[2] == corner[0])
+    return BW_OK;
+  for (int k = 0; k < 3; k++) {
+    if (!ring_of(c, corner[k], other, &count) || count < 4)
+      return BW_OK;
+    now.x[0][k] = place(c, corner[k]);
+  }
+  normal(now.x[0], now.normal[0]);
+  double shape = shape_of(now.x[0], now.normal[0]), far = 2 * c->error;
+  if (!(shape > 1e-4 && shape >= fmin(c->floor, worst_before)) ||
+      bwi_nearest_on_triangle(place(c, point), now.x[0][0], now.x[0][1], now.x[0][2], near) >
+          far * far ||
+      !meets_nothing(c, &now))
+    return BW_OK;
+  *done = true;
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < 10; i++)
+      c->quadric[corner[k]][i] += c->quadric[point][i] / 3;
+  /* The first facet becomes the new one; its corner at the point goes to the third neighbour. */
+  for (int i = 1; i < 3; i++)
+    c->corner[ring[i] / 3 * 3] = -1;
+  c->corner[ring[0]] = corner[2];
+  c->next[ring[0]] = c->first[corner[2]];
+  c->first[corner[2]] = ring[0];
+  c->first[point] = -1;
+  return enter(c, ring[0] / 3) ? BW_OK : BW_MEMORY;
+}
+
+/* Where a facet is a bad one, move the point towards the middle of its facets, along the planes, if
+ * that makes the worst better. Moving all points would cost thin shells much volume. */
+static bw_status move(coarse *c, int32_t point) {
+  int32_t ring[RING];
+  int count;
+  if (c->first[point] < 0 || !ring_of(c, point, ring, &count) || count < 3)
+    return BW_OK;
+  change now = {.kept = point, .gone = -1, .pair = {-1, -1}};
+  double weight = 0, sum[3] = {0, 0, 0}, whole[3] = {0, 0, 0}, step[3];
+  for (int i = 0; i < count; i++) {
+    const double *x[3];
+    double n[3];
+    for (int k = 0; k < 3; k++)
+      x[k] = place(c, c->corner[ring[i] / 3 * 3 + k]);
+    normal(x, n);
+    double area = bw_norm(n);
+    weight += area;
+    for (int k = 0; k < 3; k++)
+      sum[k] += area * (x[0][k] + x[1][k] + x[2][k]) / 3;
+    for (int k = 0; k < 3; k++)
+      whole[k] += n[k];
+  }
+  if (!(weight > 0))
+    return BW_OK;
+  for (int k = 0; k < 3; k++)
+    now.at[k] = sum[k] / weight;
+  if (!best_place(c, c->quadric[point], now.at))
+    return BW_OK;
+  /* A step in the plane of the normals' sum changes no volume. */
+  for (int k = 0; k < 3; k++)
+    step[k] = now.at[k] - place(c, point)[k];
+  double along = bw_dot(step, whole) / (bw_dot(whole, whole) + 1e-300);
+  for (int k = 0; k < 3; k++)
+    now.at[k] -= along * whole[k];
+  if (!planes_near(c, c->quadric[point], now.at) || !plan(c, &now, ring, count) ||
+      now.worst_before > 0.3 || now.worst < now.worst_before + 0.02 || !meets_nothing(c, &now))
+    return BW_OK;
+  memcpy(c->x + 3 * (size_t)point, now.at, sizeof now.at);
+  for (int i = 0; i < count; i++)
+    if (!enter(c, ring[i] / 3))
+      return BW_MEMORY;
+  return BW_OK;
+}
+
+/* Every thousand steps of a loop: has the caller cancelled, is it too late? */
+static bw_status look_up(coarse *c, size_t step) {
+  if (step % 1024 != 0)
+    return BW_OK;
+  c->late |= c->deadline > 0 && bw_seconds() > c->deadline;
+  return bw_check_cancel(c->context);
+}
+
+static bw_status move_pass(coarse *c) {
+  bw_status status = BW_OK;
+  for (int32_t i = 0; i < c->points && !c->late; i++) {
+    BW_TRY(look_up(c, (size_t)i));
+    BW_TRY(move(c, i));
+  }
+done:
+  return status;
+}
+
 static bw_status collapse_pass(coarse *c, int64_t *collapsed) {
   bw_status status = BW_OK;
   size_t count = 0, capacity = 0;
   bwi_keyed *edge = NULL;
   *collapsed = 0;
+  for (int32_t i = 0; i < c->points; i++) {
+    bool yes;
+    BW_TRY(look_up(c, (size_t)i));
+    BW_TRY(remove_point(c, i, &yes));
+    *collapsed += yes;
+  }
   for (int32_t t = 0; t < c->triangles; t++) {
     const int32_t *corner = c->corner + 3 * (size_t)t;
     for (int k = 0; corner[0] >= 0 && k < 3; k++) {
@@ -430,11 +580,10 @@ static bw_status collapse_pass(coarse *c, int64_t *collapsed) {
     }
   }
   bwi_sort_keyed(edge, (int64_t)count);
-  for (size_t i = 0; i < count; i++) {
+  for (size_t i = 0; i < count && !c->late; i++) {
     int32_t a = edge[i].item, b = edge[i].part;
     bool yes;
-    if (i % 1024 == 0)
-      BW_TRY(bw_check_cancel(c->context));
+    BW_TRY(look_up(c, i));
     if (c->first[a] < 0 || c->first[b] < 0)
       continue;
     if (distance_of(place(c, a), place(c, b)) >= c->shorter) /* others may have moved its ends */
@@ -511,10 +660,19 @@ static bw_status exchange(coarse *c, int32_t t, int side, bool *done) {
    * the sum of both stands for it. */
   double sum[3] = {nt[0] + nu[0], nt[1] + nu[1], nt[2] + nu[2]};
   double size = bw_norm(sum), limit = before < 0.05 ? 0.985 : 0.94;
+  double ab[3], pq[3], across_both[3], between[3];
+  for (int k = 0; k < 3; k++) {
+    ab[k] = xt[1][k] - xt[0][k];
+    pq[k] = xu[2][k] - xt[2][k];
+    between[k] = xt[2][k] - xt[0][k];
+  }
+  bw_cross(ab, pq, across_both); /* how far the diagonals pass each other */
+  if (fabs(bw_dot(between, across_both)) < c->error * bw_norm(across_both))
+    limit = 0.7;
   for (int i = 0; i < 2; i++)
     if (!(bw_dot(now.normal[i], sum) > limit * bw_norm(now.normal[i]) * size))
       return BW_OK;
-  if (bw_norm(nt) + bw_norm(nu) > 1.1 * size || !meets_nothing(c, &now))
+  if (bw_norm(nt) + bw_norm(nu) > (limit > 0.7 ? 1.1 : 1.4) * size || !meets_nothing(c, &now))
     return BW_OK;
   *done = true;
   int32_t two[2] = {t, u};
@@ -533,13 +691,12 @@ static bw_status exchange(coarse *c, int32_t t, int side, bool *done) {
 
 static bw_status exchange_pass(coarse *c) {
   bw_status status = BW_OK;
-  for (int32_t t = 0; t < c->triangles; t++) {
-    bool done;
-    if (t % 1024 == 0)
-      BW_TRY(bw_check_cancel(c->context));
+  for (int32_t t = 0; t < c->triangles && !c->late; t++) {
+    bool done = false;
+    BW_TRY(look_up(c, (size_t)t));
     if (c->corner[3 * (size_t)t] < 0)
       continue;
-    int longest = 0; /* the only diagonal whose exchange can do much good */
+    int longest = 0; /* the diagonal whose exchange does most good */
     double length = 0;
     for (int k = 0; k < 3; k++) {
       const int32_t *corner = c->corner + 3 * (size_t)t;
@@ -549,7 +706,8 @@ static bw_status exchange_pass(coarse *c) {
         longest = k;
       }
     }
-    BW_TRY(exchange(c, t, longest, &done));
+    for (int k = 0; k < 3 && !done; k++)
+      BW_TRY(exchange(c, t, (longest + k) % 3, &done));
   }
 done:
   return status;
@@ -621,24 +779,44 @@ static bw_status set_up(coarse *c, const bw_surface *surface) {
   return BW_OK;
 }
 
-/* Enter everything that lives in a fresh grid of cells of this length, and collapse to it. */
-static bw_status coarsen_to(coarse *c, double length, double shorter, double error) {
-  bw_status status = BW_OK;
-  c->length = length;
-  c->shorter = shorter;
-  c->error = error;
+/* Enter everything that lives in a fresh grid. */
+static bw_status fresh_grid(coarse *c) {
   c->entries = c->big_count = 0;
   for (size_t i = 0; i < c->buckets; i++)
     c->bucket[i] = -1;
   for (int32_t t = 0; t < c->triangles; t++)
     if (c->corner[3 * (size_t)t] >= 0 && !enter(c, t))
       return BW_MEMORY;
-  for (int i = 0; i < 12; i++) {
-    int64_t collapsed;
+  return BW_OK;
+}
+
+/* Collapse to this length. Where shapes bring that to a halt, worse ones are let pass for a while:
+ * exchanges and moves mend them afterwards. */
+static bw_status coarsen_to(coarse *c, double length, double shorter, double error) {
+  static const double floors[] = {0.45, 0.3, 0.15};
+  bw_status status = BW_OK;
+  c->length = length;
+  c->shorter = shorter;
+  c->error = error;
+  int easier = 0;
+  for (int i = 0; i < 12 && !c->late; i++) {
+    int64_t collapsed, living = 0;
+    c->floor = floors[easier];
+    BW_TRY(fresh_grid(c));
     BW_TRY(collapse_pass(c, &collapsed));
     BW_TRY(exchange_pass(c));
-    if (collapsed <= c->triangles / 2000)
+    BW_TRY(move_pass(c));
+    for (int32_t t = 0; t < c->triangles; t++)
+      living += c->corner[3 * (size_t)t] >= 0;
+    if (collapsed > living / 100)
+      continue;
+    if (easier == 2)
       break;
+    easier++;
+  }
+  for (int i = 0; i < 2 && !c->late; i++) {
+    BW_TRY(exchange_pass(c));
+    BW_TRY(move_pass(c));
   }
 done:
   return status;
@@ -667,14 +845,15 @@ static bw_status hand_over(coarse *c, bw_surface **out) {
 }
 
 bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface, double length,
-                              double shorter, double error, bw_surface **coarsened) {
-  coarse c = {.context = context};
+                              double shorter, double error, double seconds,
+                              bw_surface **coarsened) {
+  coarse c = {.context = context, .deadline = seconds > 0 ? bw_seconds() + seconds : 0};
   bw_status status;
   BW_TRY(set_up(&c, surface));
   /* Step by step from the present length: a grid of long cells would hold too many small
    * triangles each. */
   double area = bw_surface_area(surface), now = sqrt(area / (0.4330127 * c.triangles));
-  for (now *= 1.5; now < 0.75 * length && now < shorter; now *= 1.8)
+  for (now = fmax(1.5 * now, 1e-4 * length); now < 0.75 * length && now < shorter; now *= 1.8)
     BW_TRY(coarsen_to(&c, now, 0.8 * now, error));
   BW_TRY(coarsen_to(&c, length, shorter, error));
   BW_TRY(hand_over(&c, coarsened));

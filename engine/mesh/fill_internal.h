@@ -13,16 +13,16 @@ bw_status bwi_find_cavities(bw_context *context, const bw_surface *surface, doub
 
 /* Cut the edges of a surface that are longer than the size field asks for (times `slack`), always
  * the longest edge of a triangle first, so that shapes stay as good as they were; the surface does
- * not move. Stops at `limit` triangles with BW_LIMIT. */
+ * not move. Stops at `limit` triangles, or after `seconds` (0: no limit), with BW_LIMIT. */
 bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
                              const bwi_size_field *field, double slack, int64_t limit,
-                             bw_surface **refined);
+                             double seconds, bw_surface **refined);
 
 /* Collapse edges shorter than `shorter` of a sound surface, keeping it sound, and exchange
  * diagonals for better shapes; no edge grows much longer than `length`. Where walls are too thin it
- * stays finer. */
+ * stays finer. After `seconds` (0: no limit) what has been reached, sound too, is the result. */
 bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface, double length,
-                              double shorter, double error, bw_surface **coarsened);
+                              double shorter, double error, double seconds, bw_surface **coarsened);
 
 /* Take flat elements off the boundary: those with a dihedral angle below `angle`, where it stays a
  * manifold. *gone counts them, *moved is the largest height of one. *mesh (order 1) is replaced. */

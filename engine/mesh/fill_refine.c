@@ -21,6 +21,7 @@ typedef struct pass {
   double *square;  /* edge_count: squared length */
   uint8_t *marked; /* edge_count */
   int32_t *middle; /* edge_count: the number of the new point, or -1 */
+  double deadline; /* of bw_seconds; 0: none */
 } pass;
 
 static void pass_clear(pass *p) {
@@ -95,6 +96,15 @@ static int longest(const pass *p, int32_t t) {
   return best;
 }
 
+static bw_status in_time(bw_context *context, const pass *p) {
+  if (p->deadline > 0 && bw_seconds() > p->deadline)
+    return bw_fail(context, BW_LIMIT,
+                   "cutting edges to the sizes asked for ran out of time at %d facets: allow more "
+                   "seconds, or ask for longer edges",
+                   p->surface->triangle_count);
+  return bw_check_cancel(context);
+}
+
 /* Mark what is too long and what must be cut with it; returns the number of cuts. */
 static bw_status mark(bw_context *context, pass *p, const bwi_size_field *field, double slack,
                       int32_t *cuts) {
@@ -118,9 +128,13 @@ static bw_status mark(bw_context *context, pass *p, const bwi_size_field *field,
     p->marked[e] = wanted > 0 && p->square[e] > slack * slack * wanted * wanted;
     *cuts += p->marked[e];
   }
-  for (bool changed = *cuts > 0; changed;) {
+  /* Chains of ever longer edges run either way through the list: so do the sweeps. */
+  bool changed = *cuts > 0;
+  for (int sweep = 0; changed; sweep++) {
+    int32_t count = p->surface->triangle_count;
     changed = false;
-    for (int32_t t = 0; t < p->surface->triangle_count; t++) {
+    for (int32_t i = 0; i < count; i++) {
+      int32_t t = sweep % 2 ? count - 1 - i : i;
       const int32_t *e = p->edge + 3 * (size_t)t;
       int32_t cut = e[longest(p, t)];
       if (!p->marked[cut] && (p->marked[e[0]] || p->marked[e[1]] || p->marked[e[2]])) {
@@ -129,8 +143,11 @@ static bw_status mark(bw_context *context, pass *p, const bwi_size_field *field,
         changed = true;
       }
     }
+    bw_status status = in_time(context, p);
+    if (status != BW_OK)
+      return status;
   }
-  return bw_check_cancel(context);
+  return in_time(context, p);
 }
 
 static bw_status cut(bw_context *context, pass *p, int32_t cuts, bw_surface **out) {
@@ -202,13 +219,14 @@ done:
 
 bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
                              const bwi_size_field *field, double slack, int64_t limit,
-                             bw_surface **refined) {
+                             double seconds, bw_surface **refined) {
   bw_status status = BW_OK;
   bw_surface *now = bw_retain(surface);
   pass p = {.surface = NULL};
-  for (;;) {
+  double deadline = seconds > 0 ? bw_seconds() + seconds : 0;
+  for (;;) { /* every pass adds facets, of which there may be `limit` */
     int32_t cuts;
-    p = (pass){.surface = now};
+    p = (pass){.surface = now, .deadline = deadline};
     BW_TRY(number_edges(context, &p));
     BW_TRY(mark(context, &p, field, slack, &cuts));
     if (cuts == 0)

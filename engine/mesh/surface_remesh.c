@@ -42,7 +42,8 @@ typedef struct remesher {
   bwi_tree *tree, *creases;
   int32_t *crease; /* sharp edges of the original as triangles a b b */
   double length, tolerance;
-  double tiny;  /* edges so short go even where they are features */
+  double tiny;        /* edges so short go even where they are features */
+  double most_facets; /* no more edges are split beyond */
   double *room; /* per facet of the original: how far what lies opposite is, inside or outside */
   fine_place *fine;
   size_t fine_count, fine_capacity;
@@ -148,14 +149,21 @@ static bool is_longest(const bwi_changing *mesh, int32_t side, double ratio) {
   return true;
 }
 
+/* Long loops look up now and then. */
+static bw_status look_up(const remesher *r, size_t step) {
+  return step % 1024 == 0 ? bw_check_cancel(r->context) : BW_OK;
+}
+
 static bw_status split_long(remesher *r) {
   bwi_changing *mesh = r->mesh;
   bw_status status = BW_OK;
   for (int pass = 0; pass < 100; pass++) {
     int64_t splits = 0;
     int32_t sides = 3 * (int32_t)mesh->facet_count;
-    BW_TRY(bw_check_cancel(r->context));
+    if ((double)mesh->facet_count > r->most_facets)
+      break; /* needles that come out of needles: better too long than without end */
     for (int32_t s = 0; s < sides; s++) {
+      BW_TRY(look_up(r, (size_t)s));
       if (mesh->corner[s] < 0 || s > mesh->opposite[s])
         continue;
       double ratio = side_length(mesh, s) / wanted(mesh, s);
@@ -271,6 +279,7 @@ static bw_status collapse_short(remesher *r, bool coarse, bool learn) {
     BW_TRY(bw_check_cancel(r->context));
     for (size_t i = 0; i < count; i++) {
       int32_t s = list[i].side;
+      BW_TRY(look_up(r, i));
       if (mesh->corner[s] != list[i].from || bwi_to(mesh, s) != list[i].to ||
           side_length(mesh, s) >= shortest * wanted(mesh, s))
         continue;
@@ -387,11 +396,14 @@ static bw_status flip_edges(remesher *r, int passes) {
     bw_status status = bw_check_cancel(r->context);
     if (status != BW_OK)
       return status;
-    for (int32_t s = 0; s < 3 * (int32_t)mesh->facet_count; s++)
+    for (int32_t s = 0; s < 3 * (int32_t)mesh->facet_count; s++) {
+      if ((status = look_up(r, (size_t)s)) != BW_OK)
+        return status;
       if (mesh->corner[s] >= 0 && s < mesh->opposite[s] && flip_helps(r, s)) {
         bwi_flip(mesh, s);
         flips++;
       }
+    }
     if (flips == 0)
       break;
   }
@@ -685,6 +697,7 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
                      r.length, report.area);
     goto done;
   }
+  r.most_facets = 8.0 * welded->triangle_count + 400 * report.area / (r.length * r.length) + 1e4;
   r.tiny = fmin(0.03 * r.length, 0.3 * r.tolerance);
   bool sound_before = report.sound;
   int attempt = 0;

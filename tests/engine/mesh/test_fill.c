@@ -236,7 +236,7 @@ static void test_coarsen(void **state) {
   check_ok(context, bw_mesh_mapped_box(context, cells, 1, half_pipe, NULL, &grid));
   check_ok(context, bw_mesh_boundary(context, grid, &fine, NULL));
   bw_release(grid);
-  check_ok(context, bwi_coarsen_surface(context, fine, 0.4, 0.3, 0.02, &coarse));
+  check_ok(context, bwi_coarsen_surface(context, fine, 0.4, 0.3, 0.02, 0, &coarse));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, coarse, 0, &report));
   assert_true(report.sound);
@@ -260,7 +260,7 @@ static void test_refine(void **state) {
   bw_surface *cube = box(context, 0, 1), *fine, *none;
   bw_size_point corner = {{1, 1, 1}, 0.1, 0.02};
   bwi_size_field field = {.point_count = 1, .point = &corner};
-  check_ok(context, bwi_refine_surface(context, cube, &field, 1.0, 100000, &fine));
+  check_ok(context, bwi_refine_surface(context, cube, &field, 1.0, 100000, 0, &fine));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, fine, 0, &report));
   assert_true(report.sound);
@@ -276,9 +276,90 @@ static void test_refine(void **state) {
     }
   assert_true(fine->triangle_count < 20000);
   check_fails(context, BW_LIMIT, "facets",
-              bwi_refine_surface(context, cube, &field, 1.0, 500, &none));
+              bwi_refine_surface(context, cube, &field, 1.0, 500, 0, &none));
+  check_fails(context, BW_LIMIT, "ran out of time",
+              bwi_refine_surface(context, cube, &field, 1.0, 100000, 1e-9, &none));
   bw_release(fine);
   bw_release(cube);
+}
+
+/* ---- surfaces by marching tetrahedra: many tiny facets and needles ------------------------- */
+
+static double wall; /* of the dome: the outer radius is 1 */
+
+static double dome(void *data, const double at[3]) {
+  (void)data;
+  return fmax(fabs(bw_norm(at) - 1 + wall / 2) - wall / 2, -at[2]);
+}
+
+static double two_limbs(void *data, const double at[3]) {
+  (void)data;
+  double trunk = hypot(hypot(fmax(fabs(at[0]) - 0.6, 0), at[1]), at[2]) - 0.3;
+  double leg = hypot(hypot(at[0] - 0.4, at[1]), fmax(fabs(at[2] + 0.4) - 0.4, 0)) - 0.08;
+  return fmin(trunk, leg);
+}
+
+static bw_surface *marching(bw_context *context, double (*f)(void *, const double *), int cells) {
+  const double low[3] = {-1.083, -1.091, -0.987}, high[3] = {1.102, 1.097, 1.093};
+  bw_surface *surface;
+  check_ok(context, bw_surface_implicit(context, low, high, cells, f, NULL, &surface));
+  return surface;
+}
+
+static void test_marching(void **state) {
+  bw_context *context = check_context(state);
+  struct {
+    double (*f)(void *, const double *);
+    double wall, length;
+    int cells, facets; /* at most so many are left */
+  } const shape[] = {{dome, 0.12, 0.3, 36, 900}, {two_limbs, 0, 0.15, 40, 900}};
+  for (int i = 0; i < 2; i++) {
+    wall = shape[i].wall;
+    bw_surface *fine = marching(context, shape[i].f, shape[i].cells), *coarse;
+    check_ok(context, bwi_coarsen_surface(context, fine, shape[i].length, 0.8 * shape[i].length,
+                                          0.05 * shape[i].length, 0, &coarse));
+    bw_surface_report report;
+    check_ok(context, bw_surface_check(context, coarse, 0, &report));
+    assert_true(report.sound);
+    bw_surface_report_clear(&report);
+    assert_true(coarse->triangle_count < shape[i].facets);
+    double moved, volume = bw_surface_volume(fine);
+    check_ok(context, bw_surface_distance(context, fine, coarse, &moved));
+    assert_true(moved < 0.25 * shape[i].length);
+    check_near(bw_surface_volume(coarse), volume, 0.08 * volume);
+    bw_release(coarse);
+    /* Out of time: what there is by then, sound. */
+    check_ok(context, bwi_coarsen_surface(context, fine, shape[i].length, 0.8 * shape[i].length,
+                                          0.05 * shape[i].length, 1e-9, &coarse));
+    assert_int_equal(coarse->triangle_count, fine->triangle_count);
+    bw_release(coarse);
+    bw_fill_options options;
+    bw_fill_options_default(&options);
+    options.elements = 2000;
+    bw_mesh *mesh;
+    check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
+    assert_true(abs(mesh->element_count - 2000) <= 300);
+    bw_release(mesh);
+    bw_release(fine);
+  }
+}
+
+/* A wall thinner than the grid comes out full of tunnels. */
+static void test_tunnels(void **state) {
+  bw_context *context = check_context(state);
+  wall = 0.05;
+  bw_surface *fine = marching(context, dome, 36);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.elements = 2500;
+  bw_mesh *mesh;
+  bw_clear_remarks(context);
+  check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
+  assert_non_null(bw_remark_at(context, 0));
+  assert_non_null(strstr(bw_remark_at(context, 0), "tunnels"));
+  assert_true(mesh->element_count < 5000);
+  bw_release(mesh);
+  bw_release(fine);
 }
 
 static void test_refusals(void **state) {
@@ -379,7 +460,7 @@ static void test_allocation_failures(void **state) {
   for (int64_t n = 1; status != BW_OK; n++) {
     bw_surface *made = NULL;
     bw_fail_allocation(n, true);
-    status = bwi_coarsen_surface(context, hollow, 1, 0.8, 0.1, &made);
+    status = bwi_coarsen_surface(context, hollow, 1, 0.8, 0.1, 0, &made);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     bw_release(made);
@@ -442,6 +523,7 @@ int main(void) {
       check_test(test_sizes),        check_test(test_coarsen),
       check_test(test_refine),       check_test(test_refusals),
       check_test(test_crossing),     check_test(test_allocation_failures),
+      check_test(test_marching),     check_test(test_tunnels),
       check_test(test_models),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
