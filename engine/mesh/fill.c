@@ -588,13 +588,15 @@ static bw_status meet_count(filler *f) {
     double ratio = (double)count / wanted;
     int64_t tunnels = tunnels_of(f->surface, 1);
     if (ratio > 1 && how < WAY_WRAP && 40.0 * (double)tunnels > wanted) {
-      bw_remark(f->context,
-                "the surface has about %lld tunnels, which alone take more elements than wanted: "
-                "walls thinner than the grid that it was made on look like that. A surface wrapped "
-                "around it closes those narrower than an edge; a finer grid would keep the walls",
-                (long long)tunnels);
-      how = WAY_WRAP;
-      continue;
+      /* A wrap would close them, but it also fills the walls' surroundings: not the user's body. */
+      bw_remark(
+          f->context,
+          "the surface has about %lld tunnels, which alone take more elements than wanted: "
+          "walls thinner than the grid that it was made on look like that, and a finer grid "
+          "would keep them. The count is not met; bw_surface_wrap closes tunnels where that is "
+          "what you want",
+          (long long)tunnels);
+      break;
     }
     if (ratio > 1)
       low = fmax(low, length);

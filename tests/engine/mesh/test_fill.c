@@ -344,7 +344,8 @@ static void test_marching(void **state) {
   }
 }
 
-/* A wall thinner than the grid comes out full of tunnels. */
+/* A wall thinner than the grid comes out full of tunnels: the count cannot be met, which is said,
+ * and the body stays what it was. */
 static void test_tunnels(void **state) {
   bw_context *context = check_context(state);
   wall = 0.05;
@@ -357,7 +358,7 @@ static void test_tunnels(void **state) {
   check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
   assert_non_null(bw_remark_at(context, 0));
   assert_non_null(strstr(bw_remark_at(context, 0), "tunnels"));
-  assert_true(mesh->element_count < 5000);
+  check_near(bw_mesh_volume(mesh), bw_surface_volume(fine), 0.15 * bw_surface_volume(fine));
   bw_release(mesh);
   bw_release(fine);
 }
