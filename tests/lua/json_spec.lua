@@ -83,7 +83,7 @@ describe("a folder of results", function()
   it("is refused where it cannot be made or an input is missing", function()
     local folder = check.folder()
     check.write(folder .. "/file", "")
-    check.fails("io", "cannot make the folder", bw.results.open(folder .. "/file/x"))
+    check.fails("io", "cannot be made as a folder", bw.results.open(folder .. "/file/x"))
     check.fails("io", "missing.stl", bw.results.open(folder, {inputs = {folder .. "/missing.stl"}}))
   end)
 

@@ -239,7 +239,7 @@ describe("scripts/worst_case/run.lua", function()
       [folder .. "/bad.stl"] = "--out DIR is missing",
       ["--out " .. folder .. "/o"] = "MODEL is missing",
       ["x.stl --elemnts 5 --out " .. folder .. "/o"] = "did you mean --elements",
-      ["x.stl --elements many --out " .. folder .. "/o"] = "a number expected",
+      ["x.stl --elements many --out " .. folder .. "/o"] = "a whole number from 1 to 100000000 expected",
       [folder .. "/bad.stl --material stel --out " .. folder .. "/o"] = "did you mean 'steel'",
     } do
       local status, _, err = check.run(run .. arguments)
