@@ -45,6 +45,8 @@
 
 #include "barwright/solve.h"
 
+#include "barwright/shape.h"
+
 #include "barwright/analysis.h"
 
 #include "barwright/picture.h"

@@ -2,7 +2,7 @@
 #ifndef BARWRIGHT_ANALYSIS_H
 #define BARWRIGHT_ANALYSIS_H
 
-#include "barwright/solve.h"
+#include "barwright/shape.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -39,6 +39,32 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
  * tet10 times the factor 1.5 of the agile paper (section 8), without which it falls short. */
 bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *element, double *relative);
+
+/* ---- how stresses change with the shape (agile, section 7) ------------------------------------
+ */
+
+/* Solves K x = f for the body at hand: bw_system_solve or bw_local_system_solve. */
+typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t count,
+                                    const double *force, double *displacement);
+/* The nodal von Mises stress (as bw_static_stress and bw_von_mises_field give it) at `count` nodes
+ * and its derivative by every corner node's position, count x node_count x 3, by one adjoint solve
+ * each: d sigma = gradient : d x along any change of shape that keeps edges straight. What middle
+ * nodes contribute is folded into their edge's ends. Loads count too: those on areas, and gravity,
+ * change with the shape. For a free body the balance by inertia is part of it. Straight elements
+ * only. */
+bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
+                                const bw_numbering *numbering, const double *displacement,
+                                bw_solve_function *solve, void *data, int64_t count,
+                                const int32_t *node, double *von_mises, double *gradient);
+
+/* A convex quadratic programme: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
+ * NLopt's SLSQP. H n x n positive definite, A m x n. Where no x fulfils A x <= b within the bounds,
+ * *violation > 0 is the least that all rows have to give way (in the rows' own scale), and x the
+ * point of least objective with it. multiplier (may be NULL): m. */
+bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, const double *g,
+                                 int m, const double *A, const double *b, const double *low,
+                                 const double *high, double *x, double *violation,
+                                 double *multiplier);
 
 /* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 

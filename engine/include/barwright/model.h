@@ -127,6 +127,16 @@ bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_ar
  * node_count x 6, or element means, element_count x 6 (overwritten). */
 bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
                                   double *stress);
+/* The same material, supports and loads on a mesh of the same topology (an edited shape):
+ * selections keep their facets and nodes, so that supports and loads go with the surface; areas,
+ * resultants and normals are those of the new shape, forces and gravity keep their directions. */
+bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                         bw_model **moved);
+/* The same on a mesh whose boundary facets are those of the model's mesh in the same order (a
+ * refilled one); node_from[i] is the old node of node i, or -1. Loads on single inner nodes are
+ * BW_UNSUPPORTED. */
+bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                               const int32_t *node_from, bw_model **transferred);
 /* Drop all supports or all loads. */
 void bw_model_clear_supports(bw_model *model);
 void bw_model_clear_loads(bw_model *model);
@@ -189,6 +199,15 @@ typedef struct bw_numbering {
 bw_status bw_numbering_create(bw_context *context, const bw_model *model, bw_numbering **numbering);
 /* Without any support: every body free. */
 bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering);
+/* The numbering of an edited model, with the unknowns of `previous` (its pins too, unless they have
+ * become poor on the new shape), and the unknowns of nodes that are wholly free or wholly held
+ * taken in the frame of their domain: node_domain (node_count), frame (domain_count x 9, rows are
+ * directions). Other nodes keep the frame of their support. previous may be NULL. *same says
+ * whether state and unknown are those of `previous`. */
+bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
+                              const bw_numbering *previous, int32_t domain_count,
+                              const int32_t *node_domain, const double *frame, bool *same,
+                              bw_numbering **numbering);
 /* The free motions as text, for messages: "3 rigid motions are free: ...". Release with bw_free. */
 bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
                                      char **text);

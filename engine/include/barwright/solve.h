@@ -48,7 +48,7 @@ bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
 typedef struct bw_static {
   bw_object object;
   const bw_model *model; /* retained */
-  bw_system *system;     /* retained */
+  bw_system *system;     /* retained; NULL: of an edit session */
   double *displacement;  /* node_count x 3 */
   double *force;         /* node_count x 3: applied */
   double *reaction;      /* node_count x 3: K u - f at held components, 0 elsewhere */
@@ -65,6 +65,72 @@ typedef struct bw_statics_options {
  * NULL or the system of an earlier solve (reused when mesh, material and supports are the same). */
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                      const bw_statics_options *options, bw_static **result);
+
+/* ---- a system that follows edits (agile, section 6, and beyond) -------------------------------
+ */
+
+typedef enum bw_local_method {
+  BW_LOCAL_AUTO,     /* by predicted cost: operations and bytes counted, never time measured */
+  BW_LOCAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
+  BW_LOCAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
+  BW_LOCAL_SCRATCH   /* every supernode again: for checks and baselines */
+} bw_local_method;
+
+/* What an update and a solve reused and what they cost. */
+typedef struct bw_reuse {
+  bool pattern, ordering;  /* kept */
+  int32_t domains;         /* in all */
+  int32_t domains_kept;    /* no entry of theirs was written */
+  int32_t domains_turned;  /* written, but unchanged in their own frames */
+  int32_t domains_touched; /* changed: evaluated by polynomials or gathered */
+  bw_local_method method;  /* REFACTOR (also where nothing had to be done), ITERATE or SCRATCH */
+  double factor_kept;      /* fraction of the factor's work that was not done again */
+  int iterations;          /* of conjugate gradients, of the last right-hand side */
+  double predicted_refactor, predicted_iterate; /* s, of the model's machine */
+  double seconds_stiffness, seconds_factor, seconds_solve;
+} bw_reuse;
+
+typedef struct bw_local_options {
+  bw_local_method method;
+  double tolerance; /* of conjugate gradients, relative residual; default 1e-10 */
+  bool check;       /* compare stiffness and solution with those from scratch: BW_INTERNAL when they
+                       differ (1e-12, 1e-8) */
+} bw_local_options;
+void bw_local_options_default(bw_local_options *options);
+
+/* The equations of a body cut into domains, kept up to date through edits of its shape. Mutable:
+ * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
+ * numbering and stiffness are of the shape last synchronised; its factor is so only after
+ * bw_local_system_refactor; neither outlives the next update. */
+typedef struct bw_local_system {
+  bw_object object;
+  bw_system *system;
+  bw_domain_stiffness *stiffness;
+  struct bwi_local *inner;
+} bw_local_system;
+/* `domain_count` domains by element and by node, as in bw_domains; all at rest in the model's mesh.
+ * Orders with the domains in mind, factors. */
+bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
+                                 int32_t domain_count, const int32_t *element_domain,
+                                 const int32_t *node_domain, bw_local_system **local);
+/* Follow an edit: `model` is the edited one (bw_model_moved). Where the supports are no longer the
+ * same, the whole factor is made again on the next solve. On failure the shape is as it was. */
+bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
+                                 const bw_domain_motion *motion, bw_reuse *reuse);
+/* u = K^-1 f as bw_system_solve: `count` right-hand sides, by the method asked for or chosen.
+ * `reuse` (may be NULL) is completed, not cleared. */
+bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
+                                const bw_local_options *options, int64_t count, const double *force,
+                                double *displacement, bw_reuse *reuse);
+/* Bring the factor up to date. */
+bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, bw_reuse *reuse);
+/* The static solution of a model that was last synchronised, as bw_statics; result->system is NULL.
+ */
+bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw_model *model,
+                           const bw_statics_options *statics, const bw_local_options *options,
+                           bw_static **result, bw_reuse *reuse);
+/* Bytes: of the factor, and of the update matrices kept beside it. */
+void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
 
 /* ---- modes --------------------------------------------------------------------------------- */
 
