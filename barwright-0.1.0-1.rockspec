@@ -24,6 +24,7 @@ build = {
       CMAKE_INSTALL_PREFIX = "$(PREFIX)",
       BARWRIGHT_TESTS = "OFF",
       BARWRIGHT_WERROR = "OFF",
+      BARWRIGHT_ROCK = "ON",
       BARWRIGHT_LUA_DIR = "$(LUADIR)",
       BARWRIGHT_LUA_LIBDIR = "$(LIBDIR)",
    },

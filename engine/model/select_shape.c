@@ -156,7 +156,7 @@ typedef struct sphere {
 static double sphere_distance(const void *shape, const double x[3]) {
   const sphere *s = (const sphere *)shape;
   double d[3] = {x[0] - s->centre[0], x[1] - s->centre[1], x[2] - s->centre[2]};
-  return bw_norm(d) - s->radius;
+  return bw_norm(d) - s->radius * (1 + 1e-9);
 }
 
 bw_status bw_select_sphere(bw_context *context, const bw_mesh *mesh, const double centre[3],
