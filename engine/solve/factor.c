@@ -3,10 +3,12 @@
  * matrix entries and the update matrices of its children, front.c eliminates the pivots, and what
  * remains is its own update matrix for its parent.
  *
- * Invariants: children are added in ascending order, whoever computed them, so sums have one order.
- * Within a task, and within the top, update matrices live on a stack: those of the children of the
- * supernode at work are its uppermost blocks. A task's root keeps its update matrix in a block of
- * its own, since it outlives the task's stack. */
+ * Invariants: children are added in ascending order, whoever computed them, so sums have one order,
+ * and a front comes out with the same bits whichever others are done again with it. Within a task,
+ * and within the top, update matrices live on a stack: those of the children of the supernode at
+ * work are its uppermost blocks. A task's root puts its update matrix in a place of its own, since
+ * it outlives the task's stack; so do supernodes whose update matrix is kept for later updates of
+ * the factor (reach.c). */
 #include <math.h>
 #include <string.h>
 
@@ -18,6 +20,7 @@ typedef struct run {
   int32_t from, to, length;
 } run;
 
+/* What one worker needs. */
 typedef struct workspace {
   int32_t *local; /* order->size: row of a position in the front at work */
   run *runs;
@@ -27,20 +30,46 @@ typedef struct workspace {
   int64_t stack_size, fill;
 } workspace;
 
+/* Memory to factor in; kept from one update of a factor to the next, since the first touch of
+ * memory costs as much as the work of many fronts. */
+typedef struct store {
+  workspace *space; /* one for each worker */
+  int workers;
+  double *own; /* update matrices of tasks' roots */
+  int64_t own_size;
+  double **update; /* super_count: update matrix while it waits for its parent */
+  int32_t *child;  /* super_count: first child, then `sibling`; -1 ends */
+  int32_t *sibling;
+} store;
+
+/* What makes a factor one that can be brought up to date in part. */
+typedef struct bwi_kept {
+  bwi_reach *reach; /* retained */
+  double *block;    /* the update matrices kept */
+  int64_t *at;      /* super_count: where in it; those not kept have none */
+  uint8_t *wanted;  /* super_count */
+  store store;
+  bool broken;
+} bwi_kept;
+
 typedef struct factorisation {
   bw_context *context;
   const bwi_symbolic *symbolic;
   const bwi_matrix *matrix;
   bool signs;
-  double *value;   /* all panels, or NULL when L is not kept */
-  double **update; /* super_count: update matrix while it waits for its parent */
-  int32_t *child;  /* super_count: first child, then `sibling`; -1 ends */
-  int32_t *sibling;
-  workspace *space; /* one for each worker */
-  int workers;
+  double *value;         /* all panels, or NULL when L is not kept */
+  const bwi_plan *plan;  /* of the supernodes wanted */
+  const uint8_t *wanted; /* NULL: all */
+  const bwi_kept *kept;  /* or NULL */
+  store *store;
   int64_t negative;     /* atomic */
   int32_t failed, weak; /* lowest position of such a pivot, or INT32_MAX; atomic */
 } factorisation;
+
+/* The place of an update matrix that is kept, or NULL. */
+static double *kept_update(const factorisation *f, int32_t s) {
+  return f->kept && f->kept->reach->keep[s] ? f->kept->block + f->kept->at[s] : NULL;
+}
 
 static void lower_to(int32_t *place, int32_t value) {
   int32_t old = __atomic_load_n(place, __ATOMIC_RELAXED);
@@ -188,8 +217,15 @@ static bw_status add_child(const factorisation *f, int32_t s, int32_t child, wor
   }
   if (from == 0)
     return BW_OK;
-  addition add = {f->update[child],       from, runs, count, panel, update, symbolic->rows[s],
-                  bwi_pivots(symbolic, s)};
+  const double *kept = kept_update(f, child);
+  addition add = {.from = kept ? kept : f->store->update[child],
+                  .size = from,
+                  .runs = runs,
+                  .run_count = count,
+                  .panel = panel,
+                  .update = update,
+                  .rows = symbolic->rows[s],
+                  .pivots = bwi_pivots(symbolic, s)};
   int64_t grain = 1 + (1 << 18) / from;
   return bw_parallel(f->context, from, grain, add_columns, &add);
 }
@@ -214,8 +250,8 @@ static bw_status clear_columns(void *data, int64_t begin, int64_t end, int worke
   return BW_OK;
 }
 
-/* Work supernode s off. `own`: its update matrix gets a block of its own. */
-static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *space) {
+/* Work supernode s off. `own`: where its update matrix goes, NULL: on the stack. */
+static bw_status do_front(factorisation *f, int32_t s, double *own, workspace *space) {
   bw_status status = BW_OK;
   bw_context *context = f->context;
   const bwi_symbolic *symbolic = f->symbolic;
@@ -229,21 +265,16 @@ static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *spac
     offset += symbolic->first[p + 1] - symbolic->first[p];
   }
   double *panel = f->value ? f->value + symbolic->panel[s] : space->panel;
-  double *update = own ? BW_NEW(context, double, numbers) : space->stack + space->fill;
-  if (!update)
-    return BW_MEMORY;
+  double *update = own ? own : space->stack + space->fill;
   clearing clear_panel = {panel, rows, false}, clear_update = {update, outer, true};
   int64_t grain = 1 + (1 << 18) / (rows + 1);
   BW_TRY(bw_parallel(context, pivots, grain, clear_columns, &clear_panel));
   BW_TRY(bw_parallel(context, outer, grain, clear_columns, &clear_update));
   add_matrix(f, s, space->local, panel, space->scale);
-  for (int32_t c = f->child[s]; c >= 0; c = f->sibling[c]) {
+  for (int32_t c = f->store->child[s]; c >= 0; c = f->store->sibling[c]) {
     BW_TRY(add_child(f, s, c, space, panel, update));
-    if (symbolic->task_of[c] >= 0)
-      bw_free(f->update[c]);
-    else
+    if (f->plan->task_of[c] < 0 && !kept_update(f, c))
       children += bwi_update_size(symbolic->rows[c] - bwi_pivots(symbolic, c));
-    f->update[c] = NULL;
   }
   bwi_front front = {.rows = rows,
                      .pivots = pivots,
@@ -259,44 +290,120 @@ static bw_status do_front(factorisation *f, int32_t s, bool own, workspace *spac
   if (front.weak >= 0)
     lower_to(&f->weak, symbolic->first[order->super[s]] + front.weak);
   __atomic_add_fetch(&f->negative, front.negative, __ATOMIC_RELAXED);
-  if (own) {
-    space->fill -= children;
-    f->update[s] = update;
-    update = NULL;
-  } else {
+  space->fill -= children;
+  if (!own) {
     double *to = update - children;
     if (children > 0)
       memmove(to, update, (size_t)numbers * sizeof(double));
-    space->fill += numbers - children;
-    f->update[s] = to;
-  }
+    space->fill += numbers;
+    f->store->update[s] = to;
+  } else
+    f->store->update[s] = own;
 done:
-  if (own)
-    bw_free(update);
   return status;
+}
+
+static bw_status reserve(bw_context *context, int64_t wanted, double **block, int64_t *size) {
+  if (wanted <= *size)
+    return BW_OK;
+  bw_free(*block);
+  *size = 0;
+  *block = BW_NEW(context, double, wanted);
+  if (!*block)
+    return BW_MEMORY;
+  *size = wanted;
+  return BW_OK;
 }
 
 static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
   bw_status status = BW_OK;
   factorisation *f = data;
-  workspace *space = &f->space[worker];
+  workspace *space = &f->store->space[worker];
   for (int64_t t = begin; t < end; t++) {
-    const bwi_task *task = &f->symbolic->task[t];
-    if (task->stack > space->stack_size) {
-      bw_free(space->stack);
-      space->stack_size = 0;
-      space->stack = BW_NEW(f->context, double, task->stack);
-      if (!space->stack)
-        return BW_MEMORY;
-      space->stack_size = task->stack;
-    }
+    const bwi_task *task = &f->plan->task[t];
+    BW_TRY(reserve(f->context, task->stack, &space->stack, &space->stack_size));
     space->fill = 0;
     for (int32_t s = task->first; s <= task->root; s++) {
+      if (f->wanted && !f->wanted[s])
+        continue;
       if (bw_cancelled(f->context))
         return bw_check_cancel(f->context);
-      BW_TRY(do_front(f, s, s == task->root, space));
+      double *own = kept_update(f, s);
+      if (!own && s == task->root)
+        own = f->store->own + task->own;
+      BW_TRY(do_front(f, s, own, space));
     }
   }
+done:
+  return status;
+}
+
+/* ---- memory to work in --------------------------------------------------------------------- */
+
+static void store_clear(store *room) {
+  for (int w = 0; room->space && w < room->workers; w++) {
+    bw_free(room->space[w].local);
+    bw_free(room->space[w].runs);
+    bw_free(room->space[w].scale);
+    bw_free(room->space[w].panel);
+    bw_free(room->space[w].stack);
+  }
+  bw_free(room->space);
+  bw_free(room->own);
+  bw_free(room->update);
+  bw_free(room->child);
+  bw_free(room->sibling);
+  *room = (store){0};
+}
+
+static bw_status link_children(bw_context *context, const bwi_order *order, store *room) {
+  int32_t supers = order->super_count;
+  room->update = BW_NEW0(context, double *, supers);
+  room->child = BW_NEW(context, int32_t, supers);
+  room->sibling = BW_NEW(context, int32_t, supers);
+  if (!room->update || !room->child || !room->sibling)
+    return BW_MEMORY;
+  for (int32_t s = 0; s < supers; s++)
+    room->child[s] = -1;
+  for (int32_t s = supers - 1; s >= 0; s--)
+    if (order->parent[s] >= 0) {
+      room->sibling[s] = room->child[order->parent[s]];
+      room->child[order->parent[s]] = s;
+    }
+  return BW_OK;
+}
+
+/* Make the store fit for the plan and the number of threads. */
+static bw_status store_prepare(factorisation *f) {
+  bw_status status = BW_OK;
+  bw_context *context = f->context;
+  const bwi_symbolic *symbolic = f->symbolic;
+  store *room = f->store;
+  int workers = bw_threads(context);
+  if (workers > room->workers) {
+    workspace *space = bw_resize(context, room->space, (size_t)workers, sizeof *space);
+    if (!space)
+      return BW_MEMORY;
+    room->space = space;
+    for (; room->workers < workers; room->workers++)
+      space[room->workers] = (workspace){0};
+  }
+  for (int w = 0; w < workers; w++) {
+    workspace *space = &room->space[w];
+    if (!space->local)
+      space->local = BW_NEW(context, int32_t, symbolic->order->size);
+    if (!space->runs)
+      space->runs = BW_NEW(context, run, symbolic->max_rows);
+    if (!space->scale)
+      space->scale = BW_NEW(context, double, symbolic->max_rows);
+    if (!space->panel && !f->value)
+      space->panel = BW_NEW(context, double, symbolic->max_panel);
+    if (!space->local || !space->runs || !space->scale || (!space->panel && !f->value))
+      return BW_MEMORY;
+  }
+  if (!room->sibling)
+    BW_TRY(link_children(context, symbolic->order, room));
+  BW_TRY(reserve(context, f->plan->own, &room->own, &room->own_size));
 done:
   return status;
 }
@@ -304,95 +411,77 @@ done:
 static bw_status factorise(factorisation *f) {
   bw_status status = BW_OK;
   bw_context *context = f->context;
-  const bwi_symbolic *symbolic = f->symbolic;
-  const bwi_order *order = symbolic->order;
-  int32_t supers = order->super_count;
+  const bwi_plan *plan = f->plan;
+  int threads = bw_threads(context);
   bwi_blas_serial();
-  f->workers = bw_threads(context);
-  if (!bwi_blas_has_room(f->workers)) {
+  if (!bwi_blas_has_room(threads)) {
     status =
         bw_fail(context, BW_MEMORY,
                 "the address space has no room for OpenBLAS, which takes 128 MB for each of %d "
                 "threads: raise the limit (ulimit -v) or use fewer threads",
-                f->workers);
+                threads);
     goto done;
   }
   f->failed = f->weak = INT32_MAX;
-  f->update = BW_NEW0(context, double *, supers);
-  f->child = BW_NEW(context, int32_t, supers);
-  f->sibling = BW_NEW(context, int32_t, supers);
-  f->space = BW_NEW0(context, workspace, f->workers);
-  if (!f->update || !f->child || !f->sibling || !f->space) {
-    status = BW_MEMORY;
-    goto done;
+  BW_TRY(store_prepare(f));
+  BW_TRY(bw_parallel(context, plan->task_count, 1, do_tasks, f));
+  for (int w = 0; !f->kept && w < f->store->workers; w++) {
+    workspace *space = &f->store->space[w];
+    bw_free(space->stack);
+    space->stack = NULL;
+    space->stack_size = 0;
   }
-  for (int32_t s = 0; s < supers; s++)
-    f->child[s] = -1;
-  for (int32_t s = supers - 1; s >= 0; s--)
-    if (order->parent[s] >= 0) {
-      f->sibling[s] = f->child[order->parent[s]];
-      f->child[order->parent[s]] = s;
-    }
-  for (int w = 0; w < f->workers; w++) {
-    workspace *space = &f->space[w];
-    space->local = BW_NEW(context, int32_t, order->size);
-    space->runs = BW_NEW(context, run, symbolic->max_rows);
-    space->scale = BW_NEW(context, double, symbolic->max_rows);
-    space->panel = f->value ? NULL : BW_NEW(context, double, symbolic->max_panel);
-    if (!space->local || !space->runs || !space->scale || (!f->value && !space->panel)) {
-      status = BW_MEMORY;
-      goto done;
-    }
-  }
-  BW_TRY(bw_parallel(context, symbolic->task_count, 1, do_tasks, f));
-  workspace *space = &f->space[0];
-  for (int w = 0; w < f->workers; w++) {
-    bw_free(f->space[w].stack);
-    f->space[w].stack = NULL;
-  }
-  if (symbolic->top_count > 0) {
-    space->stack = BW_NEW(context, double, symbolic->top_stack);
-    if (!space->stack) {
-      status = BW_MEMORY;
-      goto done;
-    }
-  }
+  workspace *space = &f->store->space[0];
+  BW_TRY(reserve(context, plan->top_stack, &space->stack, &space->stack_size));
   space->fill = 0;
-  for (int32_t k = 0; k < symbolic->top_count; k++) {
+  for (int32_t k = 0; k < plan->top_count; k++) {
     BW_TRY(bw_check_cancel(context));
-    bw_progress(context, "factor", (double)k / symbolic->top_count);
-    BW_TRY(do_front(f, symbolic->top[k], false, space));
+    bw_progress(context, "factor", (double)k / plan->top_count);
+    BW_TRY(do_front(f, plan->top[k], kept_update(f, plan->top[k]), space));
   }
 done:
-  for (int32_t t = 0; f->update && t < symbolic->task_count; t++)
-    bw_free(f->update[symbolic->task[t].root]);
-  for (int w = 0; f->space && w < f->workers; w++) {
-    bw_free(f->space[w].local);
-    bw_free(f->space[w].runs);
-    bw_free(f->space[w].scale);
-    bw_free(f->space[w].panel);
-    bw_free(f->space[w].stack);
-  }
-  bw_free(f->space);
-  bw_free(f->update);
-  bw_free(f->child);
-  bw_free(f->sibling);
   return status;
 }
 
 /* ---- what others call ---------------------------------------------------------------------- */
 
+static void kept_destroy(bwi_kept *kept) {
+  if (!kept)
+    return;
+  bw_release(kept->reach);
+  bw_free(kept->block);
+  bw_free(kept->at);
+  bw_free(kept->wanted);
+  store_clear(&kept->store);
+  bw_free(kept);
+}
+
 static void factor_destroy(void *object) {
   bwi_factor *factor = object;
   bw_release(factor->symbolic);
   bw_free(factor->value);
+  kept_destroy(factor->kept);
   bw_free(factor);
+}
+
+void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work) {
+  *updates = *work = 0;
+  const bwi_kept *kept = factor->kept;
+  if (!kept)
+    return;
+  *updates = (size_t)kept->reach->kept_numbers * sizeof(double);
+  *work = (size_t)kept->store.own_size * sizeof(double);
+  for (int w = 0; w < kept->store.workers; w++)
+    *work += (size_t)kept->store.space[w].stack_size * sizeof(double);
 }
 
 static size_t factor_bytes(const void *object) {
   const bwi_factor *factor = object;
   const bwi_symbolic *symbolic = factor->symbolic;
-  return sizeof *factor + (size_t)symbolic->panel[symbolic->order->super_count] * sizeof(double);
+  size_t updates, work;
+  bwi_factor_kept_bytes(factor, &updates, &work);
+  return sizeof *factor + updates + work +
+         (size_t)symbolic->panel[symbolic->order->super_count] * sizeof(double);
 }
 
 static const bw_kind factor_kind = {"factor", factor_destroy, factor_bytes};
@@ -409,32 +498,67 @@ static int32_t node_of_unknown(const bwi_symbolic *symbolic, int32_t unknown) {
   return symbolic->order->node_at[low];
 }
 
-bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
-                            bwi_factor **out, int32_t *bad_node) {
+/* After factorise: a pivot without digits left is as bad as one that is not positive. */
+static bw_status judge(const factorisation *f, bw_status status, int32_t *bad_node) {
+  if (status == BW_OK && f->weak < INT32_MAX)
+    status = BW_SINGULAR;
+  if (status == BW_SINGULAR) {
+    int32_t node = node_of_unknown(f->symbolic, f->failed < f->weak ? f->failed : f->weak);
+    if (bad_node)
+      *bad_node = node;
+    bw_fail(f->context, BW_SINGULAR, "the matrix is not positive definite at node %d", node + 1);
+  }
+  return status;
+}
+
+static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic, bwi_reach *reach,
+                             bwi_factor *factor) {
+  int32_t supers = symbolic->order->super_count;
+  bwi_kept *kept = factor->kept = BW_NEW0(context, bwi_kept, 1);
+  if (!kept)
+    return BW_MEMORY;
+  kept->reach = bw_retain(reach);
+  kept->broken = true; /* until it has been factored */
+  kept->block = BW_NEW(context, double, reach->kept_numbers);
+  kept->at = BW_NEW(context, int64_t, supers);
+  kept->wanted = BW_NEW(context, uint8_t, supers);
+  if (!kept->block || !kept->at || !kept->wanted)
+    return BW_MEMORY;
+  int64_t at = 0;
+  for (int32_t s = 0; s < supers; s++) {
+    kept->at[s] = at;
+    if (reach->keep[s])
+      at += bwi_update_size(symbolic->rows[s] - bwi_pivots(symbolic, s));
+  }
+  return BW_OK;
+}
+
+static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                        bwi_reach *reach, bwi_factor **out, int32_t *bad_node) {
   bw_status status = BW_OK;
-  factorisation f = {.context = context, .symbolic = symbolic, .matrix = matrix};
+  store room = {0};
+  factorisation f = {.context = context,
+                     .symbolic = symbolic,
+                     .matrix = matrix,
+                     .plan = &symbolic->plan,
+                     .store = &room};
   bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
   if (!factor)
     return BW_MEMORY;
   bw_object_init(factor, &factor_kind);
   factor->symbolic = bw_retain(symbolic);
-  factor->value = BW_NEW(context, double, symbolic->panel[symbolic->order->super_count]);
+  f.value = factor->value = BW_NEW(context, double, symbolic->panel[symbolic->order->super_count]);
   if (!factor->value) {
     status = BW_MEMORY;
     goto done;
   }
-  f.value = factor->value;
-  status = factorise(&f);
-  if (status == BW_OK && f.weak < INT32_MAX)
-    status = BW_SINGULAR;
-  if (status == BW_SINGULAR) {
-    int32_t pivot = f.failed < f.weak ? f.failed : f.weak;
-    int32_t node = node_of_unknown(symbolic, pivot);
-    if (bad_node)
-      *bad_node = node;
-    bw_fail(context, BW_SINGULAR, "the matrix is not positive definite at node %d", node + 1);
-  }
+  if (reach) {
+    BW_TRY(kept_create(context, symbolic, reach, factor));
+    BW_TRY(bwi_factor_update(context, factor, matrix, NULL, NULL, bad_node));
+  } else
+    status = judge(&f, factorise(&f), bad_node);
 done:
+  store_clear(&room);
   if (status == BW_OK)
     *out = factor;
   else
@@ -442,10 +566,68 @@ done:
   return status;
 }
 
+bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                            bwi_factor **factor, int32_t *bad_node) {
+  return create(context, symbolic, matrix, NULL, factor, bad_node);
+}
+
+bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
+                                 const bwi_matrix *matrix, bwi_reach *reach, bwi_factor **factor,
+                                 int32_t *bad_node) {
+  return create(context, symbolic, matrix, reach, factor, bad_node);
+}
+
+bool bwi_factor_broken(const bwi_factor *factor) {
+  return factor->kept && factor->kept->broken;
+}
+
+bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
+                            const uint8_t *touched_domain, double *flops, int32_t *bad_node) {
+  bw_status status = BW_OK;
+  const bwi_symbolic *symbolic = factor->symbolic;
+  bwi_kept *kept = factor->kept;
+  bwi_plan plan = {0};
+  factorisation f = {.context = context,
+                     .symbolic = symbolic,
+                     .matrix = matrix,
+                     .value = factor->value,
+                     .plan = &plan,
+                     .kept = kept};
+  if (flops)
+    *flops = 0;
+  if (!kept)
+    return bw_fail(context, BW_INTERNAL, "this factor was not made to be updated");
+  if (kept->broken && touched_domain)
+    return bw_fail(context, BW_INTERNAL,
+                   "a factor whose last update failed has to be made again as a whole");
+  f.store = &kept->store;
+  if (touched_domain) {
+    if (bwi_reach_supernodes(kept->reach, touched_domain, kept->wanted) == 0)
+      goto done;
+    f.wanted = kept->wanted;
+  }
+  BW_TRY(bwi_plan_create(context, symbolic, f.wanted, kept->reach->keep, &plan));
+  kept->broken = true;
+  BW_TRY(judge(&f, factorise(&f), bad_node));
+  kept->broken = false;
+  if (flops)
+    *flops = plan.flops;
+done:
+  bwi_plan_clear(&plan);
+  return status;
+}
+
 bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                              int64_t *negative, bool *trusted) {
-  factorisation f = {.context = context, .symbolic = symbolic, .matrix = matrix, .signs = true};
+  store room = {0};
+  factorisation f = {.context = context,
+                     .symbolic = symbolic,
+                     .matrix = matrix,
+                     .signs = true,
+                     .plan = &symbolic->plan,
+                     .store = &room};
   bw_status status = factorise(&f);
+  store_clear(&room);
   bool singular = status == BW_SINGULAR;
   if (status != BW_OK && !singular)
     return status;

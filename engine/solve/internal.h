@@ -34,6 +34,12 @@ typedef struct bwi_order {
 bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
                            bwi_order **order);
 
+/* An order for edits domain by domain: of several candidates the one in which an edit of one domain
+ * touches the least work, without making the whole factor much dearer. */
+bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                                   const bw_mesh *mesh, int32_t domain_count,
+                                   const int32_t *element_domain, bwi_order **order);
+
 /* ---- symbolic ------------------------------------------------------------------------------ */
 
 /* A subtree of the supernodal tree, worked on by one thread; its supernodes are consecutive. */
@@ -41,24 +47,33 @@ typedef struct bwi_task {
   int32_t first, root; /* supernodes first..root */
   double flops;
   int64_t stack; /* numbers needed for its stack of update matrices */
+  int64_t own;   /* where its root's update matrix goes, in a block that outlives the stack */
 } bwi_task;
+
+/* How the work on a set of supernodes (closed under going to the parent) is shared out: subtrees,
+ * each for one thread, and a top whose fronts are cut into tiles. */
+typedef struct bwi_plan {
+  int32_t task_count; /* subtrees, largest first */
+  bwi_task *task;
+  int32_t top_count; /* supernodes above all tasks, ascending */
+  int32_t *top;
+  int64_t top_stack; /* numbers needed for the stack of the top */
+  int64_t own;       /* numbers in the update matrices of the tasks' roots */
+  int32_t *task_of;  /* super_count: task whose root this is, or -1 */
+  double flops;
+} bwi_plan;
 
 typedef struct bwi_symbolic {
   bw_object object;
   bwi_order *order; /* retained */
   int components;   /* of the field: 1 or 3 */
   int32_t unknowns;
-  int32_t *first;     /* order->size + 1: first unknown at each position */
-  int32_t *at;        /* node_count x components: unknown in elimination order, or -1 */
-  int64_t *panel;     /* super_count + 1: where each supernode's panel starts in L */
-  int32_t *rows;      /* super_count: unknowns in the row list (pivots included) */
-  int32_t task_count; /* subtrees, largest first */
-  bwi_task *task;
-  int32_t top_count; /* supernodes above all tasks, ascending */
-  int32_t *top;
-  int64_t top_stack;           /* numbers needed for the stack of the top */
-  int32_t *task_of;            /* super_count: task whose root this is, or -1 */
+  int32_t *first;              /* order->size + 1: first unknown at each position */
+  int32_t *at;                 /* node_count x components: unknown in elimination order, or -1 */
+  int64_t *panel;              /* super_count + 1: where each supernode's panel starts in L */
+  int32_t *rows;               /* super_count: unknowns in the row list (pivots included) */
   int64_t max_rows, max_panel; /* over all supernodes */
+  bwi_plan plan;               /* of all supernodes */
   double flops;
 } bwi_symbolic;
 
@@ -72,6 +87,35 @@ static inline int32_t bwi_pivots(const bwi_symbolic *symbolic, int32_t s) {
   const bwi_order *o = symbolic->order;
   return symbolic->first[o->super[s + 1]] - symbolic->first[o->super[s]];
 }
+
+/* Work of one supernode's front. */
+double bwi_front_flops(const bwi_symbolic *symbolic, int32_t s);
+/* `wanted`: super_count, closed under going to the parent (NULL: all). `keep`: update matrices that
+ * have a place of their own (NULL: none). Clear in any case. */
+bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, const uint8_t *wanted,
+                          const uint8_t *keep, bwi_plan *plan);
+void bwi_plan_clear(bwi_plan *plan);
+
+/* ---- which domains reach which supernodes (reach.c) ---------------------------------------- */
+
+/* A matrix entry is of the domains whose elements contribute to its pair of nodes; it sits in the
+ * supernode of the node eliminated first. */
+typedef struct bwi_reach {
+  bw_object object;
+  const bwi_symbolic *symbolic; /* retained */
+  int32_t domain_count;
+  int words;     /* of 64 domains */
+  uint64_t *set; /* super_count x words: domains that contribute to the columns of the supernode or
+                    of any below it */
+  uint8_t *keep; /* super_count: its update matrix is kept, its set differs from its parent's */
+  int64_t kept_numbers; /* in all those update matrices */
+} bwi_reach;
+bw_status bwi_reach_create(bw_context *context, bwi_symbolic *symbolic, const bw_mesh *mesh,
+                           int32_t domain_count, const int32_t *element_domain, bwi_reach **reach);
+/* wanted: super_count, 1 where the set meets touched_domain (domain_count). Returns the work. */
+double bwi_reach_supernodes(const bwi_reach *reach, const uint8_t *touched_domain, uint8_t *wanted);
+/* The work that refactoring for these domains would take. */
+double bwi_reach_flops(const bwi_reach *reach, const uint8_t *touched_domain);
 
 /* ---- factor -------------------------------------------------------------------------------- */
 
@@ -89,11 +133,26 @@ typedef struct bwi_factor {
   bwi_symbolic *symbolic; /* retained */
   double *value;          /* panels, column-major, one leading dimension per supernode */
   int64_t negative;       /* negative pivots */
+  struct bwi_kept *kept;  /* of a factor that can be brought up to date in part, or NULL */
 } bwi_factor;
 
 /* A = L L^T. *bad_node (may be NULL) is the mesh node of the failing pivot when BW_SINGULAR. */
 bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                             bwi_factor **factor, int32_t *bad_node);
+/* The same, keeping the update matrices that `reach` (retained) names and the memory that updates
+ * work in. */
+bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
+                                 const bwi_matrix *matrix, bwi_reach *reach, bwi_factor **factor,
+                                 int32_t *bad_node);
+/* Factor again, in place, what entries of the touched domains (NULL: all) reach: the same bits as
+ * from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done. On
+ * failure, BW_CANCELLED included, the factor is broken (bwi_factor_broken): solves refuse it, an
+ * update of all domains (NULL) mends it. *bad_node as above. */
+bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
+                            const uint8_t *touched_domain, double *flops, int32_t *bad_node);
+bool bwi_factor_broken(const bwi_factor *factor);
+/* Bytes of the update matrices kept, and of the memory kept to work in. */
+void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work);
 /* The number of negative eigenvalues of A, by L S L^T without keeping L. *trusted is false where a
  * pivot was so small that rounding may have chosen its sign. */
 bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,

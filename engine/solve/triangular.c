@@ -215,7 +215,7 @@ static bw_status forward_tasks(void *data, int64_t begin, int64_t end, int worke
   scratch *space = &solve->space[worker];
   int width = solve->width;
   for (int64_t t = begin; t < end; t++) {
-    const bwi_task *task = &symbolic->task[t];
+    const bwi_task *task = &symbolic->plan.task[t];
     int32_t limit = symbolic->first[order->super[task->root + 1]];
     int32_t outside = list_outer(symbolic, task->root, space->index);
     for (int32_t i = 0; i < outside; i++)
@@ -249,7 +249,7 @@ static bw_status backward_tasks(void *data, int64_t begin, int64_t end, int work
   scratch *space = &solve->space[worker];
   int width = solve->width;
   for (int64_t t = begin; t < end; t++) {
-    const bwi_task *task = &symbolic->task[t];
+    const bwi_task *task = &symbolic->plan.task[t];
     for (int32_t s = task->root; s >= task->first; s--) {
       const double *panel = solve->value + symbolic->panel[s];
       int32_t pivots = bwi_pivots(symbolic, s), rows = symbolic->rows[s];
@@ -365,7 +365,7 @@ static void collect(solution *solve) {
   const bwi_symbolic *symbolic = solve->symbolic;
   int width = solve->width;
   for (int32_t s = 0; s < symbolic->order->super_count; s++) {
-    int32_t t = symbolic->task_of[s];
+    int32_t t = symbolic->plan.task_of[s];
     if (t < 0)
       continue;
     int32_t outer = list_outer(symbolic, s, solve->space[0].index);
@@ -384,16 +384,18 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
   int workers = bw_threads(context);
   solution solve = {
       .context = context, .symbolic = symbolic, .value = factor->value, .width = width, .x = x};
+  if (bwi_factor_broken(factor))
+    return bw_fail(context, BW_INTERNAL, "a solve with a factor whose last update failed");
   if (width != 1 && width != 2 && width != 4 && width != 8 && width != 16)
     return bw_fail(context, BW_INTERNAL, "a solve of %d right-hand sides at once", width);
-  solve.collector = BW_NEW0(context, double *, symbolic->task_count);
+  solve.collector = BW_NEW0(context, double *, symbolic->plan.task_count);
   solve.space = BW_NEW0(context, scratch, workers);
   if (!solve.collector || !solve.space) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t t = 0; t < symbolic->task_count; t++) {
-    int32_t root = symbolic->task[t].root;
+  for (int32_t t = 0; t < symbolic->plan.task_count; t++) {
+    int32_t root = symbolic->plan.task[t].root;
     int64_t outer = symbolic->rows[root] - bwi_pivots(symbolic, root);
     solve.collector[t] = BW_NEW(context, double, outer *width);
     if (!solve.collector[t]) {
@@ -411,15 +413,15 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
       goto done;
     }
   }
-  BW_TRY(bw_parallel(context, symbolic->task_count, 1, forward_tasks, &solve));
+  BW_TRY(bw_parallel(context, symbolic->plan.task_count, 1, forward_tasks, &solve));
   collect(&solve);
-  for (int32_t k = 0; k < symbolic->top_count; k++)
-    BW_TRY(forward_top(&solve, symbolic->top[k]));
-  for (int32_t k = symbolic->top_count - 1; k >= 0; k--)
-    BW_TRY(backward_top(&solve, symbolic->top[k]));
-  BW_TRY(bw_parallel(context, symbolic->task_count, 1, backward_tasks, &solve));
+  for (int32_t k = 0; k < symbolic->plan.top_count; k++)
+    BW_TRY(forward_top(&solve, symbolic->plan.top[k]));
+  for (int32_t k = symbolic->plan.top_count - 1; k >= 0; k--)
+    BW_TRY(backward_top(&solve, symbolic->plan.top[k]));
+  BW_TRY(bw_parallel(context, symbolic->plan.task_count, 1, backward_tasks, &solve));
 done:
-  for (int32_t t = 0; solve.collector && t < symbolic->task_count; t++)
+  for (int32_t t = 0; solve.collector && t < symbolic->plan.task_count; t++)
     bw_free(solve.collector[t]);
   for (int w = 0; solve.space && w < workers; w++) {
     bw_free(solve.space[w].index);

@@ -1,0 +1,291 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Bringing a factor up to date in part: the same bits as from scratch, after random edits of random
+ * domains, for any number of threads and either order; what is predicted is what is done; and what
+ * happens when an update fails. */
+#include "bodies.h"
+
+#include "solve/internal.h"
+
+typedef struct problem {
+  bw_mesh *mesh;
+  bw_material *material;
+  bw_graph *graph;
+  double *stiffness;
+  int32_t *unknown;
+  uint8_t *take;
+  int32_t domain_count, *element_domain;
+  uint8_t *inner; /* node_count: all elements around it are of one domain */
+  int32_t *domain_of;
+  double *node;
+  bwi_order *order;
+  bwi_symbolic *symbolic;
+  bwi_reach *reach;
+  bwi_matrix matrix;
+} problem;
+
+typedef bw_status order_function(bw_context *, const problem *, bwi_order **);
+static bw_status plain_order(bw_context *context, const problem *p, bwi_order **order) {
+  return bwi_order_create(context, p->graph, p->take, order);
+}
+static bw_status domain_order(bw_context *context, const problem *p, bwi_order **order) {
+  return bwi_order_create_domains(context, p->graph, p->take, p->mesh, p->domain_count,
+                                  p->element_domain, order);
+}
+
+static int below(bw_random *random, int count) {
+  return (int)(bw_random_bits(random) % (uint64_t)count);
+}
+
+/* Domains that are boxes of cells, numbered at random, so that some of them may fall apart. */
+static void label(problem *p, const int cells[3], int size, bw_random *random) {
+  p->element_domain = malloc((size_t)p->mesh->element_count * sizeof(int32_t));
+  int count[3], label_of[512];
+  for (int i = 0; i < 3; i++)
+    count[i] = (cells[i] + size - 1) / size;
+  int boxes = count[0] * count[1] * count[2];
+  assert_true(boxes <= 512);
+  p->domain_count = boxes > 2 ? boxes - 1 : boxes;
+  for (int b = 0; b < boxes; b++)
+    label_of[b] = b < p->domain_count ? b : below(random, p->domain_count);
+  for (int64_t e = 0; e < p->mesh->element_count; e++) {
+    int64_t cell = e / 6,
+            at[3] = {cell % cells[0], cell / cells[0] % cells[1], cell / cells[0] / cells[1]};
+    p->element_domain[e] =
+        label_of[at[0] / size + count[0] * (at[1] / size + count[1] * (at[2] / size))];
+  }
+}
+
+static void open_problem(bw_context *context, const int cells[3], int order, int size,
+                         order_function *make_order, uint64_t seed, problem *p) {
+  bw_random random;
+  bw_random_seed(&random, seed);
+  *p = (problem){.mesh = body_box(context, 0.1 * cells[0], 0.1 * cells[1], 0.1 * cells[2], cells[0],
+                                  cells[1], cells[2], order),
+                 .material = body_material(context)};
+  size_t nodes = (size_t)p->mesh->node_count;
+  label(p, cells, size, &random);
+  check_ok(context, bw_graph_create(context, p->mesh, &p->graph));
+  p->stiffness = numbers(9 * p->graph->pair_count);
+  check_ok(context, bw_stiffness(context, p->graph, p->mesh, p->material, p->stiffness));
+  p->unknown = calloc(3 * nodes, sizeof(int32_t));
+  p->take = calloc(nodes, 1);
+  p->inner = calloc(nodes, 1);
+  p->domain_of = calloc(nodes, sizeof(int32_t));
+  p->node = malloc(3 * nodes * sizeof(double));
+  memcpy(p->node, p->mesh->node, 3 * nodes * sizeof(double));
+  int32_t unknowns = 0;
+  for (size_t i = 0; i < nodes; i++) {
+    bool held = p->mesh->node[3 * i] < 1e-9;
+    p->take[i] = !held;
+    p->inner[i] = 1;
+    p->domain_of[i] = -1;
+    for (int c = 0; c < 3; c++)
+      p->unknown[3 * i + (size_t)c] = held ? -1 : unknowns++;
+    if (!held && below(&random, 20) == 0)
+      p->unknown[3 * i + 1] = -1;
+  }
+  for (int64_t e = 0; e < p->mesh->element_count; e++)
+    for (int k = 0; k < p->mesh->nodes_per_element; k++) {
+      int32_t i = p->mesh->element[e * p->mesh->nodes_per_element + k];
+      if (p->domain_of[i] >= 0 && p->domain_of[i] != p->element_domain[e])
+        p->inner[i] = 0;
+      p->domain_of[i] = p->element_domain[e];
+    }
+  check_ok(context, make_order(context, p, &p->order));
+  check_ok(context, bwi_symbolic_create(context, p->order, 3, p->unknown, &p->symbolic));
+  check_ok(context, bwi_reach_create(context, p->symbolic, p->mesh, p->domain_count,
+                                     p->element_domain, &p->reach));
+  p->matrix = (bwi_matrix){.graph = p->graph, .stiffness = p->stiffness};
+}
+
+static void close_problem(problem *p) {
+  bw_release(p->reach);
+  bw_release(p->symbolic);
+  bw_release(p->order);
+  bw_release(p->graph);
+  bw_release(p->material);
+  bw_release(p->mesh);
+  free(p->stiffness);
+  free(p->unknown);
+  free(p->take);
+  free(p->inner);
+  free(p->domain_of);
+  free(p->element_domain);
+  free(p->node);
+}
+
+/* Move nodes that lie within touched domains: entries of those domains change, no other does. */
+static void edit(bw_context *context, problem *p, const uint8_t *touched, bw_random *random) {
+  bw_mesh *moved = NULL;
+  for (int64_t i = 0; i < p->mesh->node_count; i++)
+    if (p->inner[i] && touched[p->domain_of[i]])
+      for (int c = 0; c < 3; c++)
+        p->node[3 * i + c] = p->mesh->node[3 * i + c] + 0.004 * (bw_random_uniform(random) - 0.5);
+  check_ok(context, bw_mesh_moved(context, p->mesh, p->node, &moved));
+  check_ok(context, bw_stiffness(context, p->graph, moved, p->material, p->stiffness));
+  bw_release(moved);
+}
+
+static void same_as_from_scratch(bw_context *context, const problem *p, const bwi_factor *factor) {
+  bwi_factor *fresh = NULL;
+  check_ok(context, bwi_factor_create(context, p->symbolic, &p->matrix, &fresh, NULL));
+  size_t size = (size_t)p->symbolic->panel[p->order->super_count];
+  assert_memory_equal(fresh->value, factor->value, size * sizeof(double));
+  bw_release(fresh);
+}
+
+static void random_edits(void **state) {
+  bw_context *context = check_context(state);
+  const int shape[5][5] = {
+      {12, 2, 2, 2, 2}, {7, 6, 5, 1, 2}, {1, 1, 1, 2, 1}, {24, 3, 3, 1, 6}, {14, 10, 10, 1, 5}};
+  order_function *orders[2] = {plain_order, domain_order};
+  for (int s = 0; s < 5; s++)
+    for (int o = 0; o < 2; o++) {
+      problem p;
+      bw_random random;
+      bw_random_seed(&random, (uint64_t)(10 * s + o));
+      open_problem(context, shape[s], shape[s][3], shape[s][4], orders[o], (uint64_t)s, &p);
+      uint8_t *touched = calloc((size_t)p.domain_count, 1);
+      bwi_factor *factor = NULL;
+      check_ok(context,
+               bwi_factor_create_kept(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
+      same_as_from_scratch(context, &p, factor);
+      int rounds = s == 4 ? 4 : 12;
+      for (int round = 0; round < rounds; round++) {
+        check_ok(context, bw_set_threads(context, 1 + round % 3));
+        for (int d = 0; d < p.domain_count; d++)
+          touched[d] = round % 4 == 3 ? below(&random, 3) == 0 : 0;
+        touched[below(&random, p.domain_count)] = 1;
+        edit(context, &p, touched, &random);
+        double flops = -1;
+        check_ok(context, bwi_factor_update(context, factor, &p.matrix, touched, &flops, NULL));
+        check_near(flops, bwi_reach_flops(p.reach, touched), 1e-9 * flops);
+        same_as_from_scratch(context, &p, factor);
+      }
+      double flops = -1;
+      memset(touched, 0, (size_t)p.domain_count);
+      check_ok(context, bwi_factor_update(context, factor, &p.matrix, touched, &flops, NULL));
+      assert_true(flops == 0);
+      bw_release(factor);
+      free(touched);
+      close_problem(&p);
+    }
+}
+
+/* A set is that of the elements around the nodes of the supernode and of all below it, found here
+ * the slow way. */
+static void sets(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {6, 5, 4};
+  problem p;
+  open_problem(context, cells, 1, 1, domain_order, 3, &p); /* 119 domains: two words */
+  const bwi_order *order = p.order;
+  assert_int_equal(p.reach->words, 2);
+  uint8_t *touched = calloc((size_t)p.domain_count, 1),
+          *wanted = calloc((size_t)order->super_count, 1),
+          *expected = calloc((size_t)order->super_count, 1);
+  for (int d = 0; d < p.domain_count; d += 7) {
+    memset(touched, 0, (size_t)p.domain_count);
+    memset(expected, 0, (size_t)order->super_count);
+    touched[d] = 1;
+    for (int64_t e = 0; e < p.mesh->element_count; e++)
+      for (int k = 0; k < 4 && p.element_domain[e] == d; k++) {
+        int32_t place = order->place[p.mesh->element[4 * e + k]], s = 0;
+        if (place < 0)
+          continue;
+        while (order->super[s + 1] <= place)
+          s++;
+        for (; s >= 0; s = order->parent[s])
+          expected[s] = 1;
+      }
+    bwi_reach_supernodes(p.reach, touched, wanted);
+    assert_memory_equal(wanted, expected, (size_t)order->super_count);
+  }
+  free(touched);
+  free(wanted);
+  free(expected);
+  close_problem(&p);
+}
+
+/* An update that meets a matrix that is not positive definite breaks the factor; a whole update
+ * mends it. */
+static void broken(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {8, 3, 3};
+  problem p;
+  open_problem(context, cells, 1, 4, domain_order, 5, &p);
+  uint8_t *touched = calloc((size_t)p.domain_count, 1);
+  double *x = numbers(p.symbolic->unknowns);
+  bwi_factor *factor = NULL;
+  check_ok(context, bwi_factor_create_kept(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
+  int32_t node = p.mesh->node_count - 1, bad = -1;
+  double *diagonal = p.stiffness + 9 * (p.graph->start[node + 1] - 1), kept = diagonal[0];
+  assert_int_equal(p.graph->column[p.graph->start[node + 1] - 1], node);
+  p.unknown[3 * node] >= 0 ? (diagonal[0] = -kept) : (diagonal[8] = -kept);
+  touched[p.domain_of[node]] = 1;
+  check_fails(context, BW_SINGULAR, "not positive definite",
+              bwi_factor_update(context, factor, &p.matrix, touched, NULL, &bad));
+  assert_true(bad >= 0 && bad < p.mesh->node_count);
+  assert_true(bwi_factor_broken(factor));
+  check_fails(context, BW_INTERNAL, "failed", bwi_factor_solve(context, factor, 1, x));
+  check_fails(context, BW_INTERNAL, "as a whole",
+              bwi_factor_update(context, factor, &p.matrix, touched, NULL, &bad));
+  check_ok(context, bw_stiffness(context, p.graph, p.mesh, p.material, p.stiffness));
+  check_ok(context, bwi_factor_update(context, factor, &p.matrix, NULL, NULL, &bad));
+  assert_false(bwi_factor_broken(factor));
+  same_as_from_scratch(context, &p, factor);
+  check_ok(context, bwi_factor_solve(context, factor, 1, x));
+  bw_release(factor);
+  free(touched);
+  free(x);
+  close_problem(&p);
+}
+
+static bw_status whole(bw_context *context, const problem *p, const uint8_t *touched) {
+  bw_status status = BW_OK;
+  bwi_order *order = NULL;
+  bwi_symbolic *symbolic = NULL;
+  bwi_reach *reach = NULL;
+  bwi_factor *factor = NULL;
+  BW_TRY(domain_order(context, p, &order));
+  BW_TRY(bwi_symbolic_create(context, order, 3, p->unknown, &symbolic));
+  BW_TRY(bwi_reach_create(context, symbolic, p->mesh, p->domain_count, p->element_domain, &reach));
+  BW_TRY(bwi_factor_create_kept(context, symbolic, &p->matrix, reach, &factor, NULL));
+  BW_TRY(bwi_factor_update(context, factor, &p->matrix, touched, NULL, NULL));
+done:
+  bw_release(factor);
+  bw_release(reach);
+  bw_release(symbolic);
+  bw_release(order);
+  return status;
+}
+
+static void memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {6, 2, 2};
+  problem p;
+  open_problem(context, cells, 1, 2, plain_order, 8, &p);
+  uint8_t *touched = calloc((size_t)p.domain_count, 1);
+  touched[0] = 1;
+  check_ok(context, bw_set_threads(context, 1));
+  int64_t blocks = bw_live_blocks();
+  for (int64_t n = 1;; n++) {
+    bw_fail_allocation(n, true);
+    bw_status status = whole(context, &p, touched);
+    bw_fail_allocation(0, false);
+    assert_int_equal(bw_live_blocks(), blocks);
+    if (status == BW_OK) {
+      assert_true(n > 40);
+      break;
+    }
+    assert_int_equal(status, BW_MEMORY);
+  }
+  free(touched);
+  close_problem(&p);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(random_edits), check_test(sets), check_test(broken),
+                                     check_test(memory_failures)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
