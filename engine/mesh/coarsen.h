@@ -56,7 +56,7 @@ typedef struct bwi_coarsen_change {
   double at[3];               /* where a goes */
   double worst, worst_before; /* shapes */
   int32_t count;              /* triangles that stay and change */
-  / int32_t triangle[2 * BWI_RING];
+  int32_t triangle[2 * BWI_RING];
   int32_t corner[2 * BWI_RING][3]; /* with `kept` in the place of `gone` */
   const double *x[2 * BWI_RING][3];
   double normal[2 * BWI_RING][3];
