@@ -50,8 +50,10 @@ typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t cou
  * and its derivative by every corner node's position, count x node_count x 3, by one adjoint solve
  * each: d sigma = gradient : d x along any change of shape that keeps edges straight. What middle
  * nodes contribute is folded into their edge's ends. Loads count too: those on areas, and gravity,
- * change with the shape. For a free body the balance by inertia is part of it. Straight elements
- * only. */
+ * change with the shape. For a free body the balance by inertia is part of it. Where the stress is
+ * zero, so is what stands for its gradient. Prescribed displacements do not change. Straight
+ * elements only. BW_UNSUPPORTED: a slide along the surface's own normals, and a body held in part
+ * that turns freely under its load. */
 bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const bw_numbering *numbering, const double *displacement,
                                 bw_solve_function *solve, void *data, int64_t count,

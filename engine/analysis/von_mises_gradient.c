@@ -1,0 +1,485 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* How the von Mises stress at a node changes when corner nodes move (docs/theory/edit.md).
+ *
+ * J depends on the shape directly, through the mean over the elements at the node, and through u:
+ *     dJ = dJ/dx . dx + lambda . (df - dK u),     K lambda = dJ/du.
+ * Inside a straight element that moves by V(x) = sum_k dx_k L_k, G = grad V is constant and
+ *     d(grad u) = -(grad u) G  (nodal values held),   d(volume) = tr(G) volume,
+ * so everything is of the form A : G = sum_k dx_k . A g_k with g_k = grad L_k: one tensor A per
+ * element. With tau = C (strain(u) - alpha dT 1), the true stress, the force of thermal expansion
+ * is part of
+ *     A = integral of (grad lambda)^T tau + (grad u)^T sigma(lambda) - (tau : grad lambda) 1.
+ *
+ * On a free body f - W r balances the load f by the inertia of a rigid motion r (model.h). J knows
+ * no rigid motion and lambda has none (lambda^T W s = 0 for every free rigid motion s), so that
+ * neither the change of r's six numbers counts nor that of the volume in W = M/V; what is left is
+ * lambda . d(M r)/V with those numbers held. */
+#include "analysis/gradient.h"
+
+#include "barwright/analysis.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BATCH = 8, ELEMENTS_PER_CHUNK = 256, NODES_PER_CHUNK = 1024 };
+
+/* r(x) = t + w x (x - c) of a body, and its volume */
+typedef struct inertia {
+  double t[3], w[3], c[3], volume;
+} inertia;
+
+typedef struct gradient_data {
+  const bw_mesh *mesh;
+  const bw_material *material;
+  const double *u;
+  bwi_incidence incidence;
+  bwi_rule rule;
+  double at_node[10][10][4]; /* dN_a/dL_k at each node of an element */
+  double unit_stress[6];     /* C : 1 */
+  double *expansion;         /* node_count: alpha dT of all temperature loads, or NULL */
+  double weight[3];          /* density times the sum of the gravity loads */
+  inertia *body;             /* component_count, or NULL where nothing is balanced by inertia */
+  int count;                 /* of the batch */
+  const double *lambda;      /* count x node_count x 3 */
+  double *part;              /* element_count x 4 corners x count x 3 */
+  double *gradient;          /* count x node_count x 3 */
+} gradient_data;
+
+/* ---- small pieces ---------------------------------------------------------------------------- */
+
+/* grad[3 i + j] = du_i/dx_j of nodal values u at a point of a straight element. */
+static void gradient_at(const bwi_element_state *s, const double (*u)[3], const double (*by_l)[4],
+                        double grad[9]) {
+  memset(grad, 0, 9 * sizeof *grad);
+  for (int k = 0; k < 4; k++) {
+    double d[3] = {0, 0, 0};
+    for (int a = 0; a < s->nodes; a++)
+      for (int i = 0; i < 3; i++)
+        d[i] += u[a][i] * by_l[a][k];
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        grad[3 * i + j] += d[i] * s->g[k][j];
+  }
+}
+
+static void strain_of(const double grad[9], double strain[6]) {
+  strain[0] = grad[0];
+  strain[1] = grad[4];
+  strain[2] = grad[8];
+  strain[3] = grad[5] + grad[7];
+  strain[4] = grad[6] + grad[2];
+  strain[5] = grad[1] + grad[3];
+}
+
+static void full_tensor(const double s[6], double t[9]) {
+  const double full[9] = {s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2]};
+  memcpy(t, full, sizeof full);
+}
+
+static double contract(const double a[9], const double b[9]) {
+  double sum = 0;
+  for (int i = 0; i < 9; i++)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+/* a += factor * b^T c */
+static void add_transposed_product(double a[9], double factor, const double b[9],
+                                   const double c[9]) {
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      a[3 * i + j] += factor * (b[i] * c[j] + b[3 + i] * c[3 + j] + b[6 + i] * c[6 + j]);
+}
+
+static void add_identity(double a[9], double factor) {
+  a[0] += factor;
+  a[4] += factor;
+  a[8] += factor;
+}
+
+/* out += A g */
+static void add_product(const double a[9], const double g[3], double out[3]) {
+  for (int i = 0; i < 3; i++)
+    out[i] += bw_dot(a + 3 * i, g);
+}
+
+/* Mean of shape function a over a straight element. */
+static double shape_mean(int order, int a) {
+  return order == 1 ? 0.25 : a < 4 ? -0.05 : 0.2;
+}
+
+/* Mean of shape function a times L_k. */
+static double shape_moment(int order, int a, int k) {
+  if (order == 1)
+    return (a == k ? 2 : 1) / 20.;
+  if (a < 4)
+    return (a == k ? 0 : -1) / 60.;
+  return (bw_tet_edge[a - 4][0] == k || bw_tet_edge[a - 4][1] == k ? 2 : 1) / 30.;
+}
+
+/* ---- the stress at a node -------------------------------------------------------------------- */
+
+/* What J = von Mises at a node is made of: S = C : dJ/dsigma, so that dJ = S : d(mean grad u). */
+typedef struct nodal_state {
+  double von_mises, s[9], mean; /* mean: S : mean grad u */
+  double volume;                /* of the elements around */
+} nodal_state;
+
+static void nodal_state_of(const gradient_data *d, int32_t node, nodal_state *out) {
+  double sum[9] = {0}, strain[6], stress[6], slope[6] = {0}, conjugate[6];
+  memset(out, 0, sizeof *out);
+  for (int64_t k = d->incidence.start[node]; k < d->incidence.start[node + 1]; k++) {
+    bwi_element_state state;
+    double grad[9];
+    bwi_element_state_load(d->mesh, d->u, d->incidence.element[k], &state);
+    gradient_at(&state, (const double(*)[3])state.u, d->at_node[d->incidence.local[k]], grad);
+    out->volume += state.volume;
+    for (int i = 0; i < 9; i++)
+      sum[i] += state.volume * grad[i];
+  }
+  for (int i = 0; i < 9; i++)
+    sum[i] /= out->volume;
+  strain_of(sum, strain);
+  bwi_multiply6(d->material->elasticity, strain, stress);
+  if (d->expansion)
+    for (int i = 0; i < 6; i++)
+      stress[i] -= d->expansion[node] * d->unit_stress[i];
+  double j = out->von_mises = bw_von_mises(stress);
+  double trace = stress[0] + stress[1] + stress[2];
+  for (int i = 0; i < 6 && j > 0; i++) /* a corner of the cone at J = 0: zero there */
+    slope[i] = (i < 3 ? 3 * stress[i] - trace : 6 * stress[i]) / (2 * j);
+  bwi_multiply6(d->material->elasticity, slope, conjugate);
+  full_tensor(conjugate, out->s);
+  out->mean = contract(out->s, sum);
+}
+
+/* right += dJ/du where `right` is given, gradient += dJ/dx at held u where `gradient` is. */
+static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_state *j,
+                             double *right, double *gradient) {
+  for (int64_t k = d->incidence.start[node]; k < d->incidence.start[node + 1]; k++) {
+    int64_t e = d->incidence.element[k];
+    const int32_t *nodes = d->mesh->element + e * d->mesh->nodes_per_element;
+    const double(*by_l)[4] = d->at_node[d->incidence.local[k]];
+    bwi_element_state state;
+    bwi_element_state_load(d->mesh, d->u, e, &state);
+    double share = state.volume / j->volume;
+    if (right) {
+      double push[4][3] = {{0}}; /* share S g_k */
+      for (int l = 0; l < 4; l++) {
+        add_product(j->s, state.g[l], push[l]);
+        for (int c = 0; c < 3; c++)
+          push[l][c] *= share;
+      }
+      for (int a = 0; a < state.nodes; a++)
+        for (int l = 0; l < 4; l++)
+          for (int c = 0; c < 3; c++)
+            right[3 * (int64_t)nodes[a] + c] += by_l[a][l] * push[l][c];
+    }
+    if (gradient) {
+      double grad[9], a[9] = {0};
+      gradient_at(&state, (const double(*)[3])state.u, by_l, grad);
+      add_transposed_product(a, -share, grad, j->s);
+      add_identity(a, share * (contract(j->s, grad) - j->mean));
+      for (int l = 0; l < 4; l++)
+        add_product(a, state.g[l], gradient + 3 * (int64_t)nodes[l]);
+    }
+  }
+}
+
+/* ---- the pass over the elements -------------------------------------------------------------- */
+
+/* corner[k] -= d(lambda . M r / V) of one element by its corners */
+static void inertia_part(const inertia *r, const bwi_element_state *s, const double (*x)[3],
+                         const double (*lambda)[3], double (*corner)[3]) {
+  double turned[10][3], value = 0;
+  for (int a = 0; a < s->nodes; a++)
+    bw_cross(lambda[a], r->w, turned[a]); /* lambda . (w x y) = y . (lambda x w) */
+  for (int k = 0; k < 4; k++) {
+    double by_position[3] = {0, 0, 0};
+    for (int a = 0; a < s->nodes; a++)
+      for (int c = 0; c < 3; c++)
+        by_position[c] += shape_moment(s->order, a, k) * turned[a][c];
+    for (int c = 0; c < 3; c++) {
+      value += by_position[c] * (x[k][c] - r->c[c]);
+      corner[k][c] -= s->volume / r->volume * by_position[c];
+    }
+  }
+  for (int a = 0; a < s->nodes; a++)
+    value += shape_mean(s->order, a) * bw_dot(lambda[a], r->t);
+  for (int k = 0; k < 4; k++)
+    for (int c = 0; c < 3; c++)
+      corner[k][c] -= s->volume / r->volume * value * s->g[k][c];
+}
+
+static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker) {
+  const gradient_data *d = (const gradient_data *)data;
+  const double *elasticity = d->material->elasticity;
+  size_t size = 3 * (size_t)d->mesh->node_count;
+  (void)worker;
+  for (int64_t e = begin; e < end; e++) {
+    const int32_t *node = d->mesh->element + e * d->mesh->nodes_per_element;
+    bwi_element_state state;
+    double grad_u[BW_QUADRATURE_POINTS][9], tau[BW_QUADRATURE_POINTS][9], strain[6], stress[6];
+    bwi_element_state_load(d->mesh, d->u, e, &state);
+    for (int q = 0; q < d->rule.points; q++) {
+      gradient_at(&state, (const double(*)[3])state.u, d->rule.by_l[q], grad_u[q]);
+      strain_of(grad_u[q], strain);
+      bwi_multiply6(elasticity, strain, stress);
+      if (d->expansion) {
+        double expansion = 0;
+        for (int a = 0; a < state.nodes; a++)
+          expansion += d->rule.value[q][a] * d->expansion[node[a]];
+        for (int i = 0; i < 6; i++)
+          stress[i] -= expansion * d->unit_stress[i];
+      }
+      full_tensor(stress, tau[q]);
+    }
+    for (int r = 0; r < d->count; r++) {
+      double lambda[10][3], a[9] = {0}, corner[4][3] = {{0}};
+      for (int i = 0; i < state.nodes; i++)
+        memcpy(lambda[i], d->lambda + (size_t)r * size + 3 * (size_t)node[i], sizeof lambda[i]);
+      for (int q = 0; q < d->rule.points; q++) {
+        double grad[9], sigma[9], volume = d->rule.weight[q] * state.volume;
+        gradient_at(&state, (const double(*)[3])lambda, d->rule.by_l[q], grad);
+        strain_of(grad, strain);
+        bwi_multiply6(elasticity, strain, stress);
+        full_tensor(stress, sigma);
+        add_transposed_product(a, volume, grad, tau[q]);
+        add_transposed_product(a, volume, grad_u[q], sigma);
+        add_identity(a, -volume * contract(tau[q], grad));
+      }
+      for (int i = 0; i < state.nodes; i++)
+        add_identity(a, state.volume * shape_mean(state.order, i) * bw_dot(d->weight, lambda[i]));
+      for (int k = 0; k < 4; k++)
+        add_product(a, state.g[k], corner[k]);
+      if (d->body) {
+        double x[4][3];
+        for (int k = 0; k < 4; k++)
+          memcpy(x[k], d->mesh->node + 3 * (size_t)node[k], sizeof x[k]);
+        inertia_part(&d->body[d->mesh->component[node[0]]], &state, (const double(*)[3])x,
+                     (const double(*)[3])lambda, corner);
+      }
+      for (int k = 0; k < 4; k++)
+        memcpy(d->part + 3 * ((4 * e + k) * d->count + r), corner[k], sizeof corner[k]);
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status gather_pass(void *data, int64_t begin, int64_t end, int worker) {
+  const gradient_data *d = (const gradient_data *)data;
+  size_t size = 3 * (size_t)d->mesh->node_count;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    double sum[3 * BATCH] = {0};
+    for (int64_t k = d->incidence.start[i]; k < d->incidence.start[i + 1]; k++) {
+      if (d->incidence.local[k] >= 4)
+        continue;
+      int64_t place = 4 * (int64_t)d->incidence.element[k] + d->incidence.local[k];
+      for (int c = 0; c < 3 * d->count; c++)
+        sum[c] += d->part[3 * place * d->count + c];
+    }
+    for (int r = 0; r < d->count; r++)
+      memcpy(d->gradient + (size_t)r * size + 3 * (size_t)i, sum + 3 * r, 3 * sizeof *sum);
+  }
+  return BW_OK;
+}
+
+/* ---- loads and supports ---------------------------------------------------------------------- */
+
+static bw_status take_loads(bw_context *context, const bw_model *model, gradient_data *d) {
+  const double *c = model->material->elasticity;
+  for (int i = 0; i < 6; i++)
+    d->unit_stress[i] = c[6 * i] + c[6 * i + 1] + c[6 * i + 2];
+  for (int l = 0; l < model->load_count; l++) {
+    const bw_load *load = &model->load[l];
+    if (load->kind == BW_LOAD_GRAVITY)
+      for (int k = 0; k < 3; k++)
+        d->weight[k] += model->material->density * load->vector[k];
+    if (load->kind != BW_LOAD_TEMPERATURE)
+      continue;
+    if (!d->expansion)
+      d->expansion = BW_NEW0(context, double, model->mesh->node_count);
+    if (!d->expansion)
+      return BW_MEMORY;
+    for (int32_t i = 0; i < model->mesh->node_count; i++)
+      d->expansion[i] += load->expansion * bw_array_get(load->nodal, i, 0);
+  }
+  return BW_OK;
+}
+
+/* The rigid motion whose inertia balances the load, body by body. */
+static bw_status take_inertia(bw_context *context, const bw_model *model,
+                              const bw_numbering *numbering, gradient_data *d) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = model->mesh;
+  double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+  double *part = BW_NEW(context, double, numbering->motion_count);
+  d->body = BW_NEW0(context, inertia, mesh->component_count);
+  if (!force || !part || !d->body) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_model_force_vector(context, model, force));
+  bw_motions_dot(numbering, force, part);
+  for (int32_t b = 0; b < mesh->component_count; b++) {
+    inertia *body = &d->body[b];
+    const double *centre = numbering->body_centre + 3 * (size_t)b;
+    double length = cbrt(numbering->body_volume[b]), size = 0;
+    int motions = numbering->motion_start[b + 1] - numbering->motion_start[b];
+    memcpy(body->c, centre, sizeof body->c);
+    body->volume = numbering->body_volume[b];
+    for (int m = numbering->motion_start[b]; m < numbering->motion_start[b + 1]; m++) {
+      const bw_rigid_motion *motion = &numbering->motion[m];
+      double arm[3], turn[3];
+      for (int k = 0; k < 3; k++)
+        arm[k] = centre[k] - motion->centre[k];
+      bw_cross(motion->rotation, arm, turn);
+      for (int k = 0; k < 3; k++) {
+        body->t[k] += part[m] * (motion->translation[k] + turn[k]);
+        body->w[k] += part[m] * motion->rotation[k];
+      }
+    }
+    if (motions == 0 || motions == 6 || bw_norm(body->w) == 0)
+      continue;
+    for (int32_t j = numbering->body_start[b]; j < numbering->body_start[b + 1]; j++)
+      size += bw_norm(force + 3 * (size_t)numbering->body_node[j]);
+    if (length * bw_norm(body->w) > 1e-6 * size) {
+      status = bw_fail(context, BW_UNSUPPORTED,
+                       "body %d is held in part and turns freely under its load (%s): how the "
+                       "inertia that balances the load changes with the shape is known for bodies "
+                       "that are wholly free only. Balance the load, or hold the body",
+                       b + 1, numbering->motion[numbering->motion_start[b]].text);
+      goto done;
+    }
+    memset(body->w, 0, sizeof body->w);
+  }
+done:
+  bw_free(force);
+  bw_free(part);
+  return status;
+}
+
+bw_status bwi_gradient_supports(bw_context *context, const bw_model *model) {
+  for (int s = 0; s < model->support_count; s++) {
+    const bw_support *support = &model->support[s];
+    if (!support->slide || bw_norm(support->normal) > 0)
+      continue;
+    bw_fail(context, BW_UNSUPPORTED,
+            "support %d slides along the surface's own normals, which turn with the shape: how "
+            "stresses change with them is not known. Give the slide a direction",
+            s + 1);
+    bw_detail_number(context, "support", s + 1);
+    return BW_UNSUPPORTED;
+  }
+  return BW_OK;
+}
+
+static bw_status check_input(bw_context *context, const bw_model *model,
+                             const bw_numbering *numbering, const double *displacement,
+                             int64_t count, const int32_t *node) {
+  const bw_mesh *mesh = model->mesh;
+  bw_status status;
+  int32_t *curved = NULL;
+  int64_t curved_count = 0;
+  BW_TRY(bwi_check_stress_input(context, model->material, displacement, "a stress gradient"));
+  if (numbering->mesh->node_count != mesh->node_count) {
+    status = bw_fail(context, BW_INVALID,
+                     "the numbering is of a mesh of %d nodes, the model's mesh has %d",
+                     numbering->mesh->node_count, mesh->node_count);
+    goto done;
+  }
+  for (int64_t i = 0; i < count; i++)
+    if (node[i] < 0 || node[i] >= mesh->node_count) {
+      status = bw_fail(context, BW_INVALID, "node %d of a stress gradient: the mesh has %d nodes",
+                       node[i] + 1, mesh->node_count);
+      goto done;
+    }
+  BW_TRY(bwi_gradient_supports(context, model));
+  BW_TRY(bwi_find_curved(context, mesh, &curved, &curved_count));
+  for (int32_t e = 0; curved_count > 0 && e < mesh->element_count; e++)
+    if (curved[e] >= 0) {
+      status = bw_fail(context, BW_INVALID,
+                       "element %d has curved edges: a stress gradient needs straight ones (%lld "
+                       "of %d elements are curved)",
+                       e + 1, (long long)curved_count, mesh->element_count);
+      bw_detail_number(context, "element", e + 1);
+      goto done;
+    }
+done:
+  bw_free(curved);
+  return status;
+}
+
+static bool on_facets(bw_load_kind kind) {
+  return kind == BW_LOAD_PRESSURE || kind == BW_LOAD_TRACTION || kind == BW_LOAD_FORCE ||
+         kind == BW_LOAD_TORQUE;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------- */
+
+bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
+                                const bw_numbering *numbering, const double *displacement,
+                                bw_solve_function *solve, void *data, int64_t count,
+                                const int32_t *node, double *von_mises, double *gradient) {
+  const bw_mesh *mesh = model->mesh;
+  size_t size = 3 * (size_t)mesh->node_count;
+  bw_status status;
+  double *lambda = NULL;
+  gradient_data d = {.mesh = mesh, .material = model->material, .u = displacement};
+  nodal_state *state = NULL;
+  BW_TRY(check_input(context, model, numbering, displacement, count, node));
+  BW_TRY(take_loads(context, model, &d));
+  if (numbering->motion_count > 0)
+    BW_TRY(take_inertia(context, model, numbering, &d));
+  BW_TRY(bwi_incidence_create(context, mesh, &d.incidence));
+  /* products of two gradients; with a temperature's shape functions between them one more degree */
+  bwi_rule_make(mesh->order, mesh->order == 1 ? 1 : d.expansion ? 3 : 2, &d.rule);
+  for (int a = 0; a < mesh->nodes_per_element; a++) {
+    double l[4] = {0, 0, 0, 0};
+    if (a < 4)
+      l[a] = 1;
+    else
+      l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
+    bw_tet_shape_gradient(mesh->order, l, d.at_node[a]);
+  }
+  size_t most = (size_t)(count < BATCH ? count : BATCH);
+  state = BW_NEW(context, nodal_state, most);
+  lambda = BW_NEW(context, double, most *size);
+  d.part = BW_NEW(context, double, most * 12 * (size_t)mesh->element_count);
+  if (!state || !lambda || !d.part) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  d.lambda = lambda;
+  for (int64_t first = 0; first < count; first += BATCH) {
+    BW_TRY(bw_check_cancel(context));
+    d.count = (int)(count - first < BATCH ? count - first : BATCH);
+    d.gradient = gradient + (size_t)first * size;
+    memset(d.gradient, 0, (size_t)d.count * size * sizeof *gradient); /* right-hand sides first */
+    for (int r = 0; r < d.count; r++) {
+      nodal_state_of(&d, node[first + r], &state[r]);
+      von_mises[first + r] = state[r].von_mises;
+      nodal_derivative(&d, node[first + r], &state[r], d.gradient + (size_t)r * size, NULL);
+    }
+    BW_TRY(solve(data, context, d.count, d.gradient, lambda));
+    BW_TRY(bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, element_pass, &d));
+    BW_TRY(bw_parallel(context, mesh->node_count, NODES_PER_CHUNK, gather_pass, &d));
+    for (int r = 0; r < d.count; r++) {
+      double *out = d.gradient + (size_t)r * size;
+      nodal_derivative(&d, node[first + r], &state[r], NULL, out);
+      for (int l = 0; l < model->load_count; l++)
+        if (on_facets(model->load[l].kind))
+          BW_TRY(bwi_gradient_surface_load(context, model, &model->load[l],
+                                           lambda + (size_t)r * size, out));
+    }
+  }
+done:
+  bwi_incidence_clear(&d.incidence);
+  bw_free(d.expansion);
+  bw_free(d.body);
+  bw_free(d.part);
+  bw_free(state);
+  bw_free(lambda);
+  return status;
+}
