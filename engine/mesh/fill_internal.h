@@ -29,4 +29,56 @@ bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface, do
 bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, int64_t *gone,
                         double *moved);
 
+/* How the surface for TetGen is made from the base, from the mildest to the last resort. */
+typedef enum bwi_fill_way {
+  WAY_AS_IS,   /* the base itself */
+  WAY_REMESH,  /* remeshed to the edge length */
+  WAY_COARSEN, /* long edges cut, short ones collapsed where that makes no intersections */
+  WAY_WRAP,    /* wrapped, which drops detail below the edge length, then remeshed */
+  WAYS
+} bwi_fill_way;
+
+typedef struct bwi_filler {
+  bw_context *context;
+  const bw_fill_options *options;
+  bwi_size_field field;
+  bw_surface *base;
+  double volume, area, diagonal;
+  bw_shape_log base_log;
+
+  bw_surface
+      *tidy; /* the base without very short edges, for lengths from tidy_length on; or NULL */
+  double tidy_length;
+
+  bw_surface *surface;
+  bwi_fill_way how;
+  double length; /* the edge length that `surface` was made for */
+  bw_shape_log surface_log;
+  double *hole;
+  int32_t holes;
+
+  bwi_tetgen_result best; /* node NULL: none yet */
+  bw_surface *best_surface;
+  double best_miss; /* |log(count / wanted)| */
+  bw_shape_log best_log;
+  double best_length;
+
+  int attempts;
+  double seconds_repair, seconds_remesh, seconds_fill;
+  bool repaired;
+  double start; /* of the search: no new run begins after time_limit, once there is a mesh */
+} bwi_filler;
+
+/* fill.c */
+void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size);
+void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from);
+/* Whether another way of making the surface may cure this failure. */
+bool bwi_fill_may_cure(bw_status status);
+bool bwi_fill_too_late(const bwi_filler *f);
+/* fill_surface.c: the surface for TetGen from the base, for an edge length. */
+bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length);
+/* fill_count.c: attempts until the count is met, or one that quality and volume ask for. */
+bw_status bwi_fill_meet_count(bwi_filler *f);
+bw_status bwi_fill_once(bwi_filler *f);
+
 #endif

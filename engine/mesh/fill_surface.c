@@ -1,0 +1,203 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The surface for TetGen: the base itself, remeshed, coarsened, or wrapped and remeshed, with the
+ * size field's wishes on top. */
+#include "mesh/fill_internal.h"
+#include "mesh/mesh_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles
+ * keep it busy for minutes, and there is another way for those. */
+typedef struct remesh_job {
+  const bw_surface *from;
+  bw_remesh_options options;
+} remesh_job;
+
+typedef struct remesh_head {
+  int64_t points, triangles;
+  bw_shape_log log;
+} remesh_head;
+
+static bw_status remesh_child(bw_context *context, void *data, bwi_child_stream *out) {
+  const remesh_job *job = data;
+  bw_surface *made = NULL;
+  remesh_head head = {.log.count = 0};
+  bw_status status;
+  BW_TRY(bw_surface_remesh(context, job->from, &job->options, &made, &head.log));
+  head.points = made->point_count;
+  head.triangles = made->triangle_count;
+  BW_TRY(bwi_child_write(out, &head, sizeof head));
+  BW_TRY(bwi_child_write(out, made->point, 24 * (size_t)head.points));
+  BW_TRY(bwi_child_write(out, made->triangle, 12 * (size_t)head.triangles));
+done:
+  bw_release(made);
+  return status;
+}
+
+static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, double sharp,
+                        bw_surface **made, bw_shape_log *log) {
+  remesh_job job = {.from = from};
+  bw_remesh_options_default(&job.options);
+  job.options.edge_length = length;
+  job.options.sharp_angle = sharp;
+  double facets = f->area / (0.4330127 * length * length) + 0.5 * from->triangle_count;
+  bwi_child_limits limits = {fmin(5 + 2.5e-4 * facets, f->options->time_limit),
+                             f->options->memory_limit};
+  unsigned char *bytes = NULL;
+  size_t count = 0;
+  remesh_head head;
+  bw_status status;
+  BW_TRY(bwi_child_run(f->context, "remeshing the surface", &limits, remesh_child, &job, &bytes,
+                       &count));
+  if (count >= sizeof head)
+    memcpy(&head, bytes, sizeof head);
+  if (count < sizeof head || head.points < 0 || head.triangles < 0 || head.points > INT32_MAX ||
+      head.triangles > INT32_MAX ||
+      count != sizeof head + 24 * (size_t)head.points + 12 * (size_t)head.triangles) {
+    status = bw_fail(f->context, BW_INTERNAL, "%zu bytes are no remeshed surface", count);
+    goto done;
+  }
+  const unsigned char *points = bytes + sizeof head; /* aligned: the head is whole doubles long */
+  BW_TRY(bw_surface_copy(
+      f->context, head.points, (const double *)(const void *)points, head.triangles,
+      (const int32_t *)(const void *)(points + 24 * (size_t)head.points), NULL, made));
+  bwi_fill_append_log(log, &head.log);
+done:
+  bw_free(bytes);
+  return status;
+}
+
+/* Remeshing sees no further than the facets around a point: where walls are thin and edges long,
+ * they may cut through each other. */
+static bw_status check_sound(bwi_filler *f, const bw_surface *surface, double length) {
+  bw_surface_report report = {0};
+  bw_status status = bw_surface_check(f->context, surface, 0, &report);
+  if (status == BW_OK && !report.sound) {
+    char text[200];
+    bwi_fill_describe_defects(&report, text, sizeof text);
+    status =
+        bw_fail(f->context, BW_GEOMETRY,
+                "remeshing the surface to an edge length of %.3g m spoils it (%s)", length, text);
+  }
+  bw_surface_report_clear(&report);
+  return status;
+}
+
+static double one_length(void *data, const double at[3]) {
+  (void)at;
+  return *(const double *)data;
+}
+
+/* Collapse what is shorter than `shorter`, and log it. */
+static bw_status collapse_short(bwi_filler *f, double length, double shorter, double error,
+                                bw_surface **surface, bw_shape_log *log) {
+  bw_surface *made;
+  double moved;
+  bw_status status = bwi_coarsen_surface(f->context, *surface, length, shorter, error,
+                                         f->options->time_limit, &made);
+  if (status != BW_OK)
+    return status;
+  status = bw_surface_distance(f->context, *surface, made, &moved);
+  if (status != BW_OK) {
+    bw_release(made);
+    return status;
+  }
+  bw_shape_log_add(
+      log, "coarsen", (*surface)->triangle_count - made->triangle_count, moved,
+      "edges shorter than %.3g m were collapsed where facets stay clear of each other; "
+      "%d facets are left",
+      shorter, made->triangle_count);
+  bw_release(*surface);
+  *surface = made;
+  return BW_OK;
+}
+
+/* Remesh, and drop the very short edges that sharp edges with many points leave behind: they would
+ * make flat elements. */
+static bw_status remesh_sound(bwi_filler *f, const bw_surface *from, double length,
+                              bw_surface **out, bw_shape_log *log) {
+  bw_surface *made = NULL;
+  bw_status status;
+  BW_TRY(remesh(f, from, length, f->options->sharp_angle, &made, log));
+  BW_TRY(check_sound(f, made, length));
+  BW_TRY(collapse_short(f, length, 0.4 * length, 0.02 * length, &made, log));
+  *out = made;
+  made = NULL;
+done:
+  bw_release(made);
+  return status;
+}
+
+/* Cut what is too long, where it lies, and collapse what is too short: the surface stays sound. */
+static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shape_log *log) {
+  bwi_size_field field = {.size = one_length, .data = &length};
+  bw_surface *made = NULL;
+  bw_status status;
+  /* Needles would be cut into needles: mend what can be mended first. */
+  if (!f->tidy || f->tidy_length > 1.2 * length) {
+    BW_TRY(bwi_coarsen_surface(f->context, f->base, length, 0.3 * length, 0.02 * length,
+                               f->options->time_limit, &made));
+    bw_release(f->tidy);
+    f->tidy = made;
+    f->tidy_length = length;
+    made = NULL;
+  }
+  BW_TRY(
+      bwi_refine_surface(f->context, f->tidy, &field, 1.4, 4000000, f->options->time_limit, &made));
+  BW_TRY(collapse_short(f, length, 0.8 * length, 0.05 * length, &made, log));
+  *out = made;
+  made = NULL;
+done:
+  bw_release(made);
+  return status;
+}
+
+bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length) {
+  bw_context *context = f->context;
+  bw_status status = BW_OK;
+  bw_surface *made = NULL, *between = NULL;
+  bw_shape_log log = {0};
+  double start = bw_seconds();
+  double *hole = NULL;
+  int32_t holes;
+  switch (how) {
+  case WAY_AS_IS:
+    made = bw_retain(f->base);
+    break;
+  case WAY_REMESH:
+    BW_TRY(remesh_sound(f, f->base, length, &made, &log));
+    break;
+  case WAY_COARSEN:
+    BW_TRY(coarsen(f, length, &made, &log));
+    break;
+  default:
+    BW_TRY(bw_surface_wrap(context, f->base, 0.7 * length, 0.07 * length, &between, &log));
+    BW_TRY(remesh_sound(f, between, length, &made, &log));
+    break;
+  }
+  if (f->field.point_count || f->field.size) {
+    if (how != WAY_AS_IS || (f->options->remesh && !f->options->keep_surface)) {
+      bw_surface *refined;
+      BW_TRY(bwi_refine_surface(context, made, &f->field, 1.3, 4000000, f->options->time_limit,
+                                &refined));
+      bw_release(made);
+      made = refined;
+    }
+  }
+  BW_TRY(bwi_find_cavities(context, made, &hole, &holes));
+  bw_release(f->surface);
+  bw_free(f->hole);
+  f->surface = made;
+  f->hole = hole;
+  f->holes = holes;
+  f->surface_log = log;
+  f->how = how;
+  f->length = length;
+  made = NULL;
+done:
+  f->seconds_remesh += bw_seconds() - start;
+  bw_release(made);
+  bw_release(between);
+  return status;
+}
