@@ -10,6 +10,7 @@
 
 #include "barwright.h"
 #include "io/raw.h"
+#include "shape/internal.h"
 
 static inline void parse_require(int condition) {
   if (!condition)
@@ -82,6 +83,20 @@ static inline bw_status parse_tetgen(const unsigned char *bytes, size_t count) {
   return status;
 }
 
+static inline void parse_skeleton(const unsigned char *bytes, size_t count) {
+  bw_context *context = parse_context();
+  bw_skeleton *skeleton = NULL;
+  bw_status status = bwi_tgf_parse(context, "a.tgf", bytes, count, 1e-3, &skeleton);
+  parse_require((status == BW_OK) == (skeleton != NULL));
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  for (int32_t b = 0; skeleton && b < skeleton->bone_count; b++)
+    parse_require(skeleton->parent[b] < b &&
+                  skeleton->bone[2 * b] == (skeleton->parent[b] < 0
+                                                ? skeleton->root
+                                                : skeleton->bone[2 * skeleton->parent[b] + 1]));
+  bw_release(skeleton);
+}
+
 /* By the name of the format: "stl", "msh", ... The bytes are copied to a block of their exact
  * size, so that the address sanitizer sees a read past the end. */
 static inline void parse_bytes(const char *format, const unsigned char *bytes, size_t count) {
@@ -96,6 +111,8 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
   snprintf(name, sizeof name, "a.%s", strcmp(format, "medit") == 0 ? "mesh" : format);
   if (strcmp(format, "tetgen") == 0) {
     parse_tetgen(copy, count);
+  } else if (strcmp(format, "tgf") == 0) {
+    parse_skeleton(copy, count);
   } else {
     parse_surface(name, copy, count);
     bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||

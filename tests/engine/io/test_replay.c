@@ -108,13 +108,13 @@ REPLAY(vtu)
 REPLAY(medit)
 REPLAY(tetgen)
 REPLAY(inp)
+REPLAY(tgf)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),
-      cmocka_unit_test(replay_off),   cmocka_unit_test(replay_ply),
-      cmocka_unit_test(replay_msh),   cmocka_unit_test(replay_vtu),
-      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
-      cmocka_unit_test(replay_inp)};
+      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),    cmocka_unit_test(replay_off),
+      cmocka_unit_test(replay_ply),   cmocka_unit_test(replay_msh),    cmocka_unit_test(replay_vtu),
+      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen), cmocka_unit_test(replay_inp),
+      cmocka_unit_test(replay_tgf)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
