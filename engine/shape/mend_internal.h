@@ -1,0 +1,47 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of mending share. */
+#ifndef BWI_MEND_INTERNAL_H
+#define BWI_MEND_INTERNAL_H
+
+#include "barwright/shape.h"
+
+/* Some free nodes and every element around them, numbered within the patch. Nodes that stay where
+ * they are have no number: their positions are read from `fixed`. */
+typedef struct bwi_patch {
+  int32_t free_count, element_count;
+  double *x;           /* free_count x 3: to be improved */
+  int32_t *corner;     /* element_count x 4: a free node, or -1 */
+  double *fixed;       /* element_count x 12: the corners' positions; those of free ones unused */
+  double *length;      /* element_count: edge of a regular element of the wanted volume, m */
+  double worst;        /* smallest quality, kept up to date by the functions below */
+  int32_t worst_place; /* the element that has it */
+  int iterations;
+} bwi_patch;
+
+/* The quality of the worst element; updates worst and worst_place. An element that bw_mesh_moved
+ * would refuse counts as no better than 0. */
+double bwi_patch_judge(bwi_patch *patch);
+/* Move the free nodes until every element is the right way round, or no way is found: *done says
+ * which. */
+bw_status bwi_patch_untangle(bw_context *context, bwi_patch *patch, bool *done);
+/* Move the free nodes of a patch without inverted elements to better shapes; x changes only where
+ * the worst quality grows. */
+bw_status bwi_patch_smooth(bw_context *context, bwi_patch *patch);
+
+/* The quality of a tetrahedron, 0 at most where its volume is not positive beyond rounding (the
+ * test of bw_mesh_moved), and -infinity where a coordinate is not finite. */
+double bwi_judged_quality(const double *const x[4]);
+
+/* A closed surface filled from within: the surface's points come first and none is added on it. */
+typedef struct bwi_filled {
+  int32_t node_count, element_count;
+  double *node;
+  int32_t *element; /* element_count x 4, positive volume */
+} bwi_filled;
+/* `surface` faces outwards, and need not be a manifold; its facets become faces of elements exactly
+ * as they are. `sample_length`, at the points `sample` (sample_count x 3), is the wanted edge
+ * length near there. BW_GEOMETRY where TetGen finds no such mesh. */
+bw_status bwi_fill_exactly(bw_context *context, const bw_surface *surface, int64_t sample_count,
+                           const double *sample, const double *sample_length, bwi_filled *filled);
+
+#endif
