@@ -6,6 +6,12 @@
 #include "barwright/element.h"
 #include "barwright/model.h"
 
+/* ---- model.c --------------------------------------------------------------------------------- */
+
+/* Add a support as it is; measure a load and add it. Selections and arrays are retained. */
+bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_support *support);
+bw_status bwi_model_add_load(bw_context *context, bw_model *model, bw_load *load);
+
 /* ---- hold.c ---------------------------------------------------------------------------------- */
 
 /* What the supports hold at each node: an orthonormal set of directions with values. */
@@ -35,6 +41,16 @@ int bwi_free_motions(const bw_numbering *numbering, int32_t component, const dou
 
 /* u = r(x) */
 void bwi_motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]);
+
+/* ---- numbering.c, pins.c --------------------------------------------------------------------- */
+
+/* The numbering of what is held. `previous` (of the same topology, or NULL) gives the pins to keep
+ * where they still serve. */
+bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
+                     const bwi_hold *hold, const bw_numbering *previous, bw_numbering **numbering);
+/* Mark the pins of a body that has `count` free motions and the radius of gyration `length`. */
+bw_status bwi_pin(bw_context *context, bw_numbering *numbering, int32_t body, int count,
+                  const bw_rigid_motion *motion, double length, const bw_numbering *previous);
 
 /* ---- facet.c --------------------------------------------------------------------------------- */
 
@@ -85,6 +101,12 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
 bw_status bwi_selection_make(bw_context *context, const bw_mesh *mesh, const uint8_t *facet,
                              const uint8_t *node, const char *what, int32_t nearest,
                              double distance, bw_selection **selection);
+
+/* A selection of just these facets and nodes (both ascending, copied) of another mesh whose
+ * boundary has them. */
+bw_status bwi_selection_copy(bw_context *context, const bw_mesh *mesh, int32_t facet_count,
+                             const int32_t *facet, int32_t node_count, const int32_t *node,
+                             bw_selection **selection);
 
 /* ---- text.c ---------------------------------------------------------------------------------- */
 

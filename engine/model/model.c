@@ -98,7 +98,7 @@ static bw_status check_nodal(bw_context *context, const bw_model *model, const b
 
 /* ---- supports -------------------------------------------------------------------------------- */
 
-static bw_status add_support(bw_context *context, bw_model *model, const bw_support *support) {
+bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_support *support) {
   bw_support *list = (bw_support *)bw_resize(
       context, model->support, (size_t)model->support_count + 1, sizeof *model->support);
   if (!list)
@@ -115,7 +115,7 @@ static bw_status add_support(bw_context *context, bw_model *model, const bw_supp
 bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on) {
   bw_support support = {.on = on, .held = {true, true, true}};
   bw_status status = check_selection(context, model, on, false, "a fixed support");
-  return status != BW_OK ? status : add_support(context, model, &support);
+  return status != BW_OK ? status : bwi_model_add_support(context, model, &support);
 }
 
 bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
@@ -136,7 +136,7 @@ bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selectio
     for (int k = 0; k < 3; k++)
       support.normal[k] /= size;
   }
-  BW_TRY(add_support(context, model, &support));
+  BW_TRY(bwi_model_add_support(context, model, &support));
 done:
   return status;
 }
@@ -153,7 +153,7 @@ bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_sele
   for (int k = 0; k < 3; k++)
     support.value[k] = held[k] && value ? value[k] : 0;
   BW_TRY(check_finite(context, "prescribed displacement", support.value));
-  BW_TRY(add_support(context, model, &support));
+  BW_TRY(bwi_model_add_support(context, model, &support));
 done:
   return status;
 }
@@ -168,7 +168,7 @@ bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const b
     goto done;
   }
   BW_TRY(check_nodal(context, model, field, 3, "prescribed displacement"));
-  BW_TRY(add_support(context, model, &support));
+  BW_TRY(bwi_model_add_support(context, model, &support));
 done:
   return status;
 }
@@ -176,7 +176,7 @@ done:
 /* ---- loads ----------------------------------------------------------------------------------- */
 
 /* Measures the load (area, resultant, moment) and adds it. */
-static bw_status add_load(bw_context *context, bw_model *model, bw_load *load) {
+bw_status bwi_model_add_load(bw_context *context, bw_model *model, bw_load *load) {
   bw_status status = bwi_load_measure(context, model, load);
   if (status != BW_OK)
     return status;
@@ -202,7 +202,7 @@ static bw_status add_on(bw_context *context, bw_model *model, const bw_selection
   BW_TRY(check_selection(context, model, on, true, what));
   BW_TRY(check_finite(context, what, vector));
   memcpy(load.vector, vector, sizeof load.vector);
-  BW_TRY(add_load(context, model, &load));
+  BW_TRY(bwi_model_add_load(context, model, &load));
 done:
   return status;
 }
@@ -218,7 +218,7 @@ bw_status bw_model_gravity(bw_context *context, bw_model *model, const double ac
     goto done;
   }
   memcpy(load.vector, acceleration, sizeof load.vector);
-  BW_TRY(add_load(context, model, &load));
+  BW_TRY(bwi_model_add_load(context, model, &load));
 done:
   return status;
 }
@@ -251,7 +251,7 @@ bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selecti
   } else
     bw_selection_centre(on, load.about);
   memcpy(load.vector, torque, sizeof load.vector);
-  BW_TRY(add_load(context, model, &load));
+  BW_TRY(bwi_model_add_load(context, model, &load));
 done:
   return status;
 }
@@ -259,7 +259,7 @@ done:
 bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force) {
   bw_load load = {.kind = BW_LOAD_NODAL, .nodal = force};
   bw_status status = check_nodal(context, model, force, 3, "nodal force");
-  return status != BW_OK ? status : add_load(context, model, &load);
+  return status != BW_OK ? status : bwi_model_add_load(context, model, &load);
 }
 
 bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
@@ -268,7 +268,7 @@ bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_ar
   if (!isfinite(expansion))
     return bw_fail(context, BW_INVALID, "the coefficient of expansion is not a finite number");
   bw_status status = check_nodal(context, model, change, 1, "change of temperature");
-  return status != BW_OK ? status : add_load(context, model, &load);
+  return status != BW_OK ? status : bwi_model_add_load(context, model, &load);
 }
 
 void bw_model_clear_supports(bw_model *model) {

@@ -1,22 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which displacement components are unknowns, held, or pinned.
- *
- * A body with free motions has a singular stiffness matrix. Pinning as many components as there are
- * free motions, such that no free motion vanishes at all of them, makes it regular without making
- * it stiffer: the pins are statically determinate, so their reactions are zero when the load is
- * balanced. They are picked by pivoting: each one where the motions not yet pinned move most. */
+/* Which displacement components are unknowns, held, or pinned: states, values and frames from what
+ * the supports hold; the free motions of every body; the pins are chosen in pins.c. */
 #include <math.h>
 #include <string.h>
 
 #include "model/internal.h"
-
-/* Pins are looked for within this many radii of gyration: the far tips of thin limbs are soft and
- * would make the matrix ill-conditioned. */
-#define PIN_REACH 1.5
-/* A pin this weak (relative to the first) calls for looking at all nodes. */
-#define PIN_WEAK 0.1
-/* So many nodes of a body, evenly spread over their numbers, are looked at before that. */
-enum { PIN_CANDIDATES = 4096 };
 
 static void numbering_destroy(void *object) {
   bw_numbering *numbering = (bw_numbering *)object;
@@ -46,13 +34,6 @@ static size_t numbering_bytes(const void *object) {
 }
 
 static const bw_kind numbering_kind = {"numbering", numbering_destroy, numbering_bytes};
-
-/* The displacement direction of component k at a node. */
-static void direction_of(const bw_numbering *numbering, int32_t node, int k, double d[3]) {
-  int32_t frame = numbering->frame_of[node];
-  for (int l = 0; l < 3; l++)
-    d[l] = frame < 0 ? k == l : numbering->frame[9 * (size_t)frame + (size_t)(3 * k + l)];
-}
 
 /* A unit vector orthogonal to `count` orthonormal ones, as near to a global axis as can be. */
 static void complete(int count, double (*row)[3]) {
@@ -132,64 +113,10 @@ static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32
   return BW_OK;
 }
 
-/* Pin `count` components of a body whose first motion is `motion`; false when the free motions
- * cannot be told apart at the candidates: every stride-th node within `reach` of the centre. */
-static bool pick_pins(const bw_numbering *numbering, int32_t body, int count,
-                      const bw_rigid_motion *motion, double reach, int32_t stride, double weakest,
-                      int32_t *pin_node, int *pin_direction) {
-  const bw_mesh *mesh = numbering->mesh;
-  const double *centre = numbering->body_centre + 3 * (size_t)body;
-  double done[6][6], first = 0;
-  for (int pin = 0; pin < count; pin++) {
-    double best = 0, best_row[6] = {0};
-    for (int64_t j = numbering->body_start[body]; j < numbering->body_start[body + 1];
-         j += stride) {
-      int32_t i = numbering->body_node[j];
-      const double *x = mesh->node + 3 * (size_t)i;
-      double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, u[6][3];
-      if (bw_dot(y, y) > reach * reach)
-        continue;
-      for (int m = 0; m < count; m++)
-        bwi_motion_at(&motion[m], x, u[m]);
-      for (int k = 0; k < 3; k++) {
-        double d[3], row[6] = {0}, size = 0;
-        if (numbering->state[3 * (size_t)i + (size_t)k] != BW_UNKNOWN)
-          continue;
-        direction_of(numbering, i, k, d);
-        for (int m = 0; m < count; m++)
-          row[m] = bw_dot(d, u[m]);
-        for (int pass = 0; pass < 2; pass++)
-          for (int p = 0; p < pin; p++) {
-            double part = 0;
-            for (int m = 0; m < count; m++)
-              part += row[m] * done[p][m];
-            for (int m = 0; m < count; m++)
-              row[m] -= part * done[p][m];
-          }
-        for (int m = 0; m < count; m++)
-          size += row[m] * row[m];
-        if (size > best * (1 + 1e-6)) { /* ties go to the first, whatever the rounding */
-          best = size;
-          memcpy(best_row, row, sizeof row);
-          pin_node[pin] = i;
-          pin_direction[pin] = k;
-        }
-      }
-    }
-    best = sqrt(best);
-    if (pin == 0)
-      first = best;
-    if (!(best > weakest * first) || best == 0)
-      return false;
-    for (int m = 0; m < count; m++)
-      done[pin][m] = best_row[m] / best;
-  }
-  return true;
-}
-
 /* The free motions of every body, and their pins. */
 static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32_t hold_count,
-                             const bwi_hold *hold, const double *inertia) {
+                             const bwi_hold *hold, const double *inertia,
+                             const bw_numbering *previous) {
   const bw_mesh *mesh = numbering->mesh;
   bw_status status = BW_OK;
   size_t capacity = 0, bodies = (size_t)mesh->component_count;
@@ -242,19 +169,7 @@ static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32
     }
     bw_rigid_motion *motion = numbering->motion + numbering->motion_count;
     int count = bwi_free_motions(numbering, body, j, length, rows, (const double(*)[6])row, motion);
-    int32_t pin_node[6];
-    int pin_direction[6];
-    int32_t nodes = numbering->body_start[body + 1] - numbering->body_start[body];
-    if (!pick_pins(numbering, body, count, motion, PIN_REACH * length, nodes / PIN_CANDIDATES + 1,
-                   PIN_WEAK, pin_node, pin_direction) &&
-        !pick_pins(numbering, body, count, motion, HUGE_VAL, 1, 1e-9, pin_node, pin_direction)) {
-      status = bw_fail(context, BW_INTERNAL,
-                       "body %d has %d free rigid motions that its nodes cannot tell apart",
-                       body + 1, count);
-      goto done;
-    }
-    for (int p = 0; p < count; p++)
-      numbering->state[3 * (size_t)pin_node[p] + (size_t)pin_direction[p]] = BW_PINNED;
+    BW_TRY(bwi_pin(context, numbering, body, count, motion, length, previous));
     numbering->motion_count += count;
     numbering->motion_start[body + 1] = numbering->motion_count;
   }
@@ -265,8 +180,8 @@ done:
   return status;
 }
 
-static bw_status number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                        const bwi_hold *hold, bw_numbering **out) {
+bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
+                     const bwi_hold *hold, const bw_numbering *previous, bw_numbering **out) {
   size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
   double *inertia = NULL;
   bw_status status = BW_OK;
@@ -309,7 +224,7 @@ static bw_status number(bw_context *context, const bw_mesh *mesh, int32_t hold_c
 
   BW_TRY(bwi_moments(context, numbering, inertia));
   BW_TRY(apply_holds(context, numbering, hold_count, hold));
-  BW_TRY(free_bodies(context, numbering, hold_count, hold, inertia));
+  BW_TRY(free_bodies(context, numbering, hold_count, hold, inertia, previous));
   for (size_t i = 0; i < 3 * nodes; i++)
     numbering->unknown[i] = numbering->state[i] == BW_UNKNOWN ? numbering->unknown_count++ : -1;
   *out = numbering;
@@ -321,7 +236,7 @@ done:
 }
 
 bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering) {
-  return number(context, mesh, 0, NULL, numbering);
+  return bwi_number(context, mesh, 0, NULL, NULL, numbering);
 }
 
 bw_status bw_numbering_create(bw_context *context, const bw_model *model,
@@ -330,7 +245,7 @@ bw_status bw_numbering_create(bw_context *context, const bw_model *model,
   bwi_hold *hold = NULL;
   bw_status status;
   BW_TRY(bwi_holds_of(context, model, &count, &hold));
-  BW_TRY(number(context, model->mesh, count, hold, numbering));
+  BW_TRY(bwi_number(context, model->mesh, count, hold, NULL, numbering));
 done:
   bw_free(hold);
   return status;

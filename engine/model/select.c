@@ -50,6 +50,28 @@ static bw_status fail_empty(bw_context *context, const bw_mesh *mesh, const char
   return status;
 }
 
+bw_status bwi_selection_copy(bw_context *context, const bw_mesh *mesh, int32_t facet_count,
+                             const int32_t *facet, int32_t node_count, const int32_t *node,
+                             bw_selection **selection) {
+  bw_selection *made = BW_NEW0(context, bw_selection, 1);
+  if (!made)
+    return BW_MEMORY;
+  bw_object_init(made, &selection_kind);
+  made->mesh = (const bw_mesh *)bw_retain(mesh);
+  made->facet = BW_NEW(context, int32_t, facet_count);
+  made->node = BW_NEW(context, int32_t, node_count);
+  if (!made->facet || !made->node) {
+    bw_release(made);
+    return BW_MEMORY;
+  }
+  made->facet_count = facet_count;
+  made->node_count = node_count;
+  memcpy(made->facet, facet, (size_t)facet_count * sizeof *facet);
+  memcpy(made->node, node, (size_t)node_count * sizeof *node);
+  *selection = made;
+  return BW_OK;
+}
+
 bw_status bwi_selection_make(bw_context *context, const bw_mesh *mesh, const uint8_t *facet,
                              const uint8_t *node, const char *what, int32_t nearest,
                              double distance, bw_selection **selection) {

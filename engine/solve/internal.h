@@ -242,5 +242,41 @@ void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *fie
 void bwi_prescribed_field(const bw_numbering *numbering, double *field);
 /* Same supports: a system made for one numbering serves the other. */
 bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b);
+/* Nodes that take part in the order: all those of bodies with free motions (so that the order also
+ * serves the matrix without pins), and elsewhere those with an unknown. */
+void bwi_nodes_taking_part(const bw_numbering *numbering, uint8_t *take);
+/* The expanded order for a numbering's unknowns, with what of `old` (may be NULL) fits. */
+bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
+                           const bw_numbering *numbering, bwi_symbolic *old,
+                           bwi_symbolic **symbolic);
+/* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
+bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+                             double *force);
+bw_status bwi_steady_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+                            double *displacement);
+/* BW_INVALID for the view of a local system whose factor is not up to date. */
+bw_status bwi_need_factor(bw_context *context, const bw_system *system);
+/* BW_SINGULAR at a node, in words for the user. */
+bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t node);
+
+/* ---- statics (statics.c) ------------------------------------------------------------------- */
+
+/* Refinement of a static solution stops below this relative residual, or when it no longer helps.
+ */
+extern const double bwi_refine_to;
+/* displacement = K^-1 force as bw_system_solve does for one right-hand side. */
+typedef struct bwi_static_solver {
+  bw_status (*solve)(bw_context *context, void *data, const double *force, double *displacement);
+  void *data;
+  double refine_to;
+} bwi_static_solver;
+/* A static solution with its load vector, checked for balance; nothing solved yet. */
+bw_status bwi_static_begin(bw_context *context, const bw_model *model,
+                           const bw_statics_options *options, const bw_numbering *numbering,
+                           bw_static **result);
+/* Displacements, residual, energy, reactions. */
+bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
+                           const bw_graph *graph, const double *stiffness,
+                           const bwi_static_solver *solver, bw_static *result);
 
 #endif

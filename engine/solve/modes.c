@@ -182,6 +182,7 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
   elastic problem = {.system = system};
   const bw_numbering *numbering = system->numbering;
   BW_TRY(bwi_modes_options_check(context, given, &options));
+  BW_TRY(bwi_need_factor(context, system));
   for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
     problem.held |= numbering->state[i] == BW_HELD;
   bwi_eigen_problem eigen = {.size = 3 * (int64_t)system->mesh->node_count,

@@ -5,8 +5,7 @@
 
 #include "solve/internal.h"
 
-/* Refinement stops below this relative residual, or when it no longer helps. */
-static const double refine_to = 1e-10;
+const double bwi_refine_to = 1e-10;
 enum { REFINEMENTS = 3 };
 
 static void static_destroy(void *object) {
@@ -89,7 +88,7 @@ done:
 /* A system for the model: the one given where it fits, else a new one that reuses what it can. */
 static bw_status system_for(bw_context *context, const bw_model *model,
                             const bw_numbering *numbering, bw_system *given, bw_system **system) {
-  if (given && given->mesh == model->mesh && given->material == model->material &&
+  if (given && given->factor && given->mesh == model->mesh && given->material == model->material &&
       bwi_same_supports(given->numbering, numbering)) {
     *system = bw_retain(given);
     return BW_OK;
@@ -97,11 +96,10 @@ static bw_status system_for(bw_context *context, const bw_model *model,
   return bw_system_create(context, model->mesh, model->material, numbering, given, system);
 }
 
-bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
-                     const bw_statics_options *options, bw_static **out) {
+bw_status bwi_static_begin(bw_context *context, const bw_model *model,
+                           const bw_statics_options *options, const bw_numbering *numbering,
+                           bw_static **out) {
   bw_status status = BW_OK;
-  bw_numbering *numbering = NULL;
-  double *load = NULL, *work = NULL, *step = NULL;
   bw_statics_options wish = options ? *options : (bw_statics_options){0};
   if (wish.tolerance == 0)
     wish.tolerance = 1e-6;
@@ -117,21 +115,34 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);
   result->reaction = BW_NEW(context, double, size);
-  load = BW_NEW(context, double, size);
-  work = BW_NEW(context, double, size);
-  step = BW_NEW(context, double, size);
-  if (!result->displacement || !result->force || !result->reaction || !load || !work || !step) {
+  if (!result->displacement || !result->force || !result->reaction) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_numbering_create(context, model, &numbering));
   BW_TRY(bw_model_force_vector(context, model, result->force));
   if (numbering->motion_count > 0 && !wish.inertia_relief)
     BW_TRY(check_balance(context, numbering, result->force, wish.tolerance));
-  BW_TRY(system_for(context, model, numbering, system, &result->system));
-  system = result->system;
+done:
+  if (status == BW_OK)
+    *out = result;
+  else
+    bw_release(result);
+  return status;
+}
 
+bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
+                           const bw_graph *graph, const double *stiffness,
+                           const bwi_static_solver *solver, bw_static *result) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)numbering->mesh->node_count;
   double *u = result->displacement;
+  double *load = BW_NEW(context, double, size);
+  double *work = BW_NEW(context, double, size);
+  double *step = BW_NEW(context, double, size);
+  if (!load || !work || !step) {
+    status = BW_MEMORY;
+    goto done;
+  }
   memcpy(load, result->force, (size_t)size * sizeof(double));
   if (numbering->motion_count > 0)
     bw_motions_balance(numbering, load);
@@ -139,20 +150,21 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   bwi_prescribed_field(numbering, u);
   memcpy(work, load, (size_t)size * sizeof(double));
   if (numbering->prescribed) {
-    BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, step));
+    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, step));
     for (int64_t i = 0; i < size; i++)
       work[i] -= step[i];
   }
   bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
   double scale = norm(work, size);
   result->residual = scale > 0 ? 1 : 0;
-  for (int pass = 0; scale > 0 && pass <= REFINEMENTS && result->residual > refine_to; pass++) {
-    BW_TRY(bw_system_solve(context, system, 1, work, step));
+  for (int pass = 0; scale > 0 && pass <= REFINEMENTS && result->residual > solver->refine_to;
+       pass++) {
+    BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
       step[i] += u[i];
     if (numbering->motion_count > 0 && !numbering->prescribed)
       bw_motions_remove(numbering, step);
-    BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, step, work));
+    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, step, work));
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - work[i];
     bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
@@ -169,18 +181,38 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
     if (enough)
       break;
   }
-  BW_TRY(
-      bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, result->reaction));
+  BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, result->reaction));
   for (int64_t i = 0; i < size; i++) {
     result->energy += 0.5 * u[i] * result->reaction[i];
     result->reaction[i] -= load[i];
   }
   bwi_keep_states(numbering, 1u << BW_HELD, result->reaction);
 done:
-  bw_release(numbering);
   bw_free(load);
   bw_free(work);
   bw_free(step);
+  return status;
+}
+
+static bw_status solve_system(bw_context *context, void *data, const double *force,
+                              double *displacement) {
+  return bw_system_solve(context, data, 1, force, displacement);
+}
+
+bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
+                     const bw_statics_options *options, bw_static **out) {
+  bw_status status = BW_OK;
+  bw_numbering *numbering = NULL;
+  bw_static *result = NULL;
+  BW_TRY(bw_numbering_create(context, model, &numbering));
+  BW_TRY(bwi_static_begin(context, model, options, numbering, &result));
+  BW_TRY(system_for(context, model, numbering, system, &result->system));
+  bwi_static_solver solver = {
+      .solve = solve_system, .data = result->system, .refine_to = bwi_refine_to};
+  BW_TRY(bwi_static_solve(context, numbering, result->system->graph, result->system->stiffness,
+                          &solver, result));
+done:
+  bw_release(numbering);
   if (status == BW_OK)
     *out = result;
   else

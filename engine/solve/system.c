@@ -39,9 +39,7 @@ static bool same_topology(const bw_mesh *a, const bw_mesh *b) {
                   (size_t)a->element_count * (size_t)a->nodes_per_element * sizeof(int32_t)) == 0));
 }
 
-/* Nodes that take part in the order: all those of bodies with free motions (so that the order also
- * serves the matrix without pins), and elsewhere those with an unknown. */
-static void nodes_taking_part(const bw_numbering *numbering, uint8_t *take) {
+void bwi_nodes_taking_part(const bw_numbering *numbering, uint8_t *take) {
   const bw_mesh *mesh = numbering->mesh;
   for (int64_t i = 0; i < mesh->node_count; i++) {
     int32_t body = mesh->component[i];
@@ -58,17 +56,16 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
   return true;
 }
 
-static bw_status make_symbolic(bw_context *context, const bw_system *system,
-                               const bw_system *previous, bwi_symbolic **symbolic) {
+bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
+                           const bw_numbering *numbering, bwi_symbolic *old,
+                           bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
-  const bw_numbering *numbering = system->numbering;
-  int32_t nodes = system->mesh->node_count;
-  bwi_symbolic *old = previous ? previous->factor->symbolic : NULL;
+  int32_t nodes = graph->node_count;
   bwi_order *order = NULL;
   uint8_t *take = BW_NEW(context, uint8_t, nodes);
   if (!take)
     return BW_MEMORY;
-  nodes_taking_part(numbering, take);
+  bwi_nodes_taking_part(numbering, take);
   if (old && order_fits(old->order, take, nodes)) {
     if (bwi_symbolic_fits(old, 3, numbering->unknown)) {
       *symbolic = bw_retain(old);
@@ -76,7 +73,7 @@ static bw_status make_symbolic(bw_context *context, const bw_system *system,
     }
     order = bw_retain(old->order);
   } else
-    BW_TRY(bwi_order_create(context, system->graph, take, &order));
+    BW_TRY(bwi_order_create(context, graph, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, numbering->unknown, symbolic));
 done:
   bw_free(take);
@@ -84,8 +81,8 @@ done:
   return status;
 }
 
-static bw_status say_singular(bw_context *context, const bw_system *system, int32_t node) {
-  const double *x = system->mesh->node + 3 * (int64_t)node;
+bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t node) {
+  const double *x = mesh->node + 3 * (int64_t)node;
   bw_fail(
       context, BW_SINGULAR,
       "the stiffness is singular, or so nearly that double precision cannot tell, at node %d, "
@@ -143,7 +140,9 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
 
   start = bw_seconds();
   bw_progress(context, "order", 0);
-  BW_TRY(make_symbolic(context, system, previous, &symbolic));
+  BW_TRY(bwi_symbolic_for(context, system->graph, numbering,
+                          previous && previous->factor ? previous->factor->symbolic : NULL,
+                          &symbolic));
   system->times.order = bw_seconds() - start;
   system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
   system->times.factor_flops = symbolic->flops;
@@ -155,7 +154,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   int32_t bad = 0;
   status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
   if (status == BW_SINGULAR)
-    status = say_singular(context, system, bad);
+    status = bwi_say_singular(context, mesh, bad);
   system->times.factor = bw_seconds() - start;
 done:
   bw_release(symbolic);
@@ -184,25 +183,44 @@ static bw_status project(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
+bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+                             double *force) {
+  projection balance = {numbering, true, force};
+  return numbering->motion_count ? bw_parallel(context, count, 1, project, &balance) : BW_OK;
+}
+
+bw_status bwi_steady_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+                            double *displacement) {
+  projection remove = {numbering, false, displacement};
+  return numbering->motion_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
+}
+
 bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                           const double *force, double *displacement) {
   bw_status status = BW_OK;
   const bw_numbering *numbering = system->numbering;
   size_t size = 3 * (size_t)system->mesh->node_count;
   double start = bw_seconds();
-  projection balance = {numbering, true, displacement}, remove = {numbering, false, displacement};
-  if (numbering->motion_count == 0)
-    BW_TRY(bwi_solve_fields(context, system->factor, numbering, count, force, displacement));
-  else {
+  BW_TRY(bwi_need_factor(context, system));
+  if (numbering->motion_count > 0) {
     if (force != displacement)
       memcpy(displacement, force, (size_t)count * size * sizeof(double));
-    BW_TRY(bw_parallel(context, count, 1, project, &balance));
-    BW_TRY(bwi_solve_fields(context, system->factor, numbering, count, displacement, displacement));
-    BW_TRY(bw_parallel(context, count, 1, project, &remove));
+    BW_TRY(bwi_balance_fields(context, numbering, count, displacement));
+    force = displacement;
   }
+  BW_TRY(bwi_solve_fields(context, system->factor, numbering, count, force, displacement));
+  BW_TRY(bwi_steady_fields(context, numbering, count, displacement));
 done:
   system->times.solve += bw_seconds() - start;
   return status;
+}
+
+bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
+  if (system->factor)
+    return BW_OK;
+  return bw_fail(context, BW_INVALID,
+                 "the system follows an edited shape and its factor is not up to date: bring it up "
+                 "to date first (bw_local_system_refactor)");
 }
 
 /* What the frame's directions with `keep` see of a vector at a node. */

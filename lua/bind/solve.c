@@ -186,7 +186,11 @@ static void push_times(lua_State *L, const bw_solve_times *times) {
 }
 
 static int static_times(lua_State *L) {
-  push_times(L, &self(L)->system->times);
+  const bw_system *system = self(L)->system;
+  if (!system) /* a solution of an edit session, which has figures of its own */
+    lua_pushnil(L);
+  else
+    push_times(L, &system->times);
   return 1;
 }
 

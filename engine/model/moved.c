@@ -1,0 +1,238 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Models of edited shapes: supports and loads go with the surface that they were given on.
+ *
+ * Invariants: a selection keeps its facets by number and its nodes (by number, or through the map
+ * of a refilled mesh), so nothing is selected anew by geometry. What is given in space keeps its
+ * direction: forces, tractions, gravity, normals of slides that were given one. What follows from
+ * the surface is that of the new shape: areas, resultants, the normals of pressure and of slides
+ * along the surface. The point of a torque goes with the centre of its area. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/internal.h"
+
+typedef struct transfer {
+  bw_context *context;
+  const bw_model *from;
+  bw_model *to;
+  const int32_t *node_from; /* NULL: the same nodes */
+  int32_t *node_to;         /* the inverse, -1 where a node is gone; with node_from */
+  int count;                /* selections made so far, so that those that share one still do */
+  const bw_selection **before;
+  bw_selection **after;
+} transfer;
+
+/* Old mesh node -> new, for meshes with other nodes. */
+static bw_status invert(transfer *t) {
+  int32_t old_count = t->from->mesh->node_count, new_count = t->to->mesh->node_count;
+  t->node_to = BW_NEW(t->context, int32_t, old_count);
+  if (!t->node_to)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < old_count; i++)
+    t->node_to[i] = -1;
+  for (int32_t i = 0; i < new_count; i++) {
+    int32_t old = t->node_from[i];
+    if (old < -1 || old >= old_count || (old >= 0 && t->node_to[old] >= 0))
+      return bw_fail(t->context, BW_INVALID,
+                     "node %d is said to come from node %d, which is taken or not one of the %d "
+                     "nodes before",
+                     i, old, old_count);
+    if (old >= 0)
+      t->node_to[old] = i;
+  }
+  return BW_OK;
+}
+
+static int compare_numbers(const void *a, const void *b) {
+  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+  return (x > y) - (x < y);
+}
+
+/* The selection's facets and nodes on the new mesh; NULL stays NULL. Retained by the transfer. */
+static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_selection **out) {
+  bw_status status = BW_OK;
+  int32_t *node = NULL;
+  bw_selection *made = NULL;
+  *out = NULL;
+  if (!on)
+    return BW_OK;
+  for (int i = 0; i < t->count; i++)
+    if (t->before[i] == on) {
+      *out = t->after[i];
+      return BW_OK;
+    }
+  if (t->node_from) {
+    node = BW_NEW(t->context, int32_t, on->node_count);
+    if (!node)
+      return BW_MEMORY;
+    for (int32_t i = 0; i < on->node_count; i++) {
+      node[i] = t->node_to[on->node[i]];
+      if (node[i] < 0) {
+        status = bw_fail(t->context, BW_INVALID,
+                         "node %d, which a support or load is given on, is gone from the new mesh",
+                         on->node[i]);
+        goto done;
+      }
+    }
+    qsort(node, (size_t)on->node_count, sizeof *node, compare_numbers);
+  }
+  BW_TRY(bwi_selection_copy(t->context, t->to->mesh, on->facet_count, on->facet, on->node_count,
+                            node ? node : on->node, &made));
+  t->before[t->count] = on;
+  t->after[t->count++] = made;
+  *out = made;
+done:
+  bw_free(node);
+  return status;
+}
+
+/* Values at nodes on a mesh with other nodes; new nodes get `fill`. The caller's reference. */
+static bw_status carry_array(transfer *t, const bw_array *array, double fill, bw_array **out) {
+  bw_array *made = NULL;
+  if (!array || !t->node_from) {
+    *out = (bw_array *)bw_retain(array);
+    return BW_OK;
+  }
+  bw_status status =
+      bw_array_create(t->context, BW_F64, t->to->mesh->node_count, array->columns, &made);
+  if (status != BW_OK)
+    return status;
+  double *value = (double *)made->data;
+  for (int64_t i = 0; i < made->rows; i++)
+    for (int64_t k = 0; k < made->columns; k++)
+      value[i * made->columns + k] =
+          t->node_from[i] < 0 ? fill : bw_array_get(array, t->node_from[i], k);
+  *out = made;
+  return BW_OK;
+}
+
+static bw_status carry_support(transfer *t, const bw_support *support) {
+  bw_status status = BW_OK;
+  bw_support made = *support;
+  bw_array *field = NULL;
+  BW_TRY(carry_selection(t, support->on, &made.on));
+  BW_TRY(carry_array(t, support->field, 0, &field));
+  made.field = field;
+  BW_TRY(bwi_model_add_support(t->context, t->to, &made));
+done:
+  bw_release(field);
+  return status;
+}
+
+/* Whether a load at nodes can be said on the new nodes: forces where no loaded node is gone, a
+ * change of temperature that is the same everywhere. */
+static bw_status check_nodal(const transfer *t, int number, const bw_load *load) {
+  int32_t nodes = t->from->mesh->node_count;
+  if (load->kind == BW_LOAD_NODAL)
+    for (int32_t i = 0; i < nodes; i++)
+      for (int k = 0; k < 3; k++)
+        if (t->node_to[i] < 0 && bw_array_get(load->nodal, i, k) != 0) {
+          bw_fail(t->context, BW_UNSUPPORTED,
+                  "load %d is a force at node %d, which is inside the part that was filled again "
+                  "and is gone: give it on the surface",
+                  number + 1, i);
+          bw_detail_number(t->context, "node", i);
+          return BW_UNSUPPORTED;
+        }
+  if (load->kind == BW_LOAD_TEMPERATURE)
+    for (int32_t i = 1; i < nodes; i++)
+      if (bw_array_get(load->nodal, i, 0) != bw_array_get(load->nodal, 0, 0))
+        return bw_fail(t->context, BW_UNSUPPORTED,
+                       "load %d is a temperature that varies over the nodes (%g K at node 0, %g K "
+                       "at node %d); on a mesh that was filled again it is not known at the new "
+                       "nodes: give the temperatures on the new mesh",
+                       number + 1, bw_array_get(load->nodal, 0, 0), bw_array_get(load->nodal, i, 0),
+                       i);
+  return BW_OK;
+}
+
+static bw_status carry_load(transfer *t, int number) {
+  bw_status status = BW_OK;
+  const bw_load *load = &t->from->load[number];
+  bw_load made = *load;
+  bw_array *nodal = NULL;
+  if (t->node_from && load->nodal)
+    BW_TRY(check_nodal(t, number, load));
+  BW_TRY(carry_selection(t, load->on, &made.on));
+  BW_TRY(carry_array(t, load->nodal,
+                     load->kind == BW_LOAD_TEMPERATURE ? bw_array_get(load->nodal, 0, 0) : 0,
+                     &nodal));
+  made.nodal = nodal;
+  if (load->kind == BW_LOAD_TORQUE) {
+    double before[3], after[3];
+    bw_selection_centre(load->on, before);
+    bw_selection_centre(made.on, after);
+    for (int k = 0; k < 3; k++)
+      made.about[k] = load->about[k] + (after[k] - before[k]);
+  }
+  BW_TRY(bwi_model_add_load(t->context, t->to, &made));
+done:
+  bw_release(nodal);
+  return status;
+}
+
+static bw_status carry(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                       const int32_t *node_from, bw_model **out) {
+  bw_status status = BW_OK;
+  transfer t = {.context = context, .from = model, .node_from = node_from};
+  int most = model->support_count + model->load_count;
+  BW_TRY(bw_model_create(context, mesh, model->material, &t.to));
+  t.before = BW_NEW(context, const bw_selection *, most);
+  t.after = BW_NEW(context, bw_selection *, most);
+  if (!t.before || !t.after) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (node_from)
+    BW_TRY(invert(&t));
+  for (int i = 0; i < model->support_count; i++)
+    BW_TRY(carry_support(&t, &model->support[i]));
+  for (int i = 0; i < model->load_count; i++)
+    BW_TRY(carry_load(&t, i));
+done:
+  for (int i = 0; i < t.count; i++)
+    bw_release(t.after[i]);
+  bw_free(t.before);
+  bw_free(t.after);
+  bw_free(t.node_to);
+  if (status == BW_OK)
+    *out = t.to;
+  else
+    bw_release(t.to);
+  return status;
+}
+
+static bool same_numbers(const int32_t *a, const int32_t *b, size_t count) {
+  return a == b || memcmp(a, b, count * sizeof *a) == 0;
+}
+
+bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                         bw_model **moved) {
+  const bw_mesh *old = model->mesh;
+  if (mesh->order != old->order || mesh->node_count != old->node_count ||
+      mesh->element_count != old->element_count || mesh->facet_count != old->facet_count ||
+      !same_numbers(mesh->element, old->element,
+                    (size_t)old->element_count * (size_t)old->nodes_per_element) ||
+      !same_numbers(mesh->facet, old->facet,
+                    (size_t)old->facet_count * (size_t)old->nodes_per_facet))
+    return bw_fail(context, BW_INVALID,
+                   "the mesh has %d nodes and %d elements, the model's mesh %d and %d: a model can "
+                   "be moved only to a mesh with the same elements at other positions",
+                   mesh->node_count, mesh->element_count, old->node_count, old->element_count);
+  return carry(context, model, mesh, NULL, moved);
+}
+
+bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                               const int32_t *node_from, bw_model **transferred) {
+  const bw_mesh *old = model->mesh;
+  bool fits = mesh->order == old->order && mesh->facet_count == old->facet_count;
+  for (int64_t i = 0; fits && i < (int64_t)mesh->facet_count * mesh->nodes_per_facet; i++)
+    fits = node_from[mesh->facet[i]] == old->facet[i];
+  if (!fits)
+    return bw_fail(context, BW_INVALID,
+                   "the boundary of the mesh (%d facets) is not that of the model's mesh (%d "
+                   "facets), in the same order: a model can be transferred only where the surface "
+                   "stayed",
+                   mesh->facet_count, old->facet_count);
+  return carry(context, model, mesh, node_from, transferred);
+}
