@@ -7,43 +7,45 @@
 
 enum { ELEMENTS_PER_CHUNK = 1024 };
 
+double bwi_element_frame(const bw_mesh *mesh, int64_t e, bwi_vector *h) {
+  const int32_t *node = mesh->element + e * mesh->nodes_per_element;
+  double a[3], b[3], c[3], g[4][3];
+  const double *x0 = mesh->node + 3 * (int64_t)node[0], *x1 = mesh->node + 3 * (int64_t)node[1],
+               *x2 = mesh->node + 3 * (int64_t)node[2], *x3 = mesh->node + 3 * (int64_t)node[3];
+  for (int k = 0; k < 3; k++) {
+    a[k] = x1[k] - x0[k];
+    b[k] = x2[k] - x0[k];
+    c[k] = x3[k] - x0[k];
+  }
+  for (int k = 0; k < 3; k++) { /* cross products; divided by the determinant they are gradients */
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    g[1][k] = b[l] * c[m] - b[m] * c[l];
+    g[2][k] = c[l] * a[m] - c[m] * a[l];
+    g[3][k] = a[l] * b[m] - a[m] * b[l];
+  }
+  double determinant = a[0] * g[1][0] + a[1] * g[1][1] + a[2] * g[1][2];
+  double scale = 1 / sqrt(6 * determinant); /* sqrt(V) / determinant */
+  for (int k = 0; k < 3; k++) {
+    for (int i = 1; i < 4; i++)
+      h[i][k] = scale * g[i][k];
+    h[0][k] = -(h[1][k] + h[2][k] + h[3][k]);
+  }
+  for (int i = 0; i < 4; i++)
+    h[i][3] = 0;
+  if (mesh->order == 2)
+    for (int m = 0; m < 6; m++)
+      h[4 + m] = h[bw_tet_edge[m][0]] + h[bw_tet_edge[m][1]];
+  return determinant;
+}
+
 static bw_status fill_frames(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_frames *f = (const bwi_frames *)data;
-  const bw_mesh *mesh = f->mesh;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
-    const int32_t *node = mesh->element + e * mesh->nodes_per_element;
-    double a[3], b[3], c[3], g[4][3];
-    const double *x0 = mesh->node + 3 * (int64_t)node[0], *x1 = mesh->node + 3 * (int64_t)node[1],
-                 *x2 = mesh->node + 3 * (int64_t)node[2], *x3 = mesh->node + 3 * (int64_t)node[3];
-    for (int k = 0; k < 3; k++) {
-      a[k] = x1[k] - x0[k];
-      b[k] = x2[k] - x0[k];
-      c[k] = x3[k] - x0[k];
-    }
-    for (int k = 0; k < 3;
-         k++) { /* cross products; divided by the determinant they are gradients */
-      int l = (k + 1) % 3, m = (k + 2) % 3;
-      g[1][k] = b[l] * c[m] - b[m] * c[l];
-      g[2][k] = c[l] * a[m] - c[m] * a[l];
-      g[3][k] = a[l] * b[m] - a[m] * b[l];
-    }
-    double determinant = a[0] * g[1][0] + a[1] * g[1][1] + a[2] * g[1][2];
-    bwi_vector *h = f->vector + e * f->vectors;
+    double determinant = bwi_element_frame(f->mesh, e, f->vector + e * f->vectors);
     bool curved = f->curved && f->curved[e] >= 0;
     if (!(determinant > 0) && !curved)
       return BW_GEOMETRY; /* named by the caller: threads race here, the message must not */
-    double scale = 1 / sqrt(6 * determinant); /* sqrt(V) / determinant */
-    for (int k = 0; k < 3; k++) {
-      for (int i = 1; i < 4; i++)
-        h[i][k] = scale * g[i][k];
-      h[0][k] = -(h[1][k] + h[2][k] + h[3][k]);
-    }
-    for (int i = 0; i < 4; i++)
-      h[i][3] = 0;
-    if (f->vectors == 10)
-      for (int m = 0; m < 6; m++)
-        h[4 + m] = h[bw_tet_edge[m][0]] + h[bw_tet_edge[m][1]];
   }
   return BW_OK;
 }

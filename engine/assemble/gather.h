@@ -25,6 +25,9 @@ typedef struct bwi_frames {
   int32_t *curved;       /* as bwi_find_curved */
   double *curved_tensor; /* curved elements x 55 x 9: pairs b <= a of local nodes, T_ab */
 } bwi_frames;
+/* The frame of one straight element into h (4 or 10 vectors); returns the Jacobian determinant,
+ * without which being positive the frame means nothing. */
+double bwi_element_frame(const bw_mesh *mesh, int64_t element, bwi_vector *h);
 bw_status bwi_frames_create(bw_context *context, const bw_mesh *mesh, bwi_frames *frames);
 void bwi_frames_clear(bwi_frames *frames);
 

@@ -51,23 +51,27 @@ void bw_element_mass(int order, const double (*x)[3], double *mass);
 bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const double *values,
                             int block, int components, int64_t count, const double *x, double *y);
 
-/* ---- stiffness kept domain by domain (agile, sections 5 and 6) --------------------------------
+/* ---- stiffness kept domain by domain (agile, sections 5 and 6) ---------------------------------
  */
 
-/* How a domain moved as a whole since the shape it was made with: x -> linear x + translation (no
- * translation is stored: it changes no stiffness), unless it was reshaped. */
+/* How a domain lies now, against rest: the mesh that the stiffness was created with. Never against
+ * an earlier edit, so that nothing piles up over a session and undoing is giving an old motion. */
 typedef struct bw_domain_motion {
-  double linear[9]; /* positive determinant; rotation times scaling for a domain of type R */
-  double frame[9];  /* a rotation: rows are the directions in which unknowns of nodes that go with
-                       the  domain are taken, so that turning the whole domain changes none of its
-                       entries  there */
-  bool reshaped;    /* its nodes moved otherwise: read them from the mesh (linear is not used) */
+  /* Where !reshaped: x -> linear x + translation took it from rest to now. Positive determinant; a
+     rotation times a scaling for a domain of type R. The translation changes no stiffness. */
+  double linear[9];
+  /* With R the domain's rotation since rest: frame = R^T. Row i is R e_i, where the i-th direction
+     of rest has gone to: the unknowns of nodes that go with the domain are taken along these rows
+     (own = frame * global). A rotation also where reshaped. Turning a domain as a whole, so that R
+     and the shape turn together, changes none of its entries in these directions. */
+  double frame[9];
+  bool reshaped; /* its nodes moved otherwise: they are read from the mesh, and linear is not used.
+                    Any domain may become so and stop being so again */
 } bw_domain_motion;
 void bw_domain_motion_rest(bw_domain_motion *motion);
 
 typedef struct bw_domain_change {
-  /* how many domains: left alone; their entries turned or scaled by the polynomials; gathered from
-     coordinates anew */
+  /* how many domains: left alone; written by the polynomials; gathered from coordinates anew */
   int32_t kept, evaluated, gathered;
   int64_t pairs; /* written */
 } bw_domain_change;
@@ -75,37 +79,47 @@ typedef struct bw_domain_change {
 /* The stiffness of a mesh cut into domains, in global directions, 9 per pair of the graph. Per pair
  * and domain it keeps the coefficients T_ab = integral of grad N_a (x) grad N_b at rest; a domain
  * moved by x -> A x has det(A) A^-T T A^-1, of which eq. A.8 of agile is the case of a diagonal A.
- * Entries are then products with the elasticity tensor, isotropic or not.
- * Mutable; a revision counts real changes. */
+ * Entries are products of these with the elasticity tensor, isotropic or not
+ * (docs/theory/edit.md). Mutable; the object's revision moves when entries were written. */
 typedef struct bw_domain_stiffness {
   bw_object object;
   const bw_graph *graph;       /* retained */
   const bw_material *material; /* retained; its axes stay global, unless material_turns */
-  bool material_turns;         /* an orthotropic material's axes turn with each domain */
+  bool material_turns;         /* an orthotropic material's axes turn with each domain's frame */
   int32_t domain_count;
-  double *values;   /* 9 per pair: what bw_stiffness would give for the mesh as it is now */
-  uint8_t *changed; /* domain_count: by the last update, in the unknowns' own frames */
-  uint64_t revision;
+  double *values;    /* 9 per pair: what bw_stiffness would give for the mesh as it is now */
+  uint8_t *changed;  /* domain_count: by the last update, in the unknowns' own frames */
+  uint64_t revision; /* of the values: the same as the object's */
   struct bwi_domain_coefficients *coefficients;
 } bw_domain_stiffness;
 /* All domains at rest in `mesh`. element_domain (element_count) and node_domain (node_count; -1:
  * the global frame, for nodes some but not all of whose components are held) are copied. Curved
- * elements are BW_INVALID. */
+ * elements are BW_INVALID, as they have no closed form. */
 bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
                                      const bw_mesh *mesh, const bw_material *material,
                                      bool material_turns, int32_t domain_count,
                                      const int32_t *element_domain, const int32_t *node_domain,
                                      bw_domain_stiffness **stiffness);
-/* Bring it to another shape: `mesh` has the nodes as they are now, `motion` says how each domain
- * moved since it was last gathered (at first: since rest). Only entries of domains that changed are
- * written (contributions of the others at shared pairs are kept); `changed` says for which domains
- * any entry changed in the frames of its nodes: a domain that only turned as a whole with all its
- * nodes is false there though its global entries were written. */
+/* Bring it to another shape: motion[domain_count] says how every domain lies now; `mesh` has the
+ * nodes as they are now, and is read for reshaped domains only. Only entries of domains whose
+ * global entries changed are written (contributions of the others at shared pairs are kept). What
+ * differs from the last writing by less than 2e-14 (of the map; for reshaped domains of the largest
+ * coordinate) counts as rounding and is left, so that the values stay within 1e-12 of those from
+ * scratch however many updates there were.
+ *
+ * `changed` says for which domains any entry changed in the frames of its nodes, with the same
+ * tolerance against the shape at which it was last reported: a domain that only turned as a whole
+ * together with the frames of all its nodes (and, if anisotropic, its material) is false there
+ * though its global entries were written; one that stayed while the frame of a neighbour's node
+ * turned is true though nothing was. On failure everything is as it was: BW_INVALID for a motion
+ * that is none (not finite, determinant not positive, frame no rotation) or a curved element,
+ * BW_GEOMETRY for an inverted one. `change` may be NULL. */
 bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *stiffness,
                                      const bw_mesh *mesh, const bw_domain_motion *motion,
                                      bw_domain_change *change);
-/* y += (d K / d p) x for a domain whose map's linear part changes by d linear / d p = direction (9
- * numbers): the polynomials' derivative. x, y node_count x 3 in global directions. */
+/* y += (d K / d p) x where a domain's map changes by d linear / d p = direction (9 numbers), the
+ * material's directions staying: the polynomials' derivative. x, y node_count x 3 in global
+ * directions. BW_INVALID for a domain that is reshaped now: it has no map. */
 bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_stiffness *stiffness,
                                          int32_t domain, const double direction[9], const double *x,
                                          double *y);

@@ -1,0 +1,216 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The stiffness of domains: made at rest, released, measured, differentiated (domain.h). Updates
+ * are in domain_update.c. */
+#include "assemble/domain.h"
+
+#include <math.h>
+
+void bw_domain_motion_rest(bw_domain_motion *motion) {
+  *motion = (bw_domain_motion){.linear = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                               .frame = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+}
+
+static void destroy(void *object) {
+  bw_domain_stiffness *stiffness = (bw_domain_stiffness *)object;
+  bwi_domain_coefficients *c = stiffness->coefficients;
+  if (c) {
+    bw_free(c->element_start);
+    bw_free(c->element);
+    bw_free(c->number);
+    bw_free(c->node_start);
+    bw_free(c->node);
+    bw_free(c->section_start);
+    bw_free(c->section_count);
+    bw_free(c->place);
+    bw_free(c->tensor);
+    bw_free(c->shared_pair);
+    bw_free(c->shared_start);
+    bw_free(c->slot_shared);
+    bw_free(c->slot_domain);
+    bw_free(c->slot);
+    bw_free(c->frame_start);
+    bw_free(c->frame_domain);
+    bw_free(c->written);
+    bw_free(c->reported);
+    bw_free(c->written_position);
+    bw_free(c->reported_position);
+    bw_free(c->reported_frame);
+    bw_free(c);
+  }
+  bw_release(stiffness->graph);
+  bw_release(stiffness->material);
+  bw_free(stiffness->values);
+  bw_free(stiffness->changed);
+  bw_free(stiffness);
+}
+
+static size_t bytes(const void *object) {
+  const bw_domain_stiffness *stiffness = (const bw_domain_stiffness *)object;
+  const bwi_domain_coefficients *c = stiffness->coefficients;
+  size_t domains = (size_t)stiffness->domain_count,
+         elements = (size_t)stiffness->graph->mesh->element_count,
+         pairs = (size_t)stiffness->graph->pair_count, items = (size_t)c->item_count,
+         shared = (size_t)c->shared_count, slots = (size_t)c->shared_start[shared],
+         nodes = (size_t)c->node_start[domains], frames = (size_t)c->frame_start[domains];
+  return sizeof *stiffness + sizeof *c + pairs * 72 + domains +
+         items * (sizeof *c->place + 9 * sizeof *c->tensor) +
+         shared * (sizeof *c->shared_pair + sizeof *c->shared_start) +
+         slots * (sizeof *c->slot_shared + sizeof *c->slot_domain + 9 * sizeof *c->slot) +
+         elements * 2 * sizeof(int32_t) +
+         nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
+         frames * (sizeof *c->frame_domain + 9 * sizeof *c->reported_frame) +
+         domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + 5 * sizeof(int64_t));
+}
+
+static const bw_kind stiffness_kind = {"domain stiffness", destroy, bytes};
+
+size_t bw_domain_stiffness_bytes(const bw_domain_stiffness *stiffness) {
+  return bytes(stiffness);
+}
+
+static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
+                                 const int32_t *element_domain, const int32_t *node_domain) {
+  if (domain_count < 1)
+    return bw_fail(context, BW_INVALID, "%d domains; at least one is needed", domain_count);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (element_domain[e] < 0 || element_domain[e] >= domain_count) {
+      bw_status status =
+          bw_fail(context, BW_INVALID, "element %d is said to be in domain %d; there are 0 to %d",
+                  e, element_domain[e], domain_count - 1);
+      bw_detail_number(context, "element", e);
+      return status;
+    }
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (node_domain[i] < -1 || node_domain[i] >= domain_count) {
+      bw_status status = bw_fail(context, BW_INVALID,
+                                 "node %d is said to go with the frame of domain %d; there are 0 "
+                                 "to %d, and -1 for the global frame",
+                                 i, node_domain[i], domain_count - 1);
+      bw_detail_number(context, "node", i);
+      return status;
+    }
+  return BW_OK;
+}
+
+bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
+                                     const bw_mesh *mesh, const bw_material *material,
+                                     bool material_turns, int32_t domain_count,
+                                     const int32_t *element_domain, const int32_t *node_domain,
+                                     bw_domain_stiffness **stiffness) {
+  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  bw_status status = BW_OK;
+  bwi_domain_work work = {0};
+  bw_domain_stiffness *s = NULL;
+  BW_TRY(bwi_graph_fits(context, graph, mesh));
+  BW_TRY(check_arguments(context, mesh, domain_count, element_domain, node_domain));
+  if (graph->gather_start[graph->pair_count] > INT32_MAX)
+    return bw_fail(context, BW_LIMIT,
+                   "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",
+                   (long long)graph->gather_start[graph->pair_count], INT32_MAX);
+  s = BW_NEW0(context, bw_domain_stiffness, 1);
+  if (!s)
+    return BW_MEMORY;
+  bw_object_init(s, &stiffness_kind);
+  s->graph = (const bw_graph *)bw_retain(graph);
+  s->material = (const bw_material *)bw_retain(material);
+  s->material_turns = material_turns;
+  s->domain_count = domain_count;
+  s->revision = s->object.revision;
+  bwi_domain_coefficients *c = s->coefficients = BW_NEW0(context, bwi_domain_coefficients, 1);
+  if (!c) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++)
+      for (int j = 0; j < 3; j++)
+        for (int l = 0; l < 3; l++)
+          c->elasticity[9 * (3 * i + k) + 3 * j + l] =
+              material->elasticity[6 * voigt[i][j] + voigt[k][l]];
+  c->turning_matters = !material->isotropic;
+  BW_TRY(bwi_domain_lists(context, graph, domain_count, element_domain, node_domain,
+                          c->turning_matters, material_turns, c));
+  int64_t nodes = c->node_start[domain_count];
+  int32_t frames = c->frame_start[domain_count];
+  s->values = BW_NEW(context, double, 9 * graph->pair_count);
+  s->changed = BW_NEW0(context, uint8_t, domain_count);
+  c->written = BW_NEW(context, bwi_domain_shape, domain_count);
+  c->reported = BW_NEW(context, bwi_domain_shape, domain_count);
+  c->written_position = BW_NEW(context, double, 3 * nodes);
+  c->reported_position = BW_NEW(context, double, 3 * nodes);
+  c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
+  if (!s->values || !s->changed || !c->written || !c->reported || !c->written_position ||
+      !c->reported_position || !c->reported_frame) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t d = 0; d < domain_count; d++) {
+    c->written[d].reshaped = false;
+    memcpy(c->written[d].linear, identity, sizeof identity);
+    memcpy(c->written[d].frame, identity, sizeof identity);
+    c->reported[d] = c->written[d];
+  }
+  for (int32_t f = 0; f < frames; f++)
+    memcpy(c->reported_frame + 9 * (int64_t)f, identity, sizeof identity);
+
+  BW_TRY(bwi_domain_work_create(context, s, &work));
+  memset(work.action, BWI_DOMAIN_GATHER, (size_t)domain_count);
+  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
+  BW_TRY(bwi_domain_gather_rest(context, &work));
+  memset(work.action, BWI_DOMAIN_EVALUATE, (size_t)domain_count);
+  for (int32_t d = 0; d < domain_count; d++)
+    bwi_domain_map(c->elasticity, identity, work.map + 81 * (int64_t)d);
+  BW_TRY(bwi_domain_write(context, &work));
+  *stiffness = s;
+  s = NULL;
+done:
+  bwi_domain_work_clear(&work);
+  bw_release(s);
+  return status;
+}
+
+bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_stiffness *stiffness,
+                                         int32_t domain, const double direction[9], const double *x,
+                                         double *y) {
+  const bwi_domain_coefficients *c = stiffness->coefficients;
+  const bw_graph *graph = stiffness->graph;
+  if (domain < 0 || domain >= stiffness->domain_count)
+    return bw_fail(context, BW_INVALID, "domain %d; there are 0 to %d", domain,
+                   stiffness->domain_count - 1);
+  if (c->written[domain].reshaped)
+    return bw_fail(context, BW_INVALID,
+                   "domain %d is reshaped and has no map to differentiate by; differentiate by its "
+                   "node positions",
+                   domain);
+  double elasticity[81], map[81];
+  bwi_domain_elasticity(stiffness, c->written[domain].frame, elasticity);
+  bwi_domain_map_derivative(elasticity, c->written[domain].linear, direction, map);
+  int32_t row = 0;
+  for (int64_t section = 2 * (int64_t)domain; section < 2 * (int64_t)domain + 2; section++) {
+    int64_t first = c->section_start[section], count = c->section_count[section];
+    row = 0;
+    for (int64_t k = first; k < first + count; k++) {
+      int64_t pair = c->place[k] >> 1;
+      if (section & 1)
+        pair = c->shared_pair[c->slot_shared[pair]];
+      row = bwi_row_of(graph, row, pair);
+      int32_t column = graph->column[pair];
+      const double *t = c->tensor + 9 * (k & ~(int64_t)3) + (k & 3);
+      double block[9];
+      for (int r = 0; r < 9; r++) {
+        block[r] = 0;
+        for (int m = 0; m < 9; m++)
+          block[r] += map[9 * r + m] * t[4 * m];
+      }
+      const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
+      double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column;
+      for (int r = 0; r < 3; r++)
+        yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
+      if (row != column)
+        for (int r = 0; r < 3; r++)
+          yj[r] += block[r] * xi[0] + block[3 + r] * xi[1] + block[6 + r] * xi[2];
+    }
+  }
+  return BW_OK;
+}

@@ -1,0 +1,213 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Following an edit: which domains have to be written, and which changed in the frames of their
+ * nodes (docs/theory/edit.md).
+ *
+ * In frame F, where a domain lies by x -> A x, the entries are a function of F A alone when the
+ * material is isotropic: K turns with the body. A node's entries with another are so for both their
+ * frames; hence entries are unchanged when F A is, for every frame F that occurs on the domain's
+ * nodes. A material that is not isotropic is one more frame: its own where it turns with the
+ * domain, the global one where it stays. For a reshaped domain F (x - x_0) of its nodes takes the
+ * place of F A. */
+#include "assemble/domain.h"
+
+#include <math.h>
+
+/* Less than this is rounding: of a map relative to itself, of positions relative to the largest
+ * coordinate. Chains of some tens of rotations give 1e-15; what this lets pass moves an entry by
+ * some 1e-13 of itself. */
+static const double same = 2e-14;
+
+/* out = a b */
+static void product(const double a[9], const double b[9], double out[9]) {
+  for (int r = 0; r < 3; r++)
+    for (int s = 0; s < 3; s++)
+      out[3 * r + s] = a[3 * r] * b[s] + a[3 * r + 1] * b[3 + s] + a[3 * r + 2] * b[6 + s];
+}
+
+/* Whether `now` is `before` but for rounding, as maps: now before^-1 = 1. */
+static bool same_map(const double now[9], const double before[9]) {
+  double inverse[9], ratio[9];
+  if (memcmp(now, before, 9 * sizeof *now) == 0)
+    return true;
+  bw_inverse3(before, inverse);
+  product(now, inverse, ratio);
+  for (int k = 0; k < 9; k++)
+    if (!(fabs(ratio[k] - (k % 4 == 0)) <= same))
+      return false;
+  return true;
+}
+
+static const double *frame_of(const bw_domain_motion *motion, int32_t domain) {
+  static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  return domain < 0 ? identity : motion[domain].frame;
+}
+
+/* Whether a reshaped domain's nodes lie, seen in a frame, as they lay in another. Frames NULL: seen
+ * in global directions. */
+static bool same_positions(const bw_mesh *mesh, const bwi_domain_coefficients *c, int32_t domain,
+                           const double *now_frame, const double *before,
+                           const double *before_frame) {
+  int64_t first = c->node_start[domain], count = c->node_start[domain + 1] - first;
+  const int32_t *node = c->node + first;
+  if (count == 0)
+    return true;
+  const double *x0 = mesh->node + 3 * (int64_t)node[0], *y0 = before + 3 * first;
+  double size = 0;
+  for (int64_t k = 0; k < count; k++)
+    for (int r = 0; r < 3; r++)
+      size = fmax(size, fmax(fabs(mesh->node[3 * (int64_t)node[k] + r]),
+                             fabs(before[3 * (first + k) + r])));
+  for (int64_t k = 1; k < count; k++) {
+    const double *x = mesh->node + 3 * (int64_t)node[k], *y = before + 3 * (first + k);
+    double dx[3] = {x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]};
+    double dy[3] = {y[0] - y0[0], y[1] - y0[1], y[2] - y0[2]};
+    for (int r = 0; r < 3; r++) {
+      double a = now_frame ? bw_dot(now_frame + 3 * r, dx) : dx[r];
+      double b = before_frame ? bw_dot(before_frame + 3 * r, dy) : dy[r];
+      if (!(fabs(a - b) <= same * size))
+        return false;
+    }
+  }
+  return true;
+}
+
+/* ---- what is to be done ---- */
+
+static bw_status check_motion(bw_context *context, int32_t domain, const bw_domain_motion *motion) {
+  double inverse[9], error = 0;
+  for (int r = 0; r < 3; r++)
+    for (int s = 0; s < 3; s++)
+      error = fmax(error, fabs(bw_dot(motion->frame + 3 * r, motion->frame + 3 * s) - (r == s)));
+  bool finite = true;
+  for (int k = 0; k < 9; k++)
+    finite =
+        finite && isfinite(motion->frame[k]) && (motion->reshaped || isfinite(motion->linear[k]));
+  bw_status status = BW_OK;
+  if (!finite)
+    status = bw_fail(context, BW_INVALID, "the motion of domain %d has numbers that are not finite",
+                     domain);
+  else if (error > 1e-6 || bw_inverse3(motion->frame, inverse) < 0)
+    status = bw_fail(context, BW_INVALID,
+                     "the frame of domain %d is no rotation (off by %g); its rows must be "
+                     "orthonormal and right-handed",
+                     domain, error);
+  else if (!motion->reshaped && !(bw_inverse3(motion->linear, inverse) > 0))
+    status =
+        bw_fail(context, BW_INVALID,
+                "the map of domain %d has determinant %g; it must be positive: no factor may be "
+                "zero and nothing mirrored",
+                domain, bw_inverse3(motion->linear, inverse));
+  if (status != BW_OK)
+    bw_detail_number(context, "domain", domain);
+  return status;
+}
+
+/* Whether the global entries of a domain are no longer those written. */
+static bool must_write(const bw_domain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
+                       const bw_domain_motion *motion) {
+  const bwi_domain_coefficients *c = stiffness->coefficients;
+  const bwi_domain_shape *was = &c->written[d];
+  if (motion->reshaped != was->reshaped)
+    return true;
+  if (c->turning_matters && stiffness->material_turns && !same_map(motion->frame, was->frame))
+    return true;
+  return motion->reshaped ? !same_positions(mesh, c, d, NULL, c->written_position, NULL)
+                          : !same_map(motion->linear, was->linear);
+}
+
+/* Whether any entry of a domain changed in the frames of its nodes since that was last reported. */
+static bool has_changed(const bw_domain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
+                        const bw_domain_motion *motion) {
+  const bwi_domain_coefficients *c = stiffness->coefficients;
+  const bwi_domain_shape *was = &c->reported[d];
+  const bw_domain_motion *own = &motion[d];
+  if (own->reshaped != was->reshaped)
+    return true;
+  double turned[9], now[9], before[9];
+  if (own->reshaped) {
+    if (!same_positions(mesh, c, d, own->frame, c->reported_position, was->frame))
+      return true;
+    /* the shape turned by own->frame^T was->frame: its rotation since */
+    double back[9];
+    for (int r = 0; r < 3; r++)
+      for (int s = 0; s < 3; s++)
+        back[3 * r + s] = own->frame[3 * s + r];
+    product(back, was->frame, turned);
+  }
+  for (int32_t k = c->frame_start[d]; k < c->frame_start[d + 1]; k++) {
+    const double *f_now = frame_of(motion, c->frame_domain[k]);
+    const double *f_before = c->reported_frame + 9 * (int64_t)k;
+    product(f_now, own->reshaped ? turned : own->linear, now);
+    if (own->reshaped)
+      memcpy(before, f_before, sizeof before);
+    else
+      product(f_before, was->linear, before);
+    if (!same_map(now, before))
+      return true;
+  }
+  return false;
+}
+
+static void remember(const bw_mesh *mesh, const bwi_domain_coefficients *c, int32_t d,
+                     const bw_domain_motion *motion, bwi_domain_shape *shape, double *position) {
+  shape->reshaped = motion->reshaped;
+  memcpy(shape->linear, motion->linear, sizeof shape->linear);
+  memcpy(shape->frame, motion->frame, sizeof shape->frame);
+  if (motion->reshaped)
+    for (int64_t k = c->node_start[d]; k < c->node_start[d + 1]; k++)
+      memcpy(position + 3 * k, mesh->node + 3 * (int64_t)c->node[k], 3 * sizeof *position);
+}
+
+bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *stiffness,
+                                     const bw_mesh *mesh, const bw_domain_motion *motion,
+                                     bw_domain_change *change) {
+  bw_status status = BW_OK;
+  bwi_domain_coefficients *c = stiffness->coefficients;
+  int32_t domains = stiffness->domain_count;
+  bwi_domain_work work = {0};
+  bw_domain_change count = {0};
+  BW_TRY(bw_check_cancel(context));
+  BW_TRY(bwi_graph_fits(context, stiffness->graph, mesh));
+  for (int32_t d = 0; d < domains; d++)
+    BW_TRY(check_motion(context, d, &motion[d]));
+  BW_TRY(bwi_domain_work_create(context, stiffness, &work));
+  for (int32_t d = 0; d < domains; d++) {
+    double elasticity[81], *map = work.map + 81 * (int64_t)d;
+    if (!must_write(stiffness, mesh, d, &motion[d])) {
+      count.kept++;
+      continue;
+    }
+    bwi_domain_elasticity(stiffness, motion[d].frame, elasticity);
+    if (motion[d].reshaped) {
+      work.action[d] = BWI_DOMAIN_GATHER;
+      memcpy(map, elasticity, sizeof elasticity);
+      count.gathered++;
+    } else {
+      work.action[d] = BWI_DOMAIN_EVALUATE;
+      bwi_domain_map(elasticity, motion[d].linear, map);
+      count.evaluated++;
+    }
+  }
+  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
+  if (count.kept < domains) {
+    BW_TRY(bwi_domain_write(context, &work));
+    count.pairs = work.pairs;
+    stiffness->revision = ++stiffness->object.revision;
+  }
+  for (int32_t d = 0; d < domains; d++) {
+    if (work.action[d] != BWI_DOMAIN_KEEP)
+      remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
+    stiffness->changed[d] = has_changed(stiffness, mesh, d, motion);
+    if (!stiffness->changed[d])
+      continue;
+    remember(mesh, c, d, &motion[d], &c->reported[d], c->reported_position);
+    for (int32_t k = c->frame_start[d]; k < c->frame_start[d + 1]; k++)
+      memcpy(c->reported_frame + 9 * (int64_t)k, frame_of(motion, c->frame_domain[k]),
+             9 * sizeof(double));
+  }
+  if (change)
+    *change = count;
+done:
+  bwi_domain_work_clear(&work);
+  return status;
+}
