@@ -4,6 +4,7 @@
 #define BWI_MEND_INTERNAL_H
 
 #include "barwright/shape.h"
+#include "mesh/mesh_internal.h"
 
 /* Some free nodes and every element around them, numbered within the patch. Nodes that stay where
  * they are have no number: their positions are read from `fixed`. */
@@ -43,5 +44,44 @@ typedef struct bwi_filled {
  * length near there. BW_GEOMETRY where TetGen finds no such mesh. */
 bw_status bwi_fill_exactly(bw_context *context, const bw_surface *surface, int64_t sample_count,
                            const double *sample, const double *sample_length, bwi_filled *filled);
+
+/* The corners of a triangle in ascending order, as a key and its item, and part 0; *turned when
+ * their cyclic order is the other one. */
+bwi_keyed bwi_triangle_key(int32_t a, int32_t b, int32_t c, bool *turned);
+
+/* ---- what refilling keeps while it works (refill.c, refill_join.c) */
+
+/* One piece: elements to be replaced that are connected through faces. */
+typedef struct bwi_piece {
+  int32_t element_count, facet_count;
+  int32_t first;   /* its elements in bwi_refiller.ordered */
+  int32_t region;  /* that of most of its elements */
+  int32_t corners; /* on its boundary */
+  int32_t *corner; /* the old node of each point of its boundary, ascending */
+  bwi_filled filled;
+} bwi_piece;
+
+typedef struct bwi_refiller {
+  bw_context *context;
+  const bw_mesh *mesh;
+  const double *node;
+  int32_t pieces;
+  bwi_piece *piece;
+  int32_t *piece_of; /* element_count: or -1, kept */
+  int32_t *ordered;  /* elements to replace, by piece */
+  int32_t *number;   /* node_count: scratch, then the new number of an old node or -1 */
+  int32_t kept;      /* elements */
+  /* the new mesh */
+  int64_t node_count, element_count;
+  double *new_node;
+  int32_t *element, *region, *node_from, *element_from;
+} bwi_refiller;
+
+/* Is this face of an element to be replaced one of its piece's boundary? */
+bool bwi_on_piece_boundary(const bwi_refiller *r, int32_t element, int face);
+/* Once every piece is filled: nodes, elements and where they come from. */
+bw_status bwi_refill_join(bwi_refiller *r);
+/* Give the facets of a mesh that nobody has seen yet the order they had. */
+bw_status bwi_refill_order_facets(bwi_refiller *r, bw_mesh *made);
 
 #endif

@@ -4,7 +4,6 @@
  * The mean ratio of a tetrahedron compares it with the regular one W by the map J between them: the
  * geometric over the arithmetic mean of the squares of J's singular values, det(J)^(2/3) / (|J|^2 /
  * 3). In lengths and volume that is 12 (3 V)^(2/3) / (sum of squared edges). */
-#include "mesh/mesh_internal.h"
 #include "shape/mend_internal.h"
 
 #include <math.h>

@@ -6,7 +6,6 @@
  * from there by going from element to element through faces that are no facets. That holds for
  * surfaces that touch themselves in edges and points, too. A result that lacks a facet, has moved a
  * point, or has not the volume inside the surface is not taken. */
-#include "mesh/mesh_internal.h"
 #include "mesh/tetgen_run.h"
 #include "shape/mend_internal.h"
 
@@ -113,9 +112,7 @@ static double sample_at(void *data, const double at[3]) {
 
 /* ---- which elements are inside --------------------------------------------------------------- */
 
-/* The corners of a triangle in ascending order as a key and its rest; *turned when the cyclic order
- * of the corners is the other one. */
-static bwi_keyed triangle_key(int32_t a, int32_t b, int32_t c, bool *turned) {
+bwi_keyed bwi_triangle_key(int32_t a, int32_t b, int32_t c, bool *turned) {
   int32_t t;
   *turned = false;
   if (a > b)
@@ -157,7 +154,7 @@ static bw_status finder_create(bw_context *context, const bw_surface *surface, f
     return BW_MEMORY;
   for (int32_t i = 0; i < f->count; i++) {
     const int32_t *t = surface->triangle + 3 * (size_t)i;
-    f->list[i] = triangle_key(t[0], t[1], t[2], &turned);
+    f->list[i] = bwi_triangle_key(t[0], t[1], t[2], &turned);
     f->list[i].part = turned;
   }
   bwi_sort_keyed(f->list, f->count);
@@ -186,7 +183,7 @@ static bw_status find_inside(bw_context *context, const bw_surface *surface, con
     for (int k = 0; k < 4; k++) {
       const int32_t *c = mesh->element + 4 * (size_t)e, *face = bw_tet_face[k];
       bool turned;
-      bwi_keyed key = triangle_key(c[face[0]], c[face[1]], c[face[2]], &turned);
+      bwi_keyed key = bwi_triangle_key(c[face[0]], c[face[1]], c[face[2]], &turned);
       int32_t at = find_facet(&f, &key);
       wall[4 * (size_t)e + (size_t)k] = at;
       if (at < 0)

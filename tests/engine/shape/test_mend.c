@@ -382,10 +382,158 @@ static void test_bent_bar(void **state) {
   }
 }
 
+/* Several pieces: apart, touching in an edge only, and a shell around elements that stay. */
+static void test_pieces(void **state) {
+  bw_context *context = check_context(state);
+  for (int shape = 0; shape < 4; shape++) {
+    bw_mesh *mesh = box(context, 2, 12, 6, 6, 2), *made = NULL;
+    uint8_t *replace = (uint8_t *)malloc((size_t)mesh->element_count);
+    int32_t *node_from, *element_from;
+    int64_t removed = 0;
+    for (int32_t e = 0; e < mesh->element_count; e++) {
+      double c[3] = {0, 0, 0};
+      for (int k = 0; k < 4; k++)
+        for (int i = 0; i < 3; i++)
+          c[i] += mesh->node[3 * mesh->element[10 * e + k] + i] / 4;
+      bool low = c[0]<0.5, high = c[0]> 1.5;
+      bool a = c[0] < 1 && c[1]<0.5, b = c[0]> 1 && c[1] > 0.5;
+      bool core = c[0] > 0.5 && c[0] < 1.5 && fabs(c[1] - 0.5) < 0.17 && fabs(c[2] - 0.5) < 0.17;
+      /* around a core that touches the outer boundary of the shell in one edge */
+      bool notch = c[0] > 1.5 && c[1] > 0.66 && c[2] > 0.66;
+      bool inside =
+          c[0] > 1.165 && c[0] < 1.5 && c[1] > 0.332 && c[1] < 0.66 && c[2] > 0.332 && c[2] < 0.66;
+      replace[e] = shape == 0   ? low || high
+                   : shape == 1 ? a || b
+                   : shape == 2 ? !core
+                                : !notch && !inside;
+      removed += replace[e];
+    }
+    check_ok(context,
+             bw_mesh_refill(context, mesh, mesh->node, replace, &made, &node_from, &element_from));
+    check_contract(mesh, mesh->node, replace, made, node_from, element_from);
+    int32_t pieces = -element_from[made->element_count - 1];
+    assert_int_equal(pieces, shape < 2 ? 2 : 1);
+    double volume[2] = {0, 0}, whole = bw_mesh_volume(made);
+    for (int32_t e = 0; e < made->element_count; e++)
+      if (element_from[e] < 0)
+        volume[-element_from[e] - 1] += made->volume[e];
+    check_near(whole, 2, 1e-12);
+    if (shape < 2) {
+      check_near(volume[0], 0.5, 1e-12);
+      check_near(volume[1], 0.5, 1e-12);
+    } else {
+      check_near(volume[0], 2.0 * (double)removed / mesh->element_count, 1e-12);
+    }
+    assert_int_equal(made->component_count, 1);
+    bw_mend_report report;
+    bw_mesh_judge(made, made->node, 0, &report);
+    assert_true(report.worst_before > 0.03);
+    patch_test(context, made);
+    bw_free(node_from);
+    bw_free(element_from);
+    free(replace);
+    bw_release(made);
+    bw_release(mesh);
+  }
+}
+
+/* New elements carry the region of most of those that they replace; the same call gives the same
+ * mesh. */
+static void test_regions(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *plain = box(context, 1, 4, 4, 4, 1), *mesh, *made[2];
+  int32_t *region = (int32_t *)malloc(4 * (size_t)plain->element_count);
+  uint8_t *replace = (uint8_t *)calloc((size_t)plain->element_count, 1);
+  for (int32_t e = 0; e < plain->element_count; e++) {
+    region[e] = e % 3 == 0 ? -5 : 9;
+    replace[e] = e < plain->element_count / 2;
+  }
+  check_ok(context, bw_mesh_copy(context, 1, plain->node_count, plain->node, plain->element_count,
+                                 plain->element, region, &mesh));
+  for (int i = 0; i < 2; i++) {
+    int32_t *element_from;
+    check_ok(context,
+             bw_mesh_refill(context, mesh, mesh->node, replace, &made[i], NULL, &element_from));
+    for (int32_t e = 0; e < made[i]->element_count; e++)
+      assert_int_equal(made[i]->region[e], element_from[e] < 0 ? 9 : region[element_from[e]]);
+    bw_free(element_from);
+  }
+  assert_int_equal(made[0]->element_count, made[1]->element_count);
+  assert_int_equal(made[0]->node_count, made[1]->node_count);
+  assert_memory_equal(made[0]->node, made[1]->node, 24 * (size_t)made[0]->node_count);
+  assert_memory_equal(made[0]->element, made[1]->element, 16 * (size_t)made[0]->element_count);
+  free(region), free(replace);
+  bw_release(made[0]);
+  bw_release(made[1]);
+  bw_release(mesh);
+  bw_release(plain);
+}
+
+static void test_cancel(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box(context, 4, 8, 3, 3, 1), *made;
+  uint8_t *one = (uint8_t *)malloc((size_t)mesh->element_count);
+  double *node = copy_nodes(context, mesh);
+  memset(one, 1, (size_t)mesh->element_count);
+  push_inner(mesh, node, 2);
+  bw_mend_report report;
+  bw_cancel(context);
+  check_fails(context, BW_CANCELLED, "", bw_mesh_relax(context, mesh, one, node, &report));
+  check_fails(context, BW_CANCELLED, "",
+              bw_mesh_refill(context, mesh, mesh->node, one, &made, NULL, NULL));
+  bw_clear_cancel(context);
+  free(one);
+  bw_free(node);
+  bw_release(mesh);
+}
+
+static void test_allocation_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = box(context, 4, 8, 3, 3, 2);
+  uint8_t *replace = (uint8_t *)malloc((size_t)mesh->element_count);
+  uint8_t *may = (uint8_t *)malloc((size_t)mesh->node_count);
+  memset(may, 1, (size_t)mesh->node_count);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    replace[e] = e % (mesh->element_count / 2) < mesh->element_count / 8;
+  double *node = copy_nodes(context, mesh), *tangled = copy_nodes(context, mesh);
+  push_inner(mesh, tangled, 1);
+  bw_status status = BW_MEMORY;
+  for (int64_t n = 1; status != BW_OK; n++) {
+    bw_mend_report report;
+    memcpy(node, tangled, 24 * (size_t)mesh->node_count);
+    bw_fail_allocation(n, true);
+    status = bw_mesh_relax(context, mesh, may, node, &report);
+    bw_fail_allocation(0, false);
+    assert_true(status == BW_OK || status == BW_MEMORY);
+    assert_true(status == BW_OK || memcmp(node, tangled, 24 * (size_t)mesh->node_count) == 0);
+  }
+  status = BW_MEMORY;
+  for (int64_t n = 1; status != BW_OK; n++) {
+    bw_mesh *made = NULL;
+    int32_t *node_from = NULL, *element_from = NULL;
+    bw_fail_allocation(n, true);
+    status = bw_mesh_refill(context, mesh, mesh->node, replace, &made, &node_from, &element_from);
+    bw_fail_allocation(0, false);
+    if (status != BW_OK && status != BW_MEMORY)
+      fail_msg("allocation %d: %s", (int)n, bw_message(context));
+    assert_true((status == BW_OK) == (made != NULL) && (status == BW_OK) == (node_from != NULL));
+    bw_free(node_from);
+    bw_free(element_from);
+    bw_release(made);
+  }
+  free(replace), free(may);
+  bw_free(node);
+  bw_free(tangled);
+  bw_release(mesh);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_quality), check_test(test_pushed_nodes), check_test(test_stays_local),
-      check_test(test_dent),          check_test(test_refusals),     check_test(test_bent_bar),
+      cmocka_unit_test(test_quality), check_test(test_pushed_nodes),
+      check_test(test_stays_local),   check_test(test_dent),
+      check_test(test_refusals),      check_test(test_bent_bar),
+      check_test(test_pieces),        check_test(test_regions),
+      check_test(test_cancel),        check_test(test_allocation_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
