@@ -145,6 +145,10 @@ bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
                                  const bw_skeleton *skeleton, int32_t count, const int32_t *bone_of,
                                  const int32_t *element_domain, bw_domains **domains);
 
+/* Whether the invariants hold, for tests and debuggers: BW_INVALID or BW_INTERNAL names the first
+ * element or node where they do not. */
+bw_status bw_domains_check(bw_context *context, const bw_domains *domains);
+
 /* ---- poses ----------------------------------------------------------------------------------- */
 
 /* What an edit does to one bone, relative to rest: about its head, in its rest frame. A bone takes

@@ -1,0 +1,313 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw_domains as an object: numbering, neighbours, interfaces, from labels that fulfil the
+ * invariants. */
+#include "shape/domains_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void domains_destroy(void *object) {
+  bw_domains *d = object;
+  bw_release(d->mesh);
+  bw_release(d->skeleton);
+  bw_free(d->element_domain);
+  bw_free(d->elements);
+  bw_free(d->bone_of);
+  bw_free(d->bone_start);
+  bw_free(d->bone);
+  bw_free(d->adjacent_start);
+  bw_free(d->adjacent);
+  bw_free(d->node_domain);
+  bw_free(d->interface);
+  bw_free(d->influence_start);
+  bw_free(d->influence_bone);
+  bw_free(d->influence_weight);
+  bw_free(d);
+}
+
+static size_t domains_bytes(const void *object) {
+  const bw_domains *d = object;
+  size_t n = (size_t)d->mesh->node_count, count = (size_t)d->count;
+  size_t influences = (size_t)d->influence_start[n];
+  return sizeof *d + (size_t)d->mesh->element_count * 4 + count * 8 + (count + 1) * 8 +
+         (size_t)d->bone_start[count] * 4 + (size_t)d->adjacent_start[count] * 4 + n * 5 +
+         (n + 1) * 8 + influences * 12;
+}
+
+static const bw_kind domains_kind = {"domains", domains_destroy, domains_bytes};
+
+static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
+  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+}
+
+/* ---- groups ---------------------------------------------------------------------------------- */
+
+int32_t bwi_group_find(int32_t *group, int32_t i) {
+  while (group[i] != i)
+    i = group[i] = group[group[i]];
+  return i;
+}
+
+void bwi_group_join(int32_t *group, int32_t a, int32_t b) {
+  a = bwi_group_find(group, a);
+  b = bwi_group_find(group, b);
+  if (a < b)
+    group[b] = a;
+  else
+    group[a] = b;
+}
+
+bw_status bwi_flexible_groups(bw_context *context, const bw_mesh *mesh, const int32_t *bone,
+                              int32_t *group) {
+  enum { rigid = -2, unseen = -1 };
+  int32_t *at_node = BW_NEW(context, int32_t, mesh->node_count); /* an element there */
+  if (!at_node)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    at_node[i] = unseen;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    group[e] = e;
+    if (bone[e] >= 0)
+      for (int k = 0; k < mesh->nodes_per_element; k++)
+        at_node[nodes_of(mesh, e)[k]] = rigid;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    if (bone[e] >= 0)
+      continue;
+    for (int k = 0; k < 4; k++) {
+      int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
+      if (other >= 0 && bone[other] < 0)
+        bwi_group_join(group, e, other);
+    }
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t *seen = at_node + nodes_of(mesh, e)[k];
+      if (*seen == unseen)
+        *seen = e;
+      else if (*seen >= 0)
+        bwi_group_join(group, e, *seen);
+    }
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    group[e] = bone[e] >= 0 ? -1 : bwi_group_find(group, e);
+  bw_free(at_node);
+  return BW_OK;
+}
+
+/* ---- the guide ------------------------------------------------------------------------------- */
+
+static double distance_to_bone(const bw_skeleton *skeleton, int32_t b, const double at[3]) {
+  const double *head = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b];
+  const double *tail = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b + 1];
+  double along[3], to[3];
+  for (int k = 0; k < 3; k++) {
+    along[k] = tail[k] - head[k];
+    to[k] = at[k] - head[k];
+  }
+  double t = fmin(fmax(bw_dot(to, along) / bw_dot(along, along), 0), 1);
+  for (int k = 0; k < 3; k++)
+    to[k] -= t * along[k];
+  return bw_norm(to);
+}
+
+void bwi_guide_score(const bwi_guide *guide, const bw_mesh *mesh, const bw_skeleton *skeleton,
+                     int32_t e, double *score) {
+  const int32_t *node = nodes_of(mesh, e);
+  size_t bones = (size_t)skeleton->bone_count;
+  if (guide->weight) {
+    for (int k = 0; k < 4; k++)
+      for (size_t b = 0; b < bones; b++)
+        score[b] += guide->weight[(size_t)node[k] * bones + b];
+  } else if (guide->before) {
+    const bw_domains *d = guide->before;
+    for (int k = 0; k < 4; k++)
+      for (int64_t i = d->influence_start[node[k]]; i < d->influence_start[node[k] + 1]; i++)
+        score[d->influence_bone[i]] += d->influence_weight[i];
+  } else {
+    double middle[3] = {0, 0, 0};
+    for (int k = 0; k < 4; k++)
+      for (int j = 0; j < 3; j++)
+        middle[j] += mesh->node[3 * (size_t)node[k] + (size_t)j] / 4;
+    int32_t nearest = 0;
+    double least = distance_to_bone(skeleton, 0, middle);
+    for (int32_t b = 1; b < skeleton->bone_count; b++) {
+      double distance = distance_to_bone(skeleton, b, middle);
+      if (distance < least) {
+        least = distance;
+        nearest = b;
+      }
+    }
+    score[nearest] += 1;
+  }
+}
+
+int32_t bwi_highest(const double *score, int32_t count) {
+  int32_t at = -1;
+  for (int32_t i = 0; i < count; i++)
+    if (score[i] > (at < 0 ? 0 : score[at]))
+      at = i;
+  return at;
+}
+
+/* ---- nodes and neighbours -------------------------------------------------------------------- */
+
+static bool is_rigid(const bw_domains *d, int32_t domain) {
+  return d->bone_of[domain] >= 0;
+}
+
+/* node_domain and interface. */
+static void place_nodes(bw_domains *d) {
+  const bw_mesh *mesh = d->mesh;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    d->node_domain[i] = -1;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t here = d->element_domain[e];
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k], there = d->node_domain[i];
+      if (there >= 0 && there != here)
+        d->interface[i] = 1;
+      if (there < 0 || (is_rigid(d, here) && !is_rigid(d, there)))
+        d->node_domain[i] = here;
+    }
+  }
+}
+
+static int compare_keys(const void *a, const void *b) {
+  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+  return (x > y) - (x < y);
+}
+
+static size_t sort_unique(int64_t *key, size_t count) {
+  if (count == 0)
+    return 0;
+  qsort(key, count, sizeof *key, compare_keys);
+  size_t kept = 1;
+  for (size_t i = 1; i < count; i++)
+    if (key[i] != key[kept - 1])
+      key[kept++] = key[i];
+  return kept;
+}
+
+/* Pairs of domains that share a node, from the domains at every interface node. */
+static bw_status find_neighbours(bw_context *context, bw_domains *d) {
+  const bw_mesh *mesh = d->mesh;
+  bw_status status = BW_MEMORY;
+  int64_t *at = NULL, *pair = NULL; /* node * count + domain; domain * count + domain */
+  size_t at_count = 0, at_room = 0, pair_count = 0, pair_room = 0;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k];
+      if (!d->interface[i])
+        continue;
+      if (!bw_grow(context, (void **)&at, &at_room, at_count, 1, sizeof *at))
+        goto done;
+      at[at_count++] = (int64_t)i * d->count + d->element_domain[e];
+    }
+  at_count = sort_unique(at, at_count);
+  for (size_t first = 0, end; first < at_count; first = end) {
+    int64_t node = at[first] / d->count;
+    for (end = first; end < at_count && at[end] / d->count == node; end++)
+      ;
+    for (size_t a = first; a < end; a++)
+      for (size_t b = first; b < end; b++) {
+        if (a == b)
+          continue;
+        if (!bw_grow(context, (void **)&pair, &pair_room, pair_count, 1, sizeof *pair))
+          goto done;
+        pair[pair_count++] = at[a] % d->count * d->count + at[b] % d->count;
+      }
+  }
+  pair_count = sort_unique(pair, pair_count);
+  d->adjacent = BW_NEW(context, int32_t, pair_count);
+  if (!d->adjacent)
+    goto done;
+  for (size_t i = 0; i < pair_count; i++) {
+    d->adjacent[i] = (int32_t)(pair[i] % d->count);
+    d->adjacent_start[pair[i] / d->count + 1]++;
+  }
+  for (int32_t i = 0; i < d->count; i++)
+    d->adjacent_start[i + 1] += d->adjacent_start[i];
+  status = BW_OK;
+done:
+  bw_free(at);
+  bw_free(pair);
+  return status;
+}
+
+/* ---- making ---------------------------------------------------------------------------------- */
+
+bw_status bwi_domains_make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
+                           int32_t count, const int32_t *bone_of, const int32_t *element_domain,
+                           const bwi_guide *guide, bw_domains **domains) {
+  bw_status status = BW_MEMORY;
+  bw_domains *d = BW_NEW0(context, bw_domains, 1);
+  if (!d)
+    return BW_MEMORY;
+  bw_object_init(d, &domains_kind);
+  d->mesh = bw_retain(mesh);
+  d->skeleton = bw_retain(skeleton);
+  d->count = count;
+  d->element_domain = BW_NEW(context, int32_t, mesh->element_count);
+  d->elements = BW_NEW0(context, int32_t, count);
+  d->bone_of = BW_NEW(context, int32_t, count);
+  d->adjacent_start = BW_NEW0(context, int32_t, count + 1);
+  d->node_domain = BW_NEW(context, int32_t, mesh->node_count);
+  d->interface = BW_NEW0(context, uint8_t, mesh->node_count);
+  if (!d->element_domain || !d->elements || !d->bone_of || !d->adjacent_start || !d->node_domain ||
+      !d->interface)
+    goto done;
+  memcpy(d->element_domain, element_domain, (size_t)mesh->element_count * sizeof(int32_t));
+  memcpy(d->bone_of, bone_of, (size_t)count * sizeof(int32_t));
+  for (int32_t i = 0; i < count; i++)
+    d->rigid_count += is_rigid(d, i);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    d->elements[element_domain[e]]++;
+  place_nodes(d);
+  BW_TRY(find_neighbours(context, d));
+  BW_TRY(bwi_domains_blend(context, d, guide));
+  *domains = d;
+  d = NULL;
+done:
+  bw_release(d);
+  return status;
+}
+
+bw_status bwi_domains_from_bones(bw_context *context, const bw_mesh *mesh,
+                                 const bw_skeleton *skeleton, const int32_t *bone,
+                                 const bwi_guide *guide, bw_domains **domains) {
+  bw_status status = BW_MEMORY;
+  int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
+  int32_t *number = BW_NEW(context, int32_t, skeleton->bone_count);
+  int32_t *bone_of = BW_NEW(context, int32_t, (int64_t)mesh->element_count + 1);
+  if (!label || !number || !bone_of)
+    goto done;
+  BW_TRY(bwi_flexible_groups(context, mesh, bone, label));
+  for (int32_t b = 0; b < skeleton->bone_count; b++)
+    number[b] = -1;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (bone[e] >= 0)
+      number[bone[e]] = 0;
+  int32_t count = 0;
+  for (int32_t b = 0; b < skeleton->bone_count; b++)
+    if (number[b] >= 0) {
+      bone_of[count] = b;
+      number[b] = count++;
+    }
+  /* a group is named by its first element, which comes before the others */
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    if (bone[e] >= 0) {
+      label[e] = number[bone[e]];
+    } else if (label[e] == e) {
+      bone_of[count] = -1;
+      label[e] = count++;
+    } else {
+      label[e] = label[label[e]];
+    }
+  }
+  BW_TRY(bwi_domains_make(context, mesh, skeleton, count, bone_of, label, guide, domains));
+done:
+  bw_free(label);
+  bw_free(number);
+  bw_free(bone_of);
+  return status;
+}

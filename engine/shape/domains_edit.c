@@ -1,0 +1,289 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Domains changed by hand or made from labels, and the check of their invariants. */
+#include "shape/domains_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct labels {
+  bw_context *context;
+  const bw_mesh *mesh;
+  const bw_skeleton *skeleton;
+  int32_t count;
+  const int32_t *bone_of, *element_domain;
+} labels;
+
+static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
+  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+}
+
+static const char *bone_name(const labels *l, int32_t domain) {
+  return l->skeleton->bone_name[l->bone_of[domain]].text;
+}
+
+static bw_status fail_at(bw_context *context, int32_t element, int32_t other) {
+  bw_detail_number(context, "element", element);
+  if (other >= 0)
+    bw_detail_number(context, "other", other);
+  return BW_INVALID;
+}
+
+static bw_status check_numbers(const labels *l, bool may_be_empty) {
+  bw_status status = BW_MEMORY;
+  int32_t *elements = BW_NEW0(l->context, int32_t, l->count), before = -1;
+  if (!elements)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < l->count; i++) {
+    int32_t b = l->bone_of[i];
+    if (b < -1 || b >= l->skeleton->bone_count) {
+      status = bw_fail(l->context, BW_INVALID,
+                       "domain %d names bone %d of %d: 1 to %d, or none for type F, is asked for",
+                       i + 1, b + 1, l->skeleton->bone_count, l->skeleton->bone_count);
+      goto done;
+    }
+    if (b >= 0 && b <= before) {
+      status = bw_fail(l->context, BW_INVALID,
+                       "domain %d (bone \"%s\") is out of order: domains of type R come first, by "
+                       "bone, one for each",
+                       i + 1, bone_name(l, i));
+      goto done;
+    }
+    before = b < 0 ? INT32_MAX : b;
+  }
+  for (int32_t e = 0; e < l->mesh->element_count; e++) {
+    int32_t i = l->element_domain[e];
+    if (i < 0 || i >= l->count) {
+      bw_fail(l->context, BW_INVALID, "element %d is in domain %d: there are %d domains", e + 1,
+              i + 1, l->count);
+      status = fail_at(l->context, e, -1);
+      goto done;
+    }
+    elements[i]++;
+  }
+  for (int32_t i = 0; i < l->count && !may_be_empty; i++)
+    if (elements[i] == 0) {
+      status = bw_fail(l->context, BW_INVALID, "domain %d of %d has no element", i + 1, l->count);
+      goto done;
+    }
+  status = BW_OK;
+done:
+  bw_free(elements);
+  return status;
+}
+
+/* Where elements of two domains meet, at least one must be of type R and the other of type F. */
+static bw_status check_meetings(const labels *l) {
+  const bw_mesh *mesh = l->mesh;
+  bw_status status = BW_OK;
+  int32_t *rigid =
+      BW_NEW(l->context, int32_t, mesh->node_count); /* an element of that type, or -1 */
+  int32_t *flexible = BW_NEW(l->context, int32_t, mesh->node_count);
+  if (!rigid || !flexible) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    rigid[i] = flexible[i] = -1;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k], here = l->element_domain[e];
+      if (l->bone_of[here] < 0)
+        continue;
+      if (rigid[i] < 0)
+        rigid[i] = e;
+      int32_t there = l->element_domain[rigid[i]];
+      if (here == there)
+        continue;
+      bw_fail(
+          l->context, BW_INVALID,
+          "element %d of bone \"%s\" and element %d of bone \"%s\" share node %d: elements that "
+          "follow no bone alone (type F) must lie between",
+          rigid[i] + 1, bone_name(l, there), e + 1, bone_name(l, here), i + 1);
+      status = fail_at(l->context, rigid[i], e);
+      goto done;
+    }
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k], here = l->element_domain[e];
+      if (l->bone_of[here] >= 0 || rigid[i] >= 0)
+        continue;
+      if (flexible[i] < 0)
+        flexible[i] = e;
+      if (here == l->element_domain[flexible[i]])
+        continue;
+      bw_fail(l->context, BW_INVALID,
+              "elements %d and %d, of the domains %d and %d of type F, share node %d, which no "
+              "domain of type R has: they must be one domain",
+              flexible[i] + 1, e + 1, l->element_domain[flexible[i]] + 1, here + 1, i + 1);
+      status = fail_at(l->context, flexible[i], e);
+      goto done;
+    }
+done:
+  bw_free(rigid);
+  bw_free(flexible);
+  return status;
+}
+
+/* Every type R domain is connected through faces. The element named is in its smaller part. */
+static bw_status check_connected(const labels *l) {
+  const bw_mesh *mesh = l->mesh;
+  bw_status status = BW_OK;
+  int32_t *group = BW_NEW(l->context, int32_t, mesh->element_count);
+  int32_t *size = BW_NEW0(l->context, int32_t, mesh->element_count);
+  int32_t *largest = BW_NEW(l->context, int32_t, l->count);
+  if (!group || !size || !largest) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    group[e] = e;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < 4; k++) {
+      int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
+      if (other > e && l->element_domain[other] == l->element_domain[e])
+        bwi_group_join(group, e, other);
+    }
+  for (int32_t i = 0; i < l->count; i++)
+    largest[i] = -1;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    size[bwi_group_find(group, e)]++;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t *first = largest + l->element_domain[e];
+    if (size[e] > 0 && (*first < 0 || size[e] > size[*first]))
+      *first = e;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t i = l->element_domain[e], part = bwi_group_find(group, e);
+    if (l->bone_of[i] < 0 || part == largest[i])
+      continue;
+    bw_fail(l->context, BW_INVALID,
+            "the domain of bone \"%s\" falls apart: element %d, in a part of %d elements, is not "
+            "joined through faces to the part of %d",
+            bone_name(l, i), e + 1, size[part], size[largest[i]]);
+    status = fail_at(l->context, e, largest[i]);
+    goto done;
+  }
+done:
+  bw_free(group);
+  bw_free(size);
+  bw_free(largest);
+  return status;
+}
+
+static bw_status check_labels(const labels *l, bool may_be_empty) {
+  bw_status status = check_numbers(l, may_be_empty);
+  if (status == BW_OK)
+    status = check_connected(l);
+  if (status == BW_OK)
+    status = check_meetings(l);
+  return status;
+}
+
+/* ---- changes --------------------------------------------------------------------------------- */
+
+bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int64_t count,
+                            const int32_t *element, int32_t bone, bw_domains **changed) {
+  const bw_mesh *mesh = domains->mesh;
+  const bw_skeleton *skeleton = domains->skeleton;
+  int32_t bones = skeleton->bone_count;
+  if (bone < -1 || bone >= bones)
+    return bw_fail(context, BW_INVALID,
+                   "bone %d of %d: 1 to %d, or none to take elements out, is asked for", bone + 1,
+                   bones, bones);
+  for (int64_t i = 0; i < count; i++)
+    if (element[i] < 0 || element[i] >= mesh->element_count) {
+      bw_fail(context, BW_INVALID, "element %d does not exist: the mesh has %d", element[i] + 1,
+              mesh->element_count);
+      return fail_at(context, element[i], -1);
+    }
+  bw_status status = BW_MEMORY;
+  int32_t *follows = BW_NEW(context, int32_t, mesh->element_count);
+  int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
+  int32_t *bone_of = BW_NEW(context, int32_t, (int64_t)bones + 1);
+  if (!follows || !label || !bone_of)
+    goto done;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    follows[e] = domains->bone_of[domains->element_domain[e]];
+  for (int64_t i = 0; i < count; i++)
+    follows[element[i]] = bone;
+  /* for the check each bone is a label, and all of type F one more */
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    label[e] = follows[e] < 0 ? bones : follows[e];
+  for (int32_t b = 0; b <= bones; b++)
+    bone_of[b] = b < bones ? b : -1;
+  labels l = {context, mesh, skeleton, bones + 1, bone_of, label};
+  BW_TRY(check_labels(&l, true));
+  bwi_guide guide = {NULL, domains};
+  BW_TRY(bwi_domains_from_bones(context, mesh, skeleton, follows, &guide, changed));
+done:
+  bw_free(follows);
+  bw_free(label);
+  bw_free(bone_of);
+  return status;
+}
+
+bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
+                                 const bw_skeleton *skeleton, int32_t count, const int32_t *bone_of,
+                                 const int32_t *element_domain, bw_domains **domains) {
+  if (count < 1)
+    return bw_fail(context, BW_INVALID, "%d domains: at least one is asked for", count);
+  labels l = {context, mesh, skeleton, count, bone_of, element_domain};
+  bw_status status = check_labels(&l, false);
+  if (status != BW_OK)
+    return status;
+  bwi_guide guide = {NULL, NULL};
+  return bwi_domains_make(context, mesh, skeleton, count, bone_of, element_domain, &guide, domains);
+}
+
+/* ---- the check ------------------------------------------------------------------------------- */
+
+static bw_status check_influences(bw_context *context, const bw_domains *d) {
+  const bw_mesh *mesh = d->mesh;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k], domain = d->element_domain[e];
+      int64_t first = d->influence_start[i], end = d->influence_start[i + 1];
+      if (k >= 4) {
+        if (first != end)
+          return bw_fail(context, BW_INTERNAL, "middle node %d has weights of its own", i + 1);
+        continue;
+      }
+      double sum = 0;
+      bool sound = true;
+      for (int64_t j = first; j < end; j++) {
+        bool known = false;
+        for (int32_t b = d->bone_start[domain]; b < d->bone_start[domain + 1]; b++)
+          known |= d->bone[b] == d->influence_bone[j];
+        sound &= known && d->influence_weight[j] > 0;
+        sound &= j == first || d->influence_bone[j] > d->influence_bone[j - 1];
+        sum += d->influence_weight[j];
+      }
+      sound &= fabs(sum - 1) <= 1e-14;
+      if (d->bone_of[domain] >= 0)
+        sound &= end - first == 1 && d->influence_bone[first] == d->bone_of[domain];
+      if (!sound)
+        return bw_fail(context, BW_INTERNAL,
+                       "the bones of node %d in domain %d are not those of the domain, or its %d "
+                       "weights (sum %.17g) are not positive and one together",
+                       i + 1, domain + 1, (int)(end - first), sum);
+    }
+  return BW_OK;
+}
+
+bw_status bw_domains_check(bw_context *context, const bw_domains *domains) {
+  const bw_domains *d = domains;
+  labels l = {context, d->mesh, d->skeleton, d->count, d->bone_of, d->element_domain};
+  bw_status status = check_labels(&l, false);
+  if (status != BW_OK)
+    return status;
+  for (int32_t e = 0; e < d->mesh->element_count; e++)
+    for (int k = 0; k < d->mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(d->mesh, e)[k], here = d->element_domain[e], there = d->node_domain[i];
+      bool rigid = d->bone_of[here] >= 0;
+      if ((rigid && there != here) || (!rigid && d->bone_of[there] < 0 && there != here) ||
+          (there != here && !d->interface[i]))
+        return bw_fail(context, BW_INTERNAL, "node %d of domain %d goes with domain %d", i + 1,
+                       here + 1, there + 1);
+    }
+  return check_influences(context, d);
+}

@@ -1,0 +1,399 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Domains: the invariants hold whatever the weights; blending is harmonic and sums to one; changes
+ * by hand keep the rules or are refused. */
+#include "limbs.h"
+
+static bw_domains *make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
+                        const double *weight, double threshold) {
+  bw_domains *domains;
+  bw_domains_options options = {threshold, NULL};
+  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &domains));
+  check_ok(context, bw_domains_check(context, domains));
+  return domains;
+}
+
+static double middle(const bw_mesh *mesh, int32_t e, int axis) {
+  double sum = 0;
+  for (int k = 0; k < 4; k++)
+    sum += mesh->node[3 * mesh->element[e * mesh->nodes_per_element + k] + axis] / 4;
+  return sum;
+}
+
+/* Three bones along a bar: R F R F R, with F around the joints. */
+static void test_bar(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = limbs_bar(context, order, 4);
+    bw_skeleton *skeleton = limbs_bar_bones(context);
+    double *weight = limbs_weights(mesh, skeleton, 20);
+    bw_domains *d = make(context, mesh, skeleton, weight, 0.95);
+    assert_int_equal(d->count, 5);
+    assert_int_equal(d->rigid_count, 3);
+    for (int b = 0; b < 3; b++)
+      assert_int_equal(d->bone_of[b], b);
+    for (int32_t e = 0; e < mesh->element_count; e++) {
+      double x = middle(mesh, e, 0);
+      if (fabs(x - 1) < 0.05)
+        assert_int_equal(d->element_domain[e], 3);
+      if (fabs(x - 1.5) < 0.2)
+        assert_int_equal(d->element_domain[e], 1);
+      if (x > 2.5)
+        assert_int_equal(d->element_domain[e], 2);
+    }
+    /* neighbours along the chain, bones of the blended ones */
+    const int32_t neighbours[5] = {1, 2, 1, 2, 2};
+    for (int i = 0; i < 5; i++)
+      assert_int_equal(d->adjacent_start[i + 1] - d->adjacent_start[i], neighbours[i]);
+    assert_int_equal(d->adjacent[d->adjacent_start[3]], 0);
+    assert_int_equal(d->adjacent[d->adjacent_start[3] + 1], 1);
+    assert_int_equal(d->bone_start[4] - d->bone_start[3], 2);
+    assert_int_equal(d->bone[d->bone_start[4]], 1);
+    assert_int_equal(d->bone[d->bone_start[4] + 1], 2);
+    assert_null(bw_remark_at(context, 0));
+    assert_true(bw_bytes(d) > sizeof *d);
+    bw_release(d);
+    free(weight);
+    bw_release(mesh);
+    bw_release(skeleton);
+  }
+}
+
+/* A slab of type F between two planes: harmonic weights are linear in x, to rounding. */
+static void test_blend_is_linear(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 2, 4);
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  int32_t *label = calloc((size_t)mesh->element_count, sizeof *label);
+  const int32_t bone_of[4] = {0, 1, 2, -1};
+  const double plane[4] = {0.8, 1.4, 2.0, 2.2}; /* F in [0.8, 1.4]; another in [2.0, 2.2] */
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    double x = middle(mesh, e, 0);
+    label[e] = x < plane[0] ? 0 : x < plane[1] ? 3 : x < plane[2] ? 1 : x < plane[3] ? 3 : 2;
+  }
+  bw_domains *d;
+  check_ok(context, bw_domains_from_labels(context, mesh, skeleton, 4, bone_of, label, &d));
+  check_ok(context, bw_domains_check(context, d));
+  int32_t found = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    double x = mesh->node[3 * i], sum = 0;
+    if (d->influence_start[i] == d->influence_start[i + 1] || x < plane[0] || x > plane[1])
+      continue;
+    double expected = (x - plane[0]) / (plane[1] - plane[0]), weight = 0;
+    for (int64_t k = d->influence_start[i]; k < d->influence_start[i + 1]; k++) {
+      sum += d->influence_weight[k];
+      if (d->influence_bone[k] == 1)
+        weight += d->influence_weight[k];
+      assert_true(d->influence_bone[k] < 2);
+    }
+    check_near(weight, expected, 1e-11);
+    check_near(sum, 1, 1e-15);
+    found++;
+  }
+  assert_true(found > 100);
+  bw_release(d);
+  /* the same elements in another domain would share nodes of no type R domain with them */
+  const int32_t split[5] = {0, 1, 2, -1, -1};
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (label[e] == 3 && middle(mesh, e, 0) < 1.1)
+      label[e] = 4;
+  check_fails(context, BW_INVALID, "must be one domain",
+              bw_domains_from_labels(context, mesh, skeleton, 5, split, label, &d));
+  free(label);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+/* Random weights on a cross, thresholds from loose to strict: the invariants hold. Many bones touch
+ * and fall apart here. */
+static void test_random_weights(void **state) {
+  bw_context *context = check_context(state);
+  bw_random random;
+  bw_random_seed(&random, 7);
+  bw_skeleton *skeleton = limbs_cross_bones(context);
+  int32_t meetings = 0;
+  for (int round = 0; round < 40; round++) {
+    bw_mesh *mesh = limbs_cross(context, 1 + round % 2);
+    double *weight = limbs_weights(mesh, skeleton, 1 + 10 * bw_random_uniform(&random));
+    double noise = 2 * bw_random_uniform(&random),
+           threshold = 0.3 + 0.68 * bw_random_uniform(&random);
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+      double sum = 0, *w = weight + 4 * i;
+      for (int b = 0; b < 4; b++)
+        sum += w[b] *= exp(noise * bw_random_normal(&random));
+      for (int b = 0; b < 4; b++)
+        w[b] /= sum;
+    }
+    bw_domains *d = make(context, mesh, skeleton, weight, threshold);
+    for (int32_t i = 0; i < mesh->node_count; i++)
+      meetings += d->interface[i];
+    /* every bone below the threshold everywhere is told of */
+    int remarks = 0;
+    while (bw_remark_at(context, remarks))
+      remarks++;
+    assert_int_equal(remarks, 4 - d->rigid_count);
+    bw_clear_remarks(context);
+    bw_release(d);
+    free(weight);
+    bw_release(mesh);
+  }
+  assert_true(meetings > 1000);
+  bw_release(skeleton);
+}
+
+/* Bodies apart from each other, and bones whose weights are high nowhere. */
+static void test_what_no_bone_claims(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *box, *mesh;
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  const double low[3] = {0, 0, 0}, high[3] = {3, 0.5, 0.5};
+  const int cells[3] = {12, 2, 2};
+  check_ok(context, bw_mesh_box_grid(context, low, high, cells, 1, &box));
+  uint8_t *keep = calloc((size_t)box->element_count, 1);
+  for (int32_t e = 0; e < box->element_count; e++)
+    keep[e] = middle(box, e, 0) < 1 || middle(box, e, 0) > 2;
+  check_ok(context, bw_mesh_subset(context, box, keep, &mesh));
+  assert_int_equal(mesh->component_count, 2);
+  double *weight = calloc((size_t)mesh->node_count * 3, sizeof *weight);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    bool left = mesh->node[3 * i] < 1.5;
+    weight[3 * i] = left ? 1 : 0;
+    weight[3 * i + 1] = left ? 0 : 0.4;
+    weight[3 * i + 2] = left ? 0 : 0.6;
+  }
+  /* the right body becomes the domain of its best bone */
+  bw_domains *d = make(context, mesh, skeleton, weight, 0.95), *changed;
+  assert_int_equal(d->count, 2);
+  assert_int_equal(d->bone_of[1], 2);
+  assert_non_null(strstr(bw_remark_at(context, 0), "bone 2"));
+  assert_non_null(strstr(bw_remark_at(context, 0), "0.4"));
+  /* taken out by hand, it still follows that bone as a whole */
+  int32_t count = 0, *element = malloc((size_t)mesh->element_count * sizeof *element);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (d->element_domain[e] == 1)
+      element[count++] = e;
+  check_ok(context, bw_domains_assign(context, d, count, element, -1, &changed));
+  check_ok(context, bw_domains_check(context, changed));
+  assert_int_equal(changed->count, 2);
+  assert_int_equal(changed->bone_of[1], -1);
+  assert_int_equal(changed->bone[changed->bone_start[1]], 2);
+  bw_release(d);
+  bw_release(changed);
+  /* and when that bone has a domain already, it follows it with weight one */
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    bool left = mesh->node[3 * i] < 1.5;
+    weight[3 * i] = left ? 1 : 0.7;
+    weight[3 * i + 1] = left ? 0 : 0.3;
+    weight[3 * i + 2] = 0;
+  }
+  d = make(context, mesh, skeleton, weight, 0.95);
+  assert_int_equal(d->rigid_count, 1);
+  assert_int_equal(d->count, 2);
+  assert_int_equal(d->bone[d->bone_start[1]], 0);
+  bw_release(d);
+  free(element);
+  free(weight);
+  free(keep);
+  bw_release(box);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+/* An island of low weights inside one bone's elements joins them: it would follow it anyway. */
+static void test_island(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 1, 4);
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  double *weight = limbs_weights(mesh, skeleton, 20);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (fabs(mesh->node[3 * i] - 2.6) < 0.01 && fabs(mesh->node[3 * i + 1]) < 0.01) {
+      weight[3 * i + 1] = 0.3;
+      weight[3 * i + 2] = 0.7;
+      weight[3 * i] = 0;
+    }
+  bw_domains *d = make(context, mesh, skeleton, weight, 0.95);
+  assert_int_equal(d->count, 5);
+  bw_release(d);
+  free(weight);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+static void test_thresholds(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 1, 4);
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  double *weight = limbs_weights(mesh, skeleton, 20);
+  const double own[3] = {0, 0.999, 0};
+  bw_domains_options options = {0.95, own};
+  bw_domains *usual = make(context, mesh, skeleton, weight, 0.95), *strict, *none;
+  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &strict));
+  check_ok(context, bw_domains_check(context, strict));
+  assert_true(strict->elements[1] < usual->elements[1]);
+  assert_int_equal(strict->elements[0], usual->elements[0]);
+  options.threshold = 1.5;
+  check_fails(context, BW_INVALID, "1.5",
+              bw_domains_create(context, mesh, skeleton, weight, &options, &none));
+  weight[3 * 17] += 0.5;
+  check_fails(context, BW_INVALID, "node 18",
+              bw_domains_create(context, mesh, skeleton, weight, NULL, &none));
+  weight[3 * 17] = NAN;
+  check_fails(context, BW_INVALID, "node 18",
+              bw_domains_create(context, mesh, skeleton, weight, NULL, &none));
+  bw_release(usual);
+  bw_release(strict);
+  free(weight);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+static void test_assign(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 1, 4);
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  double *weight = limbs_weights(mesh, skeleton, 20);
+  bw_domains *d = make(context, mesh, skeleton, weight, 0.95), *changed = NULL, *back;
+  int32_t *element = malloc((size_t)mesh->element_count * sizeof *element), count = 0;
+  /* elements next to bone 1's domain join it and leave it again */
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    bool near = false;
+    for (int k = 0; k < 4; k++) {
+      int32_t other = mesh->neighbour[4 * e + k];
+      near |= other >= 0 && d->element_domain[other] == 0;
+    }
+    if (d->element_domain[e] == 3 && near && count < 5)
+      element[count++] = e;
+  }
+  assert_int_equal(count, 5);
+  check_ok(context, bw_domains_assign(context, d, count, element, 0, &changed));
+  check_ok(context, bw_domains_check(context, changed));
+  assert_int_equal(changed->elements[0], d->elements[0] + 5);
+  check_ok(context, bw_domains_assign(context, changed, count, element, -1, &back));
+  assert_memory_equal(back->element_domain, d->element_domain,
+                      (size_t)mesh->element_count * sizeof(int32_t));
+  assert_memory_equal(back->influence_weight, d->influence_weight,
+                      (size_t)d->influence_start[mesh->node_count] * sizeof(double));
+  bw_release(back);
+  bw_release(changed);
+  /* an island, a cut, a touch, a number that is not there */
+  count = 0;
+  for (int32_t e = 0; e < mesh->element_count && !count; e++)
+    if (fabs(middle(mesh, e, 0) - 2) < 0.06)
+      element[count++] = e;
+  check_fails(context, BW_INVALID, "falls apart",
+              bw_domains_assign(context, d, count, element, 0, &changed));
+  const char *key, *text;
+  double number;
+  assert_true(bw_detail(context, 0, &key, &number, &text));
+  assert_string_equal(key, "element");
+  assert_true((int32_t)number == element[0]);
+  count = 0;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (fabs(middle(mesh, e, 0) - 1.5) < 0.06)
+      element[count++] = e;
+  check_fails(context, BW_INVALID, "falls apart",
+              bw_domains_assign(context, d, count, element, -1, &changed));
+  count = 0;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (d->element_domain[e] == 3)
+      element[count++] = e;
+  check_fails(context, BW_INVALID, "share node",
+              bw_domains_assign(context, d, count, element, 0, &changed));
+  element[0] = mesh->element_count;
+  check_fails(context, BW_INVALID, "does not exist",
+              bw_domains_assign(context, d, 1, element, 0, &changed));
+  check_fails(context, BW_INVALID, "bone 4 of 3",
+              bw_domains_assign(context, d, 0, element, 3, &changed));
+  bw_release(d);
+  free(element);
+  free(weight);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+static void test_labels(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_cross(context, 2);
+  bw_skeleton *skeleton = limbs_cross_bones(context);
+  double *weight = limbs_weights(mesh, skeleton, 20);
+  bw_domains *d = make(context, mesh, skeleton, weight, 0.9), *again;
+  assert_int_equal(d->rigid_count, 4);
+  assert_int_equal(d->count, 5);
+  assert_int_equal(d->bone_start[5] - d->bone_start[4], 4);
+  check_ok(context, bw_domains_from_labels(context, mesh, skeleton, d->count, d->bone_of,
+                                           d->element_domain, &again));
+  assert_memory_equal(again->node_domain, d->node_domain, (size_t)mesh->node_count * 4);
+  assert_memory_equal(again->influence_weight, d->influence_weight,
+                      (size_t)d->influence_start[mesh->node_count] * sizeof(double));
+  bw_release(again);
+  int32_t wrong[5] = {0, 1, 2, 9, -1};
+  check_fails(context, BW_INVALID, "bone 10 of 4",
+              bw_domains_from_labels(context, mesh, skeleton, 5, wrong, d->element_domain, &again));
+  wrong[3] = 2;
+  check_fails(context, BW_INVALID, "out of order",
+              bw_domains_from_labels(context, mesh, skeleton, 5, wrong, d->element_domain, &again));
+  check_fails(
+      context, BW_INVALID, "there are 4",
+      bw_domains_from_labels(context, mesh, skeleton, 4, d->bone_of, d->element_domain, &again));
+  const int32_t more[6] = {0, 1, 2, 3, -1, -1};
+  check_fails(context, BW_INVALID, "no element",
+              bw_domains_from_labels(context, mesh, skeleton, 6, more, d->element_domain, &again));
+  bw_release(d);
+  free(weight);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+static void test_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 2, 2);
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  double *weight = limbs_weights(mesh, skeleton, 20);
+  bw_domains *d = NULL, *changed = NULL;
+  bw_status status = BW_MEMORY;
+  int64_t blocks = bw_live_blocks();
+  int n;
+  for (n = 1; status == BW_MEMORY && n < 500; n++) {
+    bw_fail_allocation(n, true);
+    status = bw_domains_create(context, mesh, skeleton, weight, NULL, &d);
+    bw_fail_allocation(0, false);
+    if (status != BW_OK)
+      assert_int_equal(bw_live_blocks(), blocks);
+  }
+  check_ok(context, status);
+  assert_true(n > 25);
+  blocks = bw_live_blocks();
+  int32_t element = 0;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (d->element_domain[e] == 2 && middle(mesh, e, 0) > middle(mesh, element, 0))
+      element = e;
+  status = BW_MEMORY;
+  for (n = 1; status == BW_MEMORY && n < 500; n++) {
+    bw_fail_allocation(n, true);
+    status = bw_domains_assign(context, d, 1, &element, -1, &changed);
+    bw_fail_allocation(0, false);
+    if (status != BW_OK)
+      assert_int_equal(bw_live_blocks(), blocks);
+  }
+  check_ok(context, status);
+  check_ok(context, bw_domains_check(context, changed));
+  bw_release(d);
+  bw_release(changed);
+  free(weight);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_bar),
+      check_test(test_blend_is_linear),
+      check_test(test_random_weights),
+      check_test(test_what_no_bone_claims),
+      check_test(test_island),
+      check_test(test_thresholds),
+      check_test(test_assign),
+      check_test(test_labels),
+      check_test(test_memory),
+  };
+  return cmocka_run_group_tests_name("domains", tests, NULL, NULL);
+}
