@@ -60,9 +60,11 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const int32_t *node, double *von_mises, double *gradient);
 
 /* A convex quadratic programme: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
- * NLopt's SLSQP. H n x n positive definite, A m x n. Where no x fulfils A x <= b within the bounds,
- * *violation > 0 is the least that all rows have to give way (in the rows' own scale), and x the
- * point of least objective with it. multiplier (may be NULL): m. */
+ * NLopt's SLSQP. H n x n positive definite, A m x n; bounds may be infinite. Where no x fulfils
+ * A x <= b within the bounds, *violation > 0 is the least v for which A x <= b + v has a solution
+ * (so give the rows a common scale), and x the point of least objective with it; else it is 0.
+ * multiplier (may be NULL): m, of the rows, so that H x + g + A^T multiplier is 0 but for the
+ * bounds. */
 bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, const double *g,
                                  int m, const double *A, const double *b, const double *low,
                                  const double *high, double *x, double *violation,
