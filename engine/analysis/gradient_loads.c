@@ -12,7 +12,7 @@ enum { ROTATING_DEGREE = 4 }; /* adjoint (2), arm (1), and the weight of a corne
 
 typedef struct facet_state {
   const int32_t *node; /* corners, then middles */
-  double x[3][3], a[3], b[3], normal[3], area, unit[3];
+  double x[3][3], a[3], b[3], middle[3], normal[3], area, unit[3];
 } facet_state;
 
 static void facet_load(const bw_mesh *mesh, int32_t facet, facet_state *f) {
@@ -22,6 +22,7 @@ static void facet_load(const bw_mesh *mesh, int32_t facet, facet_state *f) {
   for (int c = 0; c < 3; c++) {
     f->a[c] = f->x[1][c] - f->x[0][c];
     f->b[c] = f->x[2][c] - f->x[0][c];
+    f->middle[c] = (f->x[0][c] + f->x[1][c] + f->x[2][c]) / 3;
   }
   bw_cross(f->a, f->b, f->normal);
   double size = bw_norm(f->normal);
@@ -63,12 +64,15 @@ static void mean_adjoint(const bw_mesh *mesh, const facet_state *f, const double
 /* Traction w x y with y = x - about, w = I^-1 T and I = integral |y|^2 1 - y y^T. With
  * m = integral y x lambda and p = I^-1 m, held,
  *     lambda . f = w . m,   d (lambda . f) = w . dm - w . dI p = d integral phi,
- *     phi(y) = w . (y x lambda) - (y . y)(w . p) + (w . y)(p . y). */
+ *     phi(y) = w . (y x lambda) - (y . y)(w . p) + (w . y)(p . y).
+ * The point goes with the centre of the area (bw_model_moved). */
 typedef struct rotation {
   int points;
   double at[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
   double shape[BW_QUADRATURE_POINTS][6];
   double about[3], w[3], p[3];
+  double area, centre[3]; /* of the selection */
+  double by_about[3];     /* - integral of dphi/dy, summed facet by facet */
 } rotation;
 
 static void point_state(const bw_mesh *mesh, const facet_state *f, const rotation *r, int q,
@@ -85,6 +89,7 @@ static void point_state(const bw_mesh *mesh, const facet_state *f, const rotatio
 static bw_status prepare(bw_context *context, const bw_mesh *mesh, const bw_load *load,
                          const double *adjoint, rotation *r) {
   double inertia[9] = {0}, moment[3] = {0}, inverse[9];
+  memset(r, 0, sizeof *r);
   r->points = bw_triangle_quadrature(ROTATING_DEGREE, r->at, r->weight);
   memcpy(r->about, load->about, sizeof r->about);
   for (int q = 0; q < r->points; q++)
@@ -92,6 +97,9 @@ static bw_status prepare(bw_context *context, const bw_mesh *mesh, const bw_load
   for (int32_t i = 0; i < load->on->facet_count; i++) {
     facet_state f;
     facet_load(mesh, load->on->facet[i], &f);
+    r->area += f.area;
+    for (int c = 0; c < 3; c++)
+      r->centre[c] += f.area * f.middle[c];
     for (int q = 0; q < r->points; q++) {
       double y[3], lambda[3], turn[3], size = r->weight[q] * f.area;
       point_state(mesh, &f, r, q, adjoint, y, lambda);
@@ -108,28 +116,46 @@ static bw_status prepare(bw_context *context, const bw_mesh *mesh, const bw_load
                    "the %d facets that a torque acts on have no lever about its point",
                    load->on->facet_count);
   for (int k = 0; k < 3; k++) {
+    r->centre[k] /= r->area;
     r->w[k] = bw_dot(inverse + 3 * k, load->vector);
     r->p[k] = bw_dot(inverse + 3 * k, moment);
   }
   return BW_OK;
 }
 
-static void add_rotation(const bw_mesh *mesh, const facet_state *f, const rotation *r,
+static void add_rotation(const bw_mesh *mesh, const facet_state *f, rotation *r,
                          const double *adjoint, double *gradient) {
   double mean = 0, wp = bw_dot(r->w, r->p);
   for (int q = 0; q < r->points; q++) {
-    double y[3], lambda[3], turn[3];
+    double y[3], lambda[3], turn[3], size = r->weight[q] * f->area;
     point_state(mesh, f, r, q, adjoint, y, lambda);
     double wy = bw_dot(r->w, y), py = bw_dot(r->p, y);
     bw_cross(lambda, r->w, turn); /* w . (y x lambda) = y . (lambda x w) */
     mean += r->weight[q] * (bw_dot(y, turn) - bw_dot(y, y) * wp + wy * py);
-    for (int k = 0; k < 3; k++)
-      for (size_t c = 0; c < 3; c++)
-        gradient[3 * (size_t)f->node[k] + c] +=
-            r->weight[q] * f->area * r->at[q][k] *
-            (turn[c] - 2 * wp * y[c] + py * r->w[c] + wy * r->p[c]);
+    for (size_t c = 0; c < 3; c++) {
+      double slope = size * (turn[c] - 2 * wp * y[c] + py * r->w[c] + wy * r->p[c]);
+      r->by_about[c] -= slope;
+      for (int k = 0; k < 3; k++)
+        gradient[3 * (size_t)f->node[k] + c] += r->at[q][k] * slope;
+    }
   }
   add_area(f, mean, gradient);
+}
+
+/* The centre of the area moves by sum (S (dx0 + dx1 + dx2) / 3 + (middle - centre) dS) / area. */
+static void add_centre(const bw_mesh *mesh, const bw_load *load, const rotation *r,
+                       double *gradient) {
+  for (int32_t i = 0; i < load->on->facet_count; i++) {
+    facet_state f;
+    double arm[3];
+    facet_load(mesh, load->on->facet[i], &f);
+    for (size_t c = 0; c < 3; c++) {
+      arm[c] = f.middle[c] - r->centre[c];
+      for (int k = 0; k < 3; k++)
+        gradient[3 * (size_t)f.node[k] + c] += f.area / (3 * r->area) * r->by_about[c];
+    }
+    add_area(&f, bw_dot(arm, r->by_about) / r->area, gradient);
+  }
 }
 
 /* ---- all loads on facets --------------------------------------------------------------------- */
@@ -180,5 +206,7 @@ bw_status bwi_gradient_surface_load(bw_context *context, const bw_model *model, 
                      (int)load->kind);
     }
   }
+  if (load->kind == BW_LOAD_TORQUE)
+    add_centre(mesh, load, &r, gradient);
   return BW_OK;
 }
