@@ -242,12 +242,16 @@ void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *fie
 void bwi_prescribed_field(const bw_numbering *numbering, double *field);
 /* Same supports: a system made for one numbering serves the other. */
 bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b);
+/* The same elements on the same nodes. */
+bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
 /* Nodes that take part in the order: all those of bodies with free motions (so that the order also
  * serves the matrix without pins), and elsewhere those with an unknown. */
 void bwi_nodes_taking_part(const bw_numbering *numbering, uint8_t *take);
-/* The expanded order for a numbering's unknowns, with what of `old` (may be NULL) fits. */
+/* The expanded order for a numbering's unknowns, with what of `old` (may be NULL) fits. With
+ * element_domain (may be NULL) a new order is made for edits by domains. */
 bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
-                           const bw_numbering *numbering, bwi_symbolic *old,
+                           const bw_numbering *numbering, int32_t domain_count,
+                           const int32_t *element_domain, bwi_symbolic *old,
                            bwi_symbolic **symbolic);
 /* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
 bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,

@@ -1,47 +1,41 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A system that follows edits: made, brought to another shape, factored, solved. */
-#include <math.h>
+/* A system that follows edits: made, and brought to another shape. */
 #include <string.h>
 
 #include "solve/local.h"
 
-void bw_local_options_default(bw_local_options *options) {
-  *options = (bw_local_options){.method = BW_LOCAL_AUTO, .tolerance = 1e-10};
-}
-
-static bw_status options_of(bw_context *context, const bw_local_options *given,
-                            bw_local_options *options) {
-  bw_local_options_default(options);
-  if (given)
-    *options = *given;
-  if (options->tolerance == 0)
-    options->tolerance = 1e-10;
-  if (!(options->tolerance > 0 && options->tolerance < 1))
-    return bw_fail(context, BW_INVALID,
-                   "the tolerance of the iteration is %g; it must be between 0 and 1",
-                   options->tolerance);
-  if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_SCRATCH)
-    return bw_fail(context, BW_INVALID, "there is no method %d", (int)options->method);
-  return BW_OK;
-}
-
 /* ---- the view ------------------------------------------------------------------------------ */
 
+/* What the local system shows as a bw_system: it keeps the stiffness alive that it points into. */
+typedef struct view {
+  bw_system system;
+  const bw_domain_stiffness *stiffness;
+} view;
+
 static void view_destroy(void *object) {
-  bw_system *view = object;
-  bw_release(view->mesh);
-  bw_release(view->material);
-  bw_release(view->numbering);
-  bw_release(view->graph);
-  bw_release(view->factor);
-  bw_free(view->stiffness);
-  bw_free(view->mass);
-  bw_free(view);
+  view *v = object;
+  bw_release(v->system.mesh);
+  bw_release(v->system.material);
+  bw_release(v->system.numbering);
+  bw_release(v->system.graph);
+  bw_release(v->system.factor);
+  bw_release(v->stiffness);
+  bw_free(v->system.mass);
+  bw_free(v);
 }
 
 static const bw_kind view_kind = {"system", view_destroy, NULL};
 
-static bw_status bring_up(bw_context *context, bw_local_system *local, bw_reuse *reuse);
+/* Takes the stiffness over. */
+static void view_stiffness(bw_local_system *local, bw_domain_stiffness *stiffness) {
+  view *v = (view *)local->system;
+  bw_retain(stiffness);
+  bw_release(v->stiffness);
+  v->stiffness = stiffness;
+  v->system.stiffness = stiffness->values;
+  bw_release(local->stiffness);
+  local->stiffness = stiffness;
+}
 
 /* ---- life ---------------------------------------------------------------------------------- */
 
@@ -54,7 +48,11 @@ static void inner_free(bwi_local *inner) {
   bw_free(inner->node_domain);
   bw_free(inner->motion);
   bw_free(inner->frame);
+  bw_free(inner->framed);
   bw_free(inner->touched);
+  bw_free(inner->factored_frame);
+  bw_release(inner->factored);
+  bw_release(inner->reach);
   bw_release(inner->factor);
   bw_free(inner);
 }
@@ -68,32 +66,22 @@ static void local_destroy(void *object) {
 }
 
 void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates) {
-  *factor = bw_bytes(local->inner->factor);
-  *updates = 0;
+  size_t work = 0;
+  *factor = *updates = 0;
+  if (local->inner->factor) {
+    const bwi_symbolic *symbolic = local->inner->factor->symbolic;
+    *factor = (size_t)symbolic->panel[symbolic->order->super_count] * sizeof(double);
+    bwi_factor_kept_bytes(local->inner->factor, updates, &work);
+  }
 }
 
 static size_t local_bytes(const void *object) {
   const bw_local_system *local = object;
-  size_t factor, updates;
-  bw_local_system_memory(local, &factor, &updates);
-  return sizeof *local + bw_bytes(local->stiffness) + bw_bytes(local->system->graph) + factor +
-         updates;
+  return sizeof *local + bw_bytes(local->stiffness) + bw_bytes(local->system->graph) +
+         bw_bytes(local->inner->factor);
 }
 
 static const bw_kind local_kind = {"local system", local_destroy, local_bytes};
-
-bool bwi_local_current(const bw_local_system *local) {
-  const bwi_local *inner = local->inner;
-  bool touched = !inner->factor;
-  for (int32_t d = 0; d < inner->domain_count; d++)
-    touched |= inner->touched[d];
-  return !touched;
-}
-
-static void rest_frame(double frame[9]) {
-  for (int k = 0; k < 9; k++)
-    frame[k] = k % 4 == 0;
-}
 
 static bw_status inner_create(bw_context *context, const bw_model *model, bool material_turns,
                               int32_t domain_count, const int32_t *element_domain,
@@ -111,18 +99,20 @@ static bw_status inner_create(bw_context *context, const bw_model *model, bool m
   inner->node_domain = BW_NEW(context, int32_t, nodes);
   inner->motion = BW_NEW0(context, bw_domain_motion, domains);
   inner->frame = BW_NEW(context, double, 9 * domains);
+  inner->factored_frame = BW_NEW0(context, double, 9 * domains);
+  inner->framed = BW_NEW(context, int32_t, nodes);
   inner->touched = BW_NEW0(context, uint8_t, domains);
+  inner->experience = 1;
   if (!inner->element_domain || !inner->node_domain || !inner->motion || !inner->frame ||
-      !inner->touched) {
+      !inner->factored_frame || !inner->framed || !inner->touched) {
     inner_free(inner);
     return BW_MEMORY;
   }
   memcpy(inner->element_domain, element_domain, elements * sizeof *element_domain);
   memcpy(inner->node_domain, node_domain, nodes * sizeof *node_domain);
   for (size_t d = 0; d < domains; d++) {
-    rest_frame(inner->motion[d].linear);
-    rest_frame(inner->motion[d].frame);
-    rest_frame(inner->frame + 9 * d);
+    bw_domain_motion_rest(&inner->motion[d]);
+    memcpy(inner->frame + 9 * d, inner->motion[d].frame, 9 * sizeof *inner->frame);
   }
   *out = inner;
   return BW_OK;
@@ -145,15 +135,22 @@ static bw_status check_domains(bw_context *context, const bw_mesh *mesh, int32_t
 }
 
 static bw_status view_create(bw_context *context, const bw_model *model, bw_system **out) {
-  bw_system *view = BW_NEW0(context, bw_system, 1);
-  if (!view)
+  view *made = BW_NEW0(context, view, 1);
+  if (!made)
     return BW_MEMORY;
-  bw_object_init(view, &view_kind);
-  view->mesh = bw_retain(model->mesh);
-  view->material = bw_retain(model->material);
-  view->density = model->material->density > 0 ? model->material->density : 1;
-  *out = view;
+  bw_object_init(made, &view_kind);
+  made->system.mesh = bw_retain(model->mesh);
+  made->system.material = bw_retain(model->material);
+  made->system.density = model->material->density > 0 ? model->material->density : 1;
+  *out = &made->system;
   return BW_OK;
+}
+
+/* The domain in whose frame each node's unknowns are taken: rows of supports come first. */
+static void framed_by(const bw_numbering *numbering, int32_t domain_count, int32_t *framed) {
+  int32_t supports = numbering->frame_count - domain_count;
+  for (int32_t i = 0; i < numbering->mesh->node_count; i++)
+    framed[i] = numbering->frame_of[i] >= supports ? numbering->frame_of[i] - supports : -1;
 }
 
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
@@ -162,6 +159,7 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   bw_status status = BW_OK;
   bw_local_system *local = NULL;
   bw_numbering *numbering = NULL;
+  bw_domain_stiffness *stiffness = NULL;
   bool same;
   BW_TRY(check_domains(context, model->mesh, domain_count, element_domain, node_domain));
   local = BW_NEW0(context, bw_local_system, 1);
@@ -171,18 +169,22 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   BW_TRY(view_create(context, model, &local->system));
   BW_TRY(inner_create(context, model, material_turns, domain_count, element_domain, node_domain,
                       &local->inner));
-  bw_system *view = local->system;
-  BW_TRY(bw_numbering_follow(context, model, NULL, domain_count, node_domain, local->inner->frame,
-                             &same, &numbering));
-  view->numbering = numbering;
-  BW_TRY(bw_graph_create(context, model->mesh, &view->graph));
-  view->stiffness = BW_NEW(context, double, 9 * view->graph->pair_count);
-  if (!view->stiffness) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(bw_stiffness(context, view->graph, model->mesh, model->material, view->stiffness));
-  BW_TRY(bring_up(context, local, NULL));
+  bwi_local *inner = local->inner;
+  bw_system *system = local->system;
+  BW_TRY(bw_numbering_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
+                             &numbering));
+  system->numbering = numbering;
+  framed_by(numbering, domain_count, inner->framed);
+  double start = bw_seconds();
+  BW_TRY(bw_graph_create(context, model->mesh, &system->graph));
+  system->times.graph = bw_seconds() - start;
+  start = bw_seconds();
+  BW_TRY(bw_domain_stiffness_create(context, system->graph, model->mesh, model->material,
+                                    material_turns, domain_count, element_domain, inner->framed,
+                                    &stiffness));
+  view_stiffness(local, stiffness);
+  system->times.stiffness = bw_seconds() - start;
+  BW_TRY(bwi_local_factor(context, local, false, NULL));
 done:
   if (status == BW_OK)
     *out = local;
@@ -196,12 +198,7 @@ done:
 static bw_status check_model(bw_context *context, const bw_local_system *local,
                              const bw_model *model) {
   const bw_mesh *mesh = model->mesh, *rest = local->inner->rest->mesh;
-  if (mesh->node_count != rest->node_count || mesh->element_count != rest->element_count ||
-      mesh->order != rest->order ||
-      (mesh->element != rest->element &&
-       memcmp(mesh->element, rest->element,
-              (size_t)rest->element_count * (size_t)rest->nodes_per_element * sizeof(int32_t)) !=
-           0))
+  if (!bwi_same_topology(mesh, rest))
     return bw_fail(context, BW_INVALID,
                    "the edited model has a mesh of %d nodes and %d elements, the system one of %d "
                    "and %d: the elements must be the same",
@@ -212,174 +209,111 @@ static bw_status check_model(bw_context *context, const bw_local_system *local,
   return BW_OK;
 }
 
+/* Domains of the elements around nodes whose support has turned: entries change there although the
+ * domain's own frame does not. */
+static void touch_turned_supports(const bw_numbering *before, const bw_numbering *now,
+                                  int32_t domain_count, const int32_t *element_domain,
+                                  uint8_t *touched) {
+  const bw_mesh *mesh = now->mesh;
+  int32_t old_supports = before->frame_count - domain_count;
+  int32_t supports = now->frame_count - domain_count;
+  for (int64_t e = 0; supports + old_supports > 0 && e < mesh->element_count; e++)
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      int32_t node = mesh->element[e * mesh->nodes_per_element + a];
+      int32_t was = before->frame_of[node], is = now->frame_of[node];
+      bool held = is >= 0 && is < supports, was_held = was >= 0 && was < old_supports;
+      if (held != was_held ||
+          (held && memcmp(before->frame + 9 * (size_t)was, now->frame + 9 * (size_t)is,
+                          9 * sizeof *now->frame) != 0))
+        touched[element_domain[e]] = 1;
+    }
+}
+
 bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
                                  const bw_domain_motion *motion, bw_reuse *reuse) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  bw_system *view = local->system;
-  size_t domains = (size_t)inner->domain_count;
+  bw_system *system = local->system;
+  size_t domains = (size_t)inner->domain_count, nodes = (size_t)inner->rest->mesh->node_count;
   bw_numbering *numbering = NULL;
+  bw_domain_stiffness *anew = NULL;
+  bw_domain_change change;
+  int32_t *framed = NULL;
   bool same;
-  double start = bw_seconds(), *stiffness = NULL;
+  double start = bw_seconds();
   double *frame = BW_NEW(context, double, 9 * domains);
-  if (!frame)
-    return BW_MEMORY;
-  BW_TRY(check_model(context, local, model));
-  for (size_t d = 0; d < domains; d++)
-    memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
-  BW_TRY(bw_numbering_follow(context, model, view->numbering, inner->domain_count,
-                             inner->node_domain, frame, &same, &numbering));
-  stiffness = BW_NEW(context, double, 9 * view->graph->pair_count);
-  if (!stiffness) {
+  uint8_t *touched = BW_NEW0(context, uint8_t, domains);
+  if (!frame || !touched) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_stiffness(context, view->graph, model->mesh, model->material, stiffness));
-
-  /* From here nothing fails. */
-  bw_free(view->stiffness);
-  view->stiffness = stiffness;
-  stiffness = NULL;
-  for (size_t d = 0; d < domains; d++) {
-    inner->touched[d] = 1;
-    inner->motion[d] = motion[d];
+  BW_TRY(check_model(context, local, model));
+  for (size_t d = 0; d < domains; d++)
+    memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
+  BW_TRY(bw_numbering_follow(context, model, system->numbering, inner->domain_count,
+                             inner->node_domain, frame, &same, &numbering));
+  if (same) {
+    touch_turned_supports(system->numbering, numbering, inner->domain_count, inner->element_domain,
+                          touched);
+    BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
+  } else { /* other nodes have directions of their own: what the stiffness knows of them is void */
+    framed = BW_NEW(context, int32_t, nodes);
+    if (!framed) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    framed_by(numbering, inner->domain_count, framed);
+    BW_TRY(bw_domain_stiffness_create(context, system->graph, inner->rest->mesh,
+                                      inner->rest->material, inner->material_turns,
+                                      inner->domain_count, inner->element_domain, framed, &anew));
+    BW_TRY(bw_domain_stiffness_update(context, anew, model->mesh, motion, &change));
   }
-  bw_free(inner->frame);
-  inner->frame = frame;
-  frame = NULL;
+
+  /* From here on nothing fails. */
+  if (same) {
+    for (size_t d = 0; d < domains; d++)
+      touched[d] |= local->stiffness->changed[d];
+  } else {
+    view_stiffness(local, anew);
+    anew = NULL;
+    memcpy(inner->framed, framed, nodes * sizeof *framed);
+    bw_release(inner->factor);
+    inner->factor = NULL;
+    memset(touched, 1, domains);
+  }
+  int32_t count = 0;
+  for (size_t d = 0; d < domains; d++) {
+    count += touched[d];
+    inner->touched[d] |= touched[d];
+  }
+  memcpy(inner->motion, motion, domains * sizeof *motion);
+  memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
+  inner->spent = 0;
   bw_retain(model);
   bw_release(inner->model);
   inner->model = model;
   bw_retain(model->mesh);
-  bw_release(view->mesh);
-  view->mesh = model->mesh;
-  bw_release(view->numbering);
-  view->numbering = numbering;
+  bw_release(system->mesh);
+  system->mesh = model->mesh;
+  bw_release(system->numbering);
+  system->numbering = numbering;
   numbering = NULL;
-  bw_release(view->factor);
-  view->factor = NULL;
+  bw_release(system->factor);
+  system->factor = NULL;
   local->object.revision++;
   if (reuse) {
-    *reuse = (bw_reuse){.pattern = true, .ordering = same};
-    reuse->domains = reuse->domains_touched = inner->domain_count;
+    int32_t left = inner->domain_count - count;
+    *reuse = (bw_reuse){.pattern = true, .ordering = true, .domains = inner->domain_count};
+    reuse->domains_touched = count;
+    reuse->domains_kept = change.kept < left ? change.kept : left;
+    reuse->domains_turned = left - reuse->domains_kept;
     reuse->seconds_stiffness = bw_seconds() - start;
   }
 done:
   bw_free(frame);
-  bw_free(stiffness);
+  bw_free(touched);
+  bw_free(framed);
   bw_release(numbering);
-  return status;
-}
-
-/* ---- the factor ---------------------------------------------------------------------------- */
-
-/* Bring the factor up to date. */
-static bw_status bring_up(bw_context *context, bw_local_system *local, bw_reuse *reuse) {
-  bw_status status = BW_OK;
-  bwi_local *inner = local->inner;
-  bw_system *view = local->system;
-  bwi_symbolic *symbolic = NULL;
-  bwi_factor *factor = NULL;
-  int32_t bad = 0;
-  double start = bw_seconds(), kept = 1;
-  if (!bwi_local_current(local)) {
-    bwi_symbolic *old = inner->factor ? inner->factor->symbolic : NULL;
-    BW_TRY(bwi_symbolic_for(context, view->graph, view->numbering, old, &symbolic));
-    bwi_matrix matrix = {
-        .graph = view->graph, .stiffness = view->stiffness, .numbering = view->numbering};
-    status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
-    if (status == BW_SINGULAR)
-      status = bwi_say_singular(context, view->mesh, bad);
-    if (status != BW_OK)
-      goto done;
-    bw_release(inner->factor);
-    inner->factor = factor;
-    memset(inner->touched, 0, (size_t)inner->domain_count);
-    kept = 0;
-  }
-  if (reuse) {
-    reuse->method = BW_LOCAL_REFACTOR;
-    reuse->factor_kept = kept;
-    reuse->seconds_factor += bw_seconds() - start;
-  }
-done:
-  bw_release(symbolic);
-  return status;
-}
-
-bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, bw_reuse *reuse) {
-  bw_status status = BW_OK;
-  bw_system *view = local->system;
-  BW_TRY(bring_up(context, local, reuse));
-  if (view->factor)
-    return BW_OK;
-  int64_t pairs = view->graph->pair_count;
-  if (!view->mass && !(view->mass = BW_NEW(context, double, pairs)))
-    return BW_MEMORY;
-  BW_TRY(bw_mass(context, view->graph, view->mesh, view->mass));
-  for (int64_t k = 0; k < pairs; k++)
-    view->mass[k] *= view->density;
-  view->factor = bw_retain(local->inner->factor);
-done:
-  return status;
-}
-
-/* ---- solving ------------------------------------------------------------------------------- */
-
-bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
-                                const bw_local_options *given, int64_t count, const double *force,
-                                double *displacement, bw_reuse *reuse) {
-  bw_status status = BW_OK;
-  bw_local_options options;
-  BW_TRY(options_of(context, given, &options));
-  BW_TRY(bring_up(context, local, reuse));
-  double start = bw_seconds();
-  const bw_numbering *numbering = local->system->numbering;
-  size_t size = 3 * (size_t)numbering->mesh->node_count;
-  if (force != displacement)
-    memcpy(displacement, force, (size_t)count * size * sizeof(double));
-  BW_TRY(bwi_balance_fields(context, numbering, count, displacement));
-  BW_TRY(bwi_solve_fields(context, local->inner->factor, numbering, count, displacement,
-                          displacement));
-  BW_TRY(bwi_steady_fields(context, numbering, count, displacement));
-  if (reuse)
-    reuse->seconds_solve += bw_seconds() - start;
-done:
-  return status;
-}
-
-typedef struct static_data {
-  bw_local_system *local;
-  const bw_local_options *options;
-  bw_reuse *reuse;
-} static_data;
-
-static bw_status solve_local(bw_context *context, void *data, const double *force,
-                             double *displacement) {
-  static_data *d = data;
-  return bw_local_system_solve(context, d->local, d->options, 1, force, displacement, d->reuse);
-}
-
-bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw_model *model,
-                           const bw_statics_options *statics, const bw_local_options *given,
-                           bw_static **out, bw_reuse *reuse) {
-  bw_status status = BW_OK;
-  bw_static *result = NULL;
-  bw_local_options options;
-  if (model != local->inner->model)
-    return bw_fail(
-        context, BW_INVALID,
-        "the model is not the one that the system last followed: update the system first");
-  BW_TRY(options_of(context, given, &options));
-  const bw_system *view = local->system;
-  BW_TRY(bwi_static_begin(context, model, statics, view->numbering, &result));
-  static_data data = {local, &options, reuse};
-  bwi_static_solver solver = {.solve = solve_local, .data = &data, .refine_to = bwi_refine_to};
-  BW_TRY(bwi_static_solve(context, view->numbering, view->graph, view->stiffness, &solver, result));
-done:
-  if (status == BW_OK)
-    *out = result;
-  else
-    bw_release(result);
+  bw_release(anew);
   return status;
 }

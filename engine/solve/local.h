@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What the files local*.c share: the inside of a system that follows edits.
+/* What the files local*.c and conjugate.c share: the inside of a system that follows edits.
  *
- * Invariants. Numbering and stiffness are of the model last synchronised. The factor is that of the
- * stiffness when it was last brought up to date; since then the domains marked in `touched` have
- * changed in the frames of their nodes, and no others: with no mark it is the factor of the present
- * stiffness, whatever has turned. It is always applied in the present frames. `symbolic` fits the
- * present unknowns; the factor is dropped when they change and when an update of it fails. */
+ * Invariants. Numbering and stiffness are of the model last synchronised. The factor, where there
+ * is one, fits the present unknowns. It is that of the stiffness when it was last brought up to
+ * date; since then the domains marked in `touched` have changed in the frames of their nodes, and
+ * no others: with no mark it is the factor of the present stiffness, whatever has turned. It is
+ * always applied in the present frames. */
 #ifndef BWI_SOLVE_LOCAL_H
 #define BWI_SOLVE_LOCAL_H
 
@@ -17,13 +17,63 @@ typedef struct bwi_local {
   bool material_turns;
   int32_t domain_count;
   int32_t *element_domain, *node_domain;
-  bw_domain_motion *motion; /* since rest */
+  int32_t *framed;          /* node_count: the domain in whose frame a node's unknowns are, or -1 */
+  bw_domain_motion *motion; /* domain_count: since rest */
   double *frame;            /* domain_count x 9: those of `motion` */
-  uint8_t *touched;         /* domain_count */
   bwi_factor *factor;       /* or NULL */
+  bwi_reach *reach;         /* of the factor's symbolic; or NULL */
+  uint8_t *touched;         /* domain_count */
+  const bw_mesh *factored;  /* retained: the shape the factor was last brought up to date with */
+  double *factored_frame;   /* domain_count x 9: and the frames then */
+  /* iterations with the factor as it is */
+  double
+      experience; /* iterations needed over iterations predicted, of the last solve that iterated */
+  int spent;      /* since the last edit */
 } bwi_local;
 
-/* Whether the factor is that of the present stiffness. */
+/* Whether there is a factor that can be used, and whether it is that of the present stiffness. */
+bool bwi_local_usable(const bw_local_system *local);
 bool bwi_local_current(const bw_local_system *local);
+
+/* ---- local_factor.c ------------------------------------------------------------------------ */
+
+/* Bring the factor up to date, all of it where `scratch`. On failure it is not usable. */
+bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scratch,
+                           bw_reuse *reuse);
+
+/* ---- local_predict.c ----------------------------------------------------------------------- */
+
+/* What the two ways to solve would cost, in seconds of the model's machine. */
+typedef struct bwi_local_cost {
+  double refactor, iterate; /* for all right-hand sides */
+  double one_iteration;     /* of all right-hand sides together */
+  double iterations;        /* predicted */
+} bwi_local_cost;
+void bwi_local_predict(const bw_local_system *local, double tolerance, int64_t count,
+                       bwi_local_cost *cost);
+
+/* ---- conjugate.c --------------------------------------------------------------------------- */
+
+typedef struct bwi_conjugate {
+  const bw_graph *graph;
+  const double *stiffness;
+  const bw_numbering *numbering;
+  const bwi_factor *factor; /* the preconditioner */
+  double tolerance;
+  int limit; /* on iterations */
+  /* out */
+  int iterations; /* of the right-hand side that took most */
+  bool converged; /* false: the limit was reached, or the matrix is not positive definite */
+} bwi_conjugate;
+/* K u = f at the unknowns for fields in global directions; u is 0 elsewhere. Not converged is no
+ * failure; `displacement` is then what was reached. The two may not be the same block. */
+bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
+                              const double *force, double *displacement);
+
+/* ---- local_check.c ------------------------------------------------------------------------- */
+
+/* Compare stiffness and solution with those made from scratch: BW_INTERNAL. */
+bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int64_t count,
+                          const double *force, const double *displacement);
 
 #endif

@@ -30,7 +30,7 @@ static size_t system_bytes(const void *object) {
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};
 
-static bool same_topology(const bw_mesh *a, const bw_mesh *b) {
+bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b) {
   return a == b ||
          (a->order == b->order && a->node_count == b->node_count &&
           a->element_count == b->element_count &&
@@ -57,7 +57,8 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
 }
 
 bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
-                           const bw_numbering *numbering, bwi_symbolic *old,
+                           const bw_numbering *numbering, int32_t domain_count,
+                           const int32_t *element_domain, bwi_symbolic *old,
                            bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
   int32_t nodes = graph->node_count;
@@ -72,7 +73,10 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
       goto done;
     }
     order = bw_retain(old->order);
-  } else
+  } else if (element_domain)
+    BW_TRY(bwi_order_create_domains(context, graph, take, numbering->mesh, domain_count,
+                                    element_domain, &order));
+  else
     BW_TRY(bwi_order_create(context, graph, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, numbering->unknown, symbolic));
 done:
@@ -103,7 +107,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
                            bw_system **out) {
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
-  if (numbering->mesh != mesh && !same_topology(numbering->mesh, mesh))
+  if (numbering->mesh != mesh && !bwi_same_topology(numbering->mesh, mesh))
     return bw_fail(context, BW_INVALID, "the numbering belongs to another mesh");
   bw_system *system = BW_NEW0(context, bw_system, 1);
   if (!system)
@@ -113,7 +117,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   system->material = bw_retain(material);
   system->numbering = bw_retain(numbering);
   system->density = material->density > 0 ? material->density : 1;
-  if (previous && !same_topology(previous->mesh, mesh))
+  if (previous && !bwi_same_topology(previous->mesh, mesh))
     previous = NULL;
 
   double start = bw_seconds();
@@ -140,7 +144,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
 
   start = bw_seconds();
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, system->graph, numbering,
+  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL,
                           previous && previous->factor ? previous->factor->symbolic : NULL,
                           &symbolic));
   system->times.order = bw_seconds() - start;

@@ -85,7 +85,7 @@ typedef struct bw_reuse {
   int32_t domains_touched; /* changed: evaluated by polynomials or gathered */
   bw_local_method method;  /* REFACTOR (also where nothing had to be done), ITERATE or SCRATCH */
   double factor_kept;      /* fraction of the factor's work that was not done again */
-  int iterations;          /* of conjugate gradients, of the last right-hand side */
+  int iterations;          /* of conjugate gradients, in all solves since the update */
   double predicted_refactor, predicted_iterate; /* s, of the model's machine */
   double seconds_stiffness, seconds_factor, seconds_solve;
 } bw_reuse;
@@ -100,8 +100,8 @@ void bw_local_options_default(bw_local_options *options);
 
 /* The equations of a body cut into domains, kept up to date through edits of its shape. Mutable:
  * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
- * numbering and stiffness are of the shape last synchronised; its factor is so only after
- * bw_local_system_refactor; neither outlives the next update. */
+ * numbering and stiffness are of the shape last synchronised; factor and mass are so only
+ * after bw_local_system_refactor (NULL, or of no use, otherwise); none outlives the next update. */
 typedef struct bw_local_system {
   bw_object object;
   bw_system *system;

@@ -1,0 +1,205 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Conjugate gradients with a factor of a former matrix as preconditioner, several right-hand sides
+ * side by side: the factor is read once per iteration for all of them, and each has its own
+ * coefficients.
+ *
+ * Invariants: columns 0 .. active - 1 of r, z, p, q belong to right-hand sides that go on; side[k]
+ * says which. All fields are 0 off the unknowns.
+ *
+ * A right-hand side is done when both its residual and its residual measured by the preconditioner
+ * (r . z, which is near the energy of the error) have fallen below the tolerance, each relative to
+ * the load's. The residual is then computed anew from the solution; where rounding has parted the
+ * two, the iteration starts again from there until that no longer helps. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/local.h"
+
+enum { WIDTH = 8, STARTS = 4 };
+
+typedef struct column {
+  int64_t side;
+  double rz;           /* r . z */
+  double load, energy; /* |f|, f . M f at the start */
+  double residual;     /* true, at the last start; relative */
+  int starts;
+} column;
+
+typedef struct iteration {
+  bw_context *context;
+  bwi_conjugate *problem;
+  int64_t size;
+  const double *force;
+  double *solution;
+  double *r, *z, *p, *q;
+  column column[WIDTH];
+  int active;
+} iteration;
+
+static double dot(const double *a, const double *b, int64_t size) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+static void keep_unknowns(const iteration *it, double *field) {
+  bwi_keep_states(it->problem->numbering, 1u << BW_UNKNOWN, field);
+}
+
+static bw_status precondition(iteration *it, int first, int count) {
+  return bwi_solve_fields(it->context, it->problem->factor, it->problem->numbering, count,
+                          it->r + first * it->size, it->z + first * it->size);
+}
+
+static bw_status multiply(iteration *it, int count, const double *x, double *y) {
+  bw_status status =
+      bw_graph_multiply(it->context, it->problem->graph, it->problem->stiffness, 9, 3, count, x, y);
+  for (int k = 0; status == BW_OK && k < count; k++)
+    keep_unknowns(it, y + k * it->size);
+  return status;
+}
+
+/* Take column k out: the last active one moves into its place. */
+static void retire(iteration *it, int k) {
+  int last = --it->active;
+  if (k == last)
+    return;
+  size_t bytes = (size_t)it->size * sizeof(double);
+  double *fields[4] = {it->r, it->z, it->p, it->q};
+  for (int f = 0; f < 4; f++)
+    memcpy(fields[f] + k * it->size, fields[f] + last * it->size, bytes);
+  it->column[k] = it->column[last];
+}
+
+/* Start column k again from the residual of its solution; false when it is done. */
+static bw_status restart(iteration *it, int k, bool *more) {
+  bw_status status = BW_OK;
+  column *c = &it->column[k];
+  double *r = it->r + k * it->size, *z = it->z + k * it->size, *p = it->p + k * it->size;
+  BW_TRY(multiply(it, 1, it->solution + c->side * it->size, it->q + k * it->size));
+  memcpy(r, it->force + c->side * it->size, (size_t)it->size * sizeof *r);
+  keep_unknowns(it, r);
+  for (int64_t i = 0; i < it->size; i++)
+    r[i] -= it->q[k * it->size + i];
+  double residual = sqrt(dot(r, r, it->size)) / c->load;
+  bool helped = residual < 0.5 * c->residual;
+  c->residual = residual;
+  *more = residual > it->problem->tolerance && helped && ++c->starts < STARTS;
+  if (*more) {
+    BW_TRY(precondition(it, k, 1));
+    memcpy(p, z, (size_t)it->size * sizeof *p);
+    c->rz = dot(r, z, it->size);
+  }
+done:
+  return status;
+}
+
+/* r = f, u = 0, z = p = M r; loads that are 0 are done at once. */
+static bw_status begin(iteration *it, int64_t first, int count) {
+  bw_status status = BW_OK;
+  int64_t size = it->size;
+  it->active = 0;
+  for (int64_t side = first; side < first + count; side++) {
+    double *r = it->r + it->active * size;
+    memcpy(r, it->force + side * size, (size_t)size * sizeof *r);
+    keep_unknowns(it, r);
+    memset(it->solution + side * size, 0, (size_t)size * sizeof(double));
+    double load = sqrt(dot(r, r, size));
+    if (load > 0)
+      it->column[it->active++] = (column){.side = side, .load = load, .residual = 1};
+  }
+  if (it->active == 0)
+    return BW_OK;
+  BW_TRY(precondition(it, 0, it->active));
+  memcpy(it->p, it->z, (size_t)it->active * (size_t)size * sizeof(double));
+  for (int k = 0; k < it->active; k++)
+    it->column[k].rz = it->column[k].energy = dot(it->r + k * size, it->z + k * size, size);
+done:
+  return status;
+}
+
+/* One block of right-hand sides. */
+static bw_status run(iteration *it, int64_t first, int count) {
+  bw_status status = BW_OK;
+  bwi_conjugate *problem = it->problem;
+  int64_t size = it->size;
+  int iterations = 0;
+  BW_TRY(begin(it, first, count));
+  while (it->active > 0) {
+    if (iterations >= problem->limit) {
+      problem->converged = false;
+      break;
+    }
+    iterations++;
+    BW_TRY(bw_check_cancel(it->context));
+    BW_TRY(multiply(it, it->active, it->p, it->q));
+    for (int k = 0; k < it->active; k++) {
+      column *c = &it->column[k];
+      double *r = it->r + k * size, *u = it->solution + c->side * size;
+      const double *p = it->p + k * size, *q = it->q + k * size;
+      double curvature = dot(p, q, size), step = c->rz / curvature;
+      if (!(curvature > 0) || !isfinite(step)) {
+        problem->converged = false;
+        goto done;
+      }
+      for (int64_t i = 0; i < size; i++) {
+        u[i] += step * p[i];
+        r[i] -= step * q[i];
+      }
+    }
+    BW_TRY(precondition(it, 0, it->active));
+    for (int k = 0; k < it->active;) {
+      column *c = &it->column[k];
+      const double *r = it->r + k * size, *z = it->z + k * size;
+      double *p = it->p + k * size, rz = dot(r, z, size), limit = problem->tolerance;
+      bool more = true;
+      if (rz <= limit * limit * c->energy && dot(r, r, size) <= limit * limit * c->load * c->load) {
+        BW_TRY(restart(it, k, &more));
+      } else {
+        double turn = rz / c->rz;
+        c->rz = rz;
+        for (int64_t i = 0; i < size; i++)
+          p[i] = z[i] + turn * p[i];
+      }
+      if (more)
+        k++;
+      else
+        retire(it, k);
+    }
+  }
+done:
+  if (iterations > problem->iterations)
+    problem->iterations = iterations;
+  return status;
+}
+
+bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
+                              const double *force, double *displacement) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)problem->numbering->mesh->node_count;
+  int64_t width = count < WIDTH ? count : WIDTH;
+  iteration it = {.context = context,
+                  .problem = problem,
+                  .size = size,
+                  .force = force,
+                  .solution = displacement};
+  problem->iterations = 0;
+  problem->converged = true;
+  it.r = BW_NEW(context, double, width *size);
+  it.z = BW_NEW(context, double, width *size);
+  it.p = BW_NEW(context, double, width *size);
+  it.q = BW_NEW(context, double, width *size);
+  if (!it.r || !it.z || !it.p || !it.q) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t first = 0; first < count && problem->converged; first += WIDTH)
+    BW_TRY(run(&it, first, (int)(count - first < WIDTH ? count - first : WIDTH)));
+done:
+  bw_free(it.r);
+  bw_free(it.z);
+  bw_free(it.p);
+  bw_free(it.q);
+  return status;
+}

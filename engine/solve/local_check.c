@@ -1,0 +1,96 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The debug switch of systems that follow edits: everything again from scratch, and compared. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/local.h"
+
+static const double same_stiffness = 1e-12, same_solution = 1e-8;
+
+static double difference(const double *a, const double *b, int64_t count) {
+  double most = 0, scale = 0;
+  for (int64_t i = 0; i < count; i++) {
+    most = fmax(most, fabs(a[i] - b[i]));
+    scale = fmax(scale, fabs(b[i]));
+  }
+  return scale > 0 ? most / scale : most;
+}
+
+/* The stiffness of the present shape by the way that shares least with the one checked. An
+ * anisotropic material that turns with the domains has only theirs. */
+static bw_status fresh_stiffness(bw_context *context, const bw_local_system *local,
+                                 double **values) {
+  bw_status status = BW_OK;
+  const bwi_local *inner = local->inner;
+  const bw_system *system = local->system;
+  bw_domain_stiffness *domains = NULL;
+  int64_t numbers = 9 * system->graph->pair_count;
+  double *made = BW_NEW(context, double, numbers);
+  if (!made)
+    return BW_MEMORY;
+  if (inner->material_turns && !system->material->isotropic) {
+    BW_TRY(bw_domain_stiffness_create(context, system->graph, inner->rest->mesh, system->material,
+                                      true, inner->domain_count, inner->element_domain,
+                                      inner->framed, &domains));
+    BW_TRY(bw_domain_stiffness_update(context, domains, system->mesh, inner->motion, NULL));
+    memcpy(made, domains->values, (size_t)numbers * sizeof *made);
+  } else
+    BW_TRY(bw_stiffness(context, system->graph, system->mesh, system->material, made));
+  *values = made;
+  made = NULL;
+done:
+  bw_free(made);
+  bw_release(domains);
+  return status;
+}
+
+bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int64_t count,
+                          const double *force, const double *displacement) {
+  bw_status status = BW_OK;
+  const bw_system *system = local->system;
+  const bw_numbering *numbering = system->numbering;
+  int64_t size = 3 * (int64_t)system->mesh->node_count, pairs = system->graph->pair_count;
+  bwi_symbolic *symbolic = NULL;
+  bwi_factor *factor = NULL;
+  double *values = NULL;
+  int32_t bad = 0;
+  double *fresh = BW_NEW(context, double, count *size);
+  if (!fresh)
+    return BW_MEMORY;
+  BW_TRY(fresh_stiffness(context, local, &values));
+  double off = difference(system->stiffness, values, 9 * pairs);
+  if (!(off <= same_stiffness)) {
+    status = bw_fail(context, BW_INTERNAL,
+                     "the stiffness kept through edits differs from that made anew by %.3g of the "
+                     "largest entry (allowed: %g)",
+                     off, same_stiffness);
+    goto done;
+  }
+  bwi_matrix matrix = {.graph = system->graph, .stiffness = values, .numbering = numbering};
+  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL, NULL, &symbolic));
+  status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
+  if (status == BW_SINGULAR)
+    status = bwi_say_singular(context, system->mesh, bad);
+  if (status != BW_OK)
+    goto done;
+  memcpy(fresh, force, (size_t)(count * size) * sizeof *fresh);
+  BW_TRY(bwi_balance_fields(context, numbering, count, fresh));
+  BW_TRY(bwi_solve_fields(context, factor, numbering, count, fresh, fresh));
+  BW_TRY(bwi_steady_fields(context, numbering, count, fresh));
+  for (int64_t k = 0; k < count; k++) {
+    off = difference(displacement + k * size, fresh + k * size, size);
+    if (!(off <= same_solution)) {
+      status = bw_fail(context, BW_INTERNAL,
+                       "the solution for right-hand side %lld differs from that of a factor made "
+                       "anew by %.3g of the largest displacement (allowed: %g)",
+                       (long long)(k + 1), off, same_solution);
+      goto done;
+    }
+  }
+done:
+  bw_free(fresh);
+  bw_free(values);
+  bw_release(symbolic);
+  bw_release(factor);
+  return status;
+}

@@ -1,0 +1,94 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The factor of a system that follows edits: kept, brought up to date in part, made anew where the
+ * unknowns are others or an update failed. */
+#include <string.h>
+
+#include "solve/local.h"
+
+bool bwi_local_usable(const bw_local_system *local) {
+  return local->inner->factor && !bwi_factor_broken(local->inner->factor);
+}
+
+bool bwi_local_current(const bw_local_system *local) {
+  const bwi_local *inner = local->inner;
+  if (!bwi_local_usable(local))
+    return false;
+  for (int32_t d = 0; d < inner->domain_count; d++)
+    if (inner->touched[d])
+      return false;
+  return true;
+}
+
+/* A factor for other unknowns, with what of the old order fits. */
+static bw_status factor_anew(bw_context *context, bw_local_system *local, const bwi_matrix *matrix,
+                             int32_t *bad) {
+  bw_status status = BW_OK;
+  bwi_local *inner = local->inner;
+  bw_solve_times *times = &local->system->times;
+  bwi_symbolic *symbolic = NULL;
+  bwi_reach *reach = NULL;
+  double start = bw_seconds();
+  bw_progress(context, "order", 0);
+  BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->numbering, inner->domain_count,
+                          inner->element_domain,
+                          inner->reach ? (bwi_symbolic *)inner->reach->symbolic : NULL, &symbolic));
+  BW_TRY(bwi_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
+                          inner->element_domain, &reach));
+  bw_release(inner->reach);
+  inner->reach = bw_retain(reach);
+  times->order = bw_seconds() - start;
+  times->factor_entries = symbolic->panel[symbolic->order->super_count];
+  times->factor_flops = symbolic->flops;
+  bw_progress(context, "factor", 0);
+  BW_TRY(bwi_factor_create_kept(context, symbolic, matrix, reach, &inner->factor, bad));
+done:
+  bw_release(symbolic);
+  bw_release(reach);
+  return status;
+}
+
+bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scratch,
+                           bw_reuse *reuse) {
+  bw_status status = BW_OK;
+  bwi_local *inner = local->inner;
+  const bw_system *view = local->system;
+  double start = bw_seconds(), kept = 0;
+  bool current = bwi_local_current(local), whole = scratch || !bwi_local_usable(local);
+  int32_t bad = 0;
+  bwi_matrix matrix = {
+      .graph = view->graph, .stiffness = view->stiffness, .numbering = view->numbering};
+  if (current && !scratch) {
+    if (reuse && reuse->method == BW_LOCAL_AUTO) { /* else it says what an earlier solve did */
+      reuse->method = BW_LOCAL_REFACTOR;
+      reuse->factor_kept = 1;
+    }
+    return BW_OK;
+  }
+  if (inner->factor) {
+    double flops = 0;
+    bw_progress(context, "factor", 0);
+    status = bwi_factor_update(context, inner->factor, &matrix, whole ? NULL : inner->touched,
+                               &flops, &bad);
+    if (inner->factor->symbolic->flops > 0)
+      kept = 1 - flops / inner->factor->symbolic->flops;
+  } else
+    status = factor_anew(context, local, &matrix, &bad);
+  if (status == BW_SINGULAR)
+    status = bwi_say_singular(context, view->mesh, bad);
+  if (status != BW_OK)
+    goto done;
+  memset(inner->touched, 0, (size_t)inner->domain_count);
+  bw_retain(view->mesh);
+  bw_release(inner->factored);
+  inner->factored = view->mesh;
+  memcpy(inner->factored_frame, inner->frame,
+         9 * (size_t)inner->domain_count * sizeof *inner->frame);
+  inner->spent = 0;
+  if (reuse) {
+    reuse->method = whole ? BW_LOCAL_SCRATCH : BW_LOCAL_REFACTOR;
+    reuse->factor_kept = kept;
+    reuse->seconds_factor += bw_seconds() - start;
+  }
+done:
+  return status;
+}

@@ -1,0 +1,81 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What it would cost to bring the factor up to date, and what to iterate with the one there is.
+ *
+ * Costs are operations and bytes, counted, over the rates of one fixed machine, never time
+ * measured: so the same edits take the same way everywhere, run after run. Iterating reads the
+ * factor twice and the stiffness once per iteration; factoring is floating-point work, and reading
+ * and writing what of the factor it concerns.
+ *
+ * How many iterations: let B be an element's affine map from the shape that was factored to the
+ * present one, both seen from the frame of its domain, and e the largest |B - 1| in Frobenius's
+ * norm over the touched domains. Preconditioned by the former matrix, the eigenvalues spread over
+ * about (1 + SPREAD e)^2; the bound of conjugate gradients for that spread is the prediction, times
+ * what the last solve needed over what was predicted for it. A long slender limb has more spread
+ * than that, a stiff block less: hence the experience, and the limit that a solve sets itself. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/local.h"
+
+#define SPREAD 6.0
+/* The model's machine. */
+#define FLOPS_PER_SECOND 40e9
+#define BYTES_PER_SECOND 16e9
+/* Right-hand sides that one pass over the factor serves. */
+enum { SIDES = 8 };
+
+/* Edges from the first corner, seen from the frame: columns of a matrix. */
+static void edges(const bw_mesh *mesh, const int32_t *node, const double *frame, double *out) {
+  const double *x0 = mesh->node + 3 * (size_t)node[0];
+  for (int j = 0; j < 3; j++) {
+    const double *x = mesh->node + 3 * (size_t)node[j + 1];
+    double edge[3] = {x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]};
+    for (int i = 0; i < 3; i++)
+      out[3 * i + j] = bw_dot(frame + 3 * i, edge);
+  }
+}
+
+static double largest_change(const bw_local_system *local) {
+  const bwi_local *inner = local->inner;
+  const bw_mesh *before = inner->factored, *now = inner->model->mesh;
+  double most = 0;
+  for (int32_t e = 0; e < now->element_count; e++) {
+    int32_t domain = inner->element_domain[e];
+    if (!inner->touched[domain])
+      continue;
+    const int32_t *node = now->element + (size_t)e * (size_t)now->nodes_per_element;
+    double from[9], to[9], inverse[9], change = 0;
+    edges(before, node, inner->factored_frame + 9 * (size_t)domain, from);
+    edges(now, node, inner->frame + 9 * (size_t)domain, to);
+    if (bw_inverse3(from, inverse) == 0)
+      continue;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) {
+        double b = -(i == j);
+        for (int k = 0; k < 3; k++)
+          b += to[3 * i + k] * inverse[3 * k + j];
+        change += b * b;
+      }
+    most = fmax(most, change);
+  }
+  return sqrt(most);
+}
+
+void bwi_local_predict(const bw_local_system *local, double tolerance, int64_t count,
+                       bwi_local_cost *cost) {
+  const bwi_local *inner = local->inner;
+  const bwi_symbolic *symbolic = inner->factor->symbolic;
+  double factor_bytes = 8.0 * (double)symbolic->panel[symbolic->order->super_count];
+  double stiffness_bytes = 72.0 * (double)local->system->graph->pair_count;
+  double passes = (double)((count + SIDES - 1) / SIDES);
+  double solve = 2 * factor_bytes / BYTES_PER_SECOND;
+  double flops = bwi_reach_flops(inner->reach, inner->touched);
+  double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
+  cost->refactor =
+      flops / FLOPS_PER_SECOND + 2 * part * factor_bytes / BYTES_PER_SECOND + passes * solve;
+  cost->one_iteration = passes * (solve + stiffness_bytes / BYTES_PER_SECOND);
+  double spread = SPREAD * largest_change(local);
+  cost->iterations =
+      1 + (spread > 0 ? inner->experience * log(2 / tolerance) / log((2 + spread) / spread) : 0);
+  cost->iterate = cost->iterations * cost->one_iteration;
+}
