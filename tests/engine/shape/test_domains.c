@@ -58,14 +58,30 @@ static void test_bar(void **state) {
   }
 }
 
-/* A slab of type F between two planes: harmonic weights are linear in x, to rounding. */
+/* A bar whose cells grow along x and across it. */
+static double along(double u) {
+  return 2.1 * u + 0.9 * u * u;
+}
+
+static void graded(void *data, const double unit[3], double out[3]) {
+  (void)data;
+  out[0] = along(unit[0]);
+  out[1] = 0.4 * unit[1] * unit[1];
+  out[2] = 0.4 * sqrt(unit[2]);
+}
+
+/* A slab of type F between two planes: harmonic weights are linear in x, to rounding, whatever the
+ * sizes of the elements. */
 static void test_blend_is_linear(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_bar(context, 2, 4);
+  bw_mesh *mesh;
+  const int cells[3] = {30, 4, 4};
+  check_ok(context, bw_mesh_mapped_box(context, cells, 1, graded, NULL, &mesh));
   bw_skeleton *skeleton = limbs_bar_bones(context);
   int32_t *label = calloc((size_t)mesh->element_count, sizeof *label);
   const int32_t bone_of[4] = {0, 1, 2, -1};
-  const double plane[4] = {0.8, 1.4, 2.0, 2.2}; /* F in [0.8, 1.4]; another in [2.0, 2.2] */
+  /* F in the first and the third interval */
+  const double plane[4] = {along(0.3), along(0.5), along(0.7), along(0.8)};
   for (int32_t e = 0; e < mesh->element_count; e++) {
     double x = middle(mesh, e, 0);
     label[e] = x < plane[0] ? 0 : x < plane[1] ? 3 : x < plane[2] ? 1 : x < plane[3] ? 3 : 2;
@@ -76,7 +92,8 @@ static void test_blend_is_linear(void **state) {
   int32_t found = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     double x = mesh->node[3 * i], sum = 0;
-    if (d->influence_start[i] == d->influence_start[i + 1] || x < plane[0] || x > plane[1])
+    if (d->influence_start[i] == d->influence_start[i + 1] || x < plane[0] - 1e-9 ||
+        x > plane[1] + 1e-9)
       continue;
     double expected = (x - plane[0]) / (plane[1] - plane[0]), weight = 0;
     for (int64_t k = d->influence_start[i]; k < d->influence_start[i + 1]; k++) {
@@ -94,7 +111,7 @@ static void test_blend_is_linear(void **state) {
   /* the same elements in another domain would share nodes of no type R domain with them */
   const int32_t split[5] = {0, 1, 2, -1, -1};
   for (int32_t e = 0; e < mesh->element_count; e++)
-    if (label[e] == 3 && middle(mesh, e, 0) < 1.1)
+    if (label[e] == 3 && middle(mesh, e, 0) < along(0.4))
       label[e] = 4;
   check_fails(context, BW_INVALID, "must be one domain",
               bw_domains_from_labels(context, mesh, skeleton, 5, split, label, &d));

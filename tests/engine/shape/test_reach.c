@@ -297,6 +297,7 @@ static void test_limits(void **state) {
       }
     check_ok(context, bw_pose_reach(context, s, limit, 1, &target, 0, pose, &report));
     reached += report.reached;
+    assert_true(report.iterations < 20);
     for (int b = 0; b < 3; b++) {
       double q[4], swing, twist;
       bwi_quaternion_of(pose[b].rotation, q);
