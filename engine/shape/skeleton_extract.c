@@ -1,0 +1,446 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Skeletons of surfaces. The surface is brought to a size of one and an even, moderate number of
+ * facets, contracted to a curve in a child process (skeleton_cgal.cpp), and the curve is pruned and
+ * replaced by bones (curve_*.c). Then tips are drawn out to the ends of their limbs, joints that
+ * lie outside are taken in, and joints are numbered from the root outwards. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "mesh/surface_topology.h"
+#include "shape/curve.h"
+#include "shape/internal.h"
+#include "shape/skeleton_cgal.h"
+
+enum {
+  FACETS = 6000,     /* of the remeshed surface */
+  FACETS_LOW = 3000, /* a surface with so many even facets is taken as it is */
+  FACETS_HIGH = 20000,
+  FACETS_MOST = 200000, /* where remeshing fails */
+  MOST_BONES = 500
+};
+
+void bw_skeleton_options_default(bw_skeleton_options *options) {
+  *options = (bw_skeleton_options){.bones = 0, .prune = 1.5, .bend = 0.5, .minutes = 5};
+}
+
+/* ---- the surface ----------------------------------------------------------------------------- */
+
+/* x = scale * (given - origin): a box diagonal of one about the origin. */
+typedef struct frame {
+  double origin[3], scale;
+} frame;
+
+static bw_status to_unit(bw_context *context, const bw_surface *surface, frame *f,
+                         bw_surface **unit) {
+  double low[3], high[3], size;
+  bw_surface_box(surface, low, high);
+  size = hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+  if (!(size > 1e-100))
+    return bw_fail(context, BW_GEOMETRY, "the surface has no size");
+  f->scale = 1 / size;
+  double matrix[12] = {0};
+  for (int k = 0; k < 3; k++) {
+    f->origin[k] = 0.5 * (low[k] + high[k]);
+    matrix[5 * k] = f->scale;
+    matrix[4 * k + 3] = -f->scale * f->origin[k];
+  }
+  return bw_surface_transform(context, surface, matrix, unit);
+}
+
+static bool even_facets(const bw_surface *surface) {
+  if (surface->triangle_count < FACETS_LOW || surface->triangle_count > FACETS_HIGH)
+    return false;
+  double most = 2.5 * sqrt(4 / sqrt(3.) * bw_surface_area(surface) / FACETS);
+  for (int64_t i = 0; i < 3 * (int64_t)surface->triangle_count; i++) {
+    int32_t a = surface->triangle[i], b = surface->triangle[i % 3 == 2 ? i - 2 : i + 1];
+    if (bwi_gap(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b) > most)
+      return false;
+  }
+  return true;
+}
+
+/* Creases do not matter here, and keeping them costs facets; where that fails, with creases. */
+static bw_status make_even(bw_context *context, const bw_surface *surface, bw_surface **even) {
+  bw_remesh_options options;
+  bw_remesh_options_default(&options);
+  options.triangles = FACETS;
+  options.iterations = 3;
+  if (even_facets(surface)) {
+    *even = bw_retain(surface);
+    return BW_OK;
+  }
+  double plain = options.sharp_angle;
+  options.sharp_angle = 1.2;
+  bw_status status = bw_surface_remesh(context, surface, &options, even, NULL);
+  if (status == BW_GEOMETRY) {
+    options.sharp_angle = plain;
+    status = bw_surface_remesh(context, surface, &options, even, NULL);
+  }
+  if (status == BW_GEOMETRY && surface->triangle_count <= FACETS_MOST) {
+    *even = bw_retain(surface);
+    status = BW_OK;
+  }
+  return status;
+}
+
+/* Welded, closed, manifold, outwards, one shell: repaired where it must be. */
+static bw_status make_sound(bw_context *context, const bw_surface *surface, bw_surface **sound) {
+  bw_status status = BW_OK;
+  bw_surface_report report = {0};
+  bw_surface *welded = NULL, *repaired = NULL;
+  bw_shape_log log = {0};
+  BW_TRY(bw_surface_weld(context, surface, 0, &welded));
+  BW_TRY(bw_surface_check(context, welded, 0, &report));
+  if (!report.closed || !report.oriented || report.count[BW_DEFECT_NONMANIFOLD_EDGE] ||
+      report.count[BW_DEFECT_NONMANIFOLD_POINT] || report.count[BW_DEFECT_DUPLICATE_FACET] ||
+      report.count[BW_DEFECT_ZERO_AREA]) {
+    BW_TRY(bw_surface_repair(context, welded, NULL, &repaired, &log));
+    bw_remark(context, "the skeleton is that of the repaired surface (moved by up to %g m)",
+              log.moved);
+    bw_surface_report_clear(&report);
+    BW_TRY(bw_surface_check(context, repaired, 0, &report));
+  }
+  if (report.shells > 1) {
+    status = bw_fail(context, BW_GEOMETRY,
+                     "the surface has %lld separate shells: a skeleton is that of one body without "
+                     "cavities; take the outer shell of one body",
+                     (long long)report.shells);
+    bw_detail_number(context, "shells", (double)report.shells);
+    goto done;
+  }
+  *sound = bw_retain(repaired ? repaired : welded);
+done:
+  bw_surface_report_clear(&report);
+  bw_release(welded);
+  bw_release(repaired);
+  return status;
+}
+
+/* ---- the curve ------------------------------------------------------------------------------- */
+
+static bw_status contract(bw_context *context, bw_surface *surface, double minutes,
+                          bwi_curve_graph *graph) {
+  bw_status status = BW_OK;
+  unsigned char *bytes = NULL;
+  size_t count = 0;
+  int64_t head[2] = {-1, -1};
+  bwi_child_limits limits = {60 * minutes, 4e9};
+  BW_TRY(bwi_child_run(context, "contracting the surface to a skeleton", &limits, bwi_cgal_skeleton,
+                       surface, &bytes, &count));
+  if (count >= sizeof head)
+    memcpy(head, bytes, sizeof head);
+  if (head[0] < 0 || head[1] < 0 || head[0] > INT32_MAX / 8 || head[1] > INT32_MAX / 8 ||
+      count != sizeof head + (size_t)head[0] * 4 * sizeof(double) +
+                   (size_t)head[1] * 2 * sizeof(int32_t)) {
+    status = bw_fail(context, BW_INTERNAL, "contracting sent %zu bytes that are no graph", count);
+    goto done;
+  }
+  graph->point_count = (int32_t)head[0];
+  graph->edge_count = (int32_t)head[1];
+  graph->point = BW_NEW(context, double, 4 * head[0]);
+  graph->edge = BW_NEW(context, int32_t, 2 * head[1]);
+  if (!graph->point || !graph->edge) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  size_t points = 4 * (size_t)head[0] * sizeof(double);
+  memcpy(graph->point, bytes + sizeof head, points);
+  memcpy(graph->edge, bytes + sizeof head + points, 2 * (size_t)head[1] * sizeof(int32_t));
+done:
+  bw_free(bytes);
+  return status;
+}
+
+/* ---- inside ---------------------------------------------------------------------------------- */
+
+typedef struct walls {
+  const bw_surface *surface;
+  bwi_topology *topology;
+  bwi_tree *tree;
+} walls;
+
+typedef struct ray {
+  const bw_surface *surface;
+  double from[3], way[3];
+  double t; /* the nearest hit so far, 0 to 1 */
+} ray;
+
+static bool hit(void *data, int32_t facet) {
+  ray *r = data;
+  const int32_t *corner = r->surface->triangle + 3 * (size_t)facet;
+  const double *x[3];
+  double e1[3], e2[3], s[3], p[3], q[3];
+  for (int k = 0; k < 3; k++)
+    x[k] = r->surface->point + 3 * (size_t)corner[k];
+  for (int k = 0; k < 3; k++) {
+    e1[k] = x[1][k] - x[0][k];
+    e2[k] = x[2][k] - x[0][k];
+    s[k] = r->from[k] - x[0][k];
+  }
+  bw_cross(r->way, e2, p);
+  double det = bw_dot(e1, p);
+  if (det == 0)
+    return true;
+  double u = bw_dot(s, p) / det;
+  bw_cross(s, e1, q);
+  double v = bw_dot(r->way, q) / det, t = bw_dot(e2, q) / det;
+  if (u >= -1e-9 && v >= -1e-9 && u + v <= 1 + 2e-9 && t > 1e-9 && t < r->t)
+    r->t = t;
+  return true;
+}
+
+/* How far the wall is along a unit direction; `most` where none is nearer. */
+static double to_wall(const walls *w, const double *from, const double *direction, double most) {
+  ray r = {.surface = w->surface, .t = 1};
+  double to[3];
+  for (int k = 0; k < 3; k++) {
+    r.from[k] = from[k];
+    r.way[k] = most * direction[k];
+    to[k] = from[k] + r.way[k];
+  }
+  bwi_tree_on_segment(w->tree, r.from, to, hit, &r);
+  return r.t * most;
+}
+
+/* The end of a limb: on from the tip, along the way the curve comes, half a radius short of the
+ * wall. */
+static void draw_out(const walls *w, double *tip, const double *before) {
+  double way[3];
+  double length = bwi_gap(tip, before), place[3];
+  int32_t facet;
+  for (int k = 0; k < 3; k++)
+    way[k] = (tip[k] - before[k]) / length;
+  double radius = sqrt(bwi_tree_nearest(w->tree, tip, -1, 0, place, &facet));
+  double far = 6 * fmax(radius, tip[3]);
+  double room = to_wall(w, tip, way, far);
+  if (room >= far)
+    return;
+  double on = room - 0.5 * fmin(radius, room);
+  for (int k = 0; k < 3; k++)
+    tip[k] += on * way[k];
+}
+
+/* A joint outside goes to the middle of the wall that it is nearest to. */
+static bw_status take_in(bw_context *context, const walls *w, double *joint, bool *moved) {
+  bool inside = false, unclear = false;
+  double place[3], normal[3];
+  int32_t facet;
+  bw_status status = bwi_inside(context, w->topology, w->tree, joint, 2, &inside, &unclear);
+  if (status != BW_OK || (inside && !unclear))
+    return status;
+  bwi_tree_nearest(w->tree, joint, -1, 0, place, &facet);
+  if (facet < 0)
+    return BW_OK;
+  const int32_t *corner = w->surface->triangle + 3 * (size_t)facet;
+  const double *x = w->surface->point;
+  double e1[3], e2[3];
+  for (size_t k = 0; k < 3; k++) {
+    e1[k] = x[3 * (size_t)corner[1] + k] - x[3 * (size_t)corner[0] + k];
+    e2[k] = x[3 * (size_t)corner[2] + k] - x[3 * (size_t)corner[0] + k];
+  }
+  bw_cross(e2, e1, normal); /* inwards */
+  double size = bw_norm(normal);
+  if (!(size > 0))
+    return BW_OK;
+  for (int k = 0; k < 3; k++)
+    normal[k] /= size;
+  double depth = to_wall(w, place, normal, 2);
+  for (int k = 0; k < 3; k++)
+    joint[k] = place[k] + 0.5 * depth * normal[k];
+  *moved = true;
+  return BW_OK;
+}
+
+static bw_status settle_joints(bw_context *context, const walls *w, bwi_sketch *sketch) {
+  bw_status status = BW_OK;
+  bool moved = false;
+  for (int32_t b = 0; b < sketch->bone_count; b++)
+    for (size_t e = 0; e < 2; e++) {
+      int32_t tip = sketch->bone[2 * (size_t)b + e], other = sketch->bone[2 * (size_t)b + 1 - e];
+      if (sketch->tip[tip])
+        draw_out(w, sketch->joint + 4 * (size_t)tip, sketch->joint + 4 * (size_t)other);
+    }
+  for (int32_t j = 0; j < sketch->joint_count; j++)
+    BW_TRY(take_in(context, w, sketch->joint + 4 * (size_t)j, &moved));
+done:
+  return status;
+}
+
+/* A body that contracts to a point: one bone along its longest direction. */
+static bw_status one_bone(bw_context *context, const bw_surface *surface, bwi_sketch *sketch) {
+  double mean[3] = {0}, spread[6] = {0}, value[3], axis[9], low = HUGE_VAL, high = -HUGE_VAL;
+  for (int64_t i = 0; i < surface->point_count; i++)
+    for (int k = 0; k < 3; k++)
+      mean[k] += surface->point[3 * i + k] / surface->point_count;
+  static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+  for (int64_t i = 0; i < surface->point_count; i++)
+    for (int c = 0; c < 6; c++)
+      spread[c] += (surface->point[3 * i + pair[c][0]] - mean[pair[c][0]]) *
+                   (surface->point[3 * i + pair[c][1]] - mean[pair[c][1]]);
+  bw_eigen3(spread, value, axis);
+  for (int64_t i = 0; i < surface->point_count; i++) {
+    double along = 0;
+    for (int k = 0; k < 3; k++)
+      along += (surface->point[3 * i + k] - mean[k]) * axis[k];
+    low = fmin(low, along);
+    high = fmax(high, along);
+  }
+  bwi_sketch_clear(sketch);
+  sketch->joint = BW_NEW0(context, double, 8);
+  sketch->tip = BW_NEW0(context, uint8_t, 2);
+  sketch->bone = BW_NEW(context, int32_t, 2);
+  if (!sketch->joint || !sketch->tip || !sketch->bone)
+    return BW_MEMORY;
+  sketch->joint_count = 2;
+  sketch->bone_count = 1;
+  sketch->bone[0] = 0;
+  sketch->bone[1] = 1;
+  for (size_t k = 0; k < 3; k++) {
+    sketch->joint[k] = mean[k] + 0.5 * low * axis[k];
+    sketch->joint[4 + k] = mean[k] + 0.5 * high * axis[k];
+  }
+  return BW_OK;
+}
+
+/* ---- numbering ------------------------------------------------------------------------------- */
+
+/* Joints numbered from the root outwards, level by level, the longer limb first. */
+static bw_status renumber(bw_context *context, const bw_skeleton *s, bw_skeleton **out) {
+  bw_status status = BW_OK;
+  size_t bones = (size_t)s->bone_count, joints = (size_t)s->joint_count;
+  double *below = BW_NEW0(context, double, bones), *joint = BW_NEW(context, double, 3 * joints);
+  int32_t *order = BW_NEW(context, int32_t, bones), *to = BW_NEW(context, int32_t, joints);
+  int32_t *bone = BW_NEW(context, int32_t, 2 * bones);
+  if (!below || !joint || !order || !to || !bone) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (size_t b = bones; b-- > 0;) {
+    below[b] +=
+        bwi_gap(s->joint + 3 * (size_t)s->bone[2 * b], s->joint + 3 * (size_t)s->bone[2 * b + 1]);
+    if (s->parent[b] >= 0)
+      below[s->parent[b]] += below[b];
+  }
+  size_t count = 0;
+  for (size_t next = 0; next <= count && count < bones; next++) {
+    int32_t parent = next == 0 ? -1 : order[next - 1];
+    size_t first = count;
+    for (size_t b = 0; b < bones; b++) {
+      if (s->parent[b] != parent)
+        continue;
+      size_t at = count++;
+      for (; at > first && below[order[at - 1]] < below[b]; at--)
+        order[at] = order[at - 1];
+      order[at] = (int32_t)b;
+    }
+  }
+  to[s->root] = 0;
+  memcpy(joint, s->joint + 3 * (size_t)s->root, 3 * sizeof *joint);
+  for (size_t i = 0; i < bones; i++) {
+    size_t b = (size_t)order[i];
+    int32_t tail = s->bone[2 * b + 1];
+    to[tail] = (int32_t)i + 1;
+    memcpy(joint + 3 * (i + 1), s->joint + 3 * (size_t)tail, 3 * sizeof *joint);
+    bone[2 * i] = to[s->bone[2 * b]];
+    bone[2 * i + 1] = to[tail];
+  }
+  BW_TRY(
+      bw_skeleton_create(context, s->joint_count, joint, NULL, s->bone_count, bone, NULL, 0, out));
+done:
+  bw_free(below);
+  bw_free(joint);
+  bw_free(order);
+  bw_free(to);
+  bw_free(bone);
+  return status;
+}
+
+static bw_status finish(bw_context *context, const bwi_sketch *sketch, const frame *f,
+                        bw_skeleton **skeleton) {
+  bw_skeleton *first = NULL;
+  double *joint = BW_NEW(context, double, 3 * (size_t)sketch->joint_count);
+  if (!joint)
+    return BW_MEMORY;
+  for (int32_t j = 0; j < sketch->joint_count; j++)
+    for (size_t k = 0; k < 3; k++)
+      joint[3 * (size_t)j + k] = f->origin[k] + sketch->joint[4 * (size_t)j + k] / f->scale;
+  bw_status status = bw_skeleton_create(context, sketch->joint_count, joint, NULL,
+                                        sketch->bone_count, sketch->bone, NULL, -1, &first);
+  bw_free(joint);
+  if (status == BW_OK)
+    status = renumber(context, first, skeleton);
+  bw_release(first);
+  return status;
+}
+
+static void remark_cuts(bw_context *context, const bwi_curve *curve, const frame *f) {
+  for (int32_t i = 0; i < curve->cut_count; i++) {
+    const double *at = curve->cut_at + 3 * (size_t)i;
+    double x[3];
+    for (int k = 0; k < 3; k++)
+      x[k] = f->origin[k] + at[k] / f->scale;
+    if (i < 8)
+      bw_remark(context,
+                "the skeleton has a ring, which was cut open at (%.4g, %.4g, %.4g) m: a skeleton "
+                "is a tree",
+                x[0], x[1], x[2]);
+  }
+  if (curve->cut_count > 8)
+    bw_remark(context, "%d more rings of the skeleton were cut open", curve->cut_count - 8);
+}
+
+/* ---- public ---------------------------------------------------------------------------------- */
+
+static bw_status check_options(bw_context *context, const bw_skeleton_options *o) {
+  if (o->bones < 0 || o->bones > MOST_BONES || !(o->prune >= 0) || !(o->bend > 0) ||
+      !(o->minutes > 0))
+    return bw_fail(context, BW_INVALID,
+                   "options of a skeleton: bones %d (0 to %d), prune %g (at least 0), bend %g "
+                   "(above 0), minutes %g (above 0)",
+                   o->bones, MOST_BONES, o->prune, o->bend, o->minutes);
+  return BW_OK;
+}
+
+bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
+                              const bw_skeleton_options *given, bw_skeleton **skeleton) {
+  bw_status status = BW_OK;
+  bw_skeleton_options options;
+  bw_surface *sound = NULL, *unit = NULL, *even = NULL;
+  bwi_curve_graph graph = {0};
+  bwi_curve curve = {0};
+  bwi_sketch sketch = {0};
+  walls w = {0};
+  frame f = {{0}, 1};
+  bw_skeleton_options_default(&options);
+  if (given)
+    options = *given;
+  BW_TRY(check_options(context, &options));
+  BW_TRY(make_sound(context, surface, &sound));
+  BW_TRY(to_unit(context, sound, &f, &unit));
+  BW_TRY(make_even(context, unit, &even));
+  BW_TRY(contract(context, even, options.minutes, &graph));
+  BW_TRY(bwi_curve_create(context, &graph, &curve));
+  BW_TRY(bwi_curve_prune(context, &curve, options.prune, options.bones));
+  BW_TRY(bwi_curve_bones(context, &curve, options.bend, options.bones, &sketch));
+  if (sketch.bone_count == 0 || bwi_curve_length(&curve) < 0.02)
+    BW_TRY(one_bone(context, unit, &sketch));
+  w.surface = unit;
+  BW_TRY(bwi_topology_create(context, unit, &w.topology));
+  BW_TRY(
+      bwi_tree_create(context, unit->point, unit->triangle_count, unit->triangle, NULL, &w.tree));
+  BW_TRY(settle_joints(context, &w, &sketch));
+  BW_TRY(finish(context, &sketch, &f, skeleton));
+  remark_cuts(context, &curve, &f);
+done:
+  bwi_tree_free(w.tree);
+  bwi_topology_free(w.topology);
+  bwi_sketch_clear(&sketch);
+  bwi_curve_clear(&curve);
+  bw_free(graph.point);
+  bw_free(graph.edge);
+  bw_release(even);
+  bw_release(unit);
+  bw_release(sound);
+  return status;
+}
