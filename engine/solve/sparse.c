@@ -1,0 +1,142 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Sparse systems given by entries: gathered into rows of the lower triangle, wrapped as a graph
+ * without a mesh, and handed to the ordering and the factor. */
+#include "solve/sparse.h"
+
+#include <string.h>
+
+#include "solve/internal.h"
+
+typedef struct rows {
+  bw_graph graph; /* a view for the ordering and the factor; no object of its own */
+  double *value;
+} rows;
+
+static void rows_clear(rows *r) {
+  bw_free(r->graph.start);
+  bw_free(r->graph.column);
+  bw_free(r->graph.upper_start);
+  bw_free(r->graph.upper_pair);
+  bw_free(r->graph.upper_row);
+  bw_free(r->value);
+}
+
+static void sort_row(int32_t *column, double *value, int64_t count) {
+  for (int64_t i = 1; i < count; i++) {
+    int32_t c = column[i];
+    double v = value[i];
+    int64_t k = i;
+    for (; k > 0 && column[k - 1] > c; k--) {
+      column[k] = column[k - 1];
+      value[k] = value[k - 1];
+    }
+    column[k] = c;
+    value[k] = v;
+  }
+}
+
+/* Entries by row, those of one place added in the order given. */
+static bw_status gather(bw_context *context, int64_t entries, const bwi_entry *entry, rows *r) {
+  bw_status status = BW_OK;
+  int32_t size = r->graph.node_count;
+  int64_t *first = BW_NEW0(context, int64_t, (size_t)size + 2);
+  int64_t *order = BW_NEW(context, int64_t, entries), *seen = BW_NEW(context, int64_t, size);
+  r->graph.start = BW_NEW(context, int64_t, (size_t)size + 1);
+  r->graph.column = BW_NEW(context, int32_t, entries);
+  r->value = BW_NEW(context, double, entries);
+  if (!first || !order || !seen || !r->graph.start || !r->graph.column || !r->value) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t i = 0; i < entries; i++) {
+    int32_t row = entry[i].row > entry[i].column ? entry[i].row : entry[i].column;
+    first[row + 2]++;
+  }
+  for (int32_t i = 0; i < size; i++) {
+    first[i + 2] += first[i + 1];
+    seen[i] = -1;
+  }
+  for (int64_t i = 0; i < entries; i++) {
+    int32_t row = entry[i].row > entry[i].column ? entry[i].row : entry[i].column;
+    order[first[row + 1]++] = i;
+  }
+  int64_t count = 0;
+  for (int32_t row = 0; row < size; row++) {
+    int64_t begin = r->graph.start[row] = count;
+    for (int64_t k = first[row]; k < first[row + 1]; k++) {
+      const bwi_entry *e = &entry[order[k]];
+      int32_t column = e->row > e->column ? e->column : e->row;
+      if (seen[column] < begin) {
+        seen[column] = count;
+        r->graph.column[count] = column;
+        r->value[count++] = 0;
+      }
+      r->value[seen[column]] += e->value;
+    }
+    sort_row(r->graph.column + begin, r->value + begin, count - begin);
+    if (count == begin || r->graph.column[count - 1] != row) {
+      status = bw_fail(context, BW_INTERNAL, "row %d of a sparse system has no diagonal", row);
+      goto done;
+    }
+  }
+  r->graph.start[size] = r->graph.pair_count = count;
+done:
+  bw_free(first);
+  bw_free(order);
+  bw_free(seen);
+  return status;
+}
+
+/* The pairs (k, i) with k > i, seen from i. */
+static bw_status mirror(bw_context *context, rows *r) {
+  bw_graph *g = &r->graph;
+  int64_t above = g->pair_count - g->node_count;
+  g->upper_start = BW_NEW0(context, int64_t, (size_t)g->node_count + 2);
+  g->upper_pair = BW_NEW(context, int64_t, above);
+  g->upper_row = BW_NEW(context, int32_t, above);
+  if (!g->upper_start || !g->upper_pair || !g->upper_row)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < g->node_count; i++)
+    for (int64_t k = g->start[i]; k < g->start[i + 1] - 1; k++)
+      g->upper_start[g->column[k] + 2]++;
+  for (int32_t i = 0; i < g->node_count; i++)
+    g->upper_start[i + 2] += g->upper_start[i + 1];
+  for (int32_t i = 0; i < g->node_count; i++)
+    for (int64_t k = g->start[i]; k < g->start[i + 1] - 1; k++) {
+      int64_t place = g->upper_start[g->column[k] + 1]++;
+      g->upper_pair[place] = k;
+      g->upper_row[place] = i;
+    }
+  return BW_OK;
+}
+
+bw_status bwi_sparse_solve(bw_context *context, int32_t size, int64_t entries,
+                           const bwi_entry *entry, int64_t count, double *x) {
+  bw_status status = BW_OK;
+  bwi_order *order = NULL;
+  bwi_symbolic *symbolic = NULL;
+  bwi_factor *factor = NULL;
+  int32_t *unknown = NULL;
+  rows r = {.graph = {.node_count = size}};
+  if (size == 0)
+    return BW_OK;
+  BW_TRY(gather(context, entries, entry, &r));
+  BW_TRY(mirror(context, &r));
+  unknown = BW_NEW0(context, int32_t, size);
+  if (!unknown) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bwi_order_create(context, &r.graph, NULL, &order));
+  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &symbolic));
+  bwi_matrix matrix = {.graph = &r.graph, .stiffness = r.value};
+  BW_TRY(bwi_factor_create(context, symbolic, &matrix, &factor, NULL));
+  BW_TRY(bwi_solve_fields(context, factor, NULL, count, x, x));
+done:
+  bw_release(factor);
+  bw_release(symbolic);
+  bw_release(order);
+  bw_free(unknown);
+  rows_clear(&r);
+  return status;
+}
