@@ -31,6 +31,10 @@ local bw = {
   worst_case = require "barwright.worst_case",
   brute_force = require "barwright.brute_force",
   drop_test = require "barwright.drop_test",
+  skeleton = require "barwright.skeleton",
+  skinning_weights = core.skinning_weights,
+  domains = core.domains,
+  edit = require "barwright.edit",
 }
 require "barwright.fields"
 

@@ -15,8 +15,9 @@ local function kind_of(value)
 end
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,
--- most =, one_of = {...}, above = }
+-- most =, one_of = {...}, above = }; type "any" is checked by the caller
 local function check(where, key, value, rule, level)
+  if rule.type == "any" then return end
   local kind = kind_of(value)
   if rule.type == "number" and kind == "integer" then kind = "number" end
   if kind ~= rule.type then

@@ -76,6 +76,8 @@ typedef struct lbw_box {
 } lbw_box;
 
 void lbw_class_register(lua_State *L, const lbw_class *class);
+/* Further methods of a registered class, from another file. */
+void lbw_add_methods(lua_State *L, const lbw_class *class, const luaL_Reg *methods);
 /* Pushes an empty box. */
 lbw_box *lbw_box_new(lua_State *L, const lbw_class *class);
 /* Takes over one reference and tells the collector the size. */
@@ -97,7 +99,8 @@ int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 
 extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
-    lbw_weak_regions_class, lbw_pressure_basis_class;
+    lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
+    lbw_local_system_class;
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
@@ -110,6 +113,11 @@ double lbw_check_real(lua_State *L, int argument, const char *what);
 int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t count);
 /* 1..3 or "x", "y", "z" -> 0..2 */
 int lbw_check_axis(lua_State *L, int argument);
+/* A bone or a joint by name, or by number from 1. */
+int32_t lbw_check_bone(lua_State *L, int argument, const bw_skeleton *skeleton);
+int32_t lbw_check_joint(lua_State *L, int argument, const bw_skeleton *skeleton);
+/* A row of 19 numbers for every domain (see pose.c), as structs in a userdata that is pushed. */
+bw_domain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count);
 /* Nine numbers in three rows, or flat. */
 void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
                       double *matrix);
@@ -192,6 +200,11 @@ void lbw_open_model(lua_State *L);
 void lbw_open_solve(lua_State *L);
 void lbw_open_worst(lua_State *L);
 void lbw_open_picture(lua_State *L);
+void lbw_open_skeleton(lua_State *L);
+void lbw_open_domains(lua_State *L);
+void lbw_open_pose(lua_State *L);
+void lbw_open_mend(lua_State *L);
+void lbw_open_local(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

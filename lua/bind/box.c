@@ -254,3 +254,10 @@ void lbw_class_register(lua_State *L, const lbw_class *class) {
   }
   lua_pop(L, 2);
 }
+
+void lbw_add_methods(lua_State *L, const lbw_class *class, const luaL_Reg *methods) {
+  lua_rawgetp(L, LUA_REGISTRYINDEX, class);
+  lua_getfield(L, -1, "__methods");
+  luaL_setfuncs(L, methods, 0);
+  lua_pop(L, 2);
+}

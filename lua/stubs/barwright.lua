@@ -23,6 +23,8 @@
 ---@class bw
 ---@field array bw.ArrayModule
 ---@field surface bw.SurfaceModule
+---@field skeleton bw.SkeletonModule
+---@field edit bw.EditModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
@@ -122,6 +124,27 @@ function bw.pressure_basis(mesh) end
 ---@return string? message
 ---@return table? details
 function bw.worst_loads(system, basis, regions, options) end
+
+---How much each bone moves each node: a row for every node, a column for every bone, rows summing to
+---one. `heat`: of the exchange with the bones; default 1.
+---@param mesh bw.Mesh
+---@param skeleton bw.Skeleton
+---@param options? {heat: number}
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function bw.skinning_weights(mesh, skeleton, options) end
+
+---Cuts a mesh into domains along a skeleton. `threshold`: mean weight from which an element follows one
+---bone; `bone_threshold`: instead of it, one for every bone, where not 0.
+---@param mesh bw.Mesh
+---@param skeleton bw.Skeleton
+---@param weights bw.Array
+---@param options? {threshold: number, bone_threshold: table}
+---@return bw.Domains?
+---@return string? message
+---@return table? details
+function bw.domains(mesh, skeleton, weights, options) end
 
 ---Spearman's rank correlation of two columns, ties averaged; with weights (volumes), a sample of
 ---twice the weight counts as two.
@@ -640,6 +663,35 @@ function Mesh:quality() end
 ---@return bw.Array
 function Mesh:to_nodes(values, how) end
 
+---The shape quality of every element (mean ratio: 1 for a regular one, 0 or less: inverted), at the
+---mesh's own nodes or at others.
+---@param nodes? bw.Array
+---@return bw.Array
+function Mesh:shapes(nodes) end
+
+---How many elements are inverted at these nodes (or poorer than a floor), and which is the worst:
+---{inverted, worst, worst_before}.
+---@param nodes bw.Array
+---@param floor? number
+---@return table
+function Mesh:judge(nodes, floor) end
+
+---Moves inner corner nodes whose mask is not 0 until no element is inverted.
+---@param nodes bw.Array
+---@param mask bw.Array of nodes
+---@return bw.Array? nodes
+---@return table|string report inverted, worst, worst_before, worst_after, moved, iterations; or a message
+---@return table? details
+function Mesh:relax(nodes, mask) end
+
+---New tetrahedra in the elements whose mask is not 0, at these nodes; the rest and the boundary stay.
+---@param nodes bw.Array
+---@param mask bw.Array of elements
+---@return bw.Mesh?
+---@return bw.Array|string node_from the old node of every node, 0 for new ones; or a message
+---@return bw.Array|table element_from the old element of every element; -k in the k-th piece
+function Mesh:refill(nodes, mask) end
+
 ---@param path string
 ---@param options? bw.PictureOptions values over nodes or elements
 ---@return true?
@@ -890,6 +942,21 @@ function Model:modes(options) end
 ---@return table? details
 function Model:system() end
 
+---The same supports and loads on a mesh of the same topology: they go with the surface.
+---@param mesh bw.Mesh
+---@return bw.Model?
+---@return string? message
+---@return table? details
+function Model:moved(mesh) end
+
+---The same on a refilled mesh; `node_from` has the old node of every node, 0 for new ones.
+---@param mesh bw.Mesh
+---@param node_from bw.Array
+---@return bw.Model?
+---@return string? message
+---@return table? details
+function Model:transferred(mesh, node_from) end
+
 ---As an .inp for CalculiX; modes > 0: a frequency step.
 ---@param path string
 ---@param options? {modes: integer}
@@ -922,7 +989,8 @@ function Model:close() end
 ---@field residual number |K u - f| / |f|
 ---@field mesh bw.Mesh
 ---@field material bw.Material
----@field times table seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops
+---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session
+---@field reused table? in an edit session: pattern, ordering, domains, domains_kept, domains_turned, domains_touched, method, factor_kept, iterations, predicted_refactor, predicted_iterate, seconds_stiffness, seconds_factor, seconds_solve, mesh
 local Static = {}
 
 ---Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.
@@ -1196,6 +1264,446 @@ function DropTest:write(path) end
 ---@param options? bw.PictureOptions
 ---@return true?
 function DropTest:picture(path, options) end
+
+-- ---- skeletons and poses ------------------------------------------------------------------------
+
+---@class bw.SkeletonModule
+local skeleton_module = {}
+
+---From joints and bones. Joints are {name = {x, y, z}, ...} or a list {{x, y, z, name = "hip"}, ...};
+---bones {{"hip", "knee", name = "thigh"}, ...}, joints by name or number, either way round. `root` is a
+---joint; left out: the one in the middle. Every joint is reached by one chain of bones.
+---@param options {joints: table, bones: table, root?: string|integer}
+---@return bw.Skeleton
+function skeleton_module.create(options) end
+
+---The curve skeleton of a closed surface as joints and bones. `bones`: wanted number (0: as many as
+---branches and bends ask for); `prune`: branches that reach no farther than this many local radii
+---out of their junction are left out (1.5); `bend`: how far, in local radii, a bone strays from the
+---curve (0.5); `minutes`: the most it may take (5).
+---@param surface bw.Surface
+---@param options? {bones: integer, prune: number, bend: number, minutes: number}
+---@return bw.Skeleton?
+---@return string? message
+---@return table? details
+function skeleton_module.extract(surface, options) end
+
+---Reads a TGF file: "number x y z [name]" for every joint, "#", "from to [name]" for every bone.
+---Without a unit: millimetres.
+---@param path string
+---@param options? {unit: string|number}
+---@return bw.Skeleton?
+---@return string? message
+---@return table? details
+function skeleton_module.read(path, options) end
+
+---A tree of joints joined by bones; never changed: what changes it gives a new one. A bone runs from
+---its head, nearer the root, to its tail. Bones and joints are called by name, or by number.
+---@class bw.Skeleton
+---@field joints bw.Array x, y, z of every joint, m
+---@field bones bw.Array head and tail of every bone: numbers of joints
+---@field joint_names string[]
+---@field bone_names string[]
+---@field parents bw.Array of every bone: the bone it hangs on, 0 for one at the root
+---@field frames bw.Array of every bone: its axes as three rows, x along the bone
+---@field root string
+---@field joint_count integer
+---@field bone_count integer
+local Skeleton = {}
+
+---A joint: {index, name, at, bones}.
+---@param joint string|integer
+---@return table
+function Skeleton:joint(joint) end
+
+---A bone: {index, name, head, tail, from, to, length, parent, children}.
+---@param bone string|integer
+---@return table
+function Skeleton:bone(bone) end
+
+---Writes a TGF file; without a unit: millimetres.
+---@param path string
+---@param options? {unit: string|number}
+---@return true?
+---@return string? message
+---@return table? details
+function Skeleton:write(path, options) end
+
+---A joint on a bone, at a fraction of its length from the head; the bone keeps its name on the side
+---of its head.
+---@param bone string|integer
+---@param fraction number
+---@param name? string
+---@return bw.Skeleton
+function Skeleton:insert_joint(bone, fraction, name) end
+
+---@param joint string|integer
+---@param at bw.Vector
+---@return bw.Skeleton
+function Skeleton:move_joint(joint, at) end
+
+---Two bones that meet at a joint of no other bone become one, with the name of the first.
+---@param first string|integer
+---@param second string|integer
+---@return bw.Skeleton
+function Skeleton:merge(first, second) end
+
+---Leaves out a bone and all below it.
+---@param bone string|integer
+---@return bw.Skeleton
+function Skeleton:remove(bone) end
+
+---@param joint string|integer
+---@return bw.Skeleton
+function Skeleton:with_root(joint) end
+
+function Skeleton:close() end
+
+---A pose with every bone at rest: a row of 15 for every bone, its rotation by rows, the scale along its
+---axes, the translation of its head.
+---@return bw.Array
+function Skeleton:rest_pose() end
+
+---Forward kinematics: rows of 12, [A | b], that take the part from rest to the pose, and the rotations
+---in A as rows of 9.
+---@param pose bw.Array|table
+---@return bw.Array? maps
+---@return bw.Array rotations
+function Skeleton:pose_maps(pose) end
+
+---Where the joints are under maps of the bones.
+---@param maps bw.Array|table
+---@return bw.Array
+function Skeleton:posed_joints(maps) end
+
+---Inverse kinematics: the pose that brings all targets {bone, at, along, weight, from} as near as
+---limits allow. `limits` has {swing, twist_low, twist_high} in radians, or false, for every bone.
+---@param pose bw.Array|table
+---@param targets table[]
+---@param limits? table
+---@param tolerance? number m
+---@return bw.Array? pose
+---@return table report distance, iterations, reached
+function Skeleton:reach(pose, targets, limits, tolerance) end
+
+---A mesh cut into domains along a skeleton: those of type R follow one bone, those of type F are
+---blended between several. `domains[i]` is a table {index, type, bone, bones, elements, adjacent}.
+---@class bw.Domains
+---@field count integer
+---@field rigid_count integer how many follow one bone; these come first
+---@field mesh bw.Mesh at rest
+---@field skeleton bw.Skeleton
+---@field element_domain bw.Array of every element
+---@field node_domain bw.Array of every node: the one it goes with
+---@field interface bw.Array mask: nodes where elements of several domains meet
+local Domains = {}
+
+---Elements given to a bone's domain, or (without a bone) taken out of those that follow one: new
+---domains. An element by which a domain would fall apart, or touch another bone's, is named.
+---@param elements bw.Array|integer[]
+---@param bone? string|integer
+---@return bw.Domains
+function Domains:assign(elements, bone) end
+
+---The domains on what `mesh:refill` made of the shape of these maps: the mesh, node_from and
+---element_from. `mask` has the elements that were replaced, which are whole blended domains.
+---@param maps bw.Array|table
+---@param mask bw.Array of elements
+---@param mesh bw.Mesh
+---@param node_from bw.Array
+---@param element_from bw.Array
+---@return bw.Domains?
+---@return string? message
+---@return table? details
+function Domains:refilled(maps, mask, mesh, node_from, element_from) end
+
+---The domains with an element that has a node whose mask is not 0.
+---@param mask bw.Array
+---@return integer[]
+function Domains:touched(mask) end
+
+---Where the nodes are under maps of the bones: corners blended, middle nodes half-way.
+---@param maps bw.Array|table
+---@return bw.Array?
+function Domains:posed_nodes(maps) end
+
+---How every node moves with the scale of a bone along one of its axes.
+---@param pose bw.Array|table
+---@param bone string|integer
+---@param axis integer|"x"|"y"|"z"
+---@return bw.Array?
+function Domains:pose_derivative(pose, bone, axis) end
+
+---How every domain lies against rest: rows of 19, the linear map, the frame, and 1 where it was
+---reshaped.
+---@param maps bw.Array|table
+---@param rotations bw.Array|table
+---@return bw.Array?
+function Domains:motion(maps, rotations) end
+
+function Domains:close() end
+
+-- ---- edit sessions ------------------------------------------------------------------------------
+
+---@class bw.EditModule
+---@overload fun(part: bw.Model, options?: bw.EditOptions): bw.Session?, string?, table?
+---@field class table the methods of sessions
+---@field properties table the properties of sessions
+local edit_module = {}
+
+---Replays a script of edits, into a session or into the one that the script makes. A line that was
+---cut off at the end of a journal is passed over. {resume = true}: the file goes on as the journal.
+---@param path string
+---@param session? bw.Session
+---@param options? {resume: boolean}
+---@return bw.Session?
+---@return boolean|string cut whether a line was cut off; or a message
+---@return table? details
+function edit_module.load(path, session, options) end
+
+---What a saved script begins with: the session it is replayed into, or a new one on the part (and the
+---options) that the file `script` returns.
+---@param script? string
+---@param session? bw.Session
+---@return bw.Session
+function edit_module.begin(script, session) end
+
+---@class bw.EditOptions
+---@field skeleton? bw.Skeleton left out: extracted from the part's surface
+---@field bones? integer wanted of the extracted skeleton; 0 (default): as many as the shape asks for
+---@field threshold? number mean weight from which an element follows one bone; default 0.95
+---@field thresholds? table<string, number> instead of it, for single bones
+---@field heat? number of the skinning weights; default 1
+---@field domains? bw.Domains ready-made ones, of the part's own mesh
+---@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
+---@field relax? boolean relax inner nodes where an edit inverts elements; default true
+---@field refill? boolean refill domains where that fails; default true
+---@field journal? string a script that every edit is added to at once; an older one becomes path~
+---@field script? string a file that returns the part and these options, named by saved scripts
+
+---A part that is posed and thickened by its skeleton and solved again after each edit. Edits return
+---something true, or nil, message, details when the world is against them (details.status "geometry":
+---elements would be inverted, `element` is the worst); then the session is as it was. Supports and
+---loads go with the surface; those added to the part later count from the next solve. A part of
+---order 2 is advised; an order 1 part stays one.
+---@class bw.Session
+---@field part bw.Model as it is now
+---@field mesh bw.Mesh as it is now
+---@field rest bw.Mesh
+---@field domains bw.Domains
+---@field skeleton bw.Skeleton at rest
+---@field joints bw.Array where the joints are now
+---@field current_pose bw.Array see bw.Skeleton:rest_pose
+---@field edits table[] in force: {script, mesh = "posed" | "relaxed" | "refilled"}
+local Session = {}
+
+---A bone to turn, scale and move.
+---@param name string|integer
+---@return bw.Bone
+function Session:bone(name) end
+
+---Sets several bones as one edit: {thigh = {scale =, rotation =, translation =}, ...}, the whole
+---change since rest of each; what is left out stays.
+---@param changes table<string, table>
+---@return bw.Session?
+---@return string? message
+---@return table? details
+function Session:pose(changes) end
+
+---Inverse kinematics: turns bones until a joint (or a bone's tail) is at a place; or several, with a
+---list {{joint = | bone =, at =, along =, weight =, from = first bone that may turn}, ...}.
+---@param target string|table[]
+---@param at? bw.Vector m
+---@param options? {tolerance: number}
+---@return table? report distance, iterations, reached (false: limits or lengths are in the way)
+---@return string? message
+---@return table? details
+function Session:reach(target, at, options) end
+
+---How far a bone (or every bone whose head is a joint) may turn against its parent in `reach`, in
+---degrees; nil lifts the limit.
+---@param name string|integer
+---@param limit? {swing: number, twist: number[]}
+---@return bw.Session?
+function Session:limit(name, limit) end
+
+---Gives elements to a bone's domain, or takes them out of those that follow a bone, as an edit.
+---@param elements bw.Array|integer[]
+---@param bone? string|integer
+---@return bw.Session?
+---@return string? message
+---@return table? details
+function Session:assign(elements, bone) end
+
+---Everything back to rest, as an edit.
+---@return bw.Session?
+function Session:reset() end
+
+---Takes back the last edit; to any depth.
+---@return bw.Session?
+---@return string? message
+---@return table? details
+function Session:undo() end
+
+---@return bw.Session?
+---@return string? message
+---@return table? details
+function Session:redo() end
+
+---An edit made of a change {script, pose, limits, topology}, for Lua files that add edits.
+---@param change table
+---@return table? state
+---@return string? message
+---@return table? details
+function Session:commit(change) end
+
+---The static solution of the part as it is now; `reused` of it tells what the edit left standing.
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, check: boolean, inertia_relief: boolean, balance_tolerance: number}
+---@return bw.Static?
+---@return string? message
+---@return table? details
+function Session:solve(options) end
+
+---The session's equations, brought to the current shape, and the model they are of.
+---@return bw.LocalSystem?
+---@return bw.Model|string model or a message
+---@return table? details
+function Session:synchronise() end
+
+---Another model of the part's first mesh (another load case) on the current shape.
+---@param part bw.Model
+---@return bw.Model?
+---@return string? message
+---@return table? details
+function Session:moved(part) end
+
+---The boundary as it is now: `session:surface():write("part.stl")`.
+---@return bw.Surface?
+function Session:surface() end
+
+---Fields of the current shape as .vtu: those of bw.Static:write, and the domains.
+---@param path string
+---@param options? {fields: table}
+---@return true?
+---@return string? message
+---@return table? details
+function Session:write(path, options) end
+
+---A picture of the current shape under its loads.
+---@param path string
+---@param options? bw.PictureOptions with `field`
+---@return true?
+---@return string? message
+---@return table? details
+function Session:picture(path, options) end
+
+---The edits in force as a script that replays them.
+---@param path string
+---@return true?
+---@return string? message
+---@return table? details
+function Session:save(path) end
+
+---Lets go of the equations and all states at once, and ends the journal.
+function Session:close() end
+
+---A bone of a session. Edits give the bone back, so that they can be chained.
+---@class bw.Bone
+---@field name string
+---@field index integer
+---@field session bw.Session
+---@field head string joint
+---@field tail string joint
+---@field parent string? bone
+---@field children string[] bones
+---@field from bw.Vector where its head is now
+---@field to bw.Vector where its tail is now
+---@field factors bw.Vector its scale
+---@field rotation number[][] against its parent, three rows
+---@field translation bw.Vector of its head, in its parent's directions
+local Bone = {}
+
+---Scaled by factors along it and across it, or by one factor, on top of what it has.
+---@param factors bw.Vector|number
+---@return bw.Bone?
+---@return string? message
+---@return table? details
+function Bone:scale(factors) end
+
+---Turned about its head, with all that hangs on it: {axis =, degrees = | radians =}, {x =, y =, z =} in
+---degrees (about x first), or three rows of a rotation. Directions are those of space.
+---@param turn table
+---@return bw.Bone?
+---@return string? message
+---@return table? details
+function Bone:rotate(turn) end
+
+---Moved by a vector in metres, with all that hangs on it.
+---@param vector bw.Vector
+---@return bw.Bone?
+---@return string? message
+---@return table? details
+function Bone:translate(vector) end
+
+---Sets its whole change since rest; what is left out stays.
+---@param change {scale: bw.Vector, rotation: table, translation: bw.Vector}
+---@return bw.Bone?
+---@return string? message
+---@return table? details
+function Bone:set(change) end
+
+---Back to rest.
+---@return bw.Bone?
+---@return string? message
+---@return table? details
+function Bone:reset() end
+
+---The equations of a part cut into domains, kept up to date through edits. Changed by `update`.
+---@class bw.LocalSystem
+---@field unknown_count integer
+---@field domain_count integer
+local LocalSystem = {}
+
+---Follows an edit: the moved model, and how every domain lies against the shape that the system was
+---made at (rows of bw.Domains:motion).
+---@param model bw.Model
+---@param motion bw.Array|table
+---@return table? reused
+---@return string? message
+---@return table? details
+function LocalSystem:update(model, motion) end
+
+---@param force bw.Array a row of three for every node
+---@param options? table see bw.Session:solve
+---@param reused? table of an update, to be completed
+---@return bw.Array? displacement
+---@return table|string reused or a message
+---@return table? details
+function LocalSystem:solve(force, options, reused) end
+
+---The static solution of the model of the last update.
+---@param model bw.Model
+---@param options? table see bw.Session:solve
+---@param reused? table of an update, to be completed
+---@return bw.Static?
+---@return table|string reused or a message
+---@return table? details
+function LocalSystem:statics(model, options, reused) end
+
+---Brings the factor up to date.
+---@param reused? table
+---@return table? reused
+---@return string? message
+---@return table? details
+function LocalSystem:refactor(reused) end
+
+---Bytes of the factor, of what is kept for updating it, of the domains' coefficients.
+---@return integer factor
+---@return integer updates
+---@return integer coefficients
+function LocalSystem:memory() end
+
+function LocalSystem:close() end
 
 -- ---- files --------------------------------------------------------------------------------------
 

@@ -12,7 +12,8 @@ local reference = check.read(check.root .. "/docs/reference.md")
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
   modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
-  pressure_basis = "bw.PressureBasis"}
+  pressure_basis = "bw.PressureBasis", skeleton = "bw.Skeleton",
+  domains = "bw.Domains", local_system = "bw.LocalSystem"}
 
 local function keys(...)
   local out = {}
@@ -48,6 +49,8 @@ describe("the stubs", function()
     same(keys(bw.surface), "bw.SurfaceModule")
     same(keys(bw.mesh), "bw.MeshModule")
     same(keys(bw.json), "bw.JsonModule")
+    same(keys(bw.skeleton), "bw.SkeletonModule")
+    same(keys(bw.edit), "bw.EditModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
     local library = {}
     for _, name in ipairs(bw.material.names()) do library[name] = true end
@@ -77,6 +80,9 @@ describe("the stubs", function()
     same(inner(brute), "bw.BruteForce")
     same(inner(drops), "bw.DropTest")
     assert(loads)
+    same(keys(bw.edit.class, bw.edit.properties), "bw.Session")
+    local bone = require "barwright.edit_bone"
+    same(keys(bone.class, bone.properties, {name = true, index = true, session = true}), "bw.Bone")
     local results = assert(bw.results.open(check.folder()))
     local bound = keys(results, getmetatable(results))
     bound.open, bound.peak_memory = nil, nil

@@ -149,6 +149,15 @@ bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
  * element or node where they do not. */
 bw_status bw_domains_check(bw_context *context, const bw_domains *domains);
 
+/* The domains on `mesh`, which bw_mesh_refill made of the posed shape with `replace` (whole domains
+ * of type F), node_from and element_from. Kept nodes keep their places at rest and what moves them;
+ * a new one gets weights from Laplace on `mesh` and the place at rest that its own blended map, of
+ * the bones' maps at hand, takes to where it is. The rest mesh of these domains carries positions:
+ * elements in it may be inverted. BW_GEOMETRY where bones blend to a plane. */
+bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains, const double *map,
+                              const uint8_t *replace, const bw_mesh *mesh, const int32_t *node_from,
+                              const int32_t *element_from, bw_domains **refilled);
+
 /* ---- poses ----------------------------------------------------------------------------------- */
 
 /* What an edit does to one bone, relative to rest: about its head, in its rest frame. A bone takes

@@ -1,0 +1,272 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Domains on a mesh that was refilled in a posed shape (bw_mesh_refill).
+ *
+ * Kept nodes keep where they are at rest and what moves them, so that the surface goes on being the
+ * function of the pose that it was. New nodes lie inside blended domains. Their weights solve
+ * Laplace's equation on the refilled shape, and their place at rest is what their own blended map
+ * takes to where the filling put them. */
+#include "shape/domains_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
+  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+}
+
+/* ---- labels ---------------------------------------------------------------------------------- */
+
+/* The domain of every piece, which is a face-connected part of `replace`; pieces are numbered by
+ * their lowest element. */
+static bw_status find_pieces(bw_context *context, const bw_domains *old, const uint8_t *replace,
+                             int32_t *piece_domain, int32_t *pieces) {
+  const bw_mesh *mesh = old->mesh;
+  bw_status status = BW_MEMORY;
+  int32_t depth = 0;
+  uint8_t *seen = BW_NEW0(context, uint8_t, mesh->element_count);
+  int32_t *stack = BW_NEW(context, int32_t, mesh->element_count);
+  *pieces = 0;
+  if (!seen || !stack)
+    goto done;
+  status = BW_OK;
+  for (int32_t first = 0; first < mesh->element_count; first++) {
+    if (!replace[first] || seen[first])
+      continue;
+    int32_t domain = old->element_domain[first];
+    piece_domain[(*pieces)++] = domain;
+    seen[first] = 1;
+    stack[depth++] = first;
+    while (depth > 0) {
+      int32_t e = stack[--depth];
+      if (old->element_domain[e] != domain || old->bone_of[domain] >= 0) {
+        status = bw_fail(context, BW_INVALID,
+                         "element %d: only blended domains can be refilled, each by itself", e + 1);
+        goto done;
+      }
+      for (int k = 0; k < 4; k++) {
+        int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
+        if (other >= 0 && replace[other] && !seen[other]) {
+          seen[other] = 1;
+          stack[depth++] = other;
+        }
+      }
+    }
+  }
+done:
+  bw_free(seen);
+  bw_free(stack);
+  return status;
+}
+
+static bw_status make_labels(bw_context *context, const bw_domains *old, const bw_mesh *mesh,
+                             const uint8_t *replace, const int32_t *element_from, int32_t *label) {
+  bw_status status = BW_OK;
+  int32_t pieces = 0;
+  int32_t *piece_domain = BW_NEW(context, int32_t, old->mesh->element_count);
+  if (!piece_domain)
+    return BW_MEMORY;
+  BW_TRY(find_pieces(context, old, replace, piece_domain, &pieces));
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t from = element_from[e];
+    bool fits = from < 0 ? -1 - from < pieces : from < old->mesh->element_count;
+    if (!fits) {
+      status = bw_fail(context, BW_INVALID, "element %d comes from %d, which does not exist", e + 1,
+                       from);
+      goto done;
+    }
+    label[e] = from < 0 ? piece_domain[-1 - from] : old->element_domain[from];
+  }
+done:
+  bw_free(piece_domain);
+  return status;
+}
+
+/* ---- what moves the nodes -------------------------------------------------------------------- */
+
+/* The part of an influence list that moves one node. */
+typedef struct influences {
+  int64_t count;
+  const int32_t *bone;
+  const double *weight;
+} influences;
+
+static const double whole = 1;
+
+static influences of_node(const bw_domains *d, int32_t i) {
+  int64_t first = d->influence_start[i];
+  return (influences){d->influence_start[i + 1] - first, d->influence_bone + first,
+                      d->influence_weight + first};
+}
+
+/* Kept nodes as before; new ones as their Laplace solve says, or, in a domain of one bone, by it.
+ */
+static influences of_refilled(const bw_domains *old, const bw_domains *d, const int32_t *node_from,
+                              int32_t i) {
+  if (node_from[i] >= 0)
+    return of_node(old, node_from[i]);
+  influences found = of_node(d, i);
+  int32_t domain = d->node_domain[i], first = old->bone_start[domain];
+  if (found.count > 0 && old->bone_start[domain + 1] - first == 1)
+    found = (influences){1, old->bone + first, &whole};
+  return found;
+}
+
+static bw_status merge_influences(bw_context *context, const bw_domains *old, bw_domains *d,
+                                  const int32_t *node_from) {
+  int32_t nodes = d->mesh->node_count;
+  int64_t *start = BW_NEW(context, int64_t, (int64_t)nodes + 1);
+  int32_t *bone = NULL;
+  double *weight = NULL;
+  if (!start)
+    return BW_MEMORY;
+  start[0] = 0;
+  for (int32_t i = 0; i < nodes; i++)
+    start[i + 1] = start[i] + of_refilled(old, d, node_from, i).count;
+  bone = BW_NEW(context, int32_t, start[nodes]);
+  weight = BW_NEW(context, double, start[nodes]);
+  if (!bone || !weight) {
+    bw_free(start);
+    bw_free(bone);
+    bw_free(weight);
+    return BW_MEMORY;
+  }
+  for (int32_t i = 0; i < nodes; i++) {
+    influences of = of_refilled(old, d, node_from, i);
+    for (int64_t k = 0; k < of.count; k++) {
+      bone[start[i] + k] = of.bone[k];
+      weight[start[i] + k] = of.weight[k];
+    }
+  }
+  bw_free(d->influence_start);
+  bw_free(d->influence_bone);
+  bw_free(d->influence_weight);
+  d->influence_start = start;
+  d->influence_bone = bone;
+  d->influence_weight = weight;
+  return BW_OK;
+}
+
+/* The bones that the domains follow are those from before. */
+static bw_status copy_bones(bw_context *context, const bw_domains *old, bw_domains *d) {
+  int32_t total = old->bone_start[old->count];
+  int32_t *bone = BW_NEW(context, int32_t, total);
+  if (!bone)
+    return BW_MEMORY;
+  memcpy(bone, old->bone, (size_t)total * sizeof *bone);
+  memcpy(d->bone_start, old->bone_start, ((size_t)old->count + 1) * sizeof *d->bone_start);
+  bw_free(d->bone);
+  d->bone = bone;
+  return BW_OK;
+}
+
+/* ---- where the nodes are at rest ------------------------------------------------------------- */
+
+/* x = the place that the blended map takes to `posed`. */
+static bw_status pull_back(bw_context *context, bw_domains *d, const double *map, int32_t i,
+                           const double posed[3], double x[3]) {
+  double blended[12] = {0}, linear[9], inverse[9], shifted[3];
+  influences of = of_node(d, i);
+  for (int64_t k = 0; k < of.count; k++)
+    for (int j = 0; j < 12; j++)
+      blended[j] += of.weight[k] * map[12 * (size_t)of.bone[k] + (size_t)j];
+  for (int r = 0; r < 3; r++) {
+    memcpy(linear + 3 * r, blended + 4 * r, 3 * sizeof(double));
+    shifted[r] = posed[r] - blended[4 * r + 3];
+  }
+  double determinant = bw_inverse3(linear, inverse), size = 0;
+  for (int j = 0; j < 9; j++)
+    size = fmax(size, fabs(linear[j]));
+  if (!(fabs(determinant) > 1e-9 * size * size * size)) {
+    bw_fail(context, BW_GEOMETRY,
+            "the bones of domain %d turn against each other so far that they blend to a plane at "
+            "(%g, %g, %g): undo the edit or make it smaller",
+            d->node_domain[i] + 1, posed[0], posed[1], posed[2]);
+    bw_detail_number(context, "domain", d->node_domain[i] + 1);
+    return BW_GEOMETRY;
+  }
+  for (int r = 0; r < 3; r++)
+    x[r] = bw_dot(inverse + 3 * r, shifted);
+  return BW_OK;
+}
+
+static bw_status rest_places(bw_context *context, const bw_domains *old, bw_domains *d,
+                             const double *map, const int32_t *node_from, double *rest) {
+  const bw_mesh *mesh = d->mesh;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    double *x = rest + 3 * (size_t)i;
+    const double *posed = mesh->node + 3 * (size_t)i;
+    bw_status status = BW_OK;
+    if (node_from[i] >= 0)
+      memcpy(x, old->mesh->node + 3 * (size_t)node_from[i], 3 * sizeof *x);
+    else if (d->influence_start[i + 1] > d->influence_start[i])
+      status = pull_back(context, d, map, i, posed, x);
+    if (status != BW_OK)
+      return status;
+  }
+  if (mesh->order == 2)
+    for (int32_t e = 0; e < mesh->element_count; e++)
+      for (int k = 0; k < 6; k++) {
+        const int32_t *node = corners(mesh, e);
+        if (node_from[node[4 + k]] >= 0)
+          continue;
+        const double *a = rest + 3 * (size_t)node[bw_tet_edge[k][0]];
+        const double *b = rest + 3 * (size_t)node[bw_tet_edge[k][1]];
+        for (int j = 0; j < 3; j++)
+          rest[3 * (size_t)node[4 + k] + (size_t)j] = (a[j] + b[j]) / 2;
+      }
+  return BW_OK;
+}
+
+/* A shape whose blended map folds over is what refilling is for; elements between the places that
+ * the map's inverse gives may then be inverted. So this mesh is made from the posed one, whose
+ * elements are sound, and carries positions; only meshes posed from it are judged. */
+static bw_status carry(bw_context *context, bw_domains *d, const double *rest) {
+  bw_mesh *carrier = NULL;
+  bw_status status = bw_mesh_moved(context, d->mesh, d->mesh->node, &carrier);
+  if (status != BW_OK)
+    return status;
+  memcpy(carrier->node, rest, 3 * (size_t)carrier->node_count * sizeof *rest);
+  bw_release(d->mesh);
+  d->mesh = carrier;
+  return BW_OK;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static bw_status check_numbers(bw_context *context, const bw_domains *old, const bw_mesh *mesh,
+                               const int32_t *node_from) {
+  if (mesh->order != old->mesh->order)
+    return bw_fail(context, BW_INVALID, "the refilled mesh is of order %d, not %d", mesh->order,
+                   old->mesh->order);
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (node_from[i] < -1 || node_from[i] >= old->mesh->node_count)
+      return bw_fail(context, BW_INVALID, "node %d comes from %d, which does not exist", i + 1,
+                     node_from[i]);
+  return BW_OK;
+}
+
+bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains, const double *map,
+                              const uint8_t *replace, const bw_mesh *mesh, const int32_t *node_from,
+                              const int32_t *element_from, bw_domains **refilled) {
+  bw_domains *d = NULL;
+  bw_status status = BW_MEMORY;
+  int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
+  double *rest = BW_NEW(context, double, 3 * (int64_t)mesh->node_count);
+  if (!label || !rest)
+    goto done;
+  BW_TRY(check_numbers(context, domains, mesh, node_from));
+  BW_TRY(make_labels(context, domains, mesh, replace, element_from, label));
+  BW_TRY(bw_domains_from_labels(context, mesh, domains->skeleton, domains->count, domains->bone_of,
+                                label, &d));
+  BW_TRY(merge_influences(context, domains, d, node_from));
+  BW_TRY(copy_bones(context, domains, d));
+  BW_TRY(rest_places(context, domains, d, map, node_from, rest));
+  BW_TRY(carry(context, d, rest));
+  *refilled = d;
+  d = NULL;
+done:
+  bw_release(d);
+  bw_free(rest);
+  bw_free(label);
+  return status;
+}

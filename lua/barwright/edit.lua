@@ -1,0 +1,386 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Edit sessions: a part is posed and thickened by its skeleton, and solved again after each edit by
+-- touching only what the edit changed. docs/theory/edit.md tells how.
+--
+-- A session is a list of states and the place of the current one. A state is a topology, a pose and
+-- the limits of the joints; it never changes. Everything else (mesh, model, equations) follows from
+-- it, so that a refused edit leaves nothing to put right, and undo is a step back in the list.
+local core = require "barwright.core"
+local options = require "barwright.options"
+local edit_bone = require "barwright.edit_bone"
+local edit_follow = require "barwright.edit_follow"
+local edit_pose = require "barwright.edit_pose"
+local edit_script = require "barwright.edit_script"
+local edit_shape = require "barwright.edit_shape"
+
+local class = {__name = "barwright.session"}
+local properties = {}
+
+local rules = {
+  skeleton = {type = "skeleton"}, -- left out: extracted from the surface
+  bones = {type = "integer", default = 0, least = 0}, -- wanted of the extracted one
+  domains = {type = "domains"}, -- left out: from weights and thresholds
+  threshold = {type = "number", default = 0.95, above = 0, most = 1},
+  thresholds = {type = "table", default = {}}, -- of single bones, by name
+  heat = {type = "number", default = 1, above = 0},
+  quality = {type = "number", default = 0.02, least = 0, most = 0.5},
+  relax = {type = "boolean", default = true},
+  refill = {type = "boolean", default = true},
+  journal = {type = "string"},
+  script = {type = "string"},
+}
+
+-- ---- beginning -----------------------------------------------------------------------------------
+
+local function bone_thresholds(skeleton, given)
+  local rows, count = {}, skeleton.bone_count
+  for b = 1, count do rows[b] = 0 end
+  for name, threshold in pairs(given) do
+    local bone = skeleton:bone(name)
+    if type(threshold) ~= "number" or not (threshold > 0 and threshold <= 1) then
+      error(("edit: thresholds: bone '%s': a number above 0, at most 1, expected"):format(bone.name), 4)
+    end
+    rows[bone.index] = threshold
+  end
+  return rows
+end
+
+local function make_domains(mesh, wish)
+  local skeleton, message, details = wish.skeleton
+  if not skeleton then
+    local surface
+    surface, message, details = mesh:surface()
+    if not surface then return nil, message, details end
+    skeleton, message, details = core.skeleton.extract(surface, {bones = wish.bones})
+    if not skeleton then return nil, message, details end
+  end
+  local thresholds = bone_thresholds(skeleton, wish.thresholds)
+  local weights
+  weights, message, details = core.skinning_weights(mesh, skeleton, {heat = wish.heat})
+  if not weights then return nil, message, details end
+  return core.domains(mesh, skeleton, weights, {threshold = wish.threshold,
+    bone_threshold = thresholds})
+end
+
+--- Begins a session on a part. Returns nil, message, details when it cannot.
+local function begin(part, given)
+  options.object("edit", "part", part, "model", 3)
+  local wish = options.read("edit", given, rules, 3)
+  local mesh = part.mesh
+  local domains, message, details = wish.domains
+  if domains and domains.mesh ~= mesh then
+    error("edit: option 'domains': domains of the part's own mesh expected", 3)
+  end
+  if not domains then
+    domains, message, details = make_domains(mesh, wish)
+    if not domains then return nil, message, details end
+  end
+  local topology = edit_shape.topology(domains, wish.quality)
+  local pose = edit_pose.rest(domains.skeleton.bone_count)
+  local shape
+  shape, message, details = edit_shape.of(topology, pose, wish)
+  if not shape then return nil, message, details end
+  local self = setmetatable({source = part, wish = wish, position = 1, following = false,
+    last = false, record = false,
+    history = {{topology = topology, pose = pose, limits = {}, shape = shape}}}, class)
+  if wish.journal then
+    local record
+    record, message, details = edit_script.open_journal(wish.journal, wish.script)
+    if not record then return nil, message, details end
+    self.record = record
+  end
+  return self
+end
+
+-- ---- states --------------------------------------------------------------------------------------
+
+local function current(self)
+  local state = self.history[self.position]
+  if not state then error("this session is closed", 3) end
+  return state
+end
+
+-- Meshes far from the current state are let go: they follow from the pose.
+local function forget_far_shapes(self)
+  for i, state in ipairs(self.history) do
+    if math.abs(i - self.position) > 3 then state.shape = nil end
+  end
+end
+
+local function ensure_shape(self, state)
+  if not state.shape then
+    local shape, message, details = edit_shape.of(state.topology, state.pose, self.wish)
+    if not shape then return nil, message, details end
+    state.shape = shape
+  end
+  return state.shape
+end
+
+-- Makes an edit: {script =, pose =, limits =, topology =}; what is left out stays. All that may fail
+-- comes before the list of states is touched.
+local function commit(self, edit)
+  local before = current(self)
+  local state = {topology = edit.topology or before.topology, pose = edit.pose or before.pose,
+    limits = edit.limits or before.limits, script = edit.script, note = "posed"}
+  if edit.pose or edit.topology then
+    local shape, message, details = edit_shape.mended(state.topology, state.pose, self.wish)
+    if not shape then return nil, message, details end
+    state.topology, state.shape, state.note = shape.topology, shape, shape.how
+    if shape.topology.refilled and shape.topology ~= before.topology then state.note = "refilled" end
+  else
+    state.shape = before.shape
+  end
+  if self.record then
+    local fine, message, details = self.record:add(state.script)
+    if not fine then return nil, message, details end
+  end
+  for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
+  self.position = self.position + 1
+  self.history[self.position] = state
+  forget_far_shapes(self)
+  return state
+end
+class.commit = commit
+
+local function go_to(self, position, word)
+  local state = self.history[position]
+  if position < 1 or not state then
+    return nil, ("there is nothing to %s"):format(word), {status = "empty"}
+  end
+  local shape, message, details = ensure_shape(self, state)
+  if not shape then return nil, message, details end
+  if self.record then
+    local fine
+    fine, message, details = self.record:add(("session:%s()"):format(word))
+    if not fine then return nil, message, details end
+  end
+  self.position = position
+  forget_far_shapes(self)
+  return self
+end
+
+--- Takes back the last edit.
+function class:undo()
+  current(self)
+  return go_to(self, self.position - 1, "undo")
+end
+
+--- Makes the edit again that was taken back.
+function class:redo()
+  current(self)
+  return go_to(self, self.position + 1, "redo")
+end
+
+-- ---- edits ---------------------------------------------------------------------------------------
+
+--- A bone to turn, scale and move.
+function class:bone(name)
+  return edit_bone.handle(self, current(self).topology.skeleton:bone(name))
+end
+
+--- Sets several bones at once, as one edit: {left_leg = {scale =, rotation =, translation =}, ...}.
+--- These are the bones' whole changes since rest; what is left out stays.
+function class:pose(changes)
+  return edit_bone.set_pose(self, changes)
+end
+
+--- Turns bones so that joints or bones' ends get to places: ("left_foot", {x, y, z}), or a list
+--- {{joint = | bone =, at =, along =, weight =, from = first bone of the chain}, ...}. Returns
+--- {distance, iterations, reached}.
+function class:reach(target, at, given)
+  return edit_bone.reach(self, target, at, given)
+end
+
+--- How far a bone (or all bones whose head is a joint) may turn against its parent in `reach`:
+--- {swing =, twist = {low, high}} in degrees; nil lifts the limit.
+function class:limit(name, limit)
+  return edit_bone.limit(self, name, limit)
+end
+
+--- Gives elements to a bone's domain, or (without a bone) takes them out of those that follow one.
+function class:assign(elements, bone)
+  local state = current(self)
+  if type(elements) == "userdata" then elements = elements:totable() end
+  local domains, message, details = state.topology.domains:assign(elements, bone)
+  if not domains then return nil, message, details end
+  local fine
+  fine, message, details = commit(self, {topology = edit_shape.topology(domains, self.wish.quality,
+    state.topology.node_from),
+    script = ("session:assign(%s, %s)"):format(edit_script.list(elements),
+      edit_script.value(bone))})
+  if not fine then return nil, message, details end
+  return self
+end
+
+--- Back to rest, as an edit that can be undone.
+function class:reset()
+  local state = current(self)
+  local fine, message, details = commit(self, {script = "session:reset()",
+    pose = edit_pose.rest(#state.pose)})
+  if not fine then return nil, message, details end
+  return self
+end
+
+-- ---- solving -------------------------------------------------------------------------------------
+
+--- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
+--- method = "auto" | "refactor" | "iterate" | "scratch", tolerance, check, inertia_relief,
+--- balance_tolerance.
+function class:solve(given)
+  local state = current(self)
+  local result, message, details = edit_follow.solve(self, state, given)
+  if not result then return nil, message, details end
+  self.last = {state = state, result = result}
+  return result
+end
+
+--- The equations brought to the current shape: a local system, and the model it is of.
+function class:synchronise()
+  local record, message, details = edit_follow.bring(self, current(self))
+  if not record then return nil, message, details end
+  return record.system, record.model
+end
+
+--- Another part on the mesh as it was given (another load case), on the current shape.
+function class:moved(part)
+  return edit_follow.model(current(self), part)
+end
+
+-- ---- asking --------------------------------------------------------------------------------------
+
+function properties:part()
+  return assert(edit_follow.model(current(self), self.source))
+end
+
+function properties:mesh()
+  return current(self).shape.mesh
+end
+
+function properties:rest()
+  return current(self).topology.mesh
+end
+
+function properties:domains()
+  return current(self).topology.domains
+end
+
+function properties:skeleton()
+  return current(self).topology.skeleton
+end
+
+--- Where the joints are now.
+function properties:joints()
+  local state = current(self)
+  return state.topology.skeleton:posed_joints(state.shape.maps)
+end
+
+--- The pose as an array: see bw.Skeleton:pose_maps.
+function properties:current_pose()
+  return core.array(current(self).pose)
+end
+
+--- The edits in force: {script =, mesh = "posed" | "relaxed" | "refilled"}.
+function properties:edits()
+  local list = {}
+  for i = 2, self.position do
+    list[i - 1] = {script = self.history[i].script, mesh = self.history[i].note}
+  end
+  return list
+end
+
+--- The boundary as it is now, to write as STL.
+function class:surface()
+  return current(self).shape.mesh:surface()
+end
+
+-- The last result, if it is of the current state.
+local function result_now(self)
+  if self.last and self.last.state == current(self) then return self.last.result end
+  return self:solve()
+end
+
+--- Writes the fields of the current shape: those of bw.Static, and the domains.
+function class:write(path, given)
+  local result, message, details = result_now(self)
+  if not result then return nil, message, details end
+  local wish = {}
+  for key, value in pairs(given or {}) do wish[key] = value end
+  local fields = {}
+  for key, value in pairs(wish.fields or {}) do fields[key] = value end
+  fields.domain = fields.domain or {self.domains.element_domain, on = "elements"}
+  wish.fields = fields
+  return result:write(path, wish)
+end
+
+--- A picture of the current shape under its loads; options of bw.Static:picture.
+function class:picture(path, given)
+  local result, message, details = result_now(self)
+  if not result then return nil, message, details end
+  return result:picture(path, given)
+end
+
+--- The edits in force as a script that replays them.
+function class:save(path)
+  current(self)
+  return edit_script.save(self, path)
+end
+
+--- Lets go of the equations and of all states at once; ends the journal.
+function class:close()
+  if self.following then self.following.system:close() end
+  if self.record then self.record:close() end
+  self.following, self.last, self.record, self.history, self.position = false, false, false, {}, 0
+end
+class.__close = class.close
+
+function class:__tostring()
+  local state = self.history[self.position]
+  if not state then return "edit session (closed)" end
+  local domains = state.topology.domains
+  local lines = {("edit session on %s; %d bones, %d domains"):format(tostring(state.shape.mesh),
+    state.topology.skeleton.bone_count, domains.count)}
+  if self.position == 1 then
+    lines[1] = lines[1] .. "; no edits"
+  else
+    lines[1] = lines[1] .. ("; %d edit%s"):format(self.position - 1, self.position == 2 and "" or "s")
+    for i = math.max(2, self.position - 4), self.position do
+      local step = self.history[i]
+      local note = step.note ~= "posed" and (" (%s)"):format(step.note) or ""
+      local script = #step.script > 100 and step.script:sub(1, 97) .. "..." or step.script
+      lines[#lines + 1] = ("  %d: %s%s"):format(i - 1, script, note)
+    end
+  end
+  if #self.history > self.position then
+    lines[#lines + 1] = ("  %d to redo"):format(#self.history - self.position)
+  end
+  return table.concat(lines, "\n")
+end
+
+function class:__index(name)
+  local method = class[name]
+  if method ~= nil then return method end
+  local property = properties[name]
+  if property then return property(self) end
+  local names = {}
+  for key in pairs(properties) do names[#names + 1] = key end
+  for key in pairs(class) do
+    if not key:find "^__" then names[#names + 1] = key end
+  end
+  error(("a session has no '%s': did you mean '%s'?"):format(tostring(name),
+    core.nearest(tostring(name), names)), 2)
+end
+
+local edit = {class = class, properties = properties}
+
+--- Runs a script that replays edits: see edit_script.
+function edit.load(path, session, given)
+  return edit_script.load(edit, path, session, given)
+end
+
+--- What a saved script begins with.
+function edit.begin(script, ...)
+  local asking = debug.getinfo(2, "S").source
+  return edit_script.begin(edit, asking, script, ...)
+end
+
+return setmetatable(edit, {__call = function(_, part, given) return begin(part, given) end})

@@ -1,0 +1,89 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The equations of a session. One local system follows the edits within a topology; another topology
+-- (a refilled mesh, other domains) needs another system, made at the shape it is needed for. What a
+-- solve reused is told in words.
+local core = require "barwright.core"
+local edit_motion = require "barwright.edit_motion"
+
+local edit_follow = {}
+
+--- A part given on the original mesh, with its supports and loads on the shape of a state.
+function edit_follow.model(state, part)
+  if state.topology.node_from then
+    return part:transferred(state.shape.mesh, state.topology.node_from)
+  end
+  return part:moved(state.shape.mesh)
+end
+
+local function make(session, state, model)
+  local system, message, details = core.local_system(model, state.topology.domains)
+  if not system then return nil, message, details end
+  if session.following then session.following.system:close() end
+  session.following = {topology = state.topology, system = system, model = model,
+    memory = edit_motion.begin(state.shape)}
+  return session.following
+end
+
+local function follow(record, state, model)
+  local motion = edit_motion.rows(record.memory, state.shape)
+  local reuse, message, details = record.system:update(model, motion)
+  if not reuse then return nil, message, details end
+  record.model, record.reuse = model, reuse
+  return record
+end
+
+--- Brings the session's equations to a state: {system, model, reuse = nil when they are new}.
+function edit_follow.bring(session, state)
+  local model, message, details = edit_follow.model(state, session.source)
+  if not model then return nil, message, details end
+  local record = session.following
+  if record and record.topology == state.topology then return follow(record, state, model) end
+  record, message, details = make(session, state, model)
+  if not record then return nil, message, details end
+  return record
+end
+
+-- ---- what was reused -------------------------------------------------------------------------------
+
+local reused = setmetatable({}, {__mode = "k"})
+
+--- Of a result of an edit session: what its solve reused, and what it cost.
+core.classes.static.__properties.reused = function(static) return reused[static] end
+
+local methods = {
+  refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_kept) end,
+  iterate = function(reuse) return ("the factor as it was, %d iterations"):format(reuse.iterations) end,
+  scratch = function() return "nothing of the factor" end,
+}
+
+function core.tables.reuse:__tostring()
+  local function yes(flag) return flag and "yes" or "no" end
+  local text = ("pattern %s, ordering %s, %d of %d domains, %s"):format(yes(self.pattern),
+    yes(self.ordering), self.domains - self.domains_touched, self.domains,
+    (methods[self.method] or methods.refactor)(self))
+  if self.mesh and self.mesh ~= "posed" then text = text .. "; mesh " .. self.mesh end
+  return text
+end
+
+-- Of equations that were made for this solve.
+local function complete_new(reuse, domains)
+  reuse.pattern, reuse.ordering = false, false
+  reuse.domains, reuse.domains_kept, reuse.domains_turned = domains, 0, 0
+  reuse.domains_touched, reuse.factor_kept, reuse.method = domains, 0, "scratch"
+end
+
+--- The static solution of a state.
+function edit_follow.solve(session, state, given)
+  local record, message, details = edit_follow.bring(session, state)
+  if not record then return nil, message, details end
+  local before = record.reuse
+  local result, reuse
+  result, reuse, details = record.system:statics(record.model, given, before)
+  if not result then return nil, reuse, details end
+  if not before then complete_new(reuse, state.topology.domains.count) end
+  reuse.mesh = state.note or "posed"
+  reused[result] = reuse
+  return result
+end
+
+return edit_follow

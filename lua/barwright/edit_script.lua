@@ -1,0 +1,199 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Sessions as scripts. A saved script, and the journal that grows by a line with every edit, both
+-- look like this and are ordinary Lua:
+--
+--   local session = require("barwright").edit.begin("part.lua", ...)
+--   assert(session:bone("neck"):scale{1, 1.2, 1.2})
+--   assert(session:undo())
+--
+-- part.lua returns the part and the options of bw.edit. So `barwright edits.lua` replays the whole,
+-- and bw.edit.load("edits.lua", session) replays into a session at hand. Numbers are written so that
+-- they read back with the same bits.
+local core = require "barwright.core"
+
+local edit_script = {}
+
+-- ---- values ----------------------------------------------------------------------------------------
+
+local function number(value)
+  if math.type(value) == "integer" then return ("%d"):format(value) end
+  for digits = 15, 17 do
+    local text = ("%%.%dg"):format(digits):format(value)
+    if tonumber(text) == value then return text end
+  end
+  error("a finite number expected", 3)
+end
+
+local function is_list(value)
+  local count = 0
+  for _ in pairs(value) do count = count + 1 end
+  return count == #value
+end
+
+--- A value as Lua text: numbers exactly, keys in order.
+function edit_script.value(value)
+  local kind = type(value)
+  if kind == "number" then return number(value) end
+  if kind == "string" then return (("%q"):format(value):gsub("\\\n", "\\n")) end
+  if kind == "userdata" then return edit_script.value(value:totable()) end
+  if kind ~= "table" then return tostring(value) end
+  local parts = {}
+  if is_list(value) then
+    for i, entry in ipairs(value) do parts[i] = edit_script.value(entry) end
+  else
+    local keys = {}
+    for key in pairs(value) do keys[#keys + 1] = key end
+    table.sort(keys, function(a, b) return tostring(a) < tostring(b) end)
+    for _, key in ipairs(keys) do
+      local name = type(key) == "string" and key:match "^[%a_][%w_]*$" or nil
+      parts[#parts + 1] = (name and name .. " = " or "[" .. edit_script.value(key) .. "] = ")
+        .. edit_script.value(value[key])
+    end
+  end
+  return "{" .. table.concat(parts, ", ") .. "}"
+end
+
+edit_script.list = edit_script.value
+edit_script.vector = edit_script.value
+
+-- ---- writing -----------------------------------------------------------------------------------------
+
+local function head(script)
+  return "-- Edits of a barwright session: run it with `barwright`, or replay it into a session with\n"
+    .. "-- bw.edit.load.\n"
+    .. ("local session = require(\"barwright\").edit.begin(%s, ...)\n"):format(
+      edit_script.value(script))
+end
+
+--- The edits in force.
+function edit_script.save(session, path)
+  local lines = {head(session.wish.script)}
+  for i = 2, session.position do
+    lines[#lines + 1] = ("assert(%s)\n"):format(session.history[i].script)
+  end
+  lines[#lines + 1] = "return session\n"
+  return core.write_file(path, table.concat(lines))
+end
+
+local journal = {}
+journal.__index = journal
+
+local function io_failure(path, why)
+  return nil, ("%s: %s"):format(path, why), {status = "io", file = path}
+end
+
+--- A line that is on its way to the disk before the edit counts.
+function journal:add(script)
+  local fine, why = self.file:write(("assert(%s)\n"):format(script))
+  if fine then fine, why = self.file:flush() end
+  if not fine then return io_failure(self.path, why) end
+  return true
+end
+
+function journal:close()
+  self.file:close()
+end
+
+local function append(path)
+  local file, why = io.open(path, "ab")
+  if not file then return io_failure(path, why) end
+  return setmetatable({file = file, path = path}, journal)
+end
+
+--- A new journal. One that is there already is kept beside it, as edits.lua~.
+function edit_script.open_journal(path, script)
+  local old = io.open(path, "rb")
+  if old then
+    old:close()
+    local fine, why = os.rename(path, path .. "~")
+    if not fine then return io_failure(path, why) end
+  end
+  local fine, message, details = core.write_file(path, head(script))
+  if not fine then return nil, message, details end
+  return append(path)
+end
+
+-- ---- replaying -----------------------------------------------------------------------------------------
+
+-- The session that the script at hand began, for load: a journal does not return it.
+local begun
+
+local function exists(path)
+  local file = io.open(path, "rb")
+  if file then file:close() end
+  return file ~= nil
+end
+
+-- As given, else beside the script that asks for it.
+local function find(path, asking)
+  if exists(path) then return path end
+  local folder = asking:match "^@(.*[/\\])"
+  return folder and exists(folder .. path) and folder .. path or path
+end
+
+--- The session of a saved script: the one that it is replayed into, or a new one on the part that
+--- the file `script` returns with the options. `asking` is the source that calls.
+function edit_script.begin(edit, asking, script, given)
+  if getmetatable(given) == edit.class then
+    begun = given
+    return given
+  end
+  if not script then
+    error("these edits name no script that makes their part: "
+      .. "replay them with bw.edit.load(path, session)", 3)
+  end
+  local part, options = dofile(find(script, asking))
+  local wish = {}
+  for key, value in pairs(options or {}) do wish[key] = value end
+  wish.journal, wish.script = nil, wish.script or script
+  begun = assert(edit(part, wish))
+  return begun
+end
+
+-- The lines of a script; what stands after the last line end was cut off in the middle.
+local function read_whole_lines(path)
+  local file, why = io.open(path, "rb")
+  if not file then return io_failure(path, why) end
+  local text = file:read "a"
+  file:close()
+  if not text then return io_failure(path, "cannot be read") end
+  local whole = text:match "^(.*\n)" or ""
+  return whole, whole ~= text
+end
+
+--- Replays a script into a session, or into the one it begins. {resume = true} goes on with the file
+--- as the session's journal.
+function edit_script.load(edit, path, session, given)
+  local wish = require "barwright.options".read("edit.load", given,
+    {resume = {type = "boolean", default = false}}, 3)
+  local text, cut, details = read_whole_lines(path)
+  if not text then return nil, cut, details end
+  local chunk, message = load(text, "@" .. path, "t")
+  if not chunk then return nil, message, {status = "format", file = path} end
+  begun = nil
+  local fine, result = pcall(chunk, session)
+  local made = begun
+  begun = nil
+  if not fine then
+    return nil, ("%s could not be replayed: %s"):format(path, tostring(result)),
+      {status = "format", file = path}
+  end
+  session = getmetatable(result) == edit.class and result or made or session
+  if not session then
+    return nil, path .. ": not a script of an edit session", {status = "format", file = path}
+  end
+  if wish.resume then
+    text = text:gsub("return session\n$", "")
+    fine, message, details = core.write_file(path, text)
+    if not fine then return nil, message, details end
+    if session.record then session.record:close() end
+    session.record = false
+    local record
+    record, message, details = append(path)
+    if not record then return nil, message, details end
+    session.record = record
+  end
+  return session, cut
+end
+
+return edit_script

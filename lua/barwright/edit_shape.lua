@@ -1,0 +1,129 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The mesh of a pose. The shape is a function of the topology (domains on a mesh at rest) and the
+-- pose alone: posed from rest, and where that inverts elements, inner nodes relaxed from there. So
+-- the same pose gives the same nodes, whatever came before it, and undo need not keep meshes.
+-- What relaxing cannot mend is refilled, which makes another topology (edit_refill).
+local core = require "barwright.core"
+local edit_pose = require "barwright.edit_pose"
+
+local edit_shape = {}
+
+--- A topology: domains, what is asked about them often, and the numbers that their nodes have in
+--- the part as it was given (nil: the same).
+function edit_shape.topology(domains, quality, node_from)
+  local skeleton, mesh = domains.skeleton, domains.mesh
+  local number = {}
+  for i, name in ipairs(skeleton.bone_names) do number[name] = i end
+  local list = {}
+  for d, domain in ipairs(domains) do
+    local bones = {}
+    for k, name in ipairs(domain.bones) do bones[k] = number[name] end
+    list[d] = {bones = bones, type = domain.type, adjacent = domain.adjacent,
+      elements = domain.elements}
+  end
+  -- A mesh that is poor at rest is not held against the edits.
+  local worst = mesh:shapes():min()
+  return {domains = domains, skeleton = skeleton, mesh = mesh, list = list, node_from = node_from,
+    quality = quality, floor = math.max(0, math.min(quality, worst / 2))}
+end
+
+-- The domains of the elements that are poorer than the floor, as a set, and their number.
+local function poor_domains(topology, nodes)
+  local poor = topology.mesh:shapes(nodes):below(topology.floor):where()
+  local set = {}
+  for _, d in ipairs(topology.domains.element_domain:gather(poor):totable()) do set[d] = true end
+  return set
+end
+
+local function with_neighbours(topology, set)
+  local out = {}
+  for d in pairs(set) do
+    out[d] = true
+    for _, other in ipairs(topology.list[d].adjacent) do out[other] = true end
+  end
+  return out
+end
+
+--- One number for every domain: 1 for those of the set.
+function edit_shape.flags(topology, set)
+  local flags = {}
+  for d = 1, #topology.list do flags[d] = set[d] and 1 or 0 end
+  return core.array(flags, "u8")
+end
+
+-- Inner nodes of the domains of the set are moved until nothing is inverted.
+local function relax(topology, shape, nodes, set)
+  local mask = edit_shape.flags(topology, set):gather(topology.domains.node_domain)
+  local relaxed, report, details = topology.mesh:relax(nodes, mask)
+  if not relaxed then return nil, report, details end
+  local moved = core.array.map("norm(a) > 0", {a = relaxed - nodes})
+  shape.relaxed = {}
+  for _, d in ipairs(topology.domains:touched(moved)) do shape.relaxed[d] = true end
+  shape.how, shape.moved_nodes = "relaxed", moved:sum()
+  return relaxed
+end
+
+-- The elements at these places, for a message.
+local function refusal(topology, nodes, judged)
+  local element, x, y, z = judged.worst, 0, 0, 0
+  local corners = topology.mesh.elements:rows(element, element):totable()[1]
+  for k = 1, 4 do
+    x, y, z = x + nodes(corners[k], 1), y + nodes(corners[k], 2), z + nodes(corners[k], 3)
+  end
+  local domain = topology.domains[topology.domains.element_domain[element]]
+  return ("the edit inverts %d elements; the worst is element %d at (%.4g, %.4g, %.4g) mm, between %s")
+    :format(judged.inverted, element, x * 250, y * 250, z * 250, table.concat(domain.bones, ", "))
+end
+
+-- Relaxing in two rounds: blended domains alone, then with their neighbours.
+local function relaxed_nodes(topology, shape, nodes)
+  local set = poor_domains(topology, nodes)
+  local out, message, details = relax(topology, shape, nodes, set)
+  if out or details.status == "memory" or details.status == "cancelled" then
+    return out, message, details
+  end
+  return relax(topology, shape, nodes, with_neighbours(topology, set))
+end
+
+--- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of domains,
+--- topology}. On failure the details hold `inverted` and `element` where elements are inverted.
+function edit_shape.of(topology, pose, wish)
+  local maps, rotations, details = topology.skeleton:pose_maps(pose)
+  if not maps then return nil, rotations, details end
+  local nodes, message
+  nodes, message, details = topology.domains:posed_nodes(maps)
+  if not nodes then return nil, message, details end
+  local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
+    relaxed = {}, at_rest = edit_pose.all_at_rest(pose)}
+  local judged = topology.mesh:judge(nodes, topology.floor)
+  local final = nodes
+  if judged.inverted > 0 then
+    local inverted = topology.mesh:judge(nodes, 0)
+    if wish.relax then
+      final, message, details = relaxed_nodes(topology, shape, nodes)
+      if not final and details.status ~= "geometry" then return nil, message, details end
+    elseif inverted.inverted > 0 then
+      final = nil
+    end
+    if not final and inverted.inverted == 0 then final = nodes end -- poor, but sound
+    if not final then
+      return nil, refusal(topology, nodes, inverted), {status = "geometry",
+        element = inverted.worst, inverted = inverted.inverted, posed = nodes, maps = maps,
+        domains = poor_domains(topology, nodes)}
+    end
+  end
+  shape.mesh, message, details = topology.mesh:moved(final)
+  if not shape.mesh then
+    details.inverted = details.inverted or 1
+    return nil, message, details
+  end
+  return shape
+end
+
+--- The same, and where relaxing does not help, on a refilled mesh: then `topology` of the shape is
+--- another one.
+function edit_shape.mended(topology, pose, wish)
+  return edit_shape.of(topology, pose, wish)
+end
+
+return edit_shape

@@ -1,0 +1,257 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Systems that follow edits: the equations of a body cut into domains, kept up to date, and what an
+ * update and a solve reused, as a table. The box's second reference is to the domains. */
+#include "bind.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bw_local_system *self(lua_State *L) {
+  return (bw_local_system *)lbw_check(L, 1, &lbw_local_system_class);
+}
+
+static int32_t domain_count(lua_State *L) {
+  const lbw_box *box = lbw_check_box(L, 1, &lbw_local_system_class);
+  return ((const bw_domains *)box->extra)->count;
+}
+
+static const char *const methods_words[] = {"auto", "refactor", "iterate", "scratch", NULL};
+
+/* ---- what was reused ------------------------------------------------------------------------- */
+
+#define KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)                                                    \
+  BOOLEAN(pattern)                                                                                 \
+  BOOLEAN(ordering)                                                                                \
+  INTEGER(domains)                                                                                 \
+  INTEGER(domains_kept)                                                                            \
+  INTEGER(domains_turned)                                                                          \
+  INTEGER(domains_touched)                                                                         \
+  NUMBER(factor_kept)                                                                              \
+  INTEGER(iterations)                                                                              \
+  NUMBER(predicted_refactor)                                                                       \
+  NUMBER(predicted_iterate)                                                                        \
+  NUMBER(seconds_stiffness)                                                                        \
+  NUMBER(seconds_factor)                                                                           \
+  NUMBER(seconds_solve)
+
+/* Writes into the table on the top. */
+static void store_reuse(lua_State *L, const bw_reuse *reuse) {
+#define BOOLEAN(key) (lua_pushboolean(L, reuse->key), lua_setfield(L, -2, #key));
+#define INTEGER(key) (lua_pushinteger(L, reuse->key), lua_setfield(L, -2, #key));
+#define NUMBER(key) (lua_pushnumber(L, reuse->key), lua_setfield(L, -2, #key));
+  KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)
+#undef BOOLEAN
+#undef INTEGER
+#undef NUMBER
+  lua_pushstring(L, methods_words[reuse->method]);
+  lua_setfield(L, -2, "method");
+}
+
+/* Reads back what store_reuse wrote, so that a solve completes what an update began. */
+static void load_reuse(lua_State *L, int index, bw_reuse *reuse) {
+#define BOOLEAN(key) (lua_getfield(L, index, #key), reuse->key = lua_toboolean(L, -1));
+#define INTEGER(key) (lua_getfield(L, index, #key), reuse->key = (int32_t)lua_tointeger(L, -1));
+#define NUMBER(key) (lua_getfield(L, index, #key), reuse->key = lua_tonumber(L, -1));
+  int top = lua_gettop(L);
+  luaL_checkstack(L, 24, "too many values");
+  KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)
+#undef BOOLEAN
+#undef INTEGER
+#undef NUMBER
+  lua_settop(L, top);
+}
+
+/* Makes the table at `index` (nil: a new one) the place of the answer; pushes it, and reads it. */
+static void begin_reuse(lua_State *L, int index, bw_reuse *reuse) {
+  memset(reuse, 0, sizeof *reuse);
+  if (lua_istable(L, index)) {
+    load_reuse(L, index, reuse);
+    lua_pushvalue(L, index);
+  } else {
+    lua_createtable(L, 0, 16);
+    luaL_setmetatable(L, "barwright.reuse");
+  }
+}
+
+/* ---- making, following, solving -------------------------------------------------------------- */
+
+/* local_system(model, domains): the model at the shape that later motions count from */
+static int core_local_system(lua_State *L) {
+  const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
+  const bw_domains *domains = (const bw_domains *)lbw_check(L, 2, &lbw_domains_class);
+  luaL_argcheck(L,
+                domains->mesh->node_count == model->mesh->node_count &&
+                    domains->mesh->element_count == model->mesh->element_count,
+                2, "domains of the model's mesh expected");
+  lbw_box *box = lbw_box_new(L, &lbw_local_system_class);
+  bw_local_system *local = NULL;
+  bw_status status = bw_local_system_create(lbw_enter(L), model, false, domains->count,
+                                            domains->element_domain, domains->node_domain, &local);
+  if (local)
+    box->extra = bw_retain(domains);
+  lbw_box_fill(L, box, local);
+  return lbw_leave(L, status, 1);
+}
+
+/* local:update(model, motion): reuse */
+static int local_update(lua_State *L) {
+  lbw_box *box = lbw_check_box(L, 1, &lbw_local_system_class);
+  bw_local_system *local = self(L);
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  luaL_argcheck(L, model->mesh->node_count == local->system->mesh->node_count, 2,
+                "a model of the same topology expected");
+  bw_domain_motion *motion = lbw_read_motion(L, 3, domain_count(L));
+  bw_reuse reuse;
+  begin_reuse(L, 0, &reuse);
+  bw_status status = bw_local_system_update(lbw_enter(L), local, model, motion, &reuse);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 1);
+  lbw_leave_or_raise(L, BW_OK);
+  store_reuse(L, &reuse);
+  lbw_box_account(L, box);
+  return 1;
+}
+
+static void read_options(lua_State *L, int index, const char *function, bw_local_options *local,
+                         bw_statics_options *statics) {
+  struct wish {
+    bw_local_options local;
+    bw_statics_options statics;
+  } wish;
+  static const lbw_option list[] = {
+      {"method", LBW_OTHER, 0},
+      {"tolerance", LBW_REAL, offsetof(struct wish, local.tolerance)},
+      {"check", LBW_BOOLEAN, offsetof(struct wish, local.check)},
+      {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
+      {"balance_tolerance", LBW_REAL, offsetof(struct wish, statics.tolerance)},
+      {NULL, LBW_OTHER, 0}};
+  bw_local_options_default(&wish.local);
+  wish.statics = (bw_statics_options){.tolerance = 1e-6};
+  lbw_options(L, index, function, list, &wish);
+  wish.local.method = (bw_local_method)lbw_word_option(L, index, function, "method", methods_words,
+                                                       (int)wish.local.method);
+  *local = wish.local;
+  *statics = wish.statics;
+}
+
+/* local:statics(model, options, reuse or nil): static, reuse */
+static int local_statics(lua_State *L) {
+  lbw_box *own = lbw_check_box(L, 1, &lbw_local_system_class);
+  bw_local_system *local = self(L);
+  const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
+  bw_local_options options;
+  bw_statics_options statics;
+  lua_settop(L, 4);
+  read_options(L, 3, "solve", &options, &statics);
+  lbw_box *box = lbw_box_new(L, &lbw_static_class);
+  bw_reuse reuse;
+  begin_reuse(L, 4, &reuse);
+  bw_static *result = NULL;
+  bw_status status =
+      bw_local_statics(lbw_enter(L), local, model, &statics, &options, &result, &reuse);
+  lbw_box_fill(L, box, result);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 2);
+  lbw_leave_or_raise(L, BW_OK);
+  store_reuse(L, &reuse);
+  lbw_box_account(L, own);
+  return 2;
+}
+
+/* local:solve(force, options, reuse or nil): displacement, reuse */
+static int local_solve(lua_State *L) {
+  lbw_box *own = lbw_check_box(L, 1, &lbw_local_system_class);
+  bw_local_system *local = self(L);
+  bw_local_options options;
+  bw_statics_options statics;
+  int64_t rows;
+  lua_settop(L, 4);
+  read_options(L, 3, "solve", &options, &statics);
+  double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
+  luaL_argcheck(L, rows == local->system->mesh->node_count, 2,
+                "force: a row for every node expected");
+  double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
+  bw_reuse reuse;
+  begin_reuse(L, 4, &reuse);
+  bw_status status = bw_local_system_solve(lbw_enter(L), local, &options, 1, force, out, &reuse);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 2);
+  lbw_leave_or_raise(L, BW_OK);
+  store_reuse(L, &reuse);
+  lbw_box_account(L, own);
+  return 2;
+}
+
+/* local:refactor(reuse or nil): reuse */
+static int local_refactor(lua_State *L) {
+  lbw_box *own = lbw_check_box(L, 1, &lbw_local_system_class);
+  bw_reuse reuse;
+  lua_settop(L, 2);
+  begin_reuse(L, 2, &reuse);
+  bw_status status = bw_local_system_refactor(lbw_enter(L), self(L), &reuse);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 1);
+  lbw_leave_or_raise(L, BW_OK);
+  store_reuse(L, &reuse);
+  lbw_box_account(L, own);
+  return 1;
+}
+
+/* ---- views ----------------------------------------------------------------------------------- */
+
+/* local:memory(): bytes of the factor, of the update matrices, of the domains' coefficients */
+static int local_memory(lua_State *L) {
+  const bw_local_system *local = self(L);
+  size_t factor = 0, updates = 0;
+  bw_local_system_memory(local, &factor, &updates);
+  lua_pushinteger(L, (lua_Integer)factor);
+  lua_pushinteger(L, (lua_Integer)updates);
+  lua_pushinteger(L,
+                  local->stiffness ? (lua_Integer)bw_domain_stiffness_bytes(local->stiffness) : 0);
+  return 3;
+}
+
+static int local_unknown_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->system->numbering->unknown_count);
+  return 1;
+}
+
+static int local_domain_count(lua_State *L) {
+  lua_pushinteger(L, domain_count(L));
+  return 1;
+}
+
+static int local_tostring(lua_State *L) {
+  const bw_local_system *local = (const bw_local_system *)lbw_test(L, 1, &lbw_local_system_class);
+  if (!local) {
+    lua_pushliteral(L, "local system (closed)");
+    return 1;
+  }
+  size_t factor = 0, updates = 0;
+  bw_local_system_memory(local, &factor, &updates);
+  char text[200];
+  snprintf(text, sizeof text,
+           "local system of %d unknowns in %d domains, factor of %.3g MB, %.3g MB kept for updates",
+           (int)local->system->numbering->unknown_count, (int)local->stiffness->domain_count,
+           (double)factor / 1e6, (double)updates / 1e6);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"update", local_update},   {"solve", local_solve},
+                                   {"statics", local_statics}, {"refactor", local_refactor},
+                                   {"memory", local_memory},   {NULL, NULL}};
+static const luaL_Reg properties[] = {
+    {"unknown_count", local_unknown_count}, {"domain_count", local_domain_count}, {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", local_tostring}, {NULL, NULL}};
+const lbw_class lbw_local_system_class = {"local_system", methods, properties, meta, NULL};
+
+void lbw_open_local(lua_State *L) {
+  lbw_class_register(L, &lbw_local_system_class);
+  lua_getfield(L, -1, "tables");
+  luaL_newmetatable(L, "barwright.reuse");
+  lua_setfield(L, -2, "reuse");
+  lua_pop(L, 1);
+  lua_pushcfunction(L, core_local_system);
+  lua_setfield(L, -2, "local_system");
+}

@@ -1,0 +1,519 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Edit sessions: edits, their mending, undo, scripts, and that a session's answer is that of a part
+-- made anew.
+local bw = require "barwright"
+local core = require "barwright.core"
+local check = require "check"
+
+-- ---- a beam of two bones, and a body with limbs ----------------------------------------------------
+
+local function beam_skeleton()
+  return bw.skeleton.create {joints = {a = {0, 0.05, 0.05}, b = {0.5, 0.05, 0.05}, c = {1, 0.05, 0.05}},
+    bones = {{"a", "b", name = "upper"}, {"b", "c", name = "lower"}}, root = "a"}
+end
+
+local function beam_part(order)
+  local mesh = check.beam({16, 2, 2}, order or 2)
+  local part = bw.model {mesh = mesh, material = bw.material.steel}
+  part:fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
+  return part:load {on = mesh.boundary:above(1, 1), force = {0, 0, -10}}
+end
+
+local function beam(wish)
+  wish = wish or {}
+  wish.skeleton = wish.skeleton or beam_skeleton()
+  return assert(bw.edit(beam_part(), wish))
+end
+
+local mm = 1e-3
+local body_joints = {
+  hip = {0, 0, 0}, chest = {0, 0, 40 * mm}, head = {0, 0, 60 * mm},
+  left_hip = {8 * mm, 0, -4 * mm}, left_knee = {12 * mm, 0, -22 * mm}, left_foot = {14 * mm, 0, -42 * mm},
+  right_hip = {-8 * mm, 0, -4 * mm}, right_knee = {-12 * mm, 0, -22 * mm},
+  right_foot = {-14 * mm, 0, -42 * mm},
+}
+local body_bones = {{"hip", "chest", name = "trunk"}, {"chest", "head", name = "neck"},
+  {"hip", "left_hip"}, {"left_hip", "left_knee", name = "left_thigh"},
+  {"left_knee", "left_foot", name = "left_shin"}, {"hip", "right_hip"},
+  {"right_hip", "right_knee", name = "right_thigh"}, {"right_knee", "right_foot", name = "right_shin"}}
+
+local function body_skeleton()
+  return bw.skeleton.create {joints = body_joints, bones = body_bones, root = "hip"}
+end
+
+local made
+local function body_mesh()
+  if made then return made end
+  local limbs = {}
+  for _, bone in ipairs(body_bones) do
+    limbs[#limbs + 1] = bw.shapes.limb(body_joints[bone[1]], body_joints[bone[2]], 6 * mm, 5 * mm)
+  end
+  local surface = assert(bw.surface.implicit(bw.shapes.join(limbs, 3 * mm),
+    {low = {-0.025, -0.01, -0.055}, high = {0.025, 0.01, 0.072}, cells = 40}))
+  made = assert(bw.mesh.fill(surface, {elements = 1500, order = 2}))
+  return made
+end
+
+local function body(wish)
+  local mesh = body_mesh()
+  local part = bw.model {mesh = mesh, material = bw.material.zp150}
+  part:fix(mesh.boundary:below(3, -44 * mm))
+  part:load {on = mesh.boundary:above(3, 60 * mm), force = {0, 1, -2}}
+  wish = wish or {}
+  wish.skeleton = wish.skeleton or body_skeleton()
+  return assert(bw.edit(part, wish)), part
+end
+
+local function same_nodes(a, b)
+  return (a.nodes - b.nodes):norm() == 0
+end
+
+-- The session's displacement beside that of its part solved anew.
+local function compare(session, result)
+  local fresh = assert(session.part:solve())
+  local difference = (fresh.displacement - result.displacement):norm() / fresh.displacement:norm()
+  assert.truthy(difference < 1e-8, ("differs by %g"):format(difference))
+  local stress = fresh.von_mises
+  assert.truthy((stress - result.von_mises):norm() / stress:norm() < 1e-8)
+end
+
+-- ---- skeletons -------------------------------------------------------------------------------------
+
+describe("a skeleton", function()
+  it("is made from named joints and bones", function()
+    local s = body_skeleton()
+    assert.equal(9, s.joint_count)
+    assert.equal(8, s.bone_count)
+    assert.equal("hip", s.root)
+    local shin = s:bone "left_shin"
+    assert.equal("left_thigh", shin.parent)
+    assert.equal("left_knee", shin.head)
+    assert.same({}, shin.children)
+    check.near(20.0997512422 * mm, shin.length, 1e-9)
+    assert.same({"left_shin"}, s:bone("left_thigh").children)
+    assert.truthy(tostring(s):find "skeleton of 9 joints and 8 bones, root hip\n  trunk: hip to chest, 40 mm")
+  end)
+
+  it("names the nearest joint and bone", function()
+    local s = beam_skeleton()
+    check.raises("no bone 'uper': did you mean 'upper'", s.bone, s, "uper")
+    check.raises("no joint 'x'", s.joint, s, "x")
+    check.raises("did you mean 'knee'", bw.skeleton.create,
+      {joints = {hip = {0, 0, 0}, knee = {0, 0, 1}}, bones = {{"hip", "kne"}}})
+    check.raises("unknown option 'bone'", bw.skeleton.create, {joints = {}, bone = {}})
+    check.raises("at least one bone", bw.skeleton.create, {joints = {}, bones = {}})
+    check.raises("two joints", bw.skeleton.create, {joints = {a = {0, 0, 0}}, bones = {{"a"}}})
+  end)
+
+  it("is changed into a new one", function()
+    local s = beam_skeleton()
+    local more = s:insert_joint("upper", 0.5, "middle")
+    assert.equal(3, more.bone_count)
+    assert.same({0.25, 0.05, 0.05}, more:joint("middle").at)
+    assert.equal(2, more:merge("upper", more:bone("upper").children[1]).bone_count)
+    assert.same({1, 0, 0}, s:move_joint("c", {1, 0, 0}):joint("c").at)
+    assert.equal("b", s:with_root("b").root)
+    assert.equal(1, s:remove("lower").bone_count)
+    assert.equal(2, s.bone_count)
+  end)
+
+  it("goes to a file and back", function()
+    local s, path = body_skeleton(), check.folder() .. "/s.tgf"
+    assert(s:write(path))
+    local back = assert(bw.skeleton.read(path))
+    assert.same(s.joint_names, back.joint_names)
+    assert.same(s.bone_names, back.bone_names)
+    assert.truthy((s.joints - back.joints):norm() < 1e-15)
+    check.fails("io", "missing.tgf", bw.skeleton.read "missing.tgf")
+  end)
+end)
+
+-- ---- domains ---------------------------------------------------------------------------------------
+
+describe("domains", function()
+  it("cover the part, and say what they follow", function()
+    local domains = body().domains
+    local elements, rigid = 0, 0
+    for i, domain in ipairs(domains) do
+      assert.equal(i, domain.index)
+      elements = elements + domain.elements
+      if domain.type == "R" then
+        rigid = rigid + 1
+        assert.same({domain.bone}, domain.bones)
+      end
+    end
+    assert.equal(domains.mesh.element_count, elements)
+    assert.equal(domains.rigid_count, rigid)
+    assert.truthy(#domains > rigid)
+    assert.truthy(tostring(domains):find "domains: %d+ that follow a bone")
+    assert.equal(domains.mesh.node_count, #domains.node_domain)
+  end)
+
+  it("are changed by hand, as an edit", function()
+    local session = beam()
+    local blended = session.domains[3]
+    local before = blended.elements
+    -- an element of the blended domain beside one of the bone's
+    local label, neighbours = session.domains.element_domain, session.mesh.neighbours
+    local chosen
+    for e = 1, session.mesh.element_count do
+      for k = 1, 4 do
+        local other = neighbours(e, k)
+        if label[e] == 3 and other > 0 and label[other] == 1 then chosen = e end
+      end
+    end
+    local fine = session:assign({chosen}, "upper")
+    if fine then
+      assert.equal(before - 1, session.domains[3].elements)
+      assert(session:undo())
+    end
+    assert.equal(before, session.domains[3].elements)
+    check.raises("bone 'nobody'", session.assign, session, {chosen}, "nobody")
+  end)
+
+  it("take a threshold for every bone", function()
+    local loose = beam {threshold = 0.6}.domains
+    local strict = beam {threshold = 0.6, thresholds = {lower = 0.99}}.domains
+    assert.truthy(strict[2].elements < loose[2].elements)
+    assert.truthy(strict[1].elements >= loose[1].elements)
+    check.raises("no bone 'loer': did you mean 'lower'", beam, {thresholds = {loer = 0.5}})
+  end)
+end)
+
+-- ---- edits -----------------------------------------------------------------------------------------
+
+describe("an edit", function()
+  it("turns, scales and moves what follows a bone", function()
+    local session = beam()
+    assert(session:bone("lower"):rotate {axis = {0, 0, 1}, degrees = 30})
+    local to = session:bone("lower").to
+    check.near(0.5 + 0.5 * math.cos(math.pi / 6), to[1], 1e-12)
+    check.near(0.05 + 0.25, to[2], 1e-12)
+    assert(session:bone("lower"):scale {1.2, 1, 1})
+    check.near(0.05 + 0.3, session:bone("lower").to[2], 1e-12)
+    assert(session:bone("upper"):translate {0, 0, 0.1})
+    check.near(0.15, session:bone("lower").to[3], 1e-12)
+    assert.equal(3, #session.edits)
+    assert.truthy(tostring(session):find 'session:bone%("upper"%):translate{0.0, 0.0, 0.1}'
+      or tostring(session):find 'session:bone%("upper"%):translate{0, 0, 0.1}')
+    assert.truthy(tostring(session:bone "lower"):find "scaled by %(1.2, 1, 1%), turned by 30 degrees")
+  end)
+
+  it("turns in the directions of space, whatever the parent does", function()
+    local session = beam()
+    assert(session:bone("upper"):rotate {x = 90})
+    assert(session:bone("lower"):rotate {axis = {0, 0, 1}, degrees = 90})
+    local bone = session:bone "lower"
+    check.near(bone.from[2] + 0.5, bone.to[2], 1e-12)
+  end)
+
+  it("on the whole turns the part as a body, to rounding", function()
+    local session = beam()
+    local before = session.mesh.nodes
+    assert(session:bone("upper"):rotate {axis = {0, 0, 1}, degrees = 90})
+    local want = core.array.map("a[1] ^ 2 + a[2] ^ 2", {a = before - 0.05})
+    assert.truthy(want)
+    check.near(0.1, session.mesh.volume * 10, 1e-12)
+    assert.truthy(math.abs(session.mesh.box.size[2] - 1) < 1e-12)
+  end)
+
+  it("of several bones is one step", function()
+    local session = beam()
+    assert(session:pose {upper = {scale = {1, 2, 2}}, lower = {rotation = {y = 10}, scale = 1.5}})
+    assert.equal(1, #session.edits)
+    assert.same({1, 2, 2}, session:bone("upper").factors)
+    assert(session:bone("upper"):set {scale = {1, 1, 1}})
+    assert.same({1, 1, 1}, session:bone("upper").factors)
+    assert(session:bone("lower"):reset())
+    assert.same({1.5, 1.5, 1.5}, (assert(session:undo()):bone("lower").factors))
+    assert(session:reset())
+    assert.same({1, 1, 1}, session:bone("lower").factors)
+  end)
+
+  it("that is wrong raises, names the nearest, and changes nothing", function()
+    local session = beam()
+    check.raises("no bone 'louer': did you mean 'lower'", session.bone, session, "louer")
+    local bone = session:bone "lower"
+    check.raises("greater than 0", bone.scale, bone, {1, -1, 1})
+    check.raises("three finite numbers", bone.scale, bone, {1, 2})
+    check.raises("three finite numbers", bone.translate, bone, {1, 0 / 0, 1})
+    check.raises("axis of some length", bone.rotate, bone, {axis = {0, 0, 0}, degrees = 1})
+    check.raises("unknown option 'degres'", bone.rotate, bone, {axis = {0, 0, 1}, degres = 1})
+    check.raises("rows of length 1", bone.rotate, bone, {{1, 0, 0}, {0, 2, 0}, {0, 0, 1}})
+    check.raises("not a reflection", bone.rotate, bone, {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}})
+    check.raises("unknown option 'scal'", session.pose, session, {lower = {scal = {1, 1, 1}}})
+    check.raises("did you mean 'solve'", function() return session.sole end)
+    check.raises("did you mean 'rotate'", function() return bone.rotat end)
+    check.raises("unknown option 'skelton': did you mean 'skeleton'", bw.edit, beam_part(), {skelton = 1})
+    check.raises("unknown option 'metod'", session.solve, session, {metod = "auto"})
+    check.raises("'refactr' is not known: did you mean 'refactor'", session.solve, session,
+      {method = "refactr"})
+    assert.equal(0, #session.edits)
+  end)
+
+  it("takes loads and supports along", function()
+    local session = beam()
+    assert(session:bone("upper"):scale {1, 2, 2})
+    local loads = session.part.loads
+    assert.same({0, 0, -10}, loads[2].resultant)
+    check.near(session.part.mesh.volume * 7850 * 9.81, -loads[1].resultant[3], 0.02)
+    check.near(0.04, session.part.supports[1].on.area, 1e-9)
+  end)
+end)
+
+-- ---- inverse kinematics ----------------------------------------------------------------------------
+
+describe("reaching", function()
+  it("brings a joint to a place, and several at once", function()
+    local session = body()
+    local report = assert(session:reach("left_foot", {20 * mm, 3 * mm, -40 * mm}))
+    assert.is_true(report.reached)
+    local foot = session:bone("left_shin").to
+    assert.truthy(math.abs(foot[1] - 0.02) < 1e-6 and math.abs(foot[2] - 0.003) < 1e-6)
+    local wide = assert(session:reach {{joint = "left_foot", at = {18 * mm, 0, -37 * mm}, from = "left_thigh"},
+      {bone = "right_shin", at = {-18 * mm, 0, -37 * mm}, from = "right_thigh"}})
+    assert.truthy(wide.distance < 1e-5)
+    assert.equal(2, #session.edits)
+    check.raises("no joint or bone 'left_fot': did you mean 'left_foot'", session.reach, session,
+      "left_fot", {0, 0, 0})
+    check.raises("one of joint and bone", session.reach, session, {{at = {0, 0, 0}}})
+  end)
+
+  it("keeps to limits", function()
+    local session = body()
+    local free = assert(session:reach("left_foot", {30 * mm, 0, -30 * mm}))
+    assert(session:undo())
+    assert(session:limit("left_knee", {swing = 5, twist = {-10, 10}}))
+    assert(session:limit("left_thigh", {swing = 5}))
+    local held = assert(session:reach("left_foot", {30 * mm, 0, -30 * mm}))
+    assert.truthy(held.distance > free.distance)
+    assert.is_false(held.reached)
+    check.raises("twist", session.limit, session, "left_knee", {twist = {1}})
+    check.raises("no joint 'left_kne'", session.limit, session, "left_kne", {swing = 1})
+  end)
+end)
+
+-- ---- undo ------------------------------------------------------------------------------------------
+
+describe("undo and redo", function()
+  it("go to any depth, with the same bits", function()
+    local session = beam()
+    local seen = {session.mesh}
+    for i = 1, 12 do
+      assert(session:bone(i % 2 == 0 and "upper" or "lower"):rotate {x = 3, y = 2 + i, z = -i / 2})
+      seen[#seen + 1] = session.mesh
+    end
+    for i = 12, 1, -1 do
+      assert(session:undo())
+      assert.is_true(same_nodes(seen[i], session.mesh))
+    end
+    check.fails("empty", "nothing to undo", session:undo())
+    for i = 2, 13 do
+      assert(session:redo())
+      assert.is_true(same_nodes(seen[i], session.mesh))
+    end
+    check.fails("empty", "nothing to redo", session:redo())
+    assert(session:undo())
+    assert(session:bone("lower"):scale(1.1))
+    check.fails("empty", "nothing to redo", session:redo())
+  end)
+end)
+
+-- ---- solving ---------------------------------------------------------------------------------------
+
+describe("a solve", function()
+  it("is that of the part made anew, after every kind of edit, by every method", function()
+    local session = body()
+    local first = assert(session:solve())
+    compare(session, first)
+    assert.is_false(first.reused.pattern)
+    assert.truthy(first:error_estimate() > 0)
+    local edits = {
+      function() return session:bone("neck"):rotate {axis = {1, 0, 0}, degrees = 20} end,
+      function() return session:bone("trunk"):scale {1, 1.2, 1.3} end,
+      function()
+        local thick = {scale = {1, 1.3, 1.3}}
+        return session:pose {left_thigh = thick, right_thigh = thick}
+      end,
+      function() return session:reach("left_foot", {18 * mm, 1 * mm, -41 * mm}) end,
+      function() return session:undo() end,
+      function() return session:bone("trunk"):rotate {z = 40} end,
+    }
+    for i, edit in ipairs(edits) do
+      assert(edit())
+      local result = assert(session:solve {method = ({"auto", "refactor", "iterate", "scratch"})[i % 4 + 1]})
+      compare(session, result)
+      assert.is_true(result.reused.pattern)
+      assert.equal(session.domains.count, result.reused.domains)
+      assert.truthy(tostring(result.reused):find "^pattern yes, ordering yes, %d+ of %d+ domains, ")
+    end
+    assert(session:solve {check = true})
+  end)
+
+  it("of a part turned as a whole keeps every domain and the factor", function()
+    local session = beam()
+    assert(session:bone("lower"):rotate {y = 20})
+    assert(session:solve())
+    assert(session:bone("upper"):rotate {x = 10, y = 20, z = 30})
+    local result = assert(session:solve())
+    compare(session, result)
+    assert.equal(0, result.reused.domains_touched)
+    assert.equal(1, result.reused.factor_kept)
+  end)
+
+  it("knows of loads that were added later, and of other load cases", function()
+    local part = beam_part()
+    local session = assert(bw.edit(part, {skeleton = beam_skeleton()}))
+    local before = assert(session:solve()).displacement:norm()
+    part:load {on = part.mesh.boundary:above(1, 1), force = {0, 0, -1000}}
+    assert.truthy(assert(session:solve()).displacement:norm() > 2 * before)
+    assert(session:bone("lower"):scale {1, 1.1, 1.1})
+    compare(session, assert(session:solve()))
+    local other = bw.model {mesh = part.mesh, material = part.material}
+    other:load {on = part.mesh.boundary:above(1, 1), force = {0, 1, 0}}
+    assert.equal(session.mesh, assert(session:moved(other)).mesh)
+  end)
+
+  it("writes fields and pictures of the shape as it is", function()
+    local session, folder = beam(), check.folder()
+    assert(session:bone("lower"):rotate {z = 30})
+    assert(session:write(folder .. "/now.vtu"))
+    assert(session:picture(folder .. "/now.png", {field = "von_mises"}))
+    local mesh, file = bw.mesh.read(folder .. "/now.vtu")
+    assert.is_true(same_nodes(mesh, session.mesh))
+    assert.truthy(file.fields.domain and file.fields.von_mises)
+    assert(assert(session:surface()):write(folder .. "/now.stl"))
+    assert.is_nil(assert(session:solve()).times)
+  end)
+end)
+
+-- ---- scripts ---------------------------------------------------------------------------------------
+
+describe("a script of edits", function()
+  local function edit(session)
+    assert(session:bone("left_thigh"):scale {1, 1.1, 1 / 3 + 1})
+    assert(session:limit("left_knee", {swing = 40}))
+    assert(session:reach("left_foot", {16 * mm, 0.3 * mm, -41 * mm}, {tolerance = 1e-7}))
+    assert(session:bone("neck"):rotate {axis = {1, 0.1, 0}, radians = 0.1})
+    assert(session:undo())
+    assert(session:pose {["right_shin"] = {scale = 1.05}})
+  end
+
+  it("replays to the same bits", function()
+    local session, path = body(), check.folder() .. "/edits.lua"
+    edit(session)
+    assert(session:save(path))
+    local again = body()
+    assert.equal(again, assert(bw.edit.load(path, again)))
+    assert.is_true(same_nodes(session.mesh, again.mesh))
+    assert.same(session.edits, again.edits)
+    assert.is_nil(check.read(path):find("undo", 1, true))
+  end)
+
+  it("grows with every edit, and goes on after it was killed", function()
+    local folder = check.folder()
+    local path = folder .. "/journal.lua"
+    local session = body {journal = path}
+    edit(session)
+    local bits = session.mesh
+    local text = check.read(path)
+    check.write(folder .. "/cut.lua", text .. 'assert(session:bone("ne')
+    local again, cut = bw.edit.load(folder .. "/cut.lua", body(), {resume = true})
+    assert.is_true(cut)
+    assert.is_true(same_nodes(bits, again.mesh))
+    assert(again:bone("neck"):scale(1.01))
+    assert(again:undo())
+    again:close()
+    assert.equal(text .. 'assert(session:bone("neck"):scale{1.01, 1.01, 1.01})\nassert(session:undo())\n',
+      check.read(folder .. "/cut.lua"))
+    body({journal = path}):close()
+    assert.equal(text, check.read(path .. "~"))
+  end)
+
+  it("runs by itself when it knows the script of its part", function()
+    local folder = check.folder()
+    check.write(folder .. "/part.lua", [[
+local bw = require "barwright"
+local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {8, 1, 1}, order = 2}
+local part = bw.model {mesh = mesh, material = bw.material.steel}
+part:fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
+return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.05, 0.05}, {1, 0.05, 0.05}},
+  bones = {{1, 2, name = "upper"}, {2, 3, name = "lower"}}, root = 1}}
+]])
+    local session = assert(bw.edit.begin(folder .. "/part.lua"))
+    assert(session:bone("lower"):rotate {y = 12.5})
+    assert(session:save(folder .. "/edits.lua"))
+    local alone = assert(bw.edit.load(folder .. "/edits.lua"))
+    assert.is_true(same_nodes(session.mesh, alone.mesh))
+    local text = check.read(folder .. "/edits.lua"):gsub("return session", "print(session)")
+    check.write(folder .. "/shown.lua", text)
+    local code, out, complaint = check.run(folder .. "/shown.lua and arguments")
+    assert.message(complaint).equal(0, code)
+    assert.truthy(out:find 'session:bone%("lower"%):rotate{y = 12.5}')
+  end)
+
+  it("that cannot be replayed says where", function()
+    local folder = check.folder()
+    local path = folder .. "/edits.lua"
+    check.write(path, 'local session = require("barwright").edit.begin(nil, ...)\n'
+      .. 'assert(session:bone("nobody"):scale{1, 1, 1})\n')
+    check.fails("format", "nobody", bw.edit.load(path, beam()))
+    check.fails("format", "name no script", bw.edit.load(path))
+    check.write(path, "this is not Lua\n")
+    check.fails("format", "edits.lua", bw.edit.load(path, beam()))
+    check.fails("io", "none.lua", bw.edit.load(folder .. "/none.lua", beam()))
+    check.fails("io", "", bw.edit(beam_part(), {skeleton = beam_skeleton(), journal = folder .. "/no/such"}))
+  end)
+end)
+
+-- ---- what lives how long ---------------------------------------------------------------------------
+
+describe("a session", function()
+  it("keeps its results when it is closed, and lets go of the rest", function()
+    collectgarbage()
+    collectgarbage()
+    local _, blocks = core.external()
+    do
+      local session = beam()
+      assert(session:bone("lower"):rotate {z = 5})
+      local result = assert(session:solve())
+      local bone, mesh = session:bone "lower", session.mesh
+      session:close()
+      collectgarbage()
+      assert.truthy(result.von_mises:max() > 0 and result.reused.domains == 3 and mesh.volume > 0)
+      assert.equal("edit session (closed)", tostring(session))
+      check.raises("closed", session.bone, session, "lower")
+      check.raises("closed", bone.scale, bone, 2)
+      check.raises("closed", function() return session.mesh end)
+    end
+    collectgarbage()
+    collectgarbage()
+    local _, after = core.external()
+    assert.equal(blocks, after)
+  end)
+
+  it("is as it was when memory runs out in an edit or a solve", function()
+    local session = beam()
+    assert(session:bone("lower"):rotate {z = 5})
+    assert(session:solve())
+    local mesh, n, failures = session.mesh, 1, 0
+    while true do
+      core.fail_allocation(n, true)
+      local fine, result, message, details = pcall(function() -- luacheck: ignore 331
+        local bone, why, about = session:bone("upper"):scale {1, 1.01, 1.01}
+        if not bone then return nil, why, about end
+        return session:solve()
+      end)
+      core.fail_allocation(0, false)
+      if fine and result then break end
+      failures = failures + 1
+      if fine then assert.equal("memory", details.status, message) end
+      if #session.edits == 2 then assert(session:undo()) end
+      assert.is_true(same_nodes(mesh, session.mesh))
+      n = n + 11
+      assert(n < 100000)
+    end
+    assert.truthy(failures > 3)
+    compare(session, assert(session:solve()))
+  end)
+end)
