@@ -6,8 +6,8 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-/* A joint within this of a limit, in radians, is at it. */
-static const double at_limit = 1e-9;
+/* Limits closer than this, in radians, leave no room. */
+static const double no_room = 1e-6;
 
 void bw_joint_limit_none(bw_joint_limit *limit) {
   limit->swing = pi;
@@ -110,15 +110,17 @@ bool bwi_limit_rotation(const bw_joint_limit *limit, const double direction[3], 
 
 /* ---- what is barred -------------------------------------------------------------------------- */
 
-static void bar(bwi_bars *bars, const double axis[3], int sign) {
+static void bar(bwi_bars *bars, const double axis[3], double low, double high) {
   double length = bw_norm(axis);
   for (int k = 0; k < 3; k++)
     bars->axis[bars->count][k] = axis[k] / length;
-  bars->sign[bars->count++] = sign;
+  bars->low[bars->count] = fmin(low, 0);
+  bars->high[bars->count++] = fmax(high, 0);
 }
 
 /* With d the rest direction and a where the joint has turned it, a turn w changes the swing by
- * w . (d x a) / |d x a| and the twist by w . (d + a) / (1 + d . a). */
+ * w . (d x a) / |d x a| and the twist by w . (d + a) / (1 + d . a), where |d + a|^2 = 2 (1 + d .
+ * a). */
 void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], const double q[4],
                     bwi_bars *bars) {
   double swing, twist, r[9], turned[3], around[3], middle[3];
@@ -130,7 +132,7 @@ void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], cons
     middle[k] = direction[k] + turned[k];
   }
   bw_cross(direction, turned, around);
-  if (limit->swing < 1e-6) { /* no room to swing: both directions across are barred */
+  if (limit->swing < no_room) { /* both directions across are barred */
     double across[3] = {0, 0, 0}, other[3];
     int least = 0;
     for (int k = 1; k < 3; k++)
@@ -139,17 +141,17 @@ void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], cons
     across[least] = 1;
     bw_cross(direction, across, other);
     bw_cross(direction, other, across);
-    bar(bars, across, 0);
-    bar(bars, other, 0);
-  } else if (swing >= limit->swing - at_limit && limit->swing < pi && bw_norm(around) > 1e-9) {
-    bar(bars, around, 1);
+    bar(bars, across, 0, 0);
+    bar(bars, other, 0, 0);
+  } else if (limit->swing < pi && bw_norm(around) > 1e-9) {
+    bar(bars, around, -INFINITY, limit->swing - swing);
   }
-  if (bw_norm(middle) < 1e-9)
+  double rate = bw_norm(middle) / 2;
+  if (rate < 1e-9)
     return;
-  if (limit->twist_high - limit->twist_low < 1e-6)
-    bar(bars, middle, 0);
-  else if (twist >= limit->twist_high - at_limit && limit->twist_high < pi)
-    bar(bars, middle, 1);
-  else if (twist <= limit->twist_low + at_limit && limit->twist_low > -pi)
-    bar(bars, middle, -1);
+  if (limit->twist_high - limit->twist_low < no_room)
+    bar(bars, middle, 0, 0);
+  else if (limit->twist_high < pi || limit->twist_low > -pi)
+    bar(bars, middle, limit->twist_low > -pi ? rate * (limit->twist_low - twist) : -INFINITY,
+        limit->twist_high < pi ? rate * (limit->twist_high - twist) : INFINITY);
 }

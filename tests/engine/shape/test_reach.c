@@ -240,25 +240,23 @@ static void test_swing_twist(void **state) {
     bwi_swing_twist(clamped, d, &swing_after, &twist_after);
     check_near(swing_after, fmin(swing, 0.5), 1e-9);
     check_near(twist_after, fmin(fmax(twist, -0.2), 0.3), 1e-9);
-    /* at both limits the bars are the directions in which swing and twist grow, and only those */
+    /* the bars are the directions in which swing and twist change, with what is left of each */
     bwi_bars bars;
     bwi_limit_bars(&limit, d, clamped, &bars);
-    assert_int_equal(bars.count, (swing > 0.5) + (twist > 0.3 || twist < -0.2));
-    for (int bar = 0; bar < bars.count; bar++) {
+    assert_int_equal(bars.count, 2);
+    check_near(bars.high[0], 0.5 - swing_after, 1e-9);
+    double rate = cos(swing_after / 2);
+    check_near(bars.high[1], rate * (0.3 - twist_after), 1e-9);
+    check_near(bars.low[1], rate * (-0.2 - twist_after), 1e-9);
+    for (int bar = 0; bar < 2; bar++) {
       double moved[4], turn[3], s, t;
       for (int k = 0; k < 3; k++)
         turn[k] = 1e-6 * bars.axis[bar][k];
       memcpy(moved, clamped, sizeof moved);
       bwi_quaternion_turn(turn, moved);
       bwi_swing_twist(moved, d, &s, &t);
-      if (bar == 0 && swing > 0.5) {
-        check_near(s - swing_after, 1e-6, 1e-9);
-        check_near(t - twist_after, 0, 1e-9);
-      } else {
-        assert_true(t - twist_after > 0.9e-6);
-        check_near(s - swing_after, 0, 1e-9);
-        assert_int_equal(bars.sign[bar], twist > 0.3 ? 1 : -1);
-      }
+      check_near(s - swing_after, bar == 0 ? 1e-6 : 0, 1e-10);
+      check_near(t - twist_after, bar == 1 ? 1e-6 / rate : 0, 1e-10);
     }
   }
 }
@@ -323,6 +321,72 @@ static void test_limits(void **state) {
   assert_false(report.reached);
   check_near(pose[1].rotation[0], cos(0.5), 1e-6);
   bw_release(s);
+}
+
+/* Random trees, scales and translations; targets taken from a random pose, within the limits in
+ * every second round: what can be reached is reached, and the limits hold. */
+static void test_random_trees(void **state) {
+  bw_context *context = check_context(state);
+  bw_random random;
+  bw_random_seed(&random, 11);
+  enum { most_bones = 12 };
+  int64_t iterations = 0;
+  for (int round = 0; round < 300; round++) {
+    int32_t bones = 2 + (int32_t)(bw_random_uniform(&random) * (most_bones - 2));
+    double joint[3 * (most_bones + 1)] = {0}, map[12 * most_bones], posed[3 * (most_bones + 1)];
+    int32_t bone[2 * most_bones];
+    for (int32_t b = 0; b < bones; b++) {
+      bool goes_on = bw_random_uniform(&random) < 0.7;
+      bone[2 * b] = goes_on ? b : (int32_t)(bw_random_uniform(&random) * (b + 1));
+      bone[2 * b + 1] = b + 1;
+      for (int k = 0; k < 3; k++)
+        joint[3 * (b + 1) + k] = joint[3 * bone[2 * b] + k] + bw_random_normal(&random);
+    }
+    bw_skeleton *s;
+    check_ok(context,
+             bw_skeleton_create(context, bones + 1, joint, NULL, bones, bone, NULL, 0, &s));
+    bw_bone_pose pose[most_bones], rested;
+    bw_joint_limit limit[most_bones];
+    bool limited = round % 2;
+    double direction[most_bones][3], q[4];
+    bw_bone_pose_rest(&rested);
+    limbs_random_pose(&random, bones, pose);
+    for (int32_t b = 0; b < bones; b++) {
+      limit[b].swing = 0.1 + bw_random_uniform(&random);
+      limit[b].twist_low = -0.1 - bw_random_uniform(&random);
+      limit[b].twist_high = bw_random_uniform(&random);
+      for (int k = 0; k < 3; k++)
+        direction[b][k] = s->joint[3 * s->bone[2 * b + 1] + k] - s->joint[3 * s->bone[2 * b] + k];
+      double length = bw_norm(direction[b]);
+      for (int k = 0; k < 3; k++)
+        direction[b][k] /= length;
+      bwi_quaternion_of(pose[b].rotation, q);
+      if (limited)
+        bwi_limit_rotation(limit + b, direction[b], q);
+      bwi_quaternion_rotation(q, pose[b].rotation);
+    }
+    check_ok(context, bw_pose_maps(context, s, pose, map, NULL));
+    bw_pose_joints(s, map, posed);
+    for (int32_t b = 0; b < bones; b++)
+      memcpy(pose[b].rotation, rested.rotation, sizeof rested.rotation);
+    const double *at = posed + 3 * s->bone[2 * bones - 1];
+    bw_reach_target target = tail_to(bones - 1, at[0], at[1], at[2]);
+    bw_reach_report report;
+    check_ok(context,
+             bw_pose_reach(context, s, limited ? limit : NULL, 1, &target, 0, pose, &report));
+    assert_true(report.reached);
+    assert_true(report.iterations < 40);
+    iterations += report.iterations;
+    for (int32_t b = 0; b < bones && limited; b++) {
+      double swing, twist;
+      bwi_quaternion_of(pose[b].rotation, q);
+      bwi_swing_twist(q, direction[b], &swing, &twist);
+      assert_true(swing <= limit[b].swing + 1e-9);
+      assert_true(twist >= limit[b].twist_low - 1e-9 && twist <= limit[b].twist_high + 1e-9);
+    }
+    bw_release(s);
+  }
+  assert_true(iterations < 300 * 10);
 }
 
 /* A chain of thirty bones, as an extracted skeleton may have. */
@@ -410,15 +474,11 @@ static void test_refusals_and_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_two_bones),
-      check_test(test_straight_arm_bends),
-      check_test(test_out_of_reach),
-      check_test(test_chain_from),
-      check_test(test_two_targets),
-      check_test(test_swing_twist),
-      check_test(test_limits),
-      check_test(test_long_chain),
-      check_test(test_refusals_and_memory),
+      check_test(test_two_bones),    check_test(test_straight_arm_bends),
+      check_test(test_out_of_reach), check_test(test_chain_from),
+      check_test(test_two_targets),  check_test(test_swing_twist),
+      check_test(test_limits),       check_test(test_long_chain),
+      check_test(test_random_trees), check_test(test_refusals_and_memory),
   };
   return cmocka_run_group_tests_name("reach", tests, NULL, NULL);
 }
