@@ -75,7 +75,7 @@ local function begin(part, given)
     domains, message, details = make_domains(mesh, wish)
     if not domains then return nil, message, details end
   end
-  local topology = edit_shape.topology(domains, wish.quality)
+  local topology = edit_shape.topology(domains, edit_shape.floor(mesh, wish.quality))
   local pose = edit_pose.rest(domains.skeleton.bone_count)
   local shape
   shape, message, details = edit_shape.of(topology, pose, wish)
@@ -201,11 +201,14 @@ end
 function class:assign(elements, bone)
   local state = current(self)
   if type(elements) == "userdata" then elements = elements:totable() end
+  if state.topology.node_from then
+    return nil, "elements cannot be assigned on a refilled mesh: undo to before it was refilled, or "
+      .. "begin another session on session.part", {status = "unsupported"}
+  end
   local domains, message, details = state.topology.domains:assign(elements, bone)
   if not domains then return nil, message, details end
   local fine
-  fine, message, details = commit(self, {topology = edit_shape.topology(domains, self.wish.quality,
-    state.topology.node_from),
+  fine, message, details = commit(self, {topology = edit_shape.topology(domains, state.topology.floor),
     script = ("session:assign(%s, %s)"):format(edit_script.list(elements),
       edit_script.value(bone))})
   if not fine then return nil, message, details end
@@ -256,8 +259,10 @@ function properties:mesh()
   return current(self).shape.mesh
 end
 
+--- The mesh as it was given.
 function properties:rest()
-  return current(self).topology.mesh
+  current(self)
+  return self.history[1].topology.mesh
 end
 
 function properties:domains()

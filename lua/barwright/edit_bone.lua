@@ -107,6 +107,14 @@ local function place(session, joint)
   return row:totable()[1]
 end
 
+--- The number of the domain that follows this bone alone, or nil: then the bone only takes part in
+--- blending, or moves nothing but what hangs on it.
+function properties:domain()
+  for i, domain in ipairs(state_of(self.session).topology.domains) do
+    if domain.bone == self.name then return i end
+  end
+end
+
 function properties:from() return place(self.session, self.head) end
 function properties:to() return place(self.session, self.tail) end
 function properties:factors() return edit_pose.scale(row_of(self)) end
@@ -137,6 +145,7 @@ function class:__tostring()
   return ("bone %s from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) mm, %s"):format(self.name,
     from[1] * 1e3, from[2] * 1e3, from[3] * 1e3, to[1] * 1e3, to[2] * 1e3, to[3] * 1e3,
     #parts > 0 and table.concat(parts, ", ") or "at rest")
+    .. (self.domain and "" or "; no domain follows it alone")
 end
 
 function class:__index(name)

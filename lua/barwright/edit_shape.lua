@@ -8,9 +8,9 @@ local edit_pose = require "barwright.edit_pose"
 
 local edit_shape = {}
 
---- A topology: domains, what is asked about them often, and the numbers that their nodes have in
---- the part as it was given (nil: the same).
-function edit_shape.topology(domains, quality, node_from)
+--- A topology: domains, what is asked about them often, the quality below which elements are
+--- mended, and the numbers that the nodes have in the part as it was given (nil: the same).
+function edit_shape.topology(domains, floor, node_from)
   local skeleton, mesh = domains.skeleton, domains.mesh
   local number = {}
   for i, name in ipairs(skeleton.bone_names) do number[name] = i end
@@ -21,10 +21,13 @@ function edit_shape.topology(domains, quality, node_from)
     list[d] = {bones = bones, type = domain.type, adjacent = domain.adjacent,
       elements = domain.elements}
   end
-  -- A mesh that is poor at rest is not held against the edits.
-  local worst = mesh:shapes():min()
   return {domains = domains, skeleton = skeleton, mesh = mesh, list = list, node_from = node_from,
-    quality = quality, floor = math.max(0, math.min(quality, worst / 2))}
+    floor = floor}
+end
+
+--- The quality asked for; a mesh that is poor at rest is not held against the edits.
+function edit_shape.floor(mesh, quality)
+  return math.max(0, math.min(quality, mesh:shapes():min() / 2))
 end
 
 -- The domains of the elements that are poorer than the floor, as a set, and their number.
@@ -86,7 +89,7 @@ local function relaxed_nodes(topology, shape, nodes)
 end
 
 --- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of domains,
---- topology}. On failure the details hold `inverted` and `element` where elements are inverted.
+--- topology}. Where elements are inverted and stay so, a fourth value has what refilling starts from.
 function edit_shape.of(topology, pose, wish)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)
   if not maps then return nil, rotations, details end
@@ -108,22 +111,57 @@ function edit_shape.of(topology, pose, wish)
     if not final and inverted.inverted == 0 then final = nodes end -- poor, but sound
     if not final then
       return nil, refusal(topology, nodes, inverted), {status = "geometry",
-        element = inverted.worst, inverted = inverted.inverted, posed = nodes, maps = maps,
-        domains = poor_domains(topology, nodes)}
+        element = inverted.worst, inverted = inverted.inverted},
+        {nodes = nodes, maps = maps, domains = poor_domains(topology, nodes)}
     end
   end
   shape.mesh, message, details = topology.mesh:moved(final)
-  if not shape.mesh then
-    details.inverted = details.inverted or 1
-    return nil, message, details
-  end
+  if not shape.mesh then return nil, message, details end
   return shape
 end
 
---- The same, and where relaxing does not help, on a refilled mesh: then `topology` of the shape is
---- another one.
+-- ---- refilling -------------------------------------------------------------------------------------
+
+-- The numbers in the first mesh of nodes that came from a mesh whose own came from it.
+local function compose(before, node_from)
+  if not before then return node_from end
+  local count = #before
+  return before:scatter(core.array.range(2, count + 1), count + 1):gather(node_from + 1)
+end
+
+-- The topology with new elements in the blended domains of the set.
+local function refill(topology, inverted)
+  local set, any = {}, false
+  for d in pairs(inverted.domains) do
+    if topology.list[d].type == "F" then set[d], any = true, true end
+  end
+  if not any then return nil, "no blended domain is inverted", {status = "geometry"} end
+  local mask = edit_shape.flags(topology, set):gather(topology.domains.element_domain)
+  local mesh, node_from, element_from = topology.mesh:refill(inverted.nodes, mask)
+  if not mesh then return nil, node_from, element_from end
+  local domains, message, details = topology.domains:refilled(inverted.maps, mask, mesh, node_from,
+    element_from)
+  if not domains then return nil, message, details end
+  return edit_shape.topology(domains, topology.floor, compose(topology.node_from, node_from))
+end
+
+--- The shape of a pose, and where relaxing does not help, on a refilled mesh: then the topology of
+--- the shape is another one.
 function edit_shape.mended(topology, pose, wish)
-  return edit_shape.of(topology, pose, wish)
+  local shape, message, details, inverted = edit_shape.of(topology, pose, wish)
+  if shape or not inverted then return shape, message, details end
+  local tried = wish.relax and "; inner nodes could not be relaxed" or ""
+  if wish.refill then
+    local other, why, about = refill(topology, inverted)
+    if other then
+      other.refilled = true
+      shape, why, about = edit_shape.of(other, pose, wish)
+      if shape then return shape end
+    end
+    if about.status ~= "geometry" then return nil, why, about end
+    tried = tried .. ("; new elements could not be filled in (%s)"):format(why)
+  end
+  return nil, message .. tried .. ": make the edit smaller", details
 end
 
 return edit_shape

@@ -1616,6 +1616,7 @@ function Session:close() end
 ---@field tail string joint
 ---@field parent string? bone
 ---@field children string[] bones
+---@field domain integer? the domain that follows this bone alone
 ---@field from bw.Vector where its head is now
 ---@field to bw.Vector where its tail is now
 ---@field factors bw.Vector its scale
