@@ -3,42 +3,37 @@
  *
  * Invariants: rows 0 .. S - 1 of `frame` are those of supports, rows S .. S + domain_count - 1
  * those of the domains, whether a node uses them or not. A node takes the frame of its domain when
- * its three components are all unknowns or all held: then any frame serves. A node where some are
- * held keeps the directions in which it is held; a pinned one those in which it is pinned. */
+ * its three components are all held or none is: then any frame serves. A node where some are held
+ * keeps the directions in which it is held. Pins are chosen after that, so that a pin of a body
+ * that turns turns with it. */
 #include <string.h>
 
 #include "model/internal.h"
 
-static bool whole(const uint8_t state[3]) {
-  return state[0] == state[1] && state[1] == state[2] && state[0] != BW_PINNED;
-}
-
-static bw_status take_frames(bw_context *context, bw_numbering *numbering, int32_t domain_count,
-                             const int32_t *node_domain, const double *frame) {
-  int32_t first = numbering->frame_count;
-  if ((int64_t)first + domain_count > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "%d domains are too many", domain_count);
+bw_status bwi_take_frames(bw_context *context, bw_numbering *numbering, const bwi_follow *follow) {
+  int32_t first = numbering->frame_count, domains = follow->domain_count;
+  if ((int64_t)first + domains > INT32_MAX)
+    return bw_fail(context, BW_LIMIT, "%d domains are too many", domains);
   double *all = (double *)bw_resize(context, numbering->frame,
-                                    9 * ((size_t)first + (size_t)domain_count), sizeof *all);
+                                    9 * ((size_t)first + (size_t)domains), sizeof *all);
   if (!all)
     return BW_MEMORY;
   numbering->frame = all;
-  numbering->frame_count = first + domain_count;
-  memcpy(all + 9 * (size_t)first, frame, 9 * (size_t)domain_count * sizeof *all);
+  numbering->frame_count = first + domains;
+  memcpy(all + 9 * (size_t)first, follow->frame, 9 * (size_t)domains * sizeof *all);
   for (int32_t i = 0; i < numbering->mesh->node_count; i++) {
-    if (!whole(numbering->state + 3 * (size_t)i))
+    const uint8_t *state = numbering->state + 3 * (size_t)i;
+    int32_t domain = follow->node_domain[i];
+    if (domain < 0 || state[0] != state[1] || state[1] != state[2])
       continue;
-    int32_t domain = node_domain[i];
-    if (domain < 0)
-      continue;
-    if (domain >= domain_count)
+    if (domain >= domains)
       return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i, domain + 1,
-                     domain_count);
+                     domains);
     numbering->frame_of[i] = first + domain;
     double *value = numbering->value + 3 * (size_t)i, global[3];
     memcpy(global, value, sizeof global);
-    for (int k = 0; k < 3; k++)
-      value[k] = bw_dot(frame + 9 * (size_t)domain + 3 * k, global);
+    for (size_t k = 0; k < 3; k++)
+      value[k] = bw_dot(follow->frame + 9 * (size_t)domain + 3 * k, global);
   }
   return BW_OK;
 }
@@ -50,21 +45,17 @@ bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
   bw_status status;
   int32_t count = 0;
   bwi_hold *hold = NULL;
-  bw_numbering *numbering = NULL;
   const bw_mesh *mesh = model->mesh;
+  const bwi_follow follow = {previous, domain_count, node_domain, frame};
   if (previous && (previous->mesh->node_count != mesh->node_count ||
                    previous->mesh->component_count != mesh->component_count))
     return bw_fail(context, BW_INVALID,
                    "the numbering to follow is of a mesh of %d nodes, the model's mesh has %d",
                    previous->mesh->node_count, mesh->node_count);
   BW_TRY(bwi_holds_of(context, model, &count, &hold));
-  BW_TRY(bwi_number(context, mesh, count, hold, previous, &numbering));
-  BW_TRY(take_frames(context, numbering, domain_count, node_domain, frame));
-  *same = previous && memcmp(previous->state, numbering->state, 3 * (size_t)mesh->node_count) == 0;
-  *out = numbering;
-  numbering = NULL;
+  BW_TRY(bwi_number(context, mesh, count, hold, &follow, out));
+  *same = previous && memcmp(previous->state, (*out)->state, 3 * (size_t)mesh->node_count) == 0;
 done:
   bw_free(hold);
-  bw_release(numbering);
   return status;
 }

@@ -44,10 +44,18 @@ void bwi_motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]
 
 /* ---- numbering.c, pins.c --------------------------------------------------------------------- */
 
-/* The numbering of what is held. `previous` (of the same topology, or NULL) gives the pins to keep
- * where they still serve. */
+/* What a numbering of an edited shape follows. */
+typedef struct bwi_follow {
+  const bw_numbering *previous; /* of the same topology, or NULL: its pins stay where they serve */
+  int32_t domain_count;
+  const int32_t *node_domain;
+  const double *frame; /* domain_count x 9 */
+} bwi_follow;
+/* The numbering of what is held; `follow` may be NULL. */
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                     const bwi_hold *hold, const bw_numbering *previous, bw_numbering **numbering);
+                     const bwi_hold *hold, const bwi_follow *follow, bw_numbering **numbering);
+/* Nodes with the frame of their domain (follow.c): held components are known, pins are not yet. */
+bw_status bwi_take_frames(bw_context *context, bw_numbering *numbering, const bwi_follow *follow);
 /* Mark the pins of a body that has `count` free motions and the radius of gyration `length`. */
 bw_status bwi_pin(bw_context *context, bw_numbering *numbering, int32_t body, int count,
                   const bw_rigid_motion *motion, double length, const bw_numbering *previous);

@@ -55,9 +55,30 @@ static void complete(int count, double (*row)[3]) {
   memcpy(row[count], pick, sizeof pick);
 }
 
-/* Turn what is held at nodes into states, values and frames. */
+/* The frame of a node held along one or two directions, these first. Following an edit, the rest is
+ * chosen as seen from the node's domain, so that where both turn together, the frame does. */
+static void support_frame(const bwi_hold *at, const bwi_follow *follow, double row[3][3]) {
+  const double *turn = NULL;
+  if (follow && follow->node_domain[at->node] >= 0)
+    turn = follow->frame + 9 * (size_t)follow->node_domain[at->node];
+  memcpy(row, at->direction, 3 * sizeof *row);
+  if (at->count == 1 && turn) {
+    double seen[3][3];
+    for (int k = 0; k < 3; k++)
+      seen[0][k] = bw_dot(turn + 3 * k, row[0]);
+    complete(1, seen);
+    for (int k = 0; k < 3; k++)
+      row[1][k] = turn[k] * seen[1][0] + turn[3 + k] * seen[1][1] + turn[6 + k] * seen[1][2];
+  } else if (at->count == 1)
+    complete(1, row);
+  bw_cross(row[0], row[1], row[2]);
+}
+
+/* Turn what is held at nodes into states, values and frames. Following an edit, every node that is
+ * held in part has a frame of its own, along the global axes or not: so its state does not depend
+ * on how the surface lies just now. */
 static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32_t count,
-                             const bwi_hold *hold) {
+                             const bwi_hold *hold, const bwi_follow *follow) {
   int32_t frames = 0;
   for (int pass = 0; pass < 2; pass++) {
     if (pass == 1 && frames > 0) {
@@ -71,7 +92,7 @@ static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32
       const bwi_hold *at = &hold[h];
       size_t base = 3 * (size_t)at->node;
       /* Global components serve when every global axis is either held or free. */
-      bool global = true, held[3];
+      bool global = !follow, held[3];
       double value[3] = {0, 0, 0};
       for (int k = 0; k < 3; k++) {
         double part = 0;
@@ -93,10 +114,7 @@ static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32
       }
       if (pass == 1) {
         double row[3][3];
-        memcpy(row, at->direction, sizeof row);
-        if (at->count == 1)
-          complete(1, row);
-        bw_cross(row[0], row[1], row[2]);
+        support_frame(at, follow, row);
         memcpy(numbering->frame + 9 * (size_t)frames, row, sizeof row);
         numbering->frame_of[at->node] = frames;
         for (int i = 0; i < at->count; i++) {
@@ -181,7 +199,7 @@ done:
 }
 
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                     const bwi_hold *hold, const bw_numbering *previous, bw_numbering **out) {
+                     const bwi_hold *hold, const bwi_follow *follow, bw_numbering **out) {
   size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
   double *inertia = NULL;
   bw_status status = BW_OK;
@@ -223,8 +241,11 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_coun
   numbering->body_start[bodies] = mesh->node_count;
 
   BW_TRY(bwi_moments(context, numbering, inertia));
-  BW_TRY(apply_holds(context, numbering, hold_count, hold));
-  BW_TRY(free_bodies(context, numbering, hold_count, hold, inertia, previous));
+  BW_TRY(apply_holds(context, numbering, hold_count, hold, follow));
+  if (follow)
+    BW_TRY(bwi_take_frames(context, numbering, follow));
+  BW_TRY(
+      free_bodies(context, numbering, hold_count, hold, inertia, follow ? follow->previous : NULL));
   for (size_t i = 0; i < 3 * nodes; i++)
     numbering->unknown[i] = numbering->state[i] == BW_UNKNOWN ? numbering->unknown_count++ : -1;
   *out = numbering;

@@ -6,10 +6,11 @@
  * Invariants: columns 0 .. active - 1 of r, z, p, q belong to right-hand sides that go on; side[k]
  * says which. All fields are 0 off the unknowns.
  *
- * A right-hand side is done when both its residual and its residual measured by the preconditioner
- * (r . z, which is near the energy of the error) have fallen below the tolerance, each relative to
- * the load's. The residual is then computed anew from the solution; where rounding has parted the
- * two, the iteration starts again from there until that no longer helps. */
+ * A right-hand side is done when its residual measured by the preconditioner (r . z, which is near
+ * the energy of the error) has fallen below the tolerance, and so has the residual itself, each
+ * relative to the load's; the residual need not fall below what rounding leaves of it. It is then
+ * computed anew from the solution; where rounding has parted the two, the iteration starts again
+ * from there until that no longer helps. */
 #include <math.h>
 #include <string.h>
 
@@ -72,7 +73,13 @@ static void retire(iteration *it, int k) {
   it->column[k] = it->column[last];
 }
 
-/* Start column k again from the residual of its solution; false when it is done. */
+static double allowed(const iteration *it, const column *c) {
+  return fmax(it->problem->tolerance * c->load,
+              bwi_residual_noise(it->problem->graph, it->problem->stiffness,
+                                 it->solution + c->side * it->size));
+}
+
+/* Start column k again from the residual of its solution; *more is false when it is done. */
 static bw_status restart(iteration *it, int k, bool *more) {
   bw_status status = BW_OK;
   column *c = &it->column[k];
@@ -85,7 +92,7 @@ static bw_status restart(iteration *it, int k, bool *more) {
   double residual = sqrt(dot(r, r, it->size)) / c->load;
   bool helped = residual < 0.5 * c->residual;
   c->residual = residual;
-  *more = residual > it->problem->tolerance && helped && ++c->starts < STARTS;
+  *more = residual * c->load > allowed(it, c) && helped && ++c->starts < STARTS;
   if (*more) {
     BW_TRY(precondition(it, k, 1));
     memcpy(p, z, (size_t)it->size * sizeof *p);
@@ -152,9 +159,10 @@ static bw_status run(iteration *it, int64_t first, int count) {
     for (int k = 0; k < it->active;) {
       column *c = &it->column[k];
       const double *r = it->r + k * size, *z = it->z + k * size;
-      double *p = it->p + k * size, rz = dot(r, z, size), limit = problem->tolerance;
+      double *p = it->p + k * size, rz = dot(r, z, size);
       bool more = true;
-      if (rz <= limit * limit * c->energy && dot(r, r, size) <= limit * limit * c->load * c->load) {
+      if (rz <= problem->tolerance * problem->tolerance * c->energy &&
+          sqrt(dot(r, r, size)) <= allowed(it, c)) {
         BW_TRY(restart(it, k, &more));
       } else {
         double turn = rz / c->rz;

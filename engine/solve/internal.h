@@ -263,6 +263,10 @@ bw_status bwi_need_factor(bw_context *context, const bw_system *system);
 /* BW_SINGULAR at a node, in words for the user. */
 bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t node);
 
+/* The size to which rounding lets the residual f - K u fall: what doubles leave of the terms of
+ * K u, taken from its diagonal blocks. */
+double bwi_residual_noise(const bw_graph *graph, const double *stiffness, const double *u);
+
 /* ---- statics (statics.c) ------------------------------------------------------------------- */
 
 /* Refinement of a static solution stops below this relative residual, or when it no longer helps.

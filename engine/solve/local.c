@@ -1,8 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A system that follows edits: made, and brought to another shape. */
+#include <math.h>
 #include <string.h>
 
 #include "solve/local.h"
+
+/* Frames of supports this near are the same: what rounding makes of a turned surface's normals. The
+ * factor is off by as much, the stiffness not at all. */
+#define SAME_FRAME 1e-12
 
 /* ---- the view ------------------------------------------------------------------------------ */
 
@@ -48,7 +53,7 @@ static void inner_free(bwi_local *inner) {
   bw_free(inner->node_domain);
   bw_free(inner->motion);
   bw_free(inner->frame);
-  bw_free(inner->framed);
+  bw_free(inner->supports);
   bw_free(inner->touched);
   bw_free(inner->factored_frame);
   bw_release(inner->factored);
@@ -100,11 +105,10 @@ static bw_status inner_create(bw_context *context, const bw_model *model, bool m
   inner->motion = BW_NEW0(context, bw_domain_motion, domains);
   inner->frame = BW_NEW(context, double, 9 * domains);
   inner->factored_frame = BW_NEW0(context, double, 9 * domains);
-  inner->framed = BW_NEW(context, int32_t, nodes);
   inner->touched = BW_NEW0(context, uint8_t, domains);
   inner->experience = 1;
   if (!inner->element_domain || !inner->node_domain || !inner->motion || !inner->frame ||
-      !inner->factored_frame || !inner->framed || !inner->touched) {
+      !inner->factored_frame || !inner->touched) {
     inner_free(inner);
     return BW_MEMORY;
   }
@@ -146,12 +150,68 @@ static bw_status view_create(bw_context *context, const bw_model *model, bw_syst
   return BW_OK;
 }
 
-/* The domain in whose frame each node's unknowns are taken: rows of supports come first. */
-static void framed_by(const bw_numbering *numbering, int32_t domain_count, int32_t *framed) {
-  int32_t supports = numbering->frame_count - domain_count;
-  for (int32_t i = 0; i < numbering->mesh->node_count; i++)
-    framed[i] = numbering->frame_of[i] >= supports ? numbering->frame_of[i] - supports : -1;
+/* ---- frames of supports -------------------------------------------------------------------- */
+
+/* The frame of a support at a node, seen from the node's domain; false where it has none. */
+static bool support_frame(const bw_local_system *local, const bw_numbering *numbering,
+                          const double *frame, int32_t node, double seen[9]) {
+  const bwi_local *inner = local->inner;
+  int32_t row = numbering->frame_of[node], domain = inner->node_domain[node];
+  if (row < 0 || row >= numbering->frame_count - inner->domain_count)
+    return false;
+  const double *own = numbering->frame + 9 * (size_t)row;
+  if (domain < 0)
+    memcpy(seen, own, 9 * sizeof *seen);
+  for (int i = 0; domain >= 0 && i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      seen[3 * i + j] = bw_dot(own + 3 * i, frame + 9 * (size_t)domain + 3 * j);
+  return true;
 }
+
+/* The supports' frames as they are: what turns later is told against these. */
+static bw_status note_supports(bw_context *context, bw_local_system *local,
+                               const bw_numbering *numbering, const double *frame,
+                               double **reported) {
+  int32_t supports = numbering->frame_count - local->inner->domain_count;
+  double *made = BW_NEW(context, double, 9 * (size_t)supports);
+  if (!made)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < numbering->mesh->node_count; i++) {
+    double seen[9];
+    if (support_frame(local, numbering, frame, i, seen))
+      memcpy(made + 9 * (size_t)numbering->frame_of[i], seen, sizeof seen);
+  }
+  *reported = made;
+  return BW_OK;
+}
+
+/* Mark the domains of the elements around nodes whose support has turned against their domain:
+ * entries change there although the domains' own frames know nothing of it. `now` receives what was
+ * reported, renewed where it changed. */
+static void touch_turned_supports(const bw_local_system *local, const bw_numbering *numbering,
+                                  const double *frame, double *now, uint8_t *touched) {
+  const bwi_local *inner = local->inner;
+  const bw_mesh *mesh = numbering->mesh;
+  int32_t supports = numbering->frame_count - inner->domain_count;
+  if (supports == 0)
+    return;
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      int32_t node = mesh->element[e * mesh->nodes_per_element + a];
+      double seen[9], off = 0;
+      if (!support_frame(local, numbering, frame, node, seen))
+        continue;
+      double *before = inner->supports + 9 * (size_t)numbering->frame_of[node];
+      for (int k = 0; k < 9; k++)
+        off = fmax(off, fabs(seen[k] - before[k]));
+      if (off > SAME_FRAME) {
+        touched[inner->element_domain[e]] = 1;
+        memcpy(now + 9 * (size_t)numbering->frame_of[node], seen, sizeof seen);
+      }
+    }
+}
+
+/* ---- making -------------------------------------------------------------------------------- */
 
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
                                  int32_t domain_count, const int32_t *element_domain,
@@ -174,13 +234,13 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   BW_TRY(bw_numbering_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
                              &numbering));
   system->numbering = numbering;
-  framed_by(numbering, domain_count, inner->framed);
+  BW_TRY(note_supports(context, local, numbering, inner->frame, &inner->supports));
   double start = bw_seconds();
   BW_TRY(bw_graph_create(context, model->mesh, &system->graph));
   system->times.graph = bw_seconds() - start;
   start = bw_seconds();
   BW_TRY(bw_domain_stiffness_create(context, system->graph, model->mesh, model->material,
-                                    material_turns, domain_count, element_domain, inner->framed,
+                                    material_turns, domain_count, element_domain, node_domain,
                                     &stiffness));
   view_stiffness(local, stiffness);
   system->times.stiffness = bw_seconds() - start;
@@ -209,38 +269,16 @@ static bw_status check_model(bw_context *context, const bw_local_system *local,
   return BW_OK;
 }
 
-/* Domains of the elements around nodes whose support has turned: entries change there although the
- * domain's own frame does not. */
-static void touch_turned_supports(const bw_numbering *before, const bw_numbering *now,
-                                  int32_t domain_count, const int32_t *element_domain,
-                                  uint8_t *touched) {
-  const bw_mesh *mesh = now->mesh;
-  int32_t old_supports = before->frame_count - domain_count;
-  int32_t supports = now->frame_count - domain_count;
-  for (int64_t e = 0; supports + old_supports > 0 && e < mesh->element_count; e++)
-    for (int a = 0; a < mesh->nodes_per_element; a++) {
-      int32_t node = mesh->element[e * mesh->nodes_per_element + a];
-      int32_t was = before->frame_of[node], is = now->frame_of[node];
-      bool held = is >= 0 && is < supports, was_held = was >= 0 && was < old_supports;
-      if (held != was_held ||
-          (held && memcmp(before->frame + 9 * (size_t)was, now->frame + 9 * (size_t)is,
-                          9 * sizeof *now->frame) != 0))
-        touched[element_domain[e]] = 1;
-    }
-}
-
 bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
                                  const bw_domain_motion *motion, bw_reuse *reuse) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   bw_system *system = local->system;
-  size_t domains = (size_t)inner->domain_count, nodes = (size_t)inner->rest->mesh->node_count;
+  size_t domains = (size_t)inner->domain_count;
   bw_numbering *numbering = NULL;
-  bw_domain_stiffness *anew = NULL;
   bw_domain_change change;
-  int32_t *framed = NULL;
   bool same;
-  double start = bw_seconds();
+  double start = bw_seconds(), *supports = NULL;
   double *frame = BW_NEW(context, double, 9 * domains);
   uint8_t *touched = BW_NEW0(context, uint8_t, domains);
   if (!frame || !touched) {
@@ -252,37 +290,26 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
     memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
   BW_TRY(bw_numbering_follow(context, model, system->numbering, inner->domain_count,
                              inner->node_domain, frame, &same, &numbering));
-  if (same) {
-    touch_turned_supports(system->numbering, numbering, inner->domain_count, inner->element_domain,
-                          touched);
-    BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
-  } else { /* other nodes have directions of their own: what the stiffness knows of them is void */
-    framed = BW_NEW(context, int32_t, nodes);
-    if (!framed) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    framed_by(numbering, inner->domain_count, framed);
-    BW_TRY(bw_domain_stiffness_create(context, system->graph, inner->rest->mesh,
-                                      inner->rest->material, inner->material_turns,
-                                      inner->domain_count, inner->element_domain, framed, &anew));
-    BW_TRY(bw_domain_stiffness_update(context, anew, model->mesh, motion, &change));
-  }
+  same = same && numbering->frame_count == system->numbering->frame_count;
+  BW_TRY(note_supports(context, local, numbering, frame, &supports));
+  BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
 
   /* From here on nothing fails. */
   if (same) {
-    for (size_t d = 0; d < domains; d++)
-      touched[d] |= local->stiffness->changed[d];
-  } else {
-    view_stiffness(local, anew);
-    anew = NULL;
-    memcpy(inner->framed, framed, nodes * sizeof *framed);
+    size_t count = 9 * (size_t)(numbering->frame_count - inner->domain_count);
+    memcpy(supports, inner->supports, count * sizeof *supports);
+    touch_turned_supports(local, numbering, frame, supports, touched);
+  } else { /* the factor is of other unknowns */
     bw_release(inner->factor);
     inner->factor = NULL;
     memset(touched, 1, domains);
   }
+  bw_free(inner->supports);
+  inner->supports = supports;
+  supports = NULL;
   int32_t count = 0;
   for (size_t d = 0; d < domains; d++) {
+    touched[d] |= local->stiffness->changed[d];
     count += touched[d];
     inner->touched[d] |= touched[d];
   }
@@ -312,8 +339,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
 done:
   bw_free(frame);
   bw_free(touched);
-  bw_free(framed);
+  bw_free(supports);
   bw_release(numbering);
-  bw_release(anew);
   return status;
 }

@@ -17,9 +17,9 @@ typedef struct bwi_local {
   bool material_turns;
   int32_t domain_count;
   int32_t *element_domain, *node_domain;
-  int32_t *framed;          /* node_count: the domain in whose frame a node's unknowns are, or -1 */
   bw_domain_motion *motion; /* domain_count: since rest */
   double *frame;            /* domain_count x 9: those of `motion` */
+  double *supports;         /* rows of the numbering that are supports' x 9: as last reported */
   bwi_factor *factor;       /* or NULL */
   bwi_reach *reach;         /* of the factor's symbolic; or NULL */
   uint8_t *touched;         /* domain_count */

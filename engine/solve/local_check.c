@@ -31,7 +31,7 @@ static bw_status fresh_stiffness(bw_context *context, const bw_local_system *loc
   if (inner->material_turns && !system->material->isotropic) {
     BW_TRY(bw_domain_stiffness_create(context, system->graph, inner->rest->mesh, system->material,
                                       true, inner->domain_count, inner->element_domain,
-                                      inner->framed, &domains));
+                                      inner->node_domain, &domains));
     BW_TRY(bw_domain_stiffness_update(context, domains, system->mesh, inner->motion, NULL));
     memcpy(made, domains->values, (size_t)numbers * sizeof *made);
   } else

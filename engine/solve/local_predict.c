@@ -17,10 +17,10 @@
 
 #include "solve/local.h"
 
-#define SPREAD 6.0
+#define SPREAD 20.0
 /* The model's machine. */
 #define FLOPS_PER_SECOND 40e9
-#define BYTES_PER_SECOND 16e9
+#define BYTES_PER_SECOND 14e9
 /* Right-hand sides that one pass over the factor serves. */
 enum { SIDES = 8 };
 

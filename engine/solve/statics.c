@@ -175,7 +175,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
     }
     if (residual >= result->residual && pass > 0)
       break;
-    bool enough = residual > 0.25 * result->residual;
+    bool enough = residual > 0.25 * result->residual ||
+                  residual * scale <= bwi_residual_noise(graph, stiffness, step);
     result->residual = residual;
     memcpy(u, step, (size_t)size * sizeof(double));
     if (enough)

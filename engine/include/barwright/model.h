@@ -200,10 +200,12 @@ bw_status bw_numbering_create(bw_context *context, const bw_model *model, bw_num
 /* Without any support: every body free. */
 bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering);
 /* The numbering of an edited model, with the unknowns of `previous` (its pins too, unless they have
- * become poor on the new shape), and the unknowns of nodes that are wholly free or wholly held
- * taken in the frame of their domain: node_domain (node_count), frame (domain_count x 9, rows are
- * directions). Other nodes keep the frame of their support. previous may be NULL. *same says
- * whether state and unknown are those of `previous`. */
+ * become poor on the new shape), and the unknowns of nodes that no support holds, or that are held
+ * wholly, taken in the frame of their domain: node_domain (node_count; -1: none), frame
+ * (domain_count x 9, rows are directions). Pins turn with these. Nodes held in some directions keep
+ * the frame of their support. The frames of the domains are the last domain_count rows of the
+ * numbering's. previous may be NULL. *same says whether state and unknown are those of `previous`.
+ */
 bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
                               const bw_numbering *previous, int32_t domain_count,
                               const int32_t *node_domain, const double *frame, bool *same,

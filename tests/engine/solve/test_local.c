@@ -112,7 +112,9 @@ static void follow(bar *b) {
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
         m->frame[3 * i + j] = b->rotation[k][3 * j + i];
-    m->reshaped = d % 2 && memcmp(b->map[k], b->map[k + 1], sizeof b->map[k]) != 0;
+    m->reshaped = false;
+    for (int c = 0; d % 2 && c < 12; c++)
+      m->reshaped |= fabs(b->map[k][c] - b->map[k + 1][c]) > 1e-13;
   }
 }
 
