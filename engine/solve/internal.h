@@ -128,6 +128,15 @@ typedef struct bwi_matrix {
   const bw_numbering *numbering; /* for its frames; NULL: global */
 } bwi_matrix;
 
+/* The entries of a pair, row by row (entries.c): for `transpose`, the pair's column is the row
+ * wanted. */
+void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t pair, bool transpose,
+                      int32_t row, int32_t column, double *block);
+/* Add the entries of supernode s to its panel. local: row of each position in it; scale: size of
+ * each pivot's diagonal entry. */
+void bwi_matrix_to_panel(const bwi_symbolic *symbolic, const bwi_matrix *matrix, int32_t s,
+                         const int32_t *local, double *panel, double *scale);
+
 typedef struct bwi_factor {
   bw_object object;
   bwi_symbolic *symbolic; /* retained */
@@ -161,6 +170,17 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
  * 1, 2, 4, 8 or 16. */
 bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, double *x);
 enum { BWI_MAX_WIDTH = 16 };
+
+/* ---- the yardstick (baseline.c) ------------------------------------------------------------ */
+
+typedef struct bwi_baseline_times {
+  double analysis, factor, solve; /* s */
+  double flops, entries;          /* as CHOLMOD counts them */
+} bwi_baseline_times;
+/* x = A^-1 x, one right-hand side in the order of `symbolic` (3 components), by CHOLMOD from
+ * scratch in the same order. */
+bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const bwi_matrix *matrix,
+                       double *x, bwi_baseline_times *times);
 
 /* ---- dense kernels (front.c) --------------------------------------------------------------- */
 

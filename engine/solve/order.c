@@ -9,10 +9,8 @@
 #include <pthread.h>
 #include <string.h>
 
+#include "solve/order.h"
 #include <cholmod.h>
-#include <metis.h>
-
-#include "solve/internal.h"
 
 static void order_destroy(void *object) {
   bwi_order *order = object;
@@ -37,30 +35,22 @@ static const bw_kind order_kind = {"order", order_destroy, order_bytes};
 /* METIS draws from rand() and sets signal handlers while it runs: one call at a time. */
 static pthread_mutex_t metis_mutex = PTHREAD_MUTEX_INITIALIZER;
 
-/* The graph of the nodes that take part, both triangles, without the diagonal. */
-typedef struct adjacency {
-  idx_t size;
-  idx_t *start, *neighbour;
-} adjacency;
-
-static bw_status adjacency_create(bw_context *context, const bw_graph *graph,
-                                  const int32_t *compact, int32_t size, adjacency *out) {
-  bw_status status = BW_OK;
+bw_status bwi_adjacency_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                               bwi_adjacency *out) {
   int64_t entries = 0;
-  *out = (adjacency){.size = size};
+  int32_t size = 0;
+  *out = (bwi_adjacency){.node_count = graph->node_count};
   for (int32_t i = 0; i < graph->node_count; i++)
-    if (compact[i] >= 0)
-      for (int64_t k = graph->start[i]; k < graph->start[i + 1]; k++)
-        if (graph->column[k] != i && compact[graph->column[k]] >= 0)
-          entries += 2;
-  if (entries > INT_MAX)
-    return bw_fail(context, BW_LIMIT, "the mesh has %lld node pairs, more than the ordering takes",
-                   (long long)entries);
+    size += !take || take[i];
+  int32_t *compact = out->compact = BW_NEW(context, int32_t, graph->node_count);
+  out->node_of = BW_NEW(context, int32_t, size);
   out->start = BW_NEW0(context, idx_t, size + 2);
-  out->neighbour = BW_NEW(context, idx_t, entries);
-  if (!out->start || !out->neighbour) {
-    status = BW_MEMORY;
-    goto done;
+  if (!compact || !out->node_of || !out->start)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < graph->node_count; i++) {
+    compact[i] = !take || take[i] ? out->size : -1;
+    if (!take || take[i])
+      out->node_of[out->size++] = i;
   }
   for (int32_t i = 0; i < graph->node_count; i++)
     if (compact[i] >= 0)
@@ -69,8 +59,15 @@ static bw_status adjacency_create(bw_context *context, const bw_graph *graph,
         if (j != i && compact[j] >= 0) {
           out->start[compact[i] + 2]++;
           out->start[compact[j] + 2]++;
+          entries += 2;
         }
       }
+  if (entries > INT_MAX)
+    return bw_fail(context, BW_LIMIT, "the mesh has %lld node pairs, more than the ordering takes",
+                   (long long)entries);
+  out->neighbour = BW_NEW(context, idx_t, entries);
+  if (!out->neighbour)
+    return BW_MEMORY;
   for (int32_t i = 0; i < size; i++)
     out->start[i + 2] += out->start[i + 1];
   for (int32_t i = 0; i < graph->node_count; i++)
@@ -82,19 +79,20 @@ static bw_status adjacency_create(bw_context *context, const bw_graph *graph,
           out->neighbour[out->start[compact[j] + 1]++] = compact[i];
         }
       }
-done:
-  return status;
+  return BW_OK;
 }
 
-static void adjacency_clear(adjacency *graph) {
-  bw_free(graph->start);
-  bw_free(graph->neighbour);
+void bwi_adjacency_clear(bwi_adjacency *near) {
+  bw_free(near->start);
+  bw_free(near->neighbour);
+  bw_free(near->node_of);
+  bw_free(near->compact);
+  *near = (bwi_adjacency){0};
 }
 
-/* permutation[k] = the compact node eliminated k-th */
-static bw_status dissect(bw_context *context, const adjacency *graph, idx_t *permutation) {
-  idx_t size = graph->size;
-  if (size < 8 || graph->start[size] == 0) {
+bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
+                      idx_t *weight, idx_t *permutation) {
+  if (size < 8 || start[size] == 0) {
     for (idx_t i = 0; i < size; i++)
       permutation[i] = i;
     return BW_OK;
@@ -108,8 +106,7 @@ static bw_status dissect(bw_context *context, const adjacency *graph, idx_t *per
   options[METIS_OPTION_SEED] = 1;
   options[METIS_OPTION_COMPRESS] = 0; /* nodes are compressed already */
   pthread_mutex_lock(&metis_mutex);
-  int done =
-      METIS_NodeND(&size, graph->start, graph->neighbour, NULL, options, permutation, inverse);
+  int done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);
   pthread_mutex_unlock(&metis_mutex);
   bw_free(inverse);
   if (done == METIS_ERROR_MEMORY)
@@ -121,8 +118,8 @@ static bw_status dissect(bw_context *context, const adjacency *graph, idx_t *per
 }
 
 /* CHOLMOD's supernodal analysis under the given order, copied into `order`. */
-static bw_status analyse(bw_context *context, const adjacency *graph, const int32_t *node_of,
-                         const idx_t *permutation, bwi_order *order) {
+static bw_status analyse(bw_context *context, const bwi_adjacency *graph, const idx_t *permutation,
+                         bwi_order *order) {
   bw_status status = BW_OK;
   int32_t size = graph->size;
   cholmod_common common;
@@ -189,7 +186,7 @@ static bw_status analyse(bw_context *context, const adjacency *graph, const int3
   }
   bw_free(super_of);
   for (int32_t p = 0; p < size; p++) {
-    order->node_at[p] = node_of[perm[p]];
+    order->node_at[p] = graph->node_of[perm[p]];
     order->place[order->node_at[p]] = p;
   }
 done:
@@ -199,54 +196,57 @@ done:
   return status;
 }
 
-bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                           bwi_order **out) {
+bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
+                            const idx_t *permutation, bwi_order **out) {
   bw_status status = BW_OK;
-  adjacency near = {0};
-  idx_t *permutation = NULL;
-  int32_t *node_of = NULL;
   bwi_order *order = BW_NEW0(context, bwi_order, 1);
   if (!order)
     return BW_MEMORY;
   bw_object_init(order, &order_kind);
-  order->node_count = graph->node_count;
-  for (int32_t i = 0; i < graph->node_count; i++)
-    order->size += !take || take[i];
-  int32_t size = order->size;
-  order->node_at = BW_NEW(context, int32_t, size);
-  order->place = BW_NEW(context, int32_t, graph->node_count);
-  node_of = BW_NEW(context, int32_t, size);
-  permutation = BW_NEW(context, idx_t, size);
-  if (!order->node_at || !order->place || !node_of || !permutation) {
+  order->node_count = near->node_count;
+  order->size = near->size;
+  order->node_at = BW_NEW(context, int32_t, near->size);
+  order->place = BW_NEW(context, int32_t, near->node_count);
+  if (!order->node_at || !order->place) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t i = 0, k = 0; i < graph->node_count; i++) {
-    order->place[i] = !take || take[i] ? k : -1;
-    if (!take || take[i])
-      node_of[k++] = i;
-  }
-  if (size == 0) {
+  for (int32_t i = 0; i < near->node_count; i++)
+    order->place[i] = -1;
+  if (near->size == 0) {
     order->super = BW_NEW0(context, int32_t, 1);
     order->parent = BW_NEW(context, int32_t, 0);
     order->row_start = BW_NEW0(context, int64_t, 1);
     order->row = BW_NEW(context, int32_t, 0);
     if (!order->super || !order->parent || !order->row_start || !order->row)
       status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(adjacency_create(context, graph, order->place, size, &near));
-  BW_TRY(bw_check_cancel(context));
-  BW_TRY(dissect(context, &near, permutation));
-  BW_TRY(bw_check_cancel(context));
-  BW_TRY(analyse(context, &near, node_of, permutation, order));
+  } else
+    status = analyse(context, near, permutation, order);
 done:
-  adjacency_clear(&near);
-  bw_free(permutation);
-  bw_free(node_of);
   if (status == BW_OK)
     *out = order;
   else
     bw_release(order);
+  return status;
+}
+
+bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                           bwi_order **order) {
+  bw_status status = BW_OK;
+  bwi_adjacency near = {0};
+  idx_t *permutation = NULL;
+  BW_TRY(bwi_adjacency_create(context, graph, take, &near));
+  permutation = BW_NEW(context, idx_t, near.size);
+  if (!permutation) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_check_cancel(context));
+  BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, NULL, permutation));
+  BW_TRY(bw_check_cancel(context));
+  BW_TRY(bwi_order_analyse(context, &near, permutation, order));
+done:
+  bwi_adjacency_clear(&near);
+  bw_free(permutation);
   return status;
 }

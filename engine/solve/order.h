@@ -1,0 +1,32 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The steps of making an order, for those who bring a permutation of their own. */
+#ifndef BWI_SOLVE_ORDER_H
+#define BWI_SOLVE_ORDER_H
+
+#include <metis.h>
+
+#include "solve/internal.h"
+
+/* The graph of the nodes that take part, numbered 0 to size - 1 in ascending order: both triangles,
+ * without the diagonal. */
+typedef struct bwi_adjacency {
+  idx_t size;
+  idx_t *start, *neighbour;
+  int32_t node_count; /* of the mesh */
+  int32_t *node_of;   /* size: mesh node */
+  int32_t *compact;   /* mesh node -> 0 to size - 1, or -1 */
+} bwi_adjacency;
+bw_status bwi_adjacency_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                               bwi_adjacency *near);
+void bwi_adjacency_clear(bwi_adjacency *near);
+
+/* permutation[k] = the node eliminated k-th, by METIS. `weight` (may be NULL) of each node: METIS
+ * looks for light separators between halves of equal weight. */
+bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
+                      idx_t *weight, idx_t *permutation);
+
+/* CHOLMOD's supernodal analysis of a permutation. */
+bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
+                            const idx_t *permutation, bwi_order **order);
+
+#endif
