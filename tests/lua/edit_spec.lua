@@ -342,7 +342,7 @@ describe("an edit that inverts elements", function()
     -- and by its script
     local path = check.folder() .. "/edits.lua"
     assert(session:save(path))
-    assert.is_true(same_nodes(last, assert(bw.edit.load(path, body())).mesh))
+    assert.is_true(same_nodes(last, assert(bw.edit.load(path, (body()))).mesh))
   end)
 
   it("is refused where nothing helps, and the session is as it was", function()
