@@ -159,7 +159,8 @@ function edit_shape.mended(topology, pose, wish)
       if shape then return shape end
     end
     if about.status ~= "geometry" then return nil, why, about end
-    tried = tried .. ("; new elements could not be filled in (%s)"):format(why)
+    tried = tried .. ("; new elements could not be filled in (%s)"):format(
+      (why:gsub(": undo the edit or make it smaller$", "")))
   end
   return nil, message .. tried .. ": make the edit smaller", details
 end
