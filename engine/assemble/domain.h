@@ -1,16 +1,16 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The stiffness kept domain by domain: lists, coefficients and shapes.
  *
- * A pair whose elements all lie in one domain is inside it, and its entries are that domain's
- * alone. A pair with elements of several domains is shared: each keeps its part of the entries in a
- * slot, and the entries are their sum in the order of domains, so that the bits do not depend on
- * which edits led to them.
+ * Pairs are cut into sections by the set of domains that their elements lie in: first one section
+ * for the inside of each domain, then one for each set of several domains that share pairs. For
+ * each of its domains a section has a block of coefficients, T of that domain's elements at rest;
+ * entries are the sum over the blocks, in ascending order of domains, of the blocks' maps of T.
+ * They depend on where the domains lie now, and not in one bit on the edits that brought them
+ * there.
  *
- * Every (pair, domain) that occurs is an item. Items are listed in sections, two per domain: 2 d
- * those inside, 2 d + 1 those shared, each in ascending order of pairs. A section starts at a
- * multiple of four; four neighbouring items have their coefficients interleaved (component m of
- * item k at tensor[9 * (k & ~3) + 4 * m + (k & 3)]), so that a vector register holds one component
- * of four items. */
+ * Four neighbouring pairs of a section have their coefficients interleaved (component m of pair k
+ * of a block at tensor[9 * (k & ~3) + 4 * m + (k & 3)]), so that a vector register holds one
+ * component of four pairs; lists are filled up to a multiple of four by zeros. */
 #ifndef BARWRIGHT_DOMAIN_H
 #define BARWRIGHT_DOMAIN_H
 
@@ -29,18 +29,20 @@ typedef struct bwi_domain_coefficients {
   int64_t *node_start;              /* domain_count + 1: of all nodes of its elements, ascending */
   int32_t *node;
 
-  /* items */
-  int64_t item_count;     /* with the gaps between sections */
-  int64_t *section_start; /* 2 domain_count + 1 */
-  int64_t *section_count; /* 2 domain_count */
-  uint32_t *place;        /* item_count: 2 * (pair or slot), + 1 on the diagonal */
-  double *tensor;         /* 9 item_count */
-  int64_t shared_count;   /* shared pairs, ascending */
-  uint32_t *shared_pair;
-  int64_t *shared_start; /* shared_count + 1: its slots, by ascending domain */
-  uint32_t *slot_shared; /* which shared pair a slot is of */
-  int32_t *slot_domain;
-  double *slot; /* 9 per slot: a domain's part of the entries */
+  /* sections: domain_count insides, then sets; pairs ascending in each */
+  int64_t section_count;
+  int64_t *section_start; /* section_count + 1, into `place`, multiples of four */
+  int64_t *section_size;  /* section_count: pairs */
+  uint32_t *place;        /* 2 * pair, + 1 on the diagonal */
+  /* blocks: that of the inside of domain d is block d */
+  int64_t *block_start;  /* section_count + 1 */
+  int32_t *block_domain; /* ascending within a section */
+  int64_t *block_first;  /* its first pair's place in `tensor`, over 9; + 1 for the end */
+  double *tensor;        /* T at rest */
+  /* T as it is now, of blocks of sets whose domain is reshaped: block b at 9 * (block_first[b] -
+   * block_first[domain_count]) */
+  double *present;
+  double *map; /* 81 domain_count: what makes entries of T now, column by column */
 
   double elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl at rest */
   bool turning_matters;  /* the material is not isotropic */
@@ -63,72 +65,60 @@ bw_status bwi_domain_lists(bw_context *context, const bw_graph *graph, int32_t d
                            const int32_t *element_domain, const int32_t *node_domain,
                            bool material_frame, bool material_turns, bwi_domain_coefficients *c);
 
-/* domain_evaluate.c */
-/* The 9 x 9 map of one item's nine coefficients to its nine entries, for a domain moved by x ->
- * linear x whose material is given by C as in `elasticity`. */
+/* domain_evaluate.c. Maps are column by column: map[9 m + r] is what component m of the
+ * coefficients adds to entry r. */
+/* Of a domain moved by x -> linear x whose material is given by C as in `elasticity`. */
 void bwi_domain_map(const double elasticity[81], const double linear[9], double map[81]);
 /* Its derivative where linear changes by `direction`. */
 void bwi_domain_map_derivative(const double elasticity[81], const double linear[9],
                                const double direction[9], double map[81]);
 /* C of a material turned by the rotation: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
 void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]);
-/* Entries of items [first, first + count), first a multiple of four, to `out` + 9 * index. */
-void bwi_domain_evaluate(const bwi_domain_coefficients *c, const double map[81], int64_t first,
-                         int64_t count, double *out);
+/* C of a domain, whose material may have turned with its frame. */
+void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double frame[9],
+                           double elasticity[81]);
+/* Entries of pairs [first, first + size) of a section, first a multiple of four, to out + 9 * pair.
+ * A block of a reshaped domain counts by `present`. */
+void bwi_domain_evaluate(const bwi_domain_coefficients *c, int32_t domain_count, int64_t section,
+                         int64_t first, int64_t size, double *out);
 
-/* ---- domain_write.c: entries of some domains ---- */
-
+/* domain_write.c: entries of some domains. */
 enum { BWI_DOMAIN_KEEP, BWI_DOMAIN_EVALUATE, BWI_DOMAIN_GATHER };
 
-/* Items of one section, one thread's at a time. */
+/* Some pairs of one section, for one thread: to be written, or one block's T to be gathered. */
 typedef struct bwi_domain_task {
-  int64_t section, first, count;
+  int64_t section, block, first, size;
 } bwi_domain_task;
+typedef struct bwi_domain_tasks {
+  bwi_domain_task *task;
+  size_t capacity;
+  int64_t count;
+} bwi_domain_tasks;
 
 typedef struct bwi_domain_work {
   bw_domain_stiffness *stiffness;
   const bw_mesh *mesh;
   uint8_t *action; /* domain_count: BWI_DOMAIN_... */
-  double *map;     /* 81 domain_count: coefficients to entries; where gathered, the elasticity */
   bwi_pair_source source;
-  bwi_frames frames;    /* of elements of gathered domains, domain by domain */
-  int64_t *first_frame; /* domain_count + 1 */
-  bwi_domain_task *task;
-  int64_t task_count;
-  int64_t pairs; /* entries written by bwi_domain_write, in pairs */
+  bwi_frames frames;       /* of elements of gathered domains, domain by domain */
+  int64_t *first_frame;    /* domain_count + 1 */
+  bwi_domain_tasks gather; /* blocks whose T is gathered */
+  bwi_domain_tasks write;  /* sections whose entries are written */
+  int64_t pairs;           /* in the latter */
 } bwi_domain_work;
 bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiffness,
                                  bwi_domain_work *work);
 void bwi_domain_work_clear(bwi_domain_work *work);
 /* Everything that can fail, with `action` given: lists of tasks, and the frames of the domains to
- * be gathered (BW_INVALID for curved elements, BW_GEOMETRY for inverted ones). */
-bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bwi_domain_work *work);
-/* The coefficients of all domains. */
+ * be gathered (BW_INVALID for curved elements, BW_GEOMETRY for inverted ones). `rest`: for
+ * bwi_domain_gather_rest. */
+bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bool rest,
+                                  bwi_domain_work *work);
+/* The coefficients at rest of all domains, all of them to be gathered; what is left to do is then
+ * to evaluate them. */
 bw_status bwi_domain_gather_rest(bw_context *context, bwi_domain_work *work);
-/* The entries of all domains with an action, and of the pairs that they share. */
+/* The entries of all sections that a domain with an action has part in, by `map` and `written` as
+ * they are now. */
 bw_status bwi_domain_write(bw_context *context, bwi_domain_work *work);
-
-/* C of a domain, whose material may have turned with its frame. */
-void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double frame[9],
-                           double elasticity[81]);
-
-/* The row of a pair, sought from row `from` on. */
-static inline int32_t bwi_row_of(const bw_graph *graph, int32_t from, int64_t pair) {
-  int32_t step = 1, high = graph->node_count; /* start[from] <= pair < start[high] */
-  while (high - from > step && graph->start[from + step] <= pair) {
-    from += step;
-    step *= 2;
-  }
-  if (high - from > step)
-    high = from + step;
-  while (high - from > 1) {
-    int32_t middle = from + (high - from) / 2;
-    if (graph->start[middle] <= pair)
-      from = middle;
-    else
-      high = middle;
-  }
-  return from;
-}
 
 #endif

@@ -102,8 +102,85 @@ done:
   return status;
 }
 
-/* The domains of a pair's elements, ascending, into list (with room for domain_count); *mark of a
- * domain is the last pair that listed it. */
+/* ---- sections -------------------------------------------------------------------------------- */
+
+/* Sets of domains met at shared pairs, found again through a table of hashes. */
+typedef struct set_table {
+  int32_t *member; /* all sets, one after the other, each ascending */
+  int64_t *start;  /* count + 1 */
+  size_t member_capacity, start_capacity;
+  int64_t count;
+  int64_t *slot; /* capacity: number of a set + 1, or 0 */
+  int64_t capacity;
+} set_table;
+
+static void set_table_clear(set_table *table) {
+  bw_free(table->member);
+  bw_free(table->start);
+  bw_free(table->slot);
+}
+
+static int64_t hash_of(const int32_t *member, int64_t count, int64_t capacity) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  for (int64_t k = 0; k < count; k++)
+    hash = (hash ^ (uint64_t)member[k]) * 0x9e3779b97f4a7c15u;
+  return (int64_t)(hash >> 20) & (capacity - 1);
+}
+
+/* Where a set is, or would be put. */
+static int64_t slot_of(const set_table *table, const int32_t *member, int64_t count) {
+  int64_t at = hash_of(member, count, table->capacity);
+  for (;; at = (at + 1) & (table->capacity - 1)) {
+    int64_t set = table->slot[at] - 1;
+    if (set < 0)
+      return at;
+    if (table->start[set + 1] - table->start[set] == count &&
+        memcmp(table->member + table->start[set], member, (size_t)count * sizeof *member) == 0)
+      return at;
+  }
+}
+
+static bw_status set_table_grow(bw_context *context, set_table *table) {
+  int64_t capacity = table->capacity ? 2 * table->capacity : 64;
+  int64_t *slot = BW_NEW0(context, int64_t, capacity);
+  if (!slot)
+    return BW_MEMORY;
+  bw_free(table->slot);
+  table->slot = slot;
+  table->capacity = capacity;
+  for (int64_t set = 0; set < table->count; set++) {
+    int64_t first = table->start[set];
+    slot[slot_of(table, table->member + first, table->start[set + 1] - first)] = set + 1;
+  }
+  return BW_OK;
+}
+
+/* The number of a set, which is added when it is new. */
+static bw_status set_number(bw_context *context, set_table *table, const int32_t *member,
+                            int64_t count, int64_t *number) {
+  bw_status status = BW_OK;
+  if (2 * table->count >= table->capacity)
+    BW_TRY(set_table_grow(context, table));
+  int64_t at = slot_of(table, member, count);
+  if (!table->slot[at]) {
+    size_t used = table->count ? (size_t)table->start[table->count] : 0;
+    if (!bw_grow(context, (void **)&table->member, &table->member_capacity, used, (size_t)count,
+                 sizeof *table->member) ||
+        !bw_grow(context, (void **)&table->start, &table->start_capacity, (size_t)table->count, 2,
+                 sizeof *table->start))
+      return BW_MEMORY;
+    memcpy(table->member + used, member, (size_t)count * sizeof *member);
+    table->start[table->count] = (int64_t)used;
+    table->start[table->count + 1] = (int64_t)used + count;
+    table->slot[at] = ++table->count;
+  }
+  *number = table->slot[at] - 1;
+done:
+  return status;
+}
+
+/* The domains of a pair's elements, ascending, into list (with room for domain_count); mark[d] is
+ * the last pair that listed d. */
 static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, int64_t pair,
                           int64_t *mark, int32_t *list) {
   int32_t count = 0;
@@ -120,83 +197,101 @@ static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, 
   return count;
 }
 
-/* Count (pass 0) or list (pass 1) the items. */
-static bw_status list_items(bw_context *context, const bw_graph *graph, int32_t domain_count,
-                            const int32_t *element_domain, int64_t *mark, int32_t *list, int pass,
-                            bwi_domain_coefficients *c) {
-  int64_t shared = 0, slot = 0;
-  for (int32_t d = 0; d < domain_count; d++)
+/* Sections and blocks from the sets, with room for what they hold; section_size is counted. */
+static bw_status make_sections(bw_context *context, int32_t domain_count, const set_table *sets,
+                               bwi_domain_coefficients *c) {
+  int64_t sections = c->section_count, pairs = 0, items = 0, block = 0;
+  int64_t blocks = domain_count + (sets->count ? sets->start[sets->count] : 0);
+  c->section_start = BW_NEW(context, int64_t, sections + 1);
+  c->block_start = BW_NEW(context, int64_t, sections + 1);
+  c->block_domain = BW_NEW(context, int32_t, blocks);
+  c->block_first = BW_NEW(context, int64_t, blocks + 1);
+  if (!c->section_start || !c->block_start || !c->block_domain || !c->block_first)
+    return BW_MEMORY;
+  for (int64_t s = 0; s < sections; s++) {
+    int64_t set = s - domain_count, count = set < 0 ? 1 : sets->start[set + 1] - sets->start[set];
+    c->section_start[s] = pairs;
+    c->block_start[s] = block;
+    for (int64_t k = 0; k < count; k++, block++) {
+      c->block_domain[block] = set < 0 ? (int32_t)s : sets->member[sets->start[set] + k];
+      c->block_first[block] = items;
+      items += next_four(c->section_size[s]);
+    }
+    pairs += next_four(c->section_size[s]);
+  }
+  c->section_start[sections] = pairs;
+  c->block_start[sections] = block;
+  c->block_first[block] = items;
+  c->place = BW_NEW0(context, uint32_t, pairs);
+  c->tensor = BW_NEW0(context, double, 9 * items);
+  c->present = BW_NEW0(context, double, 9 * (items - c->block_first[domain_count]));
+  return c->place && c->tensor && c->present ? BW_OK : BW_MEMORY;
+}
+
+static bw_status list_sections(bw_context *context, const bw_graph *graph, int32_t domain_count,
+                               const int32_t *element_domain, bwi_domain_coefficients *c) {
+  bw_status status = BW_OK;
+  set_table sets = {0};
+  size_t capacity = 0;
+  int64_t *mark = BW_NEW(context, int64_t, domain_count);
+  int32_t *list = BW_NEW(context, int32_t, domain_count);
+  int32_t *section = BW_NEW(context, int32_t, graph->pair_count);
+  if (!mark || !list || !section ||
+      !bw_grow(context, (void **)&c->section_size, &capacity, 0, (size_t)domain_count,
+               sizeof *c->section_size)) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  c->section_count = domain_count;
+  for (int32_t d = 0; d < domain_count; d++) {
     mark[d] = -1;
+    c->section_size[d] = 0;
+  }
+  for (int64_t pair = 0; pair < graph->pair_count; pair++) {
+    if (pair % PAIRS_PER_CHECK == 0)
+      BW_TRY(bw_check_cancel(context));
+    int32_t count = domains_of(graph, element_domain, pair, mark, list);
+    int64_t number = list[0];
+    if (count > 1) {
+      BW_TRY(set_number(context, &sets, list, count, &number));
+      number += domain_count;
+      if (number == c->section_count) {
+        if (!bw_grow(context, (void **)&c->section_size, &capacity, (size_t)number, 1,
+                     sizeof *c->section_size)) {
+          status = BW_MEMORY;
+          goto done;
+        }
+        c->section_size[c->section_count++] = 0;
+      }
+    }
+    section[pair] = (int32_t)number;
+    c->section_size[number]++;
+  }
+  BW_TRY(make_sections(context, domain_count, &sets, c));
+  for (int64_t s = 0; s < c->section_count; s++)
+    c->section_size[s] = 0; /* counted again while they are filled */
   for (int32_t i = 0; i < graph->node_count; i++)
     for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++) {
-      if (pair % PAIRS_PER_CHECK == 0 && bw_check_cancel(context) != BW_OK)
-        return BW_CANCELLED;
-      uint32_t diagonal = pair == graph->start[i + 1] - 1;
-      int32_t count = domains_of(graph, element_domain, pair, mark, list);
-      if (pass == 0) {
-        for (int32_t k = 0; k < count; k++)
-          c->section_count[2 * (int64_t)list[k] + (count > 1)]++;
-      } else if (count == 1) {
-        int64_t section = 2 * (int64_t)list[0];
-        c->place[c->section_start[section] + c->section_count[section]++] =
-            (uint32_t)pair << 1 | diagonal;
-      } else {
-        c->shared_pair[shared] = (uint32_t)pair;
-        c->shared_start[shared] = slot;
-        for (int32_t k = 0; k < count; k++, slot++) {
-          int64_t section = 2 * (int64_t)list[k] + 1;
-          c->place[c->section_start[section] + c->section_count[section]++] =
-              (uint32_t)slot << 1 | diagonal;
-          c->slot_shared[slot] = (uint32_t)shared;
-          c->slot_domain[slot] = list[k];
-        }
-      }
-      shared += count > 1;
-      slot += pass == 0 && count > 1 ? count : 0;
+      int64_t s = section[pair];
+      c->place[c->section_start[s] + c->section_size[s]++] =
+          (uint32_t)pair << 1 | (pair == graph->start[i + 1] - 1);
     }
-  if (pass == 0) {
-    c->shared_count = shared;
-    int64_t at = 0;
-    for (int64_t s = 0; s < 2 * (int64_t)domain_count; s++) {
-      c->section_start[s] = at;
-      at += next_four(c->section_count[s]);
-      c->section_count[s] = 0;
-    }
-    c->section_start[2 * (int64_t)domain_count] = c->item_count = at;
-    c->shared_pair = BW_NEW(context, uint32_t, shared);
-    c->shared_start = BW_NEW(context, int64_t, shared + 1);
-    c->slot_shared = BW_NEW(context, uint32_t, slot);
-    c->slot_domain = BW_NEW(context, int32_t, slot);
-    c->slot = BW_NEW(context, double, 9 * slot);
-    c->place = BW_NEW0(context, uint32_t, at);
-    c->tensor = BW_NEW0(context, double, 9 * at);
-    if (!c->shared_pair || !c->shared_start || !c->slot_shared || !c->slot_domain || !c->slot ||
-        !c->place || !c->tensor)
-      return BW_MEMORY;
-    c->shared_start[shared] = slot;
-  }
-  return BW_OK;
+done:
+  set_table_clear(&sets);
+  bw_free(mark);
+  bw_free(list);
+  bw_free(section);
+  return status;
 }
 
 bw_status bwi_domain_lists(bw_context *context, const bw_graph *graph, int32_t domain_count,
                            const int32_t *element_domain, const int32_t *node_domain,
                            bool material_frame, bool material_turns, bwi_domain_coefficients *c) {
   bw_status status = BW_OK;
-  int64_t *mark = BW_NEW(context, int64_t, domain_count);
-  int32_t *list = BW_NEW(context, int32_t, domain_count);
-  c->section_start = BW_NEW(context, int64_t, 2 * (int64_t)domain_count + 1);
-  c->section_count = BW_NEW0(context, int64_t, 2 * (int64_t)domain_count);
-  if (!mark || !list || !c->section_start || !c->section_count) {
-    status = BW_MEMORY;
-    goto done;
-  }
   BW_TRY(list_elements(context, graph->mesh, domain_count, element_domain, c));
   BW_TRY(list_nodes(context, graph->mesh, domain_count, element_domain, node_domain, material_frame,
                     material_turns, c));
-  for (int pass = 0; pass < 2; pass++)
-    BW_TRY(list_items(context, graph, domain_count, element_domain, mark, list, pass, c));
+  BW_TRY(list_sections(context, graph, domain_count, element_domain, c));
 done:
-  bw_free(mark);
-  bw_free(list);
   return status;
 }

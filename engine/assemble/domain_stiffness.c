@@ -20,14 +20,14 @@ static void destroy(void *object) {
     bw_free(c->node_start);
     bw_free(c->node);
     bw_free(c->section_start);
-    bw_free(c->section_count);
+    bw_free(c->section_size);
     bw_free(c->place);
+    bw_free(c->block_start);
+    bw_free(c->block_domain);
+    bw_free(c->block_first);
     bw_free(c->tensor);
-    bw_free(c->shared_pair);
-    bw_free(c->shared_start);
-    bw_free(c->slot_shared);
-    bw_free(c->slot_domain);
-    bw_free(c->slot);
+    bw_free(c->present);
+    bw_free(c->map);
     bw_free(c->frame_start);
     bw_free(c->frame_domain);
     bw_free(c->written);
@@ -47,19 +47,20 @@ static void destroy(void *object) {
 static size_t bytes(const void *object) {
   const bw_domain_stiffness *stiffness = (const bw_domain_stiffness *)object;
   const bwi_domain_coefficients *c = stiffness->coefficients;
-  size_t domains = (size_t)stiffness->domain_count,
+  size_t domains = (size_t)stiffness->domain_count, sections = (size_t)c->section_count,
          elements = (size_t)stiffness->graph->mesh->element_count,
-         pairs = (size_t)stiffness->graph->pair_count, items = (size_t)c->item_count,
-         shared = (size_t)c->shared_count, slots = (size_t)c->shared_start[shared],
-         nodes = (size_t)c->node_start[domains], frames = (size_t)c->frame_start[domains];
-  return sizeof *stiffness + sizeof *c + pairs * 72 + domains +
-         items * (sizeof *c->place + 9 * sizeof *c->tensor) +
-         shared * (sizeof *c->shared_pair + sizeof *c->shared_start) +
-         slots * (sizeof *c->slot_shared + sizeof *c->slot_domain + 9 * sizeof *c->slot) +
+         pairs = (size_t)stiffness->graph->pair_count, places = (size_t)c->section_start[sections],
+         blocks = (size_t)c->block_start[sections], items = (size_t)c->block_first[blocks],
+         shared = items - (size_t)c->block_first[domains], nodes = (size_t)c->node_start[domains],
+         frames = (size_t)c->frame_start[domains];
+  return sizeof *stiffness + sizeof *c + 72 * (pairs + items + shared) + places * sizeof *c->place +
+         sections * 3 * sizeof(int64_t) +
+         blocks * (sizeof *c->block_domain + sizeof *c->block_first) +
          elements * 2 * sizeof(int32_t) +
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_domain + 9 * sizeof *c->reported_frame) +
-         domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + 5 * sizeof(int64_t));
+         domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
+                    81 * sizeof *c->map + 1);
 }
 
 static const bw_kind stiffness_kind = {"domain stiffness", destroy, bytes};
@@ -135,12 +136,13 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   int32_t frames = c->frame_start[domain_count];
   s->values = BW_NEW(context, double, 9 * graph->pair_count);
   s->changed = BW_NEW0(context, uint8_t, domain_count);
+  c->map = BW_NEW(context, double, 81 * (int64_t)domain_count);
   c->written = BW_NEW(context, bwi_domain_shape, domain_count);
   c->reported = BW_NEW(context, bwi_domain_shape, domain_count);
   c->written_position = BW_NEW(context, double, 3 * nodes);
   c->reported_position = BW_NEW(context, double, 3 * nodes);
   c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
-  if (!s->values || !s->changed || !c->written || !c->reported || !c->written_position ||
+  if (!s->values || !s->changed || !c->map || !c->written || !c->reported || !c->written_position ||
       !c->reported_position || !c->reported_frame) {
     status = BW_MEMORY;
     goto done;
@@ -156,11 +158,10 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
 
   BW_TRY(bwi_domain_work_create(context, s, &work));
   memset(work.action, BWI_DOMAIN_GATHER, (size_t)domain_count);
-  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
+  BW_TRY(bwi_domain_work_prepare(context, mesh, true, &work));
   BW_TRY(bwi_domain_gather_rest(context, &work));
-  memset(work.action, BWI_DOMAIN_EVALUATE, (size_t)domain_count);
   for (int32_t d = 0; d < domain_count; d++)
-    bwi_domain_map(c->elasticity, identity, work.map + 81 * (int64_t)d);
+    bwi_domain_map(c->elasticity, identity, c->map + 81 * (int64_t)d);
   BW_TRY(bwi_domain_write(context, &work));
   *stiffness = s;
   s = NULL;
@@ -168,6 +169,45 @@ done:
   bwi_domain_work_clear(&work);
   bw_release(s);
   return status;
+}
+
+/* The row of a pair, sought from row `from` on. */
+static int32_t row_of(const bw_graph *graph, int32_t from, int64_t pair) {
+  int32_t step = 1, high = graph->node_count; /* start[from] <= pair < start[high] */
+  for (; high - from > step && graph->start[from + step] <= pair; step *= 2)
+    from += step;
+  if (high - from > step)
+    high = from + step;
+  while (high - from > 1) {
+    int32_t middle = from + (high - from) / 2;
+    if (graph->start[middle] <= pair)
+      from = middle;
+    else
+      high = middle;
+  }
+  return from;
+}
+
+/* y += A x with A the map of a block's coefficients. */
+static void add_product(const bw_graph *graph, const double map[81], const double *tensor,
+                        const uint32_t *place, int64_t size, const double *x, double *y) {
+  int32_t row = 0;
+  for (int64_t k = 0; k < size; k++) {
+    int64_t pair = place[k] >> 1;
+    const double *t = tensor + 9 * (k & ~(int64_t)3) + (k & 3);
+    row = row_of(graph, row, pair);
+    int32_t column = graph->column[pair];
+    const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
+    double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9] = {0};
+    for (int m = 0; m < 9; m++)
+      for (int r = 0; r < 9; r++)
+        block[r] += map[9 * m + r] * t[4 * m];
+    for (int r = 0; r < 3; r++)
+      yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
+    if (row != column)
+      for (int r = 0; r < 3; r++)
+        yj[r] += block[r] * xi[0] + block[3 + r] * xi[1] + block[6 + r] * xi[2];
+  }
 }
 
 bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_stiffness *stiffness,
@@ -186,31 +226,10 @@ bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_st
   double elasticity[81], map[81];
   bwi_domain_elasticity(stiffness, c->written[domain].frame, elasticity);
   bwi_domain_map_derivative(elasticity, c->written[domain].linear, direction, map);
-  int32_t row = 0;
-  for (int64_t section = 2 * (int64_t)domain; section < 2 * (int64_t)domain + 2; section++) {
-    int64_t first = c->section_start[section], count = c->section_count[section];
-    row = 0;
-    for (int64_t k = first; k < first + count; k++) {
-      int64_t pair = c->place[k] >> 1;
-      if (section & 1)
-        pair = c->shared_pair[c->slot_shared[pair]];
-      row = bwi_row_of(graph, row, pair);
-      int32_t column = graph->column[pair];
-      const double *t = c->tensor + 9 * (k & ~(int64_t)3) + (k & 3);
-      double block[9];
-      for (int r = 0; r < 9; r++) {
-        block[r] = 0;
-        for (int m = 0; m < 9; m++)
-          block[r] += map[9 * r + m] * t[4 * m];
-      }
-      const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
-      double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column;
-      for (int r = 0; r < 3; r++)
-        yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
-      if (row != column)
-        for (int r = 0; r < 3; r++)
-          yj[r] += block[r] * xi[0] + block[3 + r] * xi[1] + block[6 + r] * xi[2];
-    }
-  }
+  for (int64_t s = 0; s < c->section_count; s++)
+    for (int64_t b = c->block_start[s]; b < c->block_start[s + 1]; b++)
+      if (c->block_domain[b] == domain)
+        add_product(graph, map, c->tensor + 9 * c->block_first[b], c->place + c->section_start[s],
+                    c->section_size[s], x, y);
   return BW_OK;
 }

@@ -17,6 +17,8 @@
  * some 1e-13 of itself. */
 static const double same = 2e-14;
 
+static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
 /* out = a b */
 static void product(const double a[9], const double b[9], double out[9]) {
   for (int r = 0; r < 3; r++)
@@ -38,7 +40,6 @@ static bool same_map(const double now[9], const double before[9]) {
 }
 
 static const double *frame_of(const bw_domain_motion *motion, int32_t domain) {
-  static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   return domain < 0 ? identity : motion[domain].frame;
 }
 
@@ -172,31 +173,32 @@ bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *s
     BW_TRY(check_motion(context, d, &motion[d]));
   BW_TRY(bwi_domain_work_create(context, stiffness, &work));
   for (int32_t d = 0; d < domains; d++) {
-    double elasticity[81], *map = work.map + 81 * (int64_t)d;
-    if (!must_write(stiffness, mesh, d, &motion[d])) {
-      count.kept++;
-      continue;
-    }
-    bwi_domain_elasticity(stiffness, motion[d].frame, elasticity);
-    if (motion[d].reshaped) {
-      work.action[d] = BWI_DOMAIN_GATHER;
-      memcpy(map, elasticity, sizeof elasticity);
-      count.gathered++;
-    } else {
-      work.action[d] = BWI_DOMAIN_EVALUATE;
-      bwi_domain_map(elasticity, motion[d].linear, map);
-      count.evaluated++;
-    }
+    bool write = must_write(stiffness, mesh, d, &motion[d]);
+    work.action[d] = !write               ? BWI_DOMAIN_KEEP
+                     : motion[d].reshaped ? BWI_DOMAIN_GATHER
+                                          : BWI_DOMAIN_EVALUATE;
+    count.kept += work.action[d] == BWI_DOMAIN_KEEP;
+    count.gathered += work.action[d] == BWI_DOMAIN_GATHER;
+    count.evaluated += work.action[d] == BWI_DOMAIN_EVALUATE;
   }
-  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
+  BW_TRY(bwi_domain_work_prepare(context, mesh, false, &work));
+
+  /* from here on nothing fails */
+  for (int32_t d = 0; d < domains; d++) {
+    double elasticity[81];
+    if (work.action[d] == BWI_DOMAIN_KEEP)
+      continue;
+    remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
+    bwi_domain_elasticity(stiffness, motion[d].frame, elasticity);
+    bwi_domain_map(elasticity, motion[d].reshaped ? identity : motion[d].linear,
+                   c->map + 81 * (int64_t)d);
+  }
   if (count.kept < domains) {
     BW_TRY(bwi_domain_write(context, &work));
     count.pairs = work.pairs;
     stiffness->revision = ++stiffness->object.revision;
   }
   for (int32_t d = 0; d < domains; d++) {
-    if (work.action[d] != BWI_DOMAIN_KEEP)
-      remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
     stiffness->changed[d] = has_changed(stiffness, mesh, d, motion);
     if (!stiffness->changed[d])
       continue;

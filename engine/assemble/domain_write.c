@@ -3,7 +3,7 @@
  * shared pairs. What may fail is done before anything is written. */
 #include "assemble/domain.h"
 
-enum { ITEMS_PER_TASK = 1024, SHARED_PER_CHUNK = 512 };
+enum { PAIRS_PER_TASK = 2048, ELEMENTS_PER_CHUNK = 1024 };
 
 bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiffness,
                                  bwi_domain_work *work) {
@@ -11,38 +11,51 @@ bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiff
   memset(work, 0, sizeof *work);
   work->stiffness = stiffness;
   work->action = BW_NEW0(context, uint8_t, domains);
-  work->map = BW_NEW(context, double, 81 * domains);
   work->first_frame = BW_NEW(context, int64_t, domains + 1);
-  return work->action && work->map && work->first_frame ? BW_OK : BW_MEMORY;
+  return work->action && work->first_frame ? BW_OK : BW_MEMORY;
 }
 
 void bwi_domain_work_clear(bwi_domain_work *work) {
   bw_free(work->action);
-  bw_free(work->map);
   bw_free(work->first_frame);
-  bw_free(work->task);
+  bw_free(work->gather.task);
+  bw_free(work->write.task);
   bw_free(work->frames.vector);
   memset(work, 0, sizeof *work);
 }
 
-/* The domains' sections cut into tasks. */
-static bw_status list_tasks(bw_context *context, bwi_domain_work *work) {
+/* Cut the pairs of a section, or of a block of it, into tasks. */
+static bool add_tasks(bw_context *context, bwi_domain_tasks *tasks, int64_t section, int64_t block,
+                      int64_t size) {
+  for (int64_t first = 0; first < size; first += PAIRS_PER_TASK) {
+    int64_t left = size - first;
+    if (!bw_grow(context, (void **)&tasks->task, &tasks->capacity, (size_t)tasks->count, 1,
+                 sizeof *tasks->task))
+      return false;
+    tasks->task[tasks->count++] =
+        (bwi_domain_task){section, block, first, left < PAIRS_PER_TASK ? left : PAIRS_PER_TASK};
+  }
+  return true;
+}
+
+/* The sections that a domain with an action has part in, and the blocks of sets among them whose
+ * tensors are to be gathered; with `rest`, all blocks. */
+static bw_status list_tasks(bw_context *context, bool rest, bwi_domain_work *work) {
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  for (int pass = 0; pass < 2; pass++) {
-    int64_t count = 0;
-    for (int64_t s = 0; s < 2 * (int64_t)work->stiffness->domain_count; s++) {
-      if (work->action[s / 2] == BWI_DOMAIN_KEEP)
-        continue;
-      for (int64_t done = 0; done < c->section_count[s]; done += ITEMS_PER_TASK, count++)
-        if (pass == 1) {
-          int64_t left = c->section_count[s] - done;
-          work->task[count] = (bwi_domain_task){s, c->section_start[s] + done,
-                                                left < ITEMS_PER_TASK ? left : ITEMS_PER_TASK};
-        }
+  for (int64_t s = 0; s < c->section_count; s++) {
+    bool touched = false;
+    for (int64_t b = c->block_start[s]; b < c->block_start[s + 1]; b++) {
+      uint8_t action = work->action[c->block_domain[b]];
+      touched = touched || action != BWI_DOMAIN_KEEP;
+      if (action == BWI_DOMAIN_GATHER && (rest || s >= work->stiffness->domain_count) &&
+          !add_tasks(context, &work->gather, s, b, c->section_size[s]))
+        return BW_MEMORY;
     }
-    work->task_count = count;
-    if (pass == 0 && !(work->task = BW_NEW(context, bwi_domain_task, count)))
+    if (!touched)
+      continue;
+    if (!add_tasks(context, &work->write, s, c->block_start[s], c->section_size[s]))
       return BW_MEMORY;
+    work->pairs += c->section_size[s];
   }
   return BW_OK;
 }
@@ -99,7 +112,8 @@ static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
                  domain);
 }
 
-bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bwi_domain_work *work) {
+bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bool rest,
+                                  bwi_domain_work *work) {
   bw_status status = BW_OK;
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
   const bw_graph *graph = work->stiffness->graph;
@@ -110,7 +124,7 @@ bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bwi_
   bwi_product_table(mesh->order, work->source.table);
   work->frames.mesh = mesh;
   work->frames.vectors = mesh->order == 1 ? 4 : 10;
-  BW_TRY(list_tasks(context, work));
+  BW_TRY(list_tasks(context, rest, work));
   int64_t count = 0;
   for (int32_t d = 0; d < work->stiffness->domain_count; d++) {
     work->first_frame[d] = count;
@@ -138,12 +152,7 @@ done:
   return status;
 }
 
-/* ---- entries ---- */
-
-static inline int64_t pair_of(const bwi_domain_coefficients *c, int64_t section, int64_t item) {
-  uint32_t index = c->place[item] >> 1;
-  return section & 1 ? c->shared_pair[c->slot_shared[index]] : index;
-}
+/* ---- tensors and entries ---- */
 
 static bwi_element_range range_of(const bwi_domain_work *work, int64_t domain) {
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
@@ -152,49 +161,61 @@ static bwi_element_range range_of(const bwi_domain_work *work, int64_t domain) {
       work->frames.vector + work->first_frame[domain] * work->frames.vectors};
 }
 
-static bw_status rest_tasks(void *data, int64_t begin, int64_t end, int worker) {
-  bwi_domain_work *work = (bwi_domain_work *)data;
-  bwi_domain_coefficients *c = work->stiffness->coefficients;
-  (void)worker;
-  for (const bwi_domain_task *task = work->task + begin; task < work->task + end; task++) {
-    bwi_element_range range = range_of(work, task->section / 2);
-    for (int64_t k = task->first; k < task->first + task->count; k++) {
-      double t[3][4];
-      bool diagonal = c->place[k] & 1;
-      bwi_sum_pair(&work->source, &range, pair_of(c, task->section, k), diagonal, t);
-      if (diagonal) { /* symmetric but for rounding */
-        t[1][0] = t[0][1];
-        t[2][0] = t[0][2];
-        t[2][1] = t[1][2];
-      }
-      double *tensor = c->tensor + 9 * (k & ~(int64_t)3) + (k & 3);
-      for (int m = 0; m < 9; m++)
-        tensor[4 * m] = t[m / 3][m % 3];
+/* T of a block, at rest or now, to its place in `to`, where block `origin` comes first. */
+static void gather_block(const bwi_domain_work *work, const bwi_domain_task *task, double *to,
+                         int64_t origin) {
+  const bwi_domain_coefficients *c = work->stiffness->coefficients;
+  const uint32_t *place = c->place + c->section_start[task->section];
+  bwi_element_range range = range_of(work, c->block_domain[task->block]);
+  to += 9 * (c->block_first[task->block] - c->block_first[origin]);
+  for (int64_t k = task->first; k < task->first + task->size; k++) {
+    double t[3][4], *tensor = to + 9 * (k & ~(int64_t)3) + (k & 3);
+    bool diagonal = place[k] & 1;
+    bwi_sum_pair(&work->source, &range, place[k] >> 1, diagonal, t);
+    if (diagonal) { /* symmetric but for rounding */
+      t[1][0] = t[0][1];
+      t[2][0] = t[0][2];
+      t[2][1] = t[1][2];
     }
+    for (int m = 0; m < 9; m++)
+      tensor[4 * m] = t[m / 3][m % 3];
   }
+}
+
+static bw_status gather_rest(void *data, int64_t begin, int64_t end, int worker) {
+  const bwi_domain_work *work = (const bwi_domain_work *)data;
+  (void)worker;
+  for (int64_t k = begin; k < end; k++)
+    gather_block(work, &work->gather.task[k], work->stiffness->coefficients->tensor, 0);
   return BW_OK;
 }
 
-bw_status bwi_domain_gather_rest(bw_context *context, bwi_domain_work *work) {
-  return bw_parallel(context, work->task_count, 1, rest_tasks, work);
+static bw_status gather_present(void *data, int64_t begin, int64_t end, int worker) {
+  const bwi_domain_work *work = (const bwi_domain_work *)data;
+  (void)worker;
+  for (int64_t k = begin; k < end; k++)
+    gather_block(work, &work->gather.task[k], work->stiffness->coefficients->present,
+                 work->stiffness->domain_count);
+  return BW_OK;
 }
 
-static void gather_task(const bwi_domain_work *work, const bwi_domain_task *task, double *out) {
+/* Entries inside a gathered domain, straight from its frames. */
+static void gather_inside(const bwi_domain_work *work, const bwi_domain_task *task) {
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
   const bw_material *material = work->stiffness->material;
-  const double *elasticity = work->map + 81 * (task->section / 2);
-  bwi_element_range range = range_of(work, task->section / 2);
+  const uint32_t *place = c->place + c->section_start[task->section];
+  bwi_element_range range = range_of(work, task->section);
   bwi_vector map[9][3];
   for (int jl = 0; jl < 9; jl++)
     for (int i = 0; i < 3; i++) {
       map[jl][i][3] = 0;
       for (int k = 0; k < 3; k++)
-        map[jl][i][k] = elasticity[9 * (3 * i + k) + jl];
+        map[jl][i][k] = c->map[81 * task->section + 9 * jl + 3 * i + k];
     }
-  for (int64_t k = task->first; k < task->first + task->count; k++) {
-    double t[3][4], *block = out + 9 * (int64_t)(c->place[k] >> 1);
-    bool diagonal = c->place[k] & 1;
-    bwi_sum_pair(&work->source, &range, pair_of(c, task->section, k), diagonal, t);
+  for (int64_t k = task->first; k < task->first + task->size; k++) {
+    double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(place[k] >> 1);
+    bool diagonal = place[k] & 1;
+    bwi_sum_pair(&work->source, &range, place[k] >> 1, diagonal, t);
     if (material->isotropic)
       bwi_apply_isotropic(material->lame_lambda, material->lame_mu, t, block);
     else
@@ -204,71 +225,31 @@ static void gather_task(const bwi_domain_work *work, const bwi_domain_task *task
   }
 }
 
-static bw_status write_tasks(void *data, int64_t begin, int64_t end, int worker) {
-  bwi_domain_work *work = (bwi_domain_work *)data;
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
+static bw_status write_sections(void *data, int64_t begin, int64_t end, int worker) {
+  const bwi_domain_work *work = (const bwi_domain_work *)data;
+  int32_t domains = work->stiffness->domain_count;
   (void)worker;
-  for (const bwi_domain_task *task = work->task + begin; task < work->task + end; task++) {
-    int64_t d = task->section / 2;
-    double *out = task->section & 1 ? c->slot : work->stiffness->values;
-    if (work->action[d] == BWI_DOMAIN_GATHER)
-      gather_task(work, task, out);
+  for (const bwi_domain_task *task = work->write.task + begin; task < work->write.task + end;
+       task++)
+    if (task->section < domains && work->action[task->section] == BWI_DOMAIN_GATHER)
+      gather_inside(work, task);
     else
-      bwi_domain_evaluate(c, work->map + 81 * d, task->first, task->count, out);
-  }
+      bwi_domain_evaluate(work->stiffness->coefficients, domains, task->section, task->first,
+                          task->size, work->stiffness->values);
   return BW_OK;
 }
 
-static bool touched(const bwi_domain_work *work, int64_t shared) {
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  for (int64_t k = c->shared_start[shared]; k < c->shared_start[shared + 1]; k++)
-    if (work->action[c->slot_domain[k]] != BWI_DOMAIN_KEEP)
-      return true;
-  return false;
-}
-
-static bw_status sum_shared(void *data, int64_t begin, int64_t end, int worker) {
-  bwi_domain_work *work = (bwi_domain_work *)data;
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  (void)worker;
-  for (int64_t p = begin; p < end; p++) {
-    if (!touched(work, p))
-      continue;
-    double sum[9];
-    memcpy(sum, c->slot + 9 * c->shared_start[p], sizeof sum);
-    for (int64_t k = c->shared_start[p] + 1; k < c->shared_start[p + 1]; k++)
-      for (int r = 0; r < 9; r++)
-        sum[r] += c->slot[9 * k + r];
-    memcpy(work->stiffness->values + 9 * (int64_t)c->shared_pair[p], sum, sizeof sum);
-  }
-  return BW_OK;
+bw_status bwi_domain_gather_rest(bw_context *context, bwi_domain_work *work) {
+  bw_status status = bw_parallel(context, work->gather.count, 1, gather_rest, work);
+  memset(work->action, BWI_DOMAIN_EVALUATE, (size_t)work->stiffness->domain_count);
+  work->gather.count = 0;
+  return status;
 }
 
 bw_status bwi_domain_write(bw_context *context, bwi_domain_work *work) {
   bw_status status = BW_OK;
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  BW_TRY(bw_parallel(context, work->task_count, 1, write_tasks, work));
-  BW_TRY(bw_parallel(context, c->shared_count, SHARED_PER_CHUNK, sum_shared, work));
-  work->pairs = 0;
-  for (int32_t d = 0; d < work->stiffness->domain_count; d++)
-    if (work->action[d] != BWI_DOMAIN_KEEP)
-      work->pairs += c->section_count[2 * (int64_t)d];
-  for (int64_t p = 0; p < c->shared_count; p++)
-    work->pairs += touched(work, p);
+  BW_TRY(bw_parallel(context, work->gather.count, 1, gather_present, work));
+  BW_TRY(bw_parallel(context, work->write.count, 1, write_sections, work));
 done:
   return status;
-}
-
-void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double frame[9],
-                           double elasticity[81]) {
-  const bwi_domain_coefficients *c = stiffness->coefficients;
-  if (!c->turning_matters || !stiffness->material_turns) {
-    memcpy(elasticity, c->elasticity, sizeof c->elasticity);
-    return;
-  }
-  double rotation[9];
-  for (int r = 0; r < 3; r++)
-    for (int s = 0; s < 3; s++)
-      rotation[3 * r + s] = frame[3 * s + r];
-  bwi_turn_elasticity(c->elasticity, rotation, elasticity);
 }
