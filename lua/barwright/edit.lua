@@ -12,6 +12,7 @@ local edit_follow = require "barwright.edit_follow"
 local edit_pose = require "barwright.edit_pose"
 local edit_script = require "barwright.edit_script"
 local edit_shape = require "barwright.edit_shape"
+local optimise = require "barwright.optimise"
 
 local class = {__name = "barwright.session"}
 local properties = {}
@@ -222,6 +223,13 @@ function class:reset()
     pose = edit_pose.rest(#state.pose)})
   if not fine then return nil, message, details end
   return self
+end
+
+--- Scales the bones near high stresses across themselves until no von Mises stress is above a limit,
+--- changing the shape least: {von_mises = }, as one edit. See bw.Session:optimise in the stubs.
+function class:optimise(given)
+  current(self)
+  return optimise.run(self, given)
 end
 
 -- ---- solving -------------------------------------------------------------------------------------

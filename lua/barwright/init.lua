@@ -35,6 +35,9 @@ local bw = {
   skinning_weights = core.skinning_weights,
   domains = core.domains,
   edit = require "barwright.edit",
+  von_mises_gradient = core.von_mises_gradient,
+  von_mises_slopes = core.von_mises_slopes,
+  quadratic_programme = core.quadratic_programme,
 }
 require "barwright.fields"
 

@@ -205,6 +205,7 @@ void lbw_open_domains(lua_State *L);
 void lbw_open_pose(lua_State *L);
 void lbw_open_mend(lua_State *L);
 void lbw_open_local(lua_State *L);
+void lbw_open_optimise(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

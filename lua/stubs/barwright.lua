@@ -125,6 +125,40 @@ function bw.pressure_basis(mesh) end
 ---@return table? details
 function bw.worst_loads(system, basis, regions, options) end
 
+---The von Mises stress of a static solution at some nodes, and how it changes with the position of
+---every node: a block of a row for every node of the mesh for each of the nodes. What middle nodes
+---contribute is part of their edge's ends; their own rows are zero. Straight elements only.
+---@param part bw.Model
+---@param system bw.System|bw.LocalSystem of the part
+---@param displacement bw.Array
+---@param nodes integer[]|bw.Array
+---@param options? {tolerance: number} relative residual where a local system iterates
+---@return bw.Array? von_mises
+---@return bw.Array|string gradient or a message
+---@return table? details
+function bw.von_mises_gradient(part, system, displacement, nodes, options) end
+
+---The same for some motions of all nodes: a row for each of the nodes, a column for each motion.
+---@param part bw.Model
+---@param system bw.System|bw.LocalSystem of the part
+---@param displacement bw.Array
+---@param nodes integer[]|bw.Array
+---@param motions bw.Array[] a row for every node of the mesh each
+---@param options? {tolerance: number}
+---@return bw.Array? von_mises
+---@return bw.Array|string slopes or a message
+---@return table? details
+function bw.von_mises_slopes(part, system, displacement, nodes, motions, options) end
+
+---The least 1/2 x H x + g x with A x <= b and low <= x <= high, H positive definite. Where no x
+---fulfils the rows within the bounds, `violation` is the least v so that A x <= b + v has a solution,
+---and x the best with it; else it is 0.
+---@param programme {H: table|bw.Array, g: number[]|bw.Array, A?: table|bw.Array, b?: number[]|bw.Array, low?: number[]|bw.Array, high?: number[]|bw.Array}
+---@return bw.Array? x
+---@return number|string violation or a message
+---@return bw.Array|table multipliers of the rows, or details
+function bw.quadratic_programme(programme) end
+
 ---How much each bone moves each node: a row for every node, a column for every bone, rows summing to
 ---one. `heat`: of the exchange with the bones; default 1.
 ---@param mesh bw.Mesh
@@ -1481,6 +1515,46 @@ function edit_module.begin(script, session) end
 ---@field journal? string a script that every edit is added to at once; an older one becomes path~
 ---@field script? string a file that returns the part and these options, named by saved scripts
 
+---@class bw.OptimiseOptions
+---@field von_mises number the limit, Pa
+---@field bones? string[] these bones; left out: those of domains with stresses above the limit, and those next to blended domains with such stresses
+---@field keep? string[] bones that stay as they are
+---@field ties? string[][] lists of bones that change by the same factors
+---@field low? number least factor since rest; default 0.5
+---@field high? number largest factor since rest; default 3
+---@field cases? bw.Model[] further load cases: parts on the session's original mesh, with the same supports
+---@field loads? "own"|"worst" "worst": the worst load of a part without supports, found again after each round
+---@field worst? bw.WorstCaseOptions of finding the worst load
+---@field rounds? integer of finding the worst load, at most; default 8
+---@field change? number a worst load whose stress is above the limit by no more than this fraction is the last; default 0.02
+---@field iterations? integer steps, at most; default 40
+---@field tolerance? number relative change of the change of shape at which to stop; default 1e-4
+---@field step? number largest relative change of a factor in the first step; default 0.5
+---@field inertia_relief? boolean see bw.Session:solve; with loads = "worst" by default
+
+---What a scaling optimisation found. Prints as a few lines.
+---@class bw.Optimisation
+---@field met boolean whether no stress is above the limit
+---@field von_mises number the largest, Pa
+---@field node integer where
+---@field case integer under which load: 1 the session's own (unless loads = "worst"), then `cases`, then worst loads
+---@field from number the largest before, Pa
+---@field limit number
+---@field factors table<string, number[]> of the bones that were free to change, since rest
+---@field change number m2: the sum over the corner nodes of the squares of their moves
+---@field mean_move number m: root mean square
+---@field iterations integer steps taken
+---@field unknowns integer factors that were free
+---@field constrained integer
+---@field nodes table[] the constrained nodes: {node, case, von_mises}
+---@field history table[] after each step: {max, node, case, change, constrained, unknowns}
+---@field rounds? table[] of worst loads: {max, max_principal, mode, at}
+---@field shapes integer that were tried
+---@field solves integer
+---@field adjoints integer
+---@field factorisations integer
+---@field seconds number
+
 ---A part that is posed and thickened by its skeleton and solved again after each edit. Edits return
 ---something true, or nil, message, details when the world is against them (details.status "geometry":
 ---elements would be inverted, `element` is the worst); then the session is as it was. Supports and
@@ -1563,6 +1637,17 @@ function Session:commit(change) end
 ---@return string? message
 ---@return table? details
 function Session:solve(options) end
+
+---Scales the bones near high stresses across themselves (their axes y and z) until no node's von Mises
+---stress is above the limit, changing the shape least: the sum over the corner nodes of the squares of
+---their moves. One edit, which undo takes back. When the limit cannot be met: nil, message, details
+---with status "infeasible" (or "convergence") and `best`, a report of the best that was found; the
+---session is then as it was. What is too high next to a support may be out of the bones' reach.
+---@param options bw.OptimiseOptions
+---@return bw.Optimisation?
+---@return string? message
+---@return table? details
+function Session:optimise(options) end
 
 ---The session's equations, brought to the current shape, and the model they are of.
 ---@return bw.LocalSystem?

@@ -1,0 +1,243 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The scaling optimisation (agile, section 7): the bones near high stresses are made thicker or
+-- thinner across themselves until no node's von Mises stress is above a limit, changing the shape
+-- least. docs/theory/edit.md, "Scaling optimisation", has the mathematics.
+--
+-- A problem has unknowns (optimise_unknowns), constrained nodes and steps (optimise_steps), and a
+-- stage on which shapes are tried (optimise_stage).
+local core = require "barwright.core"
+local options = require "barwright.options"
+local stages = require "barwright.optimise_stage"
+local steps = require "barwright.optimise_steps"
+local unknowns = require "barwright.optimise_unknowns"
+local worst_case = require "barwright.worst_case"
+
+local optimise = {}
+
+local rules = {
+  von_mises = {type = "number", needed = true, above = 0},
+  bones = {type = "table"}, -- names; left out: those near high stresses
+  keep = {type = "table", default = {}}, -- names of bones that stay as they are
+  ties = {type = "table", default = {}}, -- lists of names of bones that change alike
+  low = {type = "number", default = 0.5, above = 0},
+  high = {type = "number", default = 3, above = 0},
+  cases = {type = "table", default = {}}, -- further parts
+  loads = {type = "string", default = "own", one_of = {"own", "worst"}},
+  worst = {type = "table", default = {}}, -- options of bw.worst_case
+  rounds = {type = "integer", default = 8, least = 1},
+  change = {type = "number", default = 0.02, above = 0},
+  iterations = {type = "integer", default = 40, least = 1},
+  tolerance = {type = "number", default = 1e-4, above = 0},
+  step = {type = "number", default = 0.5, above = 0},
+  inertia_relief = {type = "boolean"},
+}
+
+-- ---- the loop ------------------------------------------------------------------------------------
+
+local function note(self, point, t)
+  local entry = {max = point.max, change = unknowns.objective(self, t), node = point.node,
+    case = point.case, constrained = #self.constraints, unknowns = #self.groups}
+  self.history[#self.history + 1] = entry
+  local best = self.best
+  if not best or point.max < best.point.max then
+    self.best = {point = point, t = table.move(t, 1, #t, 1, {})}
+  end
+  return entry
+end
+
+-- From `point` at self.t until no node is above the limit. Returns "met", "infeasible", "stuck", or
+-- "slow" when there were too many steps.
+local function descend(self, point)
+  local last
+  while true do
+    local fine, message, details = unknowns.choose(self, point)
+    if not fine then return nil, message, details end
+    local new = steps.constrain_peaks(self, point)
+    local entry = note(self, point, self.t)
+    self.point = point
+    local met = point.max <= self.wish.von_mises
+    if met and (#self.constraints == 0 or not new and last
+      and math.abs(entry.change - last) <= self.wish.tolerance * entry.change) then
+      return "met"
+    end
+    if #self.history > self.wish.iterations then return met and "met" or "slow" end
+    if #self.groups == 0 then return "infeasible" end
+    last = entry.change
+    local rows
+    rows, message, details = steps.linearise(self, point)
+    if not rows then return nil, message, details end
+    local taken
+    taken, message, details = steps.take(self, point, self.t, rows, met and not new)
+    if not taken then return nil, message, details end
+    if taken.still and met then return "met" end
+    if taken.still and not taken.step and self.inverted and not self.stage.relaxing then
+      self.stage.relaxing, self.radius = true, self.wish.step
+    elseif taken.still then
+      return taken.step and "infeasible" or "stuck"
+    end
+    self.t, point = taken.t, taken.point
+  end
+end
+
+-- Rounds of finding the worst load of the shape as it is, taking it in as a load case, and scaling,
+-- until the load found is one that the shape bears.
+local function descend_with_worst(self)
+  local point, message, details = self.stage:at {}
+  if not point then return nil, message, details end
+  for round = 1, self.wish.rounds do
+    local part = core.model {mesh = point.state.shape.mesh, material = self.session.source.material}
+    local worst
+    worst, message, details = worst_case(part, self.wish.worst)
+    if not worst then return nil, message, details end
+    self.stage:add_forces(worst:force())
+    local entry = {max_principal = worst.max_principal, mode = worst.mode, at = worst.at}
+    worst:close()
+    self.rounds[round] = entry
+    point, message, details = self.stage:at(unknowns.scales(self, self.t))
+    if not point then return nil, message, details end
+    entry.max = point.cases[#point.cases].von_mises:max()
+    if entry.max <= self.wish.von_mises and round > 1 then
+      self.point = point
+      return "met"
+    end
+    local last = entry.max <= self.wish.von_mises * (1 + self.wish.change)
+    self.best = nil -- what was best for fewer loads need not be
+    local word
+    word, message, details = descend(self, point)
+    if word ~= "met" or last then return word, message, details end
+    point = self.point
+  end
+  return "rounds"
+end
+
+-- ---- the answer ----------------------------------------------------------------------------------
+
+local report = {__name = "barwright.optimisation"}
+report.__index = report
+
+function report:__tostring()
+  local names = {}
+  for name in pairs(self.factors) do names[#names + 1] = name end
+  table.sort(names)
+  local lines = {("%s: %.4g MPa at most, from %.4g MPa; limit %.4g MPa; %d steps, %d nodes, %.3g s")
+    :format(self.met and "met" or "not met", self.von_mises / 1e6, self.from / 1e6, self.limit / 1e6,
+      self.iterations, self.constrained, self.seconds)}
+  for _, name in ipairs(names) do
+    local f = self.factors[name]
+    lines[#lines + 1] = ("  %s: (%.5g, %.5g, %.5g)"):format(name, f[1], f[2], f[3])
+  end
+  return table.concat(lines, "\n")
+end
+
+-- What was reached with factors t at a point.
+local function answer(self, point, t, met)
+  local skeleton, factors = self.stage.topology.skeleton, {}
+  for bone, scale in pairs(unknowns.scales(self, t)) do factors[skeleton.bone_names[bone]] = scale end
+  local nodes = {}
+  for i, constraint in ipairs(self.constraints) do
+    nodes[i] = {node = constraint.node, case = constraint.case,
+      von_mises = point.cases[constraint.case].von_mises[constraint.node]}
+  end
+  local change = unknowns.objective(self, t)
+  return setmetatable({met = met, von_mises = point.max, node = point.node, case = point.case,
+    from = self.history[1] and self.history[1].max or point.max, limit = self.wish.von_mises,
+    factors = factors, change = change, mean_move = math.sqrt(change / #self.corners),
+    iterations = math.max(0, #self.history - 1), constrained = #self.constraints, nodes = nodes,
+    unknowns = #self.groups, history = self.history, rounds = #self.rounds > 0 and self.rounds or nil,
+    shapes = self.stage.counts.shapes, solves = self.stage.counts.solves,
+    factorisations = self.stage.counts.factorisations, adjoints = self.stage.counts.adjoints,
+    seconds = core.seconds() - self.start}, report)
+end
+
+local reasons = {
+  infeasible = "no factors within the bounds meet the limit of %.4g MPa: the best has %.4g MPa at node %d",
+  stuck = "no step from where it is brings the stresses nearer to the limit of %.4g MPa: the best has"
+    .. " %.4g MPa at node %d",
+  slow = "the limit of %.4g MPa was not met in time: the best has %.4g MPa at node %d",
+  rounds = "the worst load went on changing; under the last one the limit of %.4g MPa was met up to"
+    .. " %.4g MPa at node %d",
+}
+local statuses = {infeasible = "infeasible", stuck = "convergence", slow = "convergence",
+  rounds = "convergence"}
+
+local function refuse(self, word)
+  local best = self.best
+  for i = #best.t + 1, #self.groups do best.t[i] = 1 end
+  local found = answer(self, best.point, best.t, false)
+  local text = reasons[word]:format(self.limit / 1e6, best.point.max / 1e6, best.point.node or 0)
+  local active = {}
+  for i, group in ipairs(self.groups) do
+    local t = best.t[i] or 1
+    if t <= group.low * (1 + 1e-6) or t >= group.high * (1 - 1e-6) then
+      for _, bone in ipairs(group.bones) do
+        active[#active + 1] = ("%s across %s"):format(self.stage.topology.skeleton.bone_names[bone],
+          ("xyz"):sub(group.axis, group.axis))
+      end
+    end
+  end
+  if #self.groups == 0 then
+    text = text .. "; no bone near the high stresses may change"
+  elseif #active > 0 then
+    text = text .. "; at their bounds are " .. table.concat(active, ", ")
+  elseif self.inverted then
+    text = text .. "; further steps are stopped by the mesh: " .. self.inverted
+  end
+  return nil, text, {status = statuses[word], best = found, von_mises = best.point.max}
+end
+
+--- Scales bones of a session until its part bears its loads: see the stubs for the options. One edit
+--- is made at the end. Returns a report, or nil, message, details with the best point found.
+function optimise.run(session, given)
+  local wish = options.read("optimise", given, rules, 3)
+  local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {},
+    motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
+    radius = wish.step, price = 0, limit = wish.von_mises * (1 - steps.margin)}
+  local parts = {}
+  if wish.loads == "own" then parts[1] = session.source end
+  for i, part in ipairs(wish.cases) do
+    options.object("optimise", ("cases[%d]"):format(i), part, "model", 3)
+    parts[#parts + 1] = part
+  end
+  local skeleton = session.skeleton
+  self.only = wish.bones and unknowns.bones(skeleton, wish.bones, "bones")
+  self.keep = unknowns.set(unknowns.bones(skeleton, wish.keep, "keep"))
+  self.tied = unknowns.ties(skeleton, wish.ties)
+  if wish.low > wish.high then
+    error(("optimise: option 'low' (%g) is above 'high' (%g)"):format(wish.low, wish.high), 3)
+  end
+  local relief = wish.inertia_relief
+  if wish.loads == "worst" then
+    if #session.source.supports > 0 then
+      error("optimise: loads = \"worst\" is for a part without supports", 3)
+    end
+    if relief == nil then relief = true end
+  end
+  self.stage = stages.new(session, parts, relief)
+  if wish.loads == "worst" and self.stage.topology.node_from then
+    return nil, "the worst load of a mesh that was filled again cannot be followed: begin a session "
+      .. "on the edited part", {status = "unsupported"}
+  end
+  self.corners = core.corner_nodes(self.stage.topology.mesh)
+  local word, message, details
+  if wish.loads == "worst" then
+    word, message, details = descend_with_worst(self)
+  else
+    local point
+    point, message, details = self.stage:at {}
+    if not point then return nil, message, details end
+    word, message, details = descend(self, point)
+  end
+  if not word then return nil, message, details end
+  if word ~= "met" then return refuse(self, word) end
+  local found = answer(self, self.point, self.t, true)
+  local changes = {}
+  for name, scale in pairs(found.factors) do changes[name] = {scale = scale} end
+  if next(changes) then
+    local fine
+    fine, message, details = session:pose(changes)
+    if not fine then return nil, message, details end
+  end
+  return found
+end
+
+return optimise

@@ -1,0 +1,131 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the scaling optimisation stands on: a session's shape tried at other factors, without an edit.
+-- A point is a shape with the stresses of every load case; the session's own equations follow it, so
+-- that what is near the last point is cheap.
+local core = require "barwright.core"
+local edit_follow = require "barwright.edit_follow"
+local edit_pose = require "barwright.edit_pose"
+local edit_shape = require "barwright.edit_shape"
+
+local stage = {}
+stage.__index = stage
+
+local near = 0.08 -- relative difference of factors up to which the last factorisation serves
+local precise, rough = 1e-8, 1e-5 -- relative residuals, of stresses and of their slopes
+
+--- On the current state of a session. `parts`: load cases, on the session's original mesh.
+function stage.new(session, parts, inertia_relief)
+  local state = session.history[session.position]
+  local relaxed = state.shape and state.shape.how == "relaxed"
+  return setmetatable({session = session, state = state, topology = state.topology, parts = parts,
+    pose = state.pose, inertia_relief = inertia_relief, relaxing = relaxed or false,
+    factored = {},
+    counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
+end
+
+--- The factors of a bone at the start.
+function stage:factors(bone)
+  return edit_pose.scale(self.pose[bone])
+end
+
+--- How every node moves with one factor (1 to 3) of a bone.
+function stage:derivative(bone, axis)
+  return self.topology.domains:pose_derivative(self.pose, bone, axis)
+end
+
+-- Brings the equations to a state and a part on it.
+local function bring(self, state, part)
+  local record = {source = part, following = self.session.following}
+  local brought, message, details = edit_follow.bring(record, state)
+  self.session.following = record.following
+  if not brought then return nil, message, details end
+  return brought
+end
+
+-- How far the factors are from those of the last factorisation: the largest relative difference.
+local function distance(self, scales)
+  local most = 0
+  local function compare(bone, a, b)
+    a, b = a or self:factors(bone), b or self:factors(bone)
+    for i = 1, 3 do most = math.max(most, math.abs(a[i] / b[i] - 1)) end
+  end
+  for bone, scale in pairs(scales) do compare(bone, scale, self.factored[bone]) end
+  for bone, scale in pairs(self.factored) do
+    if not scales[bone] then compare(bone, nil, scale) end
+  end
+  return most
+end
+
+-- Near the last factorisation its factor is a good preconditioner; elsewhere a new one pays, as the
+-- adjoint solves need it too.
+local function solve(self, state, part, scales)
+  local record, message, details = bring(self, state, part)
+  if not record then return nil, message, details end
+  local result, reuse
+  if record.reuse and distance(self, scales) <= near then
+    result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
+      method = "iterate", tolerance = precise}, record.reuse)
+    if not result and details.status ~= "convergence" then return nil, reuse, details end
+  end
+  if not result then
+    result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
+      method = "refactor"}, record.reuse)
+    if not result then return nil, reuse, details end
+    self.factored = scales
+    if not record.reuse or reuse.factor_kept < 1 then
+      self.counts.factorisations = self.counts.factorisations + 1
+    end
+  end
+  self.counts.solves = self.counts.solves + 1
+  return {result = result, model = record.model, von_mises = result.von_mises}
+end
+
+--- The point with these factors: scales[bone] = {x, y, z} for bones that differ from the start.
+function stage:at(scales)
+  local pose = self.pose
+  for bone, scale in pairs(scales) do pose = edit_pose.with(pose, bone, nil, scale) end
+  local shape, message, details = edit_shape.of(self.topology, pose, self.session.wish)
+  if not shape then return nil, message, details end
+  if shape.how == "relaxed" and not self.relaxing then -- its nodes are not linear in the factors
+    return nil, "elements turn so poor that inner nodes have to be moved", {status = "geometry"}
+  end
+  self.counts.shapes = self.counts.shapes + 1
+  local point = {state = {topology = self.topology, pose = pose, shape = shape, limits = {}},
+    cases = {}, max = 0}
+  for i, part in ipairs(self.parts) do
+    local case
+    case, message, details = solve(self, point.state, part, scales)
+    if not case then return nil, message, details end
+    point.cases[i] = case
+    local max = case.von_mises:max()
+    if max > point.max then point.max, point.node, point.case = max, case.von_mises:argmax(), i end
+    self.last = {point = point, case = i}
+  end
+  return point
+end
+
+--- d stress of nodes of a case by motions of all nodes, at a point: rows for nodes.
+function stage:slopes(point, i, nodes, motions)
+  local case = point.cases[i]
+  local system = self.session.following.system
+  if self.last.point ~= point or self.last.case ~= i then
+    local record, message, details = bring(self, point.state, self.parts[i])
+    if not record then return nil, message, details end
+    case.model, system, self.last = record.model, record.system, {point = point, case = i}
+  end
+  self.counts.adjoints = self.counts.adjoints + #nodes
+  local values, slopes, details = core.von_mises_slopes(case.model, system, case.result.displacement,
+    nodes, motions, {tolerance = rough})
+  if not values then return nil, slopes, details end
+  return slopes
+end
+
+--- Another load case: forces at the nodes of the original mesh.
+function stage:add_forces(forces)
+  local source = self.session.source
+  local part = core.model {mesh = source.mesh, material = source.material}
+  part:load {nodal = forces}
+  self.parts[#self.parts + 1] = part
+end
+
+return stage

@@ -1,0 +1,132 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The unknowns of the scaling optimisation: factors t relative to the start, one for each group. A
+-- group is an axis across a bone, or across bones that are tied. Nodes move linearly with t, so that
+-- the change of shape, the sum over the corner nodes of |x(t) - x(1)|^2, is (t - 1) . H (t - 1)
+-- exactly.
+--
+-- A problem has groups, t, H and motions (of all nodes by each t), which only grow together.
+local unknowns = {}
+
+--- The numbers of bones called by name.
+function unknowns.bones(skeleton, names, where)
+  local out = {}
+  for i, name in ipairs(names) do out[i] = skeleton:bone(name).index end
+  if #out == 0 and next(names) ~= nil then
+    error(("optimise: option '%s': a list of names of bones expected"):format(where), 4)
+  end
+  return out
+end
+
+function unknowns.set(list)
+  local set = {}
+  for _, value in ipairs(list) do set[value] = true end
+  return set
+end
+
+--- tied[bone]: all bones that change with it.
+function unknowns.ties(skeleton, ties)
+  local tied = {}
+  for _, names in ipairs(ties) do
+    if type(names) ~= "table" then
+      error("optimise: option 'ties': lists of names of bones expected", 4)
+    end
+    local bones = unknowns.bones(skeleton, names, "ties")
+    for _, bone in ipairs(bones) do
+      if tied[bone] then
+        error(("optimise: option 'ties': bone '%s' is tied twice"):format(
+          skeleton:bone(bone).name), 4)
+      end
+      tied[bone] = bones
+    end
+  end
+  return tied
+end
+
+local function add_group(self, bones, axis)
+  local group = {bones = bones, axis = axis, low = 0, high = math.huge}
+  for _, bone in ipairs(bones) do
+    local start = self.stage:factors(bone)[axis]
+    group.low = math.max(group.low, math.min(self.wish.low / start, 1))
+    group.high = math.min(group.high, math.max(self.wish.high / start, 1))
+    local derivative, message, details = self.stage:derivative(bone, axis)
+    if not derivative then return nil, message, details end
+    local motion = derivative * start
+    group.motion = group.motion and group.motion + motion or motion
+  end
+  group.corners = group.motion:gather(self.corners)
+  local n = #self.groups + 1
+  self.groups[n], self.t[n], self.H[n] = group, 1, {}
+  for i = 1, n do
+    self.H[n][i] = group.corners:dot(self.groups[i].corners)
+    self.H[i][n] = self.H[n][i]
+  end
+  if self.H[n][n] > 0 then
+    self.motions[n] = group.motion
+  else -- moves nothing
+    self.groups[n], self.t[n], self.H[n] = nil, nil, nil
+    for i = 1, n - 1 do self.H[i][n] = nil end
+  end
+  return true
+end
+
+-- Takes a bone in, with those tied to it, and the two axes across it.
+local function add_bone(self, bone)
+  if self.chosen[bone] or self.keep[bone] then return true end
+  local bones = self.tied[bone] or {bone}
+  for _, other in ipairs(bones) do
+    self.chosen[other] = true
+  end
+  for axis = 2, 3 do
+    local fine, message, details = add_group(self, bones, axis)
+    if not fine then return nil, message, details end
+  end
+  return true
+end
+
+--- Takes in the bones of domains that have stresses above the limit, or are next to a blended domain
+--- that has; where the bones were named, all these and no others. The set only grows.
+function unknowns.choose(self, point)
+  for _, bone in ipairs(self.only or {}) do
+    local fine, message, details = add_bone(self, bone)
+    if not fine then return nil, message, details end
+  end
+  if self.only then return true end
+  local domains = self.stage.topology.domains
+  for _, case in ipairs(point.cases) do
+    for _, d in ipairs(domains:touched(case.von_mises:above(self.wish.von_mises))) do
+      local domain = domains[d]
+      local near = domain.type == "R" and {d} or domain.adjacent
+      for _, other in ipairs(near) do
+        local bone = domains[other].bone
+        if bone then
+          local fine, message, details = add_bone(self, self.stage.topology.skeleton:bone(bone).index)
+          if not fine then return nil, message, details end
+        end
+      end
+    end
+  end
+  return true
+end
+
+--- Factors {x, y, z} since rest of the bones that may change, by number.
+function unknowns.scales(self, t)
+  local scales = {}
+  for i, group in ipairs(self.groups) do
+    for _, bone in ipairs(group.bones) do
+      scales[bone] = scales[bone] or self.stage:factors(bone)
+      scales[bone][group.axis] = self.stage:factors(bone)[group.axis] * t[i]
+    end
+  end
+  return scales
+end
+
+--- The change of shape, m2: a sum over the corner nodes.
+function unknowns.objective(self, t)
+  local sum = 0
+  for i = 1, #t do
+    for j = 1, #t do sum = sum + (t[i] - 1) * self.H[i][j] * (t[j] - 1) end
+  end
+  return sum
+end
+
+return unknowns

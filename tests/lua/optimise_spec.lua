@@ -1,0 +1,255 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The scaling optimisation: closed forms, conditions of an optimum, what cannot be met, several loads,
+-- worst loads.
+local bw = require "barwright"
+local core = require "barwright.core"
+local check = require "check"
+
+local mm, MPa = 1e-3, 1e6
+local axes = {y = 2, z = 3}
+
+local function material(poisson)
+  return bw.material.isotropic {young = 2e9, poisson = poisson or 0.35, density = 1100, strength = 50 * MPa}
+end
+
+-- A bar of bones of equal length, 300 mm x 24 mm x 16 mm, cut across into domains.
+local function bar(bones, given)
+  given = given or {}
+  local cells = given.cells or {24, 2, 2}
+  local mesh = assert(bw.mesh.box {low = {0, -12 * mm, -8 * mm}, high = {300 * mm, 12 * mm, 8 * mm},
+    cells = cells, order = 2})
+  local part = bw.model {mesh = mesh, material = material(given.poisson)}
+  if not given.free then part:fix(mesh.boundary:below(1, 0)) end
+  if given.load then given.load(part, mesh) end
+  local joints, links = {}, {}
+  for i = 0, bones do joints[i + 1] = {300 * mm * i / bones, 0, 0} end
+  for i = 1, bones do links[i] = {i, i + 1, name = "bone " .. i} end
+  local skeleton = bw.skeleton.create {joints = joints, bones = links, root = 1}
+  return assert(bw.edit(part, {skeleton = skeleton})), part
+end
+
+local function tip(force)
+  return function(part, mesh) part:load {on = mesh.boundary:above(1, 300 * mm), force = force} end
+end
+
+local function max_of(session, given)
+  return assert(session:solve(given)).von_mises:max()
+end
+
+-- The change of shape of other factors, from the corner nodes themselves.
+local function change_of(before, session)
+  local corners = core.corner_nodes(before)
+  local d = session.mesh.nodes:gather(corners) - before.nodes:gather(corners)
+  return d:dot(d)
+end
+
+describe("the pieces", function()
+  it("find the point of a half-plane nearest to another", function()
+    local x, violation, multipliers = core.quadratic_programme {H = {{1, 0}, {0, 1}}, g = {-2, -1},
+      A = {{1, 1}}, b = {1}}
+    check.near(1, x[1], 1e-12)
+    assert.truthy(math.abs(x[2]) < 1e-12 and violation == 0)
+    check.near(1, multipliers[1], 1e-12)
+    check.raises("positive definite", core.quadratic_programme, {H = {{-1}}, g = {1}})
+    check.raises("rows", core.quadratic_programme, {H = {{1, 0}, {0, 1}}, g = {1}})
+    check.raises("did you mean", core.quadratic_programme, {G = {1}})
+  end)
+
+  it("tell how a stress changes with the position of every node", function()
+    local mesh = check.beam({4, 2, 2}, 2)
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {0, 0, -1e4}}
+    local static = assert(part:solve())
+    local node = static.von_mises:argmax()
+    local value, gradient = core.von_mises_gradient(part, part:system(), static.displacement, {node, 1})
+    check.near(static.von_mises[node], value[1], 1e-12)
+    assert.equal(2 * mesh.node_count, gradient.row_count)
+    -- a stretch of all by (1 + s) with the same force: stresses fall by 2 s
+    local first = gradient:rows(1, mesh.node_count)
+    check.near(-2 * value[1], first:dot(mesh.nodes), 1e-9)
+    local _, slopes = core.von_mises_slopes(part, part:system(), static.displacement, {node, 1},
+      {mesh.nodes, mesh.nodes * 2})
+    check.near(-2 * value[1], slopes(1, 1), 1e-9)
+    check.near(-4 * value[2], slopes(2, 2), 1e-9)
+    check.raises("nodes", core.von_mises_gradient, part, part:system(), static.displacement, {mesh.node_count + 1})
+    check.raises("system", core.von_mises_gradient, part, part, static.displacement, {1})
+  end)
+end)
+
+describe("the scaling optimisation", function()
+  -- Tension without contraction: the stress is F / (area s_y s_z) everywhere. Least change of shape:
+  -- H_y (s_y - 1) s_y = H_z (s_z - 1) s_z.
+  it("finds the closed form for a bar in tension", function()
+    local force = 24 * mm * 16 * mm * 50 * MPa
+    local session = bar(1, {poisson = 0, load = tip {force, 0, 0}, cells = {8, 2, 2}})
+    local before = session.mesh
+    check.near(50 * MPa, max_of(session), 1e-9)
+    local found = assert(session:optimise {von_mises = 30 * MPa})
+    assert.truthy(found.met)
+    local s = found.factors["bone 1"]
+    assert.equal(1, s[1])
+    check.near(5 / 3, s[2] * s[3], 2e-6)
+    local hy, hz = 0, 0
+    for _, x in ipairs(before.nodes:gather(core.corner_nodes(before)):totable()) do
+      hy, hz = hy + x[2] ^ 2, hz + x[3] ^ 2
+    end
+    check.near(hy * (s[2] - 1) * s[2], hz * (s[3] - 1) * s[3], 1e-2)
+    check.near(hy * (s[2] - 1) ^ 2 + hz * (s[3] - 1) ^ 2, found.change, 1e-9)
+    assert.truthy(max_of(session) <= 30 * MPa)
+    check.near(30 * MPa, max_of(session), 1e-5)
+  end)
+
+  it("makes one edit, which undo takes back", function()
+    local session = bar(3, {load = tip {0, 40, -100}})
+    local before, mesh = max_of(session), session.mesh
+    local found = assert(session:optimise {von_mises = 0.6 * before})
+    assert.equal(1, #session.edits)
+    check.near(found.von_mises, max_of(session), 1e-6)
+    assert.truthy(max_of(session) <= 0.6 * before)
+    check.near(change_of(mesh, session), found.change, 1e-9)
+    -- a part made anew on that shape says the same
+    check.near(found.von_mises, assert(session.part:solve()).von_mises:max(), 1e-6)
+    assert.truthy(session:undo())
+    check.near(before, max_of(session), 1e-9)
+    assert.truthy(session:redo())
+    assert.truthy(max_of(session) <= 0.6 * before)
+    assert.truthy(tostring(found):find "bone 1")
+    -- what already bears its loads is left alone
+    local again = assert(session:optimise {von_mises = 0.6 * before})
+    assert.equal(0, again.iterations)
+    assert.equal(1, #session.edits)
+  end)
+
+  -- No point near the optimum both changes the shape less and bears the load.
+  it("leaves no better point nearby", function()
+    local session = bar(3, {load = tip {0, 60, -100}})
+    local mesh = session.mesh
+    local limit = 0.5 * max_of(session)
+    local found = assert(session:optimise {von_mises = limit})
+    local random, tried = math.random, 0
+    math.randomseed(4)
+    for _ = 1, 200 do
+      local factors, size = {}, 10 ^ (-1 - 2 * random())
+      for name, s in pairs(found.factors) do
+        factors[name] = {scale = {1, s[2] * (1 + size * (2 * random() - 1)),
+          s[3] * (1 + size * (2 * random() - 1))}}
+      end
+      assert(session:pose(factors))
+      if change_of(mesh, session) < found.change then
+        tried = tried + 1
+        assert.truthy(max_of(session) > limit, "a better point was found")
+      end
+      session:undo()
+    end
+    assert.truthy(tried > 40)
+  end)
+
+  it("chooses bones by stress, keeps and adds as told", function()
+    local session = bar(3, {load = tip {0, 0, -100}})
+    local before = max_of(session)
+    local found = assert(session:optimise {von_mises = 0.9 * before})
+    assert.truthy(found.factors["bone 1"] and not found.factors["bone 3"])
+    session:undo()
+    check.fails("infeasible", "no bone", session:optimise {von_mises = 0.9 * before,
+      keep = {"bone 1", "bone 2", "bone 3"}})
+    found = assert(session:optimise {von_mises = 0.9 * before, bones = {"bone 1", "bone 3"}})
+    assert.truthy(found.factors["bone 3"] and not found.factors["bone 2"])
+  end)
+
+  it("says what cannot be met and leaves the session alone", function()
+    local session = bar(3, {load = tip {0, 0, -100}})
+    local before = max_of(session)
+    local none, message, details = session:optimise {von_mises = 0.5 * before, high = 1.1}
+    check.fails("infeasible", "no factors within the bounds", none, message, details)
+    assert.truthy(message:find("bone 1 across z", 1, true))
+    assert.equal(0, #session.edits)
+    local best = details.best
+    assert.truthy(not best.met and best.von_mises < before and best.von_mises > 0.5 * before)
+    -- thicker than the bounds allow, everywhere, is the best there is
+    check.near(1.1, best.factors["bone 1"][3], 1e-6)
+    assert(session:pose {["bone 1"] = {scale = best.factors["bone 1"]},
+      ["bone 2"] = {scale = best.factors["bone 2"]}})
+    check.near(best.von_mises, max_of(session), 0.02)
+  end)
+
+  it("starts from factors that are there already", function()
+    local session = bar(2, {load = tip {0, 0, -100}})
+    local limit = 0.6 * max_of(session)
+    assert(session:pose {["bone 1"] = {scale = {1.1, 1.2, 0.9}}, ["bone 2"] = {rotation = {z = 20}}})
+    local mesh = session.mesh
+    local found = assert(session:optimise {von_mises = limit})
+    assert.equal(1.1, found.factors["bone 1"][1])
+    assert.truthy(max_of(session) <= limit)
+    check.near(change_of(mesh, session), found.change, 1e-9)
+  end)
+
+  it("scales tied bones alike", function()
+    -- held in the middle, loaded unequally at both ends
+    local function load(part, mesh)
+      part:fix(mesh.boundary:box({112 * mm, -1, -1}, {188 * mm, 1, 1}))
+      part:load {on = mesh.boundary:above(1, 300 * mm), force = {0, 0, -120}}
+      part:load {on = mesh.boundary:below(1, 0), force = {0, 0, -60}}
+    end
+    local session = bar(3, {free = true, load = load})
+    local limit = 0.7 * max_of(session)
+    local found = assert(session:optimise {von_mises = limit})
+    local plain = found.change
+    assert.truthy((found.factors["bone 1"] or {1, 1, 1})[3] < found.factors["bone 3"][3] - 0.05)
+    session:undo()
+    found = assert(session:optimise {von_mises = limit, ties = {{"bone 1", "bone 3"}}})
+    for _, axis in pairs(axes) do
+      assert.equal(found.factors["bone 1"][axis], found.factors["bone 3"][axis])
+    end
+    assert.truthy(max_of(session) <= limit and found.change > plain)
+  end)
+
+  it("bears several loads at once", function()
+    local session, part = bar(2, {load = tip {0, 0, -100}})
+    local other = bw.model {mesh = part.mesh, material = part.material}
+    other:fix(part.mesh.boundary:below(1, 0)):load {on = part.mesh.boundary:above(1, 300 * mm),
+      force = {0, 150, 0}}
+    local limit = 0.6 * max_of(session)
+    local one = assert(session:optimise {von_mises = limit})
+    session:undo()
+    local found = assert(session:optimise {von_mises = limit, cases = {other}})
+    assert.truthy(found.change > one.change)
+    assert.truthy(max_of(session) <= limit)
+    local under_other = assert(session:moved(other):solve()).von_mises:max()
+    assert.truthy(under_other <= limit * (1 + 1e-7))
+    local cases = {}
+    for _, node in ipairs(found.nodes) do cases[node.case] = true end
+    assert.truthy(cases[1] and cases[2])
+  end)
+
+  it("bears the worst load, found again after each round", function()
+    local session = bar(3, {free = true})
+    local limit = 0.4 * MPa
+    local wish = {force = 20, pressure = 2e5, modes = 4, regions = 2}
+    local found = assert(session:optimise {von_mises = limit, loads = "worst", worst = wish})
+    assert.truthy(found.met and #found.rounds >= 2)
+    assert.truthy(found.rounds[1].max > limit)
+    local last = found.rounds[#found.rounds].max
+    assert.truthy(last <= 1.02 * limit)
+    assert.equal(1, #session.edits)
+    -- the worst load of the final shape
+    local final = assert(bw.worst_case(bw.model {mesh = session.mesh, material = material()}, wish))
+    local part = bw.model {mesh = session.mesh, material = material()}
+    part:load {nodal = final:force()}
+    assert.truthy(assert(part:solve {inertia_relief = true}).von_mises:max() <= 1.02 * limit)
+    final:close()
+  end)
+
+  it("refuses misuse", function()
+    local session = bar(1, {load = tip {0, 0, -1}, cells = {6, 1, 1}})
+    check.raises("von_mises", session.optimise, session)
+    check.raises("did you mean 'von_mises'", session.optimise, session, {von_mise = 1})
+    check.raises("greater than 0", session.optimise, session, {von_mises = 0})
+    check.raises("bone 1", session.optimise, session, {von_mises = 1, bones = {"bone one"}})
+    check.raises("tied twice", session.optimise, session, {von_mises = 1, ties = {{"bone 1"}, {"bone 1"}}})
+    check.raises("above 'high'", session.optimise, session, {von_mises = 1, low = 4})
+    check.raises("cases[1]", session.optimise, session, {von_mises = 1, cases = {1}})
+    check.raises("without supports", session.optimise, session, {von_mises = 1, loads = "worst"})
+    session:close()
+    check.raises("closed", session.optimise, session, {von_mises = 1})
+  end)
+end)
