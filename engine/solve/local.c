@@ -316,6 +316,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   memcpy(inner->motion, motion, domains * sizeof *motion);
   memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
   inner->spent = 0;
+  inner->change = -1;
   bw_retain(model);
   bw_release(inner->model);
   inner->model = model;

@@ -26,9 +26,9 @@ typedef struct bwi_local {
   const bw_mesh *factored;  /* retained: the shape the factor was last brought up to date with */
   double *factored_frame;   /* domain_count x 9: and the frames then */
   /* iterations with the factor as it is */
-  double
-      experience; /* iterations needed over iterations predicted, of the last solve that iterated */
-  int spent;      /* since the last edit */
+  double experience; /* iterations needed over predicted, when last iterated */
+  int spent;         /* since the last edit */
+  double change;     /* of the touched domains' shape since it was factored; negative: not known */
 } bwi_local;
 
 /* Whether there is a factor that can be used, and whether it is that of the present stiffness. */
@@ -49,7 +49,7 @@ typedef struct bwi_local_cost {
   double one_iteration;     /* of all right-hand sides together */
   double iterations;        /* predicted */
 } bwi_local_cost;
-void bwi_local_predict(const bw_local_system *local, double tolerance, int64_t count,
+void bwi_local_predict(bw_local_system *local, double tolerance, int64_t count,
                        bwi_local_cost *cost);
 
 /* ---- conjugate.c --------------------------------------------------------------------------- */

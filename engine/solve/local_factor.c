@@ -19,21 +19,23 @@ bool bwi_local_current(const bw_local_system *local) {
   return true;
 }
 
-/* A factor for other unknowns, with what of the old order fits. */
+/* A factor for other unknowns, by the old order where that fits. */
 static bw_status factor_anew(bw_context *context, bw_local_system *local, const bwi_matrix *matrix,
-                             int32_t *bad) {
+                             bw_reuse *reuse, int32_t *bad) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
+  const bwi_symbolic *old = inner->reach ? inner->reach->symbolic : NULL;
   bw_solve_times *times = &local->system->times;
   bwi_symbolic *symbolic = NULL;
   bwi_reach *reach = NULL;
   double start = bw_seconds();
   bw_progress(context, "order", 0);
   BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->numbering, inner->domain_count,
-                          inner->element_domain,
-                          inner->reach ? (bwi_symbolic *)inner->reach->symbolic : NULL, &symbolic));
+                          inner->element_domain, (bwi_symbolic *)old, &symbolic));
   BW_TRY(bwi_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
                           inner->element_domain, &reach));
+  if (reuse)
+    reuse->ordering = old && symbolic->order == old->order;
   bw_release(inner->reach);
   inner->reach = bw_retain(reach);
   times->order = bw_seconds() - start;
@@ -72,7 +74,7 @@ bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scr
     if (inner->factor->symbolic->flops > 0)
       kept = 1 - flops / inner->factor->symbolic->flops;
   } else
-    status = factor_anew(context, local, &matrix, &bad);
+    status = factor_anew(context, local, &matrix, reuse, &bad);
   if (status == BW_SINGULAR)
     status = bwi_say_singular(context, view->mesh, bad);
   if (status != BW_OK)
@@ -83,7 +85,9 @@ bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scr
   inner->factored = view->mesh;
   memcpy(inner->factored_frame, inner->frame,
          9 * (size_t)inner->domain_count * sizeof *inner->frame);
+  local->system->times.factor = bw_seconds() - start;
   inner->spent = 0;
+  inner->change = -1;
   if (reuse) {
     reuse->method = whole ? BW_LOCAL_SCRATCH : BW_LOCAL_REFACTOR;
     reuse->factor_kept = kept;

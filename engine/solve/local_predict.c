@@ -19,8 +19,8 @@
 
 #define SPREAD 20.0
 /* The model's machine. */
-#define FLOPS_PER_SECOND 40e9
-#define BYTES_PER_SECOND 14e9
+#define FLOPS_PER_SECOND 55e9
+#define BYTES_PER_SECOND 17e9
 /* Right-hand sides that one pass over the factor serves. */
 enum { SIDES = 8 };
 
@@ -61,9 +61,9 @@ static double largest_change(const bw_local_system *local) {
   return sqrt(most);
 }
 
-void bwi_local_predict(const bw_local_system *local, double tolerance, int64_t count,
+void bwi_local_predict(bw_local_system *local, double tolerance, int64_t count,
                        bwi_local_cost *cost) {
-  const bwi_local *inner = local->inner;
+  bwi_local *inner = local->inner;
   const bwi_symbolic *symbolic = inner->factor->symbolic;
   double factor_bytes = 8.0 * (double)symbolic->panel[symbolic->order->super_count];
   double stiffness_bytes = 72.0 * (double)local->system->graph->pair_count;
@@ -74,7 +74,9 @@ void bwi_local_predict(const bw_local_system *local, double tolerance, int64_t c
   cost->refactor =
       flops / FLOPS_PER_SECOND + 2 * part * factor_bytes / BYTES_PER_SECOND + passes * solve;
   cost->one_iteration = passes * (solve + stiffness_bytes / BYTES_PER_SECOND);
-  double spread = SPREAD * largest_change(local);
+  if (inner->change < 0)
+    inner->change = largest_change(local);
+  double spread = SPREAD * inner->change;
   cost->iterations =
       1 + (spread > 0 ? inner->experience * log(2 / tolerance) / log((2 + spread) / spread) : 0);
   cost->iterate = cost->iterations * cost->one_iteration;

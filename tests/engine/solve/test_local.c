@@ -161,8 +161,8 @@ static bw_selection *face(bw_context *context, const bw_mesh *mesh, int axis, do
   return selection;
 }
 
-/* Supports and loads: built in; sliding on its own surface, prescribed, held at a corner; built in
- * and displaced; free; sliding on its own surface all round one end. */
+/* Supports and loads: built in; sliding on its own surface, prescribed, held at a corner; built in,
+ * displaced and heated; free; sliding on its own surface all round one end. */
 enum { SCENES = 5 };
 static void load_bar(bw_context *context, bar *b, int scene) {
   bw_selection *root = face(context, b->mesh, 0, 0), *tip = face(context, b->mesh, 0, 10);
@@ -171,6 +171,7 @@ static void load_bar(bw_context *context, bar *b, int scene) {
   const bool all[3] = {true, true, true}, one[3] = {true, false, false};
   const double by[3] = {1e-4, -2e-4, 3e-5}, corner[3] = {10, 1, 1};
   bw_selection *few = NULL;
+  bw_array *warm = NULL;
   switch (scene) {
   case 0:
     check_ok(context, bw_model_fix(context, b->model, root));
@@ -191,6 +192,11 @@ static void load_bar(bw_context *context, bar *b, int scene) {
     check_ok(context, bw_model_prescribe(context, b->model, root, all, by));
     check_ok(context, bw_model_pressure(context, b->model, top, 1e5));
     check_ok(context, bw_model_torque(context, b->model, tip, torque, NULL));
+    check_ok(context, bw_array_create(context, BW_F64, b->mesh->node_count, 1, &warm));
+    for (int32_t i = 0; i < b->mesh->node_count; i++)
+      ((double *)warm->data)[i] = 3 * b->mesh->node[3 * i];
+    check_ok(context, bw_model_temperature(context, b->model, warm, 1e-5));
+    bw_release(warm);
     break;
   case 3:
     check_ok(context, bw_model_pressure(context, b->model, tip, 1e5));
@@ -659,6 +665,7 @@ static void supports_become_others(void **state) {
   check_ok(context, bw_local_system_update(context, local, model, b.motion, &reuse));
   compare(context, local, model, BW_LOCAL_ITERATE, &reuse);
   assert_int_equal(reuse.method, BW_LOCAL_SCRATCH);
+  assert_true(reuse.pattern && !reuse.ordering); /* nodes left the order */
   bw_release(tip);
   bw_release(model);
   edit_and_compare(context, &b, local, BW_LOCAL_AUTO); /* and back */
