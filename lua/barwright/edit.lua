@@ -82,7 +82,7 @@ local function begin(part, given)
   shape, message, details = edit_shape.of(topology, pose, wish)
   if not shape then return nil, message, details end
   local self = setmetatable({source = part, wish = wish, position = 1, following = false,
-    last = false, record = false,
+    last = false, record = false, root = false,
     history = {{topology = topology, pose = pose, limits = {}, shape = shape}}}, class)
   if wish.journal then
     local record
@@ -232,6 +232,34 @@ function class:optimise(given)
   return optimise.run(self, given)
 end
 
+-- ---- trying -----------------------------------------------------------------------------------------
+
+local fork_rules = {
+  relax = {type = "boolean"},
+  refill = {type = "boolean"},
+}
+
+--- A session that begins where this one is, with the same equations and no journal, to try edits in:
+--- a drag of a hand, a step of an optimisation. What came of it is taken over by `adopt`.
+function class:fork(given)
+  local state, wish = {}, {}
+  for key, value in pairs(current(self)) do state[key] = value end -- it lets go of its mesh by itself
+  for key, value in pairs(self.wish) do wish[key] = value end
+  for key, value in pairs(options.read("fork", given, fork_rules, 2)) do wish[key] = value end
+  return setmetatable({source = self.source, wish = wish, position = 1, following = false,
+    last = false, record = false, root = self.root or self, history = {state}}, class)
+end
+
+--- The pose of a fork, as one edit.
+function class:adopt(fork)
+  if getmetatable(fork) ~= class or fork.root ~= (self.root or self) then
+    error("adopt: a fork of this session expected", 2)
+  end
+  local changes = edit_bone.changes(current(self), current(fork))
+  if next(changes) == nil then return self end
+  return self:pose(changes)
+end
+
 -- ---- solving -------------------------------------------------------------------------------------
 
 --- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
@@ -342,7 +370,8 @@ end
 function class:close()
   if self.following then self.following.system:close() end
   if self.record then self.record:close() end
-  self.following, self.last, self.record, self.history, self.position = false, false, false, {}, 0
+  self.following, self.last, self.record, self.root = false, false, false, false
+  self.history, self.position = {}, 0
 end
 class.__close = class.close
 

@@ -187,6 +187,19 @@ function edit_bone.set_pose(session, changes)
   return session
 end
 
+--- What takes the pose of one state to that of another: changes for set_pose.
+function edit_bone.changes(from, to)
+  local names, changes = from.topology.skeleton.bone_names, {}
+  for b, row in ipairs(to.pose) do
+    if row ~= from.pose[b] then
+      local r = row
+      changes[names[b]] = {rotation = {{r[1], r[2], r[3]}, {r[4], r[5], r[6]}, {r[7], r[8], r[9]}},
+        scale = edit_pose.scale(row), translation = edit_pose.translation(row)}
+    end
+  end
+  return changes
+end
+
 -- ---- inverse kinematics ------------------------------------------------------------------------------
 
 local target_rules = {

@@ -15,13 +15,13 @@ function edit_follow.model(state, part)
   return part:moved(state.shape.mesh)
 end
 
-local function make(session, state, model)
+local function make(owner, state, model)
   local system, message, details = core.local_system(model, state.topology.domains)
   if not system then return nil, message, details end
-  if session.following then session.following.system:close() end
-  session.following = {topology = state.topology, system = system, model = model,
+  if owner.following then owner.following.system:close() end
+  owner.following = {topology = state.topology, system = system, model = model,
     memory = edit_motion.begin(state.shape)}
-  return session.following
+  return owner.following
 end
 
 local function follow(record, state, model)
@@ -32,13 +32,15 @@ local function follow(record, state, model)
   return record
 end
 
---- Brings the session's equations to a state: {system, model, reuse = nil when they are new}.
+--- Brings the session's equations to a state: {system, model, reuse = nil when they are new}. A fork
+--- has those of the session it was forked from.
 function edit_follow.bring(session, state)
+  local owner = rawget(session, "root") or session
   local model, message, details = edit_follow.model(state, session.source)
   if not model then return nil, message, details end
-  local record = session.following
+  local record = owner.following
   if record and record.topology == state.topology then return follow(record, state, model) end
-  record, message, details = make(session, state, model)
+  record, message, details = make(owner, state, model)
   if not record then return nil, message, details end
   return record
 end

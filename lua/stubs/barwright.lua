@@ -1507,7 +1507,7 @@ function edit_module.begin(script, session) end
 ---@field bones? integer wanted of the extracted skeleton; 0 (default): as many as the shape asks for
 ---@field threshold? number mean weight from which an element follows one bone; default 0.95
 ---@field thresholds? table<string, number> instead of it, for single bones
----@field heat? number of the skinning weights; default 1
+---@field heat? number of the skinning weights; default 1; larger: more elements follow one bone
 ---@field domains? bw.Domains ready-made ones, of the part's own mesh
 ---@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements; default true
@@ -1623,6 +1623,19 @@ function Session:undo() end
 ---@return string? message
 ---@return table? details
 function Session:redo() end
+
+---A session that begins where this one is, with the same equations and no journal, to try edits in (a
+---drag of a hand). {relax =, refill =} as in bw.EditOptions.
+---@param options? {relax: boolean, refill: boolean}
+---@return bw.Session
+function Session:fork(options) end
+
+---The pose that a fork has come to, as one edit.
+---@param fork bw.Session
+---@return bw.Session?
+---@return string? message
+---@return table? details
+function Session:adopt(fork) end
 
 ---An edit made of a change {script, pose, limits, topology}, for Lua files that add edits.
 ---@param change table

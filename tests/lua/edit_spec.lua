@@ -486,6 +486,39 @@ describe("a solve", function()
   end)
 end)
 
+-- ---- forks -----------------------------------------------------------------------------------------
+
+describe("a fork", function()
+  it("tries edits with the same equations, and is taken over as one", function()
+    local path = check.folder() .. "/journal.lua"
+    local session = beam {journal = path}
+    assert(session:bone("upper"):scale {1, 1.1, 1.1})
+    assert(session:solve())
+    local mesh, text = session.mesh, check.read(path)
+    local fork = session:fork {refill = false}
+    for _ = 1, 5 do
+      assert(fork:bone("lower"):rotate {y = 5})
+      local result = assert(fork:solve())
+      assert.is_true(result.reused.pattern)
+      compare(fork, result)
+    end
+    assert(fork:undo())
+    assert.is_true(same_nodes(mesh, session.mesh))
+    assert.equal(text, check.read(path))
+    compare(session, assert(session:solve()))
+    assert(session:adopt(fork))
+    assert.equal(2, #session.edits)
+    assert.truthy((session.mesh.nodes - fork.mesh.nodes):norm() < 1e-13)
+    fork:close()
+    compare(session, assert(session:solve()))
+    local again = beam()
+    assert(bw.edit.load(path, again))
+    assert.is_true(same_nodes(session.mesh, again.mesh))
+    check.raises("a fork of this session", session.adopt, session, again)
+    assert.equal(2, #assert(session:adopt(session:fork())).edits)
+  end)
+end)
+
 -- ---- scripts ---------------------------------------------------------------------------------------
 
 describe("a script of edits", function()
