@@ -7,6 +7,7 @@
 #include "shape/domains_internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct growth {
@@ -14,11 +15,13 @@ typedef struct growth {
   const bw_mesh *mesh;
   const bw_skeleton *skeleton;
   const double *weight;
-  const double *threshold; /* per bone */
-  int32_t *bone;           /* per element */
-  double *mean;            /* per element: of the weights at its corners, for that bone */
-  double *highest;         /* per bone: the highest mean of any element, for the remark */
-  int32_t *stack, *piece;  /* scratch: per element */
+  double *threshold; /* per bone */
+  int32_t *bone;     /* per element */
+  double *mean;      /* per element: of the weights at its corners, for that bone */
+  double *highest;   /* per bone: the highest mean of any element, for the remarks */
+  int32_t lowered;   /* how many thresholds, and the lowest of them */
+  double lowest;
+  int32_t *stack, *piece; /* scratch: per element */
 } growth;
 
 static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
@@ -34,6 +37,63 @@ static double mean_weight(const growth *g, int32_t e, int32_t b) {
   return sum / 4;
 }
 
+/* The bone of highest mean weight at every element. */
+static void find_best(growth *g) {
+  for (int32_t e = 0; e < g->mesh->element_count; e++) {
+    g->bone[e] = 0;
+    g->mean[e] = -1;
+    for (int32_t b = 0; b < g->skeleton->bone_count; b++) {
+      double mean = mean_weight(g, e, b);
+      g->highest[b] = fmax(g->highest[b], mean);
+      if (mean > g->mean[e]) {
+        g->bone[e] = b;
+        g->mean[e] = mean;
+      }
+    }
+  }
+}
+
+typedef struct ranked {
+  double mean, volume;
+  int32_t bone, element;
+} ranked;
+
+static int compare_ranked(const void *a, const void *b) {
+  const ranked *x = a, *y = b;
+  if (x->bone != y->bone)
+    return x->bone < y->bone ? -1 : 1;
+  if (x->mean != y->mean)
+    return x->mean > y->mean ? -1 : 1;
+  return (x->element > y->element) - (x->element < y->element);
+}
+
+/* Lower each bone's threshold to what `share` (by volume) of the elements that it moves most reach:
+ * where bones are short for the body's thickness, no weight comes near one. */
+static bw_status fit_thresholds(growth *g, double share, const double *own) {
+  int32_t count = g->mesh->element_count;
+  ranked *list = BW_NEW(g->context, ranked, count);
+  if (!list)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < count; e++)
+    list[e] = (ranked){g->mean[e], g->mesh->volume[e], g->bone[e], e};
+  qsort(list, (size_t)count, sizeof *list, compare_ranked);
+  for (int32_t first = 0, end; first < count; first = end) {
+    double total = 0, reached = 0;
+    int32_t b = list[first].bone, at = first;
+    for (end = first; end < count && list[end].bone == b; end++)
+      total += list[end].volume;
+    while (at + 1 < end && (reached += list[at].volume) < share * total)
+      at++;
+    if ((own && own[b] != 0) || list[at].mean >= g->threshold[b])
+      continue;
+    g->threshold[b] = list[at].mean;
+    g->lowered++;
+    g->lowest = fmin(g->lowest, list[at].mean);
+  }
+  bw_free(list);
+  return BW_OK;
+}
+
 /* An element's candidate: of the bones whose threshold it reaches, the one of the highest mean. */
 static void candidates(growth *g) {
   for (int32_t e = 0; e < g->mesh->element_count; e++) {
@@ -41,7 +101,6 @@ static void candidates(growth *g) {
     g->mean[e] = 0;
     for (int32_t b = 0; b < g->skeleton->bone_count; b++) {
       double mean = mean_weight(g, e, b);
-      g->highest[b] = fmax(g->highest[b], mean);
       /* rounding of a mean of four must not decide */
       if (mean > g->mean[e] && mean >= g->threshold[b] * (1 - 1e-12)) {
         g->bone[e] = b;
@@ -224,7 +283,12 @@ done:
   return status;
 }
 
-static void remark_without(growth *g) {
+static void remark(growth *g, double share) {
+  if (g->lowered > 0)
+    bw_remark(g->context,
+              "the thresholds of %d of %d bones were lowered, to %.3g at least, so that each has a "
+              "domain of %g %% of what it moves most",
+              g->lowered, g->skeleton->bone_count, g->lowest, 100 * share);
   for (int32_t b = 0; b < g->skeleton->bone_count; b++) {
     bool found = false;
     for (int32_t e = 0; e < g->mesh->element_count && !found; e++)
@@ -275,13 +339,21 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
                             bw_domains **domains) {
   int32_t bones = skeleton->bone_count;
   double usual = options ? options->threshold : 0.95;
+  double share = options && options->share != 0 ? options->share : 0.5;
+  if (!(share <= 1))
+    return bw_fail(context, BW_INVALID,
+                   "a share of %g: at most 1, or a negative number for thresholds as they are, is "
+                   "asked for",
+                   share);
   bw_status status = check_threshold(context, usual, "the skeleton");
   if (status == BW_OK)
     status = check_weights(context, mesh, skeleton, weight);
   if (status != BW_OK)
     return status;
   double *threshold = BW_NEW(context, double, bones);
-  growth g = {context, mesh, skeleton, weight, threshold, NULL, NULL, NULL, NULL, NULL};
+  growth g = {.context = context, .mesh = mesh, .skeleton = skeleton, .weight = weight};
+  g.threshold = threshold;
+  g.lowest = 1;
   int32_t *first = BW_NEW(context, int32_t, bones), *size = BW_NEW(context, int32_t, bones);
   g.bone = BW_NEW(context, int32_t, mesh->element_count);
   g.mean = BW_NEW(context, double, mesh->element_count);
@@ -297,6 +369,9 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
     threshold[b] = own ? options->bone_threshold[b] : usual;
     BW_TRY(check_threshold(context, threshold[b], skeleton->bone_name[b].text));
   }
+  find_best(&g);
+  if (share > 0)
+    BW_TRY(fit_thresholds(&g, share, options ? options->bone_threshold : NULL));
   candidates(&g);
   BW_TRY(bw_check_cancel(context));
   grow_from_seeds(&g, first);
@@ -306,7 +381,7 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
   BW_TRY(bw_check_cancel(context));
   bwi_guide guide = {weight, NULL};
   BW_TRY(bwi_domains_from_bones(context, mesh, skeleton, g.bone, &guide, domains));
-  remark_without(&g);
+  remark(&g, share);
 done:
   bw_free(threshold);
   bw_free(first);

@@ -6,7 +6,7 @@
 static bw_domains *make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
                         const double *weight, double threshold) {
   bw_domains *domains;
-  bw_domains_options options = {threshold, NULL};
+  bw_domains_options options = {threshold, NULL, -1};
   check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &domains));
   check_ok(context, bw_domains_check(context, domains));
   return domains;
@@ -140,13 +140,16 @@ static void test_random_weights(void **state) {
       for (int b = 0; b < 4; b++)
         w[b] /= sum;
     }
-    bw_domains *d = make(context, mesh, skeleton, weight, threshold);
+    bw_domains_options options = {threshold, NULL, round % 4 == 0 ? -1 : 0.25 * (round % 4)};
+    bw_domains *d;
+    check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &d));
+    check_ok(context, bw_domains_check(context, d));
     for (int32_t i = 0; i < mesh->node_count; i++)
       meetings += d->interface[i];
     /* every bone below the threshold everywhere is told of */
     int remarks = 0;
-    while (bw_remark_at(context, remarks))
-      remarks++;
+    for (int i = 0; bw_remark_at(context, i); i++)
+      remarks += strstr(bw_remark_at(context, i), "has no domain") != NULL;
     assert_int_equal(remarks, 4 - d->rigid_count);
     bw_clear_remarks(context);
     bw_release(d);
@@ -241,7 +244,7 @@ static void test_thresholds(void **state) {
   bw_skeleton *skeleton = limbs_bar_bones(context);
   double *weight = limbs_weights(mesh, skeleton, 20);
   const double own[3] = {0, 0.999, 0};
-  bw_domains_options options = {0.95, own};
+  bw_domains_options options = {0.95, own, 0};
   bw_domains *usual = make(context, mesh, skeleton, weight, 0.95), *strict, *none;
   check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &strict));
   check_ok(context, bw_domains_check(context, strict));
@@ -258,6 +261,43 @@ static void test_thresholds(void **state) {
               bw_domains_create(context, mesh, skeleton, weight, NULL, &none));
   bw_release(usual);
   bw_release(strict);
+  free(weight);
+  bw_release(mesh);
+  bw_release(skeleton);
+}
+
+/* Weights that reach 0.95 nowhere: as many elements as asked for become each bone's, the surest
+ * first; a bone with a threshold of its own keeps it. */
+static void test_share(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 1, 4);
+  bw_skeleton *skeleton = limbs_bar_bones(context);
+  double *weight = limbs_weights(mesh, skeleton, 3);
+  bw_domains *none = make(context, mesh, skeleton, weight, 0.95), *d;
+  assert_true(none->rigid_count < 3);
+  bw_clear_remarks(context);
+  for (int i = 1; i <= 2; i++) {
+    bw_domains_options options = {0.95, NULL, i == 1 ? 0 : 0.3};
+    check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &d));
+    check_ok(context, bw_domains_check(context, d));
+    assert_int_equal(d->rigid_count, 3);
+    for (int b = 0; b < 3; b++) { /* each bone moves a third most; cells are alike */
+      double part = 3.0 * d->elements[b] / mesh->element_count;
+      check_near(part, i == 1 ? 0.5 : 0.3, 0.1);
+    }
+    assert_non_null(strstr(bw_remark_at(context, 0), "3 of 3 bones were lowered"));
+    bw_clear_remarks(context);
+    bw_release(d);
+  }
+  const double own[3] = {0, 0.99, 0};
+  bw_domains_options options = {0.95, own, 0.5};
+  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &d));
+  assert_int_equal(d->rigid_count, 2);
+  options.share = 1.5;
+  check_fails(context, BW_INVALID, "share of 1.5",
+              bw_domains_create(context, mesh, skeleton, weight, &options, &none));
+  bw_release(d);
+  bw_release(none);
   free(weight);
   bw_release(mesh);
   bw_release(skeleton);
@@ -408,6 +448,7 @@ int main(void) {
       check_test(test_what_no_bone_claims),
       check_test(test_island),
       check_test(test_thresholds),
+      check_test(test_share),
       check_test(test_assign),
       check_test(test_labels),
       check_test(test_memory),
