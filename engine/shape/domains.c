@@ -339,7 +339,7 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
                             bw_domains **domains) {
   int32_t bones = skeleton->bone_count;
   double usual = options ? options->threshold : 0.95;
-  double share = options && options->share != 0 ? options->share : 0.5;
+  double share = options && options->share != 0 ? options->share : 0.35;
   if (!(share <= 1))
     return bw_fail(context, BW_INVALID,
                    "a share of %g: at most 1, or a negative number for thresholds as they are, is "

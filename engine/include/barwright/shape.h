@@ -129,8 +129,8 @@ typedef struct bw_domains_options {
   const double *bone_threshold; /* bone_count: instead of it, where not 0; may be NULL */
   /* Where bones are short for the body's thickness no weight comes near one. So that a bone has a
    * domain all the same, its threshold is lowered (with a remark) to what this share, by volume, of
-   * the elements that it moves most reach; not below a bone_threshold of its own. 0: 0.5; negative:
-   * never, as the paper. */
+   * the elements that it moves most reach; not below a bone_threshold of its own. 0: 0.35;
+   * negative: never, as the paper. */
   double share;
 } bw_domains_options;
 /* Region growing through faces from the element of the highest mean weight of each bone; what is
