@@ -23,6 +23,7 @@ local rules = {
   domains = {type = "domains"}, -- left out: from weights and thresholds
   threshold = {type = "number", default = 0.95, above = 0, most = 1},
   thresholds = {type = "table", default = {}}, -- of single bones, by name
+  share = {type = "number", default = 0.35, least = 0, most = 1}, -- of what a bone moves most
   heat = {type = "number", default = 1, above = 0},
   quality = {type = "number", default = 0.02, least = 0, most = 0.5},
   relax = {type = "boolean", default = true},
@@ -60,7 +61,7 @@ local function make_domains(mesh, wish)
   weights, message, details = core.skinning_weights(mesh, skeleton, {heat = wish.heat})
   if not weights then return nil, message, details end
   return core.domains(mesh, skeleton, weights, {threshold = wish.threshold,
-    bone_threshold = thresholds})
+    bone_threshold = thresholds, share = wish.share > 0 and wish.share or -1})
 end
 
 --- Begins a session on a part. Returns nil, message, details when it cannot.

@@ -170,11 +170,12 @@ function bw.quadratic_programme(programme) end
 function bw.skinning_weights(mesh, skeleton, options) end
 
 ---Cuts a mesh into domains along a skeleton. `threshold`: mean weight from which an element follows one
----bone; `bone_threshold`: instead of it, one for every bone, where not 0.
+---bone; `bone_threshold`: instead of it, one for every bone, where not 0; `share`: thresholds are lowered
+---until each bone has this share of the elements that it moves most, default 0.35, negative: never.
 ---@param mesh bw.Mesh
 ---@param skeleton bw.Skeleton
 ---@param weights bw.Array
----@param options? {threshold: number, bone_threshold: table}
+---@param options? {threshold: number, share: number, bone_threshold: table}
 ---@return bw.Domains?
 ---@return string? message
 ---@return table? details
@@ -1507,6 +1508,7 @@ function edit_module.begin(script, session) end
 ---@field bones? integer wanted of the extracted skeleton; 0 (default): as many as the shape asks for
 ---@field threshold? number mean weight from which an element follows one bone; default 0.95
 ---@field thresholds? table<string, number> instead of it, for single bones
+---@field share? number the threshold is lowered until each bone has this share of the elements that it moves most; default 0.35, 0: never
 ---@field heat? number of the skinning weights; default 1; larger: more elements follow one bone
 ---@field domains? bw.Domains ready-made ones, of the part's own mesh
 ---@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
