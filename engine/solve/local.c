@@ -1,13 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A system that follows edits: made, and brought to another shape. */
-#include <math.h>
+/* A system that follows edits: how it is made, and what it shows. */
 #include <string.h>
 
 #include "solve/local.h"
-
-/* Frames of supports this near are the same: what rounding makes of a turned surface's normals. The
- * factor is off by as much, the stiffness not at all. */
-#define SAME_FRAME 1e-12
 
 /* ---- the view ------------------------------------------------------------------------------ */
 
@@ -30,17 +25,6 @@ static void view_destroy(void *object) {
 }
 
 static const bw_kind view_kind = {"system", view_destroy, NULL};
-
-/* Takes the stiffness over. */
-static void view_stiffness(bw_local_system *local, bw_domain_stiffness *stiffness) {
-  view *v = (view *)local->system;
-  bw_retain(stiffness);
-  bw_release(v->stiffness);
-  v->stiffness = stiffness;
-  v->system.stiffness = stiffness->values;
-  bw_release(local->stiffness);
-  local->stiffness = stiffness;
-}
 
 /* ---- life ---------------------------------------------------------------------------------- */
 
@@ -150,67 +134,6 @@ static bw_status view_create(bw_context *context, const bw_model *model, bw_syst
   return BW_OK;
 }
 
-/* ---- frames of supports -------------------------------------------------------------------- */
-
-/* The frame of a support at a node, seen from the node's domain; false where it has none. */
-static bool support_frame(const bw_local_system *local, const bw_numbering *numbering,
-                          const double *frame, int32_t node, double seen[9]) {
-  const bwi_local *inner = local->inner;
-  int32_t row = numbering->frame_of[node], domain = inner->node_domain[node];
-  if (row < 0 || row >= numbering->frame_count - inner->domain_count)
-    return false;
-  const double *own = numbering->frame + 9 * (size_t)row;
-  if (domain < 0)
-    memcpy(seen, own, 9 * sizeof *seen);
-  for (int i = 0; domain >= 0 && i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      seen[3 * i + j] = bw_dot(own + 3 * i, frame + 9 * (size_t)domain + 3 * j);
-  return true;
-}
-
-/* The supports' frames as they are: what turns later is told against these. */
-static bw_status note_supports(bw_context *context, bw_local_system *local,
-                               const bw_numbering *numbering, const double *frame,
-                               double **reported) {
-  int32_t supports = numbering->frame_count - local->inner->domain_count;
-  double *made = BW_NEW(context, double, 9 * (size_t)supports);
-  if (!made)
-    return BW_MEMORY;
-  for (int32_t i = 0; i < numbering->mesh->node_count; i++) {
-    double seen[9];
-    if (support_frame(local, numbering, frame, i, seen))
-      memcpy(made + 9 * (size_t)numbering->frame_of[i], seen, sizeof seen);
-  }
-  *reported = made;
-  return BW_OK;
-}
-
-/* Mark the domains of the elements around nodes whose support has turned against their domain:
- * entries change there although the domains' own frames know nothing of it. `now` receives what was
- * reported, renewed where it changed. */
-static void touch_turned_supports(const bw_local_system *local, const bw_numbering *numbering,
-                                  const double *frame, double *now, uint8_t *touched) {
-  const bwi_local *inner = local->inner;
-  const bw_mesh *mesh = numbering->mesh;
-  int32_t supports = numbering->frame_count - inner->domain_count;
-  if (supports == 0)
-    return;
-  for (int64_t e = 0; e < mesh->element_count; e++)
-    for (int a = 0; a < mesh->nodes_per_element; a++) {
-      int32_t node = mesh->element[e * mesh->nodes_per_element + a];
-      double seen[9], off = 0;
-      if (!support_frame(local, numbering, frame, node, seen))
-        continue;
-      double *before = inner->supports + 9 * (size_t)numbering->frame_of[node];
-      for (int k = 0; k < 9; k++)
-        off = fmax(off, fabs(seen[k] - before[k]));
-      if (off > SAME_FRAME) {
-        touched[inner->element_domain[e]] = 1;
-        memcpy(now + 9 * (size_t)numbering->frame_of[node], seen, sizeof seen);
-      }
-    }
-}
-
 /* ---- making -------------------------------------------------------------------------------- */
 
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
@@ -234,7 +157,7 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   BW_TRY(bw_numbering_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
                              &numbering));
   system->numbering = numbering;
-  BW_TRY(note_supports(context, local, numbering, inner->frame, &inner->supports));
+  BW_TRY(bwi_local_supports(context, local, numbering, inner->frame, &inner->supports));
   double start = bw_seconds();
   BW_TRY(bw_graph_create(context, model->mesh, &system->graph));
   system->times.graph = bw_seconds() - start;
@@ -242,7 +165,9 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   BW_TRY(bw_domain_stiffness_create(context, system->graph, model->mesh, model->material,
                                     material_turns, domain_count, element_domain, node_domain,
                                     &stiffness));
-  view_stiffness(local, stiffness);
+  local->stiffness = stiffness;
+  system->stiffness = stiffness->values;
+  ((view *)system)->stiffness = bw_retain(stiffness);
   system->times.stiffness = bw_seconds() - start;
   BW_TRY(bwi_local_factor(context, local, false, NULL));
 done:
@@ -250,97 +175,5 @@ done:
     *out = local;
   else
     bw_release(local);
-  return status;
-}
-
-/* ---- following an edit --------------------------------------------------------------------- */
-
-static bw_status check_model(bw_context *context, const bw_local_system *local,
-                             const bw_model *model) {
-  const bw_mesh *mesh = model->mesh, *rest = local->inner->rest->mesh;
-  if (!bwi_same_topology(mesh, rest))
-    return bw_fail(context, BW_INVALID,
-                   "the edited model has a mesh of %d nodes and %d elements, the system one of %d "
-                   "and %d: the elements must be the same",
-                   mesh->node_count, mesh->element_count, rest->node_count, rest->element_count);
-  if (model->material != local->inner->rest->material)
-    return bw_fail(context, BW_INVALID,
-                   "the edited model has another material than the system that is to follow it");
-  return BW_OK;
-}
-
-bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
-                                 const bw_domain_motion *motion, bw_reuse *reuse) {
-  bw_status status = BW_OK;
-  bwi_local *inner = local->inner;
-  bw_system *system = local->system;
-  size_t domains = (size_t)inner->domain_count;
-  bw_numbering *numbering = NULL;
-  bw_domain_change change;
-  bool same;
-  double start = bw_seconds(), *supports = NULL;
-  double *frame = BW_NEW(context, double, 9 * domains);
-  uint8_t *touched = BW_NEW0(context, uint8_t, domains);
-  if (!frame || !touched) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(check_model(context, local, model));
-  for (size_t d = 0; d < domains; d++)
-    memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
-  BW_TRY(bw_numbering_follow(context, model, system->numbering, inner->domain_count,
-                             inner->node_domain, frame, &same, &numbering));
-  same = same && numbering->frame_count == system->numbering->frame_count;
-  BW_TRY(note_supports(context, local, numbering, frame, &supports));
-  BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
-
-  /* From here on nothing fails. */
-  if (same) {
-    size_t count = 9 * (size_t)(numbering->frame_count - inner->domain_count);
-    memcpy(supports, inner->supports, count * sizeof *supports);
-    touch_turned_supports(local, numbering, frame, supports, touched);
-  } else { /* the factor is of other unknowns */
-    bw_release(inner->factor);
-    inner->factor = NULL;
-    memset(touched, 1, domains);
-  }
-  bw_free(inner->supports);
-  inner->supports = supports;
-  supports = NULL;
-  int32_t count = 0;
-  for (size_t d = 0; d < domains; d++) {
-    touched[d] |= local->stiffness->changed[d];
-    count += touched[d];
-    inner->touched[d] |= touched[d];
-  }
-  memcpy(inner->motion, motion, domains * sizeof *motion);
-  memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
-  inner->spent = 0;
-  inner->change = -1;
-  bw_retain(model);
-  bw_release(inner->model);
-  inner->model = model;
-  bw_retain(model->mesh);
-  bw_release(system->mesh);
-  system->mesh = model->mesh;
-  bw_release(system->numbering);
-  system->numbering = numbering;
-  numbering = NULL;
-  bw_release(system->factor);
-  system->factor = NULL;
-  local->object.revision++;
-  if (reuse) {
-    int32_t left = inner->domain_count - count;
-    *reuse = (bw_reuse){.pattern = true, .ordering = true, .domains = inner->domain_count};
-    reuse->domains_touched = count;
-    reuse->domains_kept = change.kept < left ? change.kept : left;
-    reuse->domains_turned = left - reuse->domains_kept;
-    reuse->seconds_stiffness = bw_seconds() - start;
-  }
-done:
-  bw_free(frame);
-  bw_free(touched);
-  bw_free(supports);
-  bw_release(numbering);
   return status;
 }

@@ -35,6 +35,13 @@ typedef struct bwi_local {
 bool bwi_local_usable(const bw_local_system *local);
 bool bwi_local_current(const bw_local_system *local);
 
+/* ---- local_update.c ------------------------------------------------------------------------ */
+
+/* The frames of supports as they are, seen from the domains of their nodes (`frame`: the domains'
+ * frames): what turns later is told against these. Release with bw_free. */
+bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
+                             const bw_numbering *numbering, const double *frame, double **reported);
+
 /* ---- local_factor.c ------------------------------------------------------------------------ */
 
 /* Bring the factor up to date, all of it where `scratch`. On failure it is not usable. */

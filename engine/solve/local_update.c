@@ -1,0 +1,163 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A system that follows edits is brought to another shape: numbering, stiffness, and which domains
+ * the factor no longer knows. All that can fail is done before anything is changed. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/local.h"
+
+/* Frames of supports this near are the same: what rounding makes of a turned surface's normals. The
+ * factor is off by as much, the stiffness not at all. */
+#define SAME_FRAME 1e-12
+
+/* ---- frames of supports -------------------------------------------------------------------- */
+
+/* The frame of a support at a node, seen from the node's domain; false where it has none. */
+static bool support_frame(const bw_local_system *local, const bw_numbering *numbering,
+                          const double *frame, int32_t node, double seen[9]) {
+  const bwi_local *inner = local->inner;
+  int32_t row = numbering->frame_of[node], domain = inner->node_domain[node];
+  if (row < 0 || row >= numbering->frame_count - inner->domain_count)
+    return false;
+  const double *own = numbering->frame + 9 * (size_t)row;
+  if (domain < 0)
+    memcpy(seen, own, 9 * sizeof *seen);
+  for (int i = 0; domain >= 0 && i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      seen[3 * i + j] = bw_dot(own + 3 * i, frame + 9 * (size_t)domain + 3 * j);
+  return true;
+}
+
+bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
+                             const bw_numbering *numbering, const double *frame,
+                             double **reported) {
+  int32_t supports = numbering->frame_count - local->inner->domain_count;
+  double *made = BW_NEW(context, double, 9 * (size_t)supports);
+  if (!made)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < numbering->mesh->node_count; i++) {
+    double seen[9];
+    if (support_frame(local, numbering, frame, i, seen))
+      memcpy(made + 9 * (size_t)numbering->frame_of[i], seen, sizeof seen);
+  }
+  *reported = made;
+  return BW_OK;
+}
+
+/* Mark the domains of the elements around nodes whose support has turned against their domain:
+ * entries change there although the domains' own frames know nothing of it. `now` receives what was
+ * reported, renewed where it changed. */
+static void touch_turned_supports(const bw_local_system *local, const bw_numbering *numbering,
+                                  const double *frame, double *now, uint8_t *touched) {
+  const bwi_local *inner = local->inner;
+  const bw_mesh *mesh = numbering->mesh;
+  int32_t supports = numbering->frame_count - inner->domain_count;
+  if (supports == 0)
+    return;
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      int32_t node = mesh->element[e * mesh->nodes_per_element + a];
+      double seen[9], off = 0;
+      if (!support_frame(local, numbering, frame, node, seen))
+        continue;
+      double *before = inner->supports + 9 * (size_t)numbering->frame_of[node];
+      for (int k = 0; k < 9; k++)
+        off = fmax(off, fabs(seen[k] - before[k]));
+      if (off > SAME_FRAME) {
+        touched[inner->element_domain[e]] = 1;
+        memcpy(now + 9 * (size_t)numbering->frame_of[node], seen, sizeof seen);
+      }
+    }
+}
+
+/* ---- following an edit --------------------------------------------------------------------- */
+
+static bw_status check_model(bw_context *context, const bw_local_system *local,
+                             const bw_model *model) {
+  const bw_mesh *mesh = model->mesh, *rest = local->inner->rest->mesh;
+  if (!bwi_same_topology(mesh, rest))
+    return bw_fail(context, BW_INVALID,
+                   "the edited model has a mesh of %d nodes and %d elements, the system one of %d "
+                   "and %d: the elements must be the same",
+                   mesh->node_count, mesh->element_count, rest->node_count, rest->element_count);
+  if (model->material != local->inner->rest->material)
+    return bw_fail(context, BW_INVALID,
+                   "the edited model has another material than the system that is to follow it");
+  return BW_OK;
+}
+
+bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
+                                 const bw_domain_motion *motion, bw_reuse *reuse) {
+  bw_status status = BW_OK;
+  bwi_local *inner = local->inner;
+  bw_system *system = local->system;
+  size_t domains = (size_t)inner->domain_count;
+  bw_numbering *numbering = NULL;
+  bw_domain_change change;
+  bool same;
+  double start = bw_seconds(), *supports = NULL;
+  double *frame = BW_NEW(context, double, 9 * domains);
+  uint8_t *touched = BW_NEW0(context, uint8_t, domains);
+  if (!frame || !touched) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(check_model(context, local, model));
+  for (size_t d = 0; d < domains; d++)
+    memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
+  BW_TRY(bw_numbering_follow(context, model, system->numbering, inner->domain_count,
+                             inner->node_domain, frame, &same, &numbering));
+  same = same && numbering->frame_count == system->numbering->frame_count;
+  BW_TRY(bwi_local_supports(context, local, numbering, frame, &supports));
+  BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
+
+  /* From here on nothing fails. */
+  if (same) {
+    size_t count = 9 * (size_t)(numbering->frame_count - inner->domain_count);
+    memcpy(supports, inner->supports, count * sizeof *supports);
+    touch_turned_supports(local, numbering, frame, supports, touched);
+  } else { /* the factor is of other unknowns */
+    bw_release(inner->factor);
+    inner->factor = NULL;
+    memset(touched, 1, domains);
+  }
+  bw_free(inner->supports);
+  inner->supports = supports;
+  supports = NULL;
+  int32_t count = 0;
+  for (size_t d = 0; d < domains; d++) {
+    touched[d] |= local->stiffness->changed[d];
+    count += touched[d];
+    inner->touched[d] |= touched[d];
+  }
+  memcpy(inner->motion, motion, domains * sizeof *motion);
+  memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
+  inner->spent = 0;
+  inner->change = -1;
+  bw_retain(model);
+  bw_release(inner->model);
+  inner->model = model;
+  bw_retain(model->mesh);
+  bw_release(system->mesh);
+  system->mesh = model->mesh;
+  bw_release(system->numbering);
+  system->numbering = numbering;
+  numbering = NULL;
+  bw_release(system->factor);
+  system->factor = NULL;
+  local->object.revision++;
+  if (reuse) {
+    int32_t left = inner->domain_count - count;
+    *reuse = (bw_reuse){.pattern = true, .ordering = true, .domains = inner->domain_count};
+    reuse->domains_touched = count;
+    reuse->domains_kept = change.kept < left ? change.kept : left;
+    reuse->domains_turned = left - reuse->domains_kept;
+    reuse->seconds_stiffness = bw_seconds() - start;
+  }
+done:
+  bw_free(frame);
+  bw_free(touched);
+  bw_free(supports);
+  bw_release(numbering);
+  return status;
+}
