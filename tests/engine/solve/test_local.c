@@ -3,6 +3,7 @@
  * every edit the system that followed it must have the stiffness and the solution of one made anew.
  */
 #include "bodies.h"
+#include "solve/local.h"
 
 enum { DOMAINS = 5, RIGID = 3 };
 /* Where domains end along the bar of length 10; the R domains are 0, 2, 4. */
@@ -437,6 +438,41 @@ static void choice_by_cost(void **state) {
   bar_clear(&b);
 }
 
+/* A prediction that errs: iterating stops when it has cost what the other way would have, and that
+ * is then gone. */
+static void too_hopeful(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 3, 2, &b);
+  load_bar(context, &b, 0);
+  bw_local_system *local = local_of(context, &b);
+  b.now.scale[1][0] *= 1.3;
+  turn_domain(&b, 2, 0.2);
+  local->inner->experience = 1e-3;
+  bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
+  assert_int_equal(r.method, BW_LOCAL_REFACTOR);
+  assert_true(r.predicted_iterate < r.predicted_refactor);
+  assert_true(r.iterations > 0 && r.iterations < 20);
+  assert_true(bwi_local_current(local));
+  /* small steps, iterated, until their sum has cost as much */
+  bw_local_options options;
+  bw_local_options_default(&options);
+  b.now.scale[2][1] *= 1 + 1e-7;
+  bw_model *model = posed(context, &b);
+  check_ok(context, bw_local_system_update(context, local, model, b.motion, &r));
+  double *u = numbers(3 * (int64_t)b.mesh->node_count);
+  int solves = 0;
+  for (; solves < 100 && !bwi_local_current(local); solves++) {
+    random_field((uint64_t)solves + 1, 3 * (int64_t)b.mesh->node_count, u);
+    check_ok(context, bw_local_system_solve(context, local, &options, 1, u, u, &r));
+  }
+  assert_true(solves > 1 && solves < 100);
+  free(u);
+  bw_release(model);
+  bw_release(local);
+  bar_clear(&b);
+}
+
 /* ---- several right-hand sides, views, other materials --------------------------------------- */
 
 static void many_sides(void **state) {
@@ -647,14 +683,43 @@ static void failures_and_recovery(void **state) {
   bar_clear(&b);
 }
 
-/* A factor of a quite other shape: conjugate gradients say that they did not arrive, or arrive. */
+/* A factor of a quite other shape is no help: that is said, and the other way still works. */
+static void no_convergence(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 2, 2, &b);
+  load_bar(context, &b, 0);
+  bw_local_system *local = local_of(context, &b);
+  b.now.scale[1][1] = b.now.scale[1][2] = 2e-3;
+  follow(&b);
+  bw_mesh *mesh = NULL;
+  bw_model *model = NULL;
+  bw_static *result = NULL;
+  check_ok(context, bw_mesh_moved(context, b.mesh, b.node, &mesh));
+  check_ok(context, bw_model_moved(context, b.model, mesh, &model));
+  check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
+  bw_local_options options;
+  bw_local_options_default(&options);
+  options.method = BW_LOCAL_ITERATE;
+  check_fails(context, BW_CONVERGENCE, "changed too much",
+              bw_local_statics(context, local, model, NULL, &options, &result, NULL));
+  bw_reuse reuse = {0};
+  check_ok(context, bw_local_statics(context, local, model, NULL, NULL, &result, &reuse));
+  assert_int_equal(reuse.method, BW_LOCAL_REFACTOR);
+  bw_release(result);
+  bw_release(model);
+  bw_release(mesh);
+  bw_release(local);
+  bar_clear(&b);
+}
+
+/* The same shape held otherwise: other unknowns, and a whole new factor. */
 static void supports_become_others(void **state) {
   bw_context *context = check_context(state);
   bar b;
   bar_make(context, 1, 1, &b);
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
-  /* the same shape, held otherwise: the unknowns are others, the order need not be */
   turn_domain(&b, 2, 0.1);
   bw_model *model = posed(context, &b);
   bw_selection *tip = NULL;
@@ -754,15 +819,12 @@ static void threads_agree(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(random_sequences),
-                                     check_test(reuse_is_said),
-                                     check_test(choice_by_cost),
-                                     check_test(many_sides),
-                                     check_test(view_serves_modes),
-                                     check_test(orthotropic),
-                                     check_test(failures_and_recovery),
-                                     check_test(supports_become_others),
-                                     check_test(no_memory),
-                                     check_test(threads_agree)};
+  const struct CMUnitTest tests[] = {
+      check_test(random_sequences), check_test(reuse_is_said),
+      check_test(choice_by_cost),   check_test(too_hopeful),
+      check_test(many_sides),       check_test(view_serves_modes),
+      check_test(orthotropic),      check_test(failures_and_recovery),
+      check_test(no_convergence),   check_test(supports_become_others),
+      check_test(no_memory),        check_test(threads_agree)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
