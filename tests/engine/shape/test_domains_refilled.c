@@ -36,7 +36,7 @@ static scene make(bw_context *context, int order) {
   s.mesh = limbs_bar(context, order, 2);
   s.skeleton = limbs_bar_bones(context);
   s.weight = limbs_weights(s.mesh, s.skeleton, 12);
-  bw_domains_options options = {0.95, NULL};
+  bw_domains_options options = {.threshold = 0.95};
   check_ok(context, bw_domains_create(context, s.mesh, s.skeleton, s.weight, &options, &s.domains));
   pose_maps(context, s.skeleton, 50, 1.3, s.map);
   s.node = malloc(3 * (size_t)s.mesh->node_count * sizeof *s.node);
