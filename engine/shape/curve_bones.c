@@ -7,7 +7,7 @@
 #include "shape/curve.h"
 
 enum { SAMPLES = 2000 };               /* along the whole curve */
-static const double ends_apart = 0.5;  /* a bend lies so many radii from the ends of its bone */
+static const double ends_apart = 0.75; /* a bend lies so many radii from the ends of its bone */
 static const double least_bend = 0.15; /* radii: less than this is no bend, but a matter of taste */
 
 typedef struct piece {
@@ -74,8 +74,9 @@ static void judge(const samples *along, piece *p) {
   p->length = bwi_gap(a, b);
   for (int32_t i = p->first + 1; i < p->last; i++) {
     const double *x = at + 4 * (size_t)i;
-    double apart = ends_apart * x[3];
-    if (bwi_gap(x, a) < apart || bwi_gap(x, b) < apart)
+    /* not within the ball of a junction: how a limb comes out of it is no bend of the limb */
+    if (bwi_gap(x, a) < ends_apart * fmax(x[3], a[3]) ||
+        bwi_gap(x, b) < ends_apart * fmax(x[3], b[3]))
       continue;
     double strays = to_segment(x, a, b) / fmax(x[3], 1e-9);
     if (strays > p->strays) {

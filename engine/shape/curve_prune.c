@@ -90,11 +90,14 @@ static bw_status leave_out(bw_context *context, bwi_curve *curve, int32_t branch
 static bw_status contract(bw_context *context, bwi_curve *curve, int32_t branch) {
   bwi_branch *b = &curve->branch[branch];
   int32_t keep = b->end[0], lose = b->end[1];
-  double half = 0.5 * way_length(b->at, b->count), done = 0, at[4];
+  double left = 0.5 * way_length(b->at, b->count), at[4];
   memcpy(at, b->at, sizeof at);
-  for (int32_t i = 1; i < b->count && done < half; i++) {
-    done += bwi_gap(b->at + 4 * (size_t)(i - 1), b->at + 4 * (size_t)i);
-    memcpy(at, b->at + 4 * (size_t)i, sizeof at);
+  for (int32_t i = 1; i < b->count && left > 0; i++) {
+    const double *from = b->at + 4 * (size_t)(i - 1), *to = from + 4;
+    double part = bwi_gap(from, to), t = part > left ? left / part : 1;
+    for (int k = 0; k < 3; k++)
+      at[k] = from[k] + t * (to[k] - from[k]);
+    left -= part;
   }
   at[3] = fmax(curve->key[keep].at[3], curve->key[lose].at[3]);
   for (int32_t i = 0; i < curve->branch_count; i++) {

@@ -433,7 +433,7 @@ bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh, const bw
                               const bw_weights_options *options, double *weight) {
   bw_status status = BW_OK;
   skinning s = {.context = context, .mesh = mesh, .skeleton = skeleton};
-  s.heat = options && options->heat != 0 ? options->heat : 1;
+  s.heat = options && options->heat != 0 ? options->heat : 20;
   if (!(s.heat > 0 && s.heat < 1e12))
     return bw_fail(context, BW_INVALID, "heat %g of skinning weights: a positive number is needed",
                    s.heat);
