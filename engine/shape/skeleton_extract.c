@@ -15,7 +15,7 @@
 enum {
   FACETS = 6000,     /* of the remeshed surface */
   FACETS_LOW = 3000, /* a surface with so many even facets is taken as it is */
-  FACETS_HIGH = 20000,
+  FACETS_HIGH = 45000,
   FACETS_MOST = 200000, /* where remeshing fails */
   MOST_BONES = 500
 };
@@ -48,10 +48,15 @@ static bw_status to_unit(bw_context *context, const bw_surface *surface, frame *
   return bw_surface_transform(context, surface, matrix, unit);
 }
 
+/* Of FACETS equilateral triangles. */
+static double edge_length(const bw_surface *surface) {
+  return sqrt(4 / sqrt(3.) * bw_surface_area(surface) / FACETS);
+}
+
 static bool even_facets(const bw_surface *surface) {
   if (surface->triangle_count < FACETS_LOW || surface->triangle_count > FACETS_HIGH)
     return false;
-  double most = 2.5 * sqrt(4 / sqrt(3.) * bw_surface_area(surface) / FACETS);
+  double most = 6 * edge_length(surface);
   for (int64_t i = 0; i < 3 * (int64_t)surface->triangle_count; i++) {
     int32_t a = surface->triangle[i], b = surface->triangle[i % 3 == 2 ? i - 2 : i + 1];
     if (bwi_gap(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b) > most)
@@ -64,7 +69,8 @@ static bool even_facets(const bw_surface *surface) {
 static bw_status make_even(bw_context *context, const bw_surface *surface, bw_surface **even) {
   bw_remesh_options options;
   bw_remesh_options_default(&options);
-  options.triangles = FACETS;
+  options.edge_length = edge_length(surface);
+  options.tolerance = 0.5 * options.edge_length;
   options.iterations = 3;
   if (even_facets(surface)) {
     *even = bw_retain(surface);

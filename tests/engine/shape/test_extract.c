@@ -97,7 +97,7 @@ static const capsules cross = {2, {{-3, 0, 0, 3, 0, 0}, {0, -2, 0, 0, 4, 0}}, 0.
 
 static void a_cross_has_four_bones_that_meet(void **state) {
   bw_context *context = check_context(state);
-  bw_surface *surface = surface_of(context, &cross, 28);
+  bw_surface *surface = surface_of(context, &cross, 24);
   bw_skeleton *s = extract(context, surface, 0);
   assert_int_equal(s->bone_count, 4);
   assert_int_equal(bones_at(s, s->root), 4);
