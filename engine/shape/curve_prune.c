@@ -11,7 +11,7 @@
 #include "shape/curve.h"
 
 /* Two junctions are one when the way between them is shorter than this many radii. */
-static const double same_junction = 0.75;
+static const double same_junction = 1.2;
 
 static double way_length(const double *at, int32_t count) {
   double length = 0;

@@ -56,7 +56,7 @@ static double edge_length(const bw_surface *surface) {
 static bool even_facets(const bw_surface *surface) {
   if (surface->triangle_count < FACETS_LOW || surface->triangle_count > FACETS_HIGH)
     return false;
-  double most = 6 * edge_length(surface);
+  double most = 2.5 * edge_length(surface);
   for (int64_t i = 0; i < 3 * (int64_t)surface->triangle_count; i++) {
     int32_t a = surface->triangle[i], b = surface->triangle[i % 3 == 2 ? i - 2 : i + 1];
     if (bwi_gap(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b) > most)
