@@ -55,9 +55,11 @@ static bool same_positions(const bw_mesh *mesh, const bwi_domain_coefficients *c
   const double *x0 = mesh->node + 3 * (int64_t)node[0], *y0 = before + 3 * first;
   double size = 0;
   for (int64_t k = 0; k < count; k++)
-    for (int r = 0; r < 3; r++)
-      size = fmax(size, fmax(fabs(mesh->node[3 * (int64_t)node[k] + r]),
-                             fabs(before[3 * (first + k) + r])));
+    for (int r = 0; r < 3; r++) {
+      double a = fabs(mesh->node[3 * (int64_t)node[k] + r]), b = fabs(before[3 * (first + k) + r]);
+      size = a > size ? a : size;
+      size = b > size ? b : size;
+    }
   for (int64_t k = 1; k < count; k++) {
     const double *x = mesh->node + 3 * (int64_t)node[k], *y = before + 3 * (first + k);
     double dx[3] = {x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]};

@@ -45,7 +45,8 @@ int main(int count, char **argument) {
   int order = count > 2 ? atoi(argument[2]) : 2;
   int domains = count > 3 ? atoi(argument[3]) : 20;
   bw_context *context = bw_context_create();
-  int across = (int)lround(cbrt((double)wanted / 6 / 5));
+  /* a bar twenty times as long as wide, cut into slabs */
+  int across = (int)lround(cbrt((double)wanted / 6 / 20));
   int cells[3] = {(int)lround((double)wanted / 6 / across / across), across, across};
   double low[3] = {0, 0, 0}, high[3] = {0.01 * cells[0], 0.01 * cells[1], 0.01 * cells[2]};
   bw_mesh *mesh = NULL, *moved = NULL;
