@@ -5,8 +5,8 @@
  * for the inside of each domain, then one for each set of several domains that share pairs. For
  * each of its domains a section has a block of coefficients, T of that domain's elements at rest;
  * entries are the sum over the blocks, in ascending order of domains, of the blocks' maps of T.
- * They depend on where the domains lie now, and not in one bit on the edits that brought them
- * there.
+ * They depend on where the domains lie now, and not in one bit on the edits that brought them there
+ * (but for differences that count as rounding, which are left: domain_update.c).
  *
  * Four neighbouring pairs of a section have their coefficients interleaved (component m of pair k
  * of a block at tensor[9 * (k & ~3) + 4 * m + (k & 3)]), so that a vector register holds one

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Entries of some domains: from coefficients, or gathered from node positions; then the sums at
- * shared pairs. What may fail is done before anything is written. */
+/* Entries of some domains: from coefficients, or gathered from node positions. What may fail is
+ * done before anything is written. */
 #include "assemble/domain.h"
 
 enum { PAIRS_PER_TASK = 2048, ELEMENTS_PER_CHUNK = 1024 };
