@@ -130,10 +130,11 @@ function deform() {
     let largest = 0;
     for (let i = 0; i < motion.values.length; i += 3)
       largest = Math.max(largest, Math.hypot(motion.values[i], motion.values[i + 1], motion.values[i + 2]));
-    // Slider 1: the largest motion is a tenth of the box's diagonal.
-    const factor = largest > 0 ? (state.scale * state.phase * 0.1 * size) / largest : 0;
+    // Slider 1: the largest motion is a tenth of the box's diagonal; another shape is there as it is.
+    const whole = motion.kind === "shape" ? 1 : largest > 0 ? (0.1 * size) / largest : 0;
+    const factor = state.scale * state.phase * whole;
     for (let i = 0; i < p.length; i++) p[i] = rest[i] + factor * motion.values[i];
-    const shown = largest > 0 ? (state.scale * 0.1 * size) / largest : 0;
+    const shown = state.scale * whole;
     byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
   }
   position.needsUpdate = true;

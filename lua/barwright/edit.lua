@@ -10,6 +10,7 @@ local options = require "barwright.options"
 local edit_bone = require "barwright.edit_bone"
 local edit_follow = require "barwright.edit_follow"
 local edit_pose = require "barwright.edit_pose"
+local edit_report = require "barwright.edit_report"
 local edit_script = require "barwright.edit_script"
 local edit_shape = require "barwright.edit_shape"
 local optimise = require "barwright.optimise"
@@ -359,6 +360,14 @@ function class:picture(path, given)
   local result, message, details = result_now(self)
   if not result then return nil, message, details end
   return result:picture(path, given)
+end
+
+--- One HTML file with a 3D view of the shape under its loads and as it was drawn, and the edits.
+--- Options: title, manifest.
+function class:report(path, given)
+  local result, message, details = result_now(self)
+  if not result then return nil, message, details end
+  return edit_report.write(self, current(self), result, path, given)
 end
 
 --- The edits in force as a script that replays them.

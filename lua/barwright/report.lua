@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The report of a worst case: one HTML file that opens from disk and needs no network. The page is
--- web/report.html, its view web/viewer.mjs; web/README.md names the placeholders and the data.
+-- Reports: one HTML file that opens from disk and needs no network; here that of a worst case. The
+-- page is web/report.html, its view web/viewer.mjs; web/README.md names the placeholders and the data.
 local core = require "barwright.core"
 local json = require "barwright.json"
 local options = require "barwright.options"
@@ -38,19 +38,35 @@ local function template()
   return read(folder .. "/report.html") or read(folder .. "/../../web/report.html")
 end
 
-local function escape(text)
+--- Text for a page.
+function report.escape(text)
   return (text:gsub("[&<>\"']", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;",
     ["'"] = "&#39;"}))
 end
 
-local function floats(array)
+--- An array as the page takes it.
+function report.floats(array)
   return core.base64(array:tostring "<f4")
 end
+
+local floats = report.floats
 
 local function colours()
   local knots = {}
   for i = 0, 32 do knots[i + 1] = {core.colour(i / 32)} end
   return knots
+end
+
+--- The data of a page about a surface, without fields and displacements yet.
+function report.data(surface)
+  return {
+    positions = floats(surface.points),
+    triangles = core.base64(surface.triangles:tostring("<u4", -1)),
+    colours = colours(),
+    fields = json.list {},
+    displacements = json.list {},
+    view = {1, -1.4, 0.8},
+  }
 end
 
 -- The regions whose loads are shown: the worst, then the others by how much stress they cause.
@@ -121,15 +137,9 @@ end
 local function data_of(worst, wish, shown)
   local surface, nodes, details = worst.mesh:surface()
   if not surface then return nil, nodes, details end
-  local data = {
-    positions = floats(surface.points),
-    triangles = core.base64(surface.triangles:tostring("<u4", -1)),
-    colours = colours(),
-    fields = json.list {{name = "weakness (largest principal stress)", unit = "MPa",
-      values = floats(worst.mesh:to_nodes(worst.weakness, "max"):gather(nodes) * 1e-6)}},
-    displacements = json.list {},
-    view = {1, -1.4, 0.8},
-  }
+  local data = report.data(surface)
+  data.fields[1] = {name = "weakness (largest principal stress)", unit = "MPa",
+    values = floats(worst.mesh:to_nodes(worst.weakness, "max"):gather(nodes) * 1e-6)}
   local fine, message
   fine, message, details = add_loads(worst, nodes, data, shown)
   if not fine then return nil, message, details end
@@ -141,37 +151,48 @@ local function data_of(worst, wish, shown)
   return data
 end
 
--- The picture as a data URI, for a page whose bundle was not built.
-local function picture(worst, path)
+-- The picture that `draw(path)` makes, as a data URI, for a page whose bundle was not built.
+local function picture(draw, path)
   local name = path .. ".png"
-  if not worst:picture(name) then return "" end
+  if not draw(name) then return "" end
   local bytes = read(name)
   os.remove(name)
-  return bytes and ('<img alt="weakness map" src="data:image/png;base64,%s">'):format(
-    core.base64(bytes)) or ""
+  return bytes and ('<img alt="picture" src="data:image/png;base64,%s">'):format(core.base64(bytes))
+    or ""
+end
+
+--- Writes a page: {title, answer, manifest, body (HTML), data, picture = function(path)}.
+function report.page(path, page)
+  local text = template()
+  if not text then return nil, "the report's template was not found", {status = "io"} end
+  local view = viewer()
+  local parts = {
+    title = report.escape(page.title),
+    answer = report.escape(page.answer),
+    manifest = report.escape(json.encode(page.manifest, "  ")),
+    body = page.body,
+    data = (json.encode(page.data):gsub("</", "<\\/")),
+    viewer = view and (view:gsub("</", "<\\/")) or "",
+    picture = view and "" or picture(page.picture, path),
+  }
+  text = text:gsub("{{(%l+)}}", function(key) return parts[key] end)
+  return core.write_file(path, text)
 end
 
 --- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
 function report.write(worst, path, given)
   local wish = options.read("report", given, rules, 3)
-  local page = template()
-  if not page then return nil, "the report's template was not found", {status = "io"} end
   local shown = chosen_regions(worst, wish.loads)
   local data, message, details = data_of(worst, wish, shown)
   if not data then return nil, message, details end
-  local view = viewer()
-  local parts = {
-    title = escape(wish.title or "Worst-case analysis"),
-    answer = escape(tostring(worst)),
-    manifest = escape(json.encode(wish.manifest or {version = core.version,
-      options = worst.options}, "  ")),
+  return report.page(path, {
+    title = wish.title or "Worst-case analysis",
+    answer = tostring(worst),
+    manifest = wish.manifest or {version = core.version, options = worst.options},
     body = table_of_regions(worst, shown),
-    data = (json.encode(data):gsub("</", "<\\/")),
-    viewer = view and (view:gsub("</", "<\\/")) or "",
-    picture = view and "" or picture(worst, path),
-  }
-  page = page:gsub("{{(%l+)}}", function(key) return parts[key] end)
-  return core.write_file(path, page)
+    data = data,
+    picture = function(name) return worst:picture(name) end,
+  })
 end
 
 return report

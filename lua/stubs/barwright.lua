@@ -1697,6 +1697,15 @@ function Session:write(path, options) end
 ---@return table? details
 function Session:picture(path, options) end
 
+---One HTML file with a 3D view of the shape under its loads and as it was drawn, what the bones were
+---changed by, and the edits.
+---@param path string
+---@param options? {title: string, manifest: table}
+---@return true?
+---@return string? message
+---@return table? details
+function Session:report(path, options) end
+
 ---The edits in force as a script that replays them.
 ---@param path string
 ---@return true?

@@ -1,7 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Makes the report that tests/pages/run.mjs opens: FOLDER/report.html.
+-- Makes the reports that tests/pages/run.mjs opens: FOLDER/report.html, FOLDER/session.html.
 local bw = require "barwright"
 local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {20, 4, 2}}
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 local worst = assert(bw.worst_case(part, {force = 5, modes = 4, regions = 2}))
 assert(worst:report(arg[1] .. "/report.html"))
+
+-- One bone, half as thick again: the first corner, at (0, 0, 0), goes to (0, -0.005, -0.0025).
+local bone = bw.skeleton.create {joints = {a = {0, 0.01, 0.005}, b = {0.1, 0.01, 0.005}},
+  bones = {{"a", "b", name = "beam"}}, root = "a"}
+part:fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
+local session = assert(bw.edit(part, {skeleton = bone}))
+assert(session:bone("beam"):scale(1.5))
+assert(session:report(arg[1] .. "/session.html"))

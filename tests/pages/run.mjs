@@ -140,6 +140,22 @@ await test("a row of the table shows its load with arrows", async () => {
   assert(now.arrows >= 2, `${now.arrows} arrows: a balanced load needs two or more`);
 });
 
+await test("the report of a session shows the shape as it was drawn, in its true size", async () => {
+  await page.goto(`file://${folder}/session.html`);
+  await page.waitForFunction(() => window.barwright);
+  const drawn = await page.$$eval("#motion option", (all) => all.findIndex((o) => /as it was drawn/.test(o.textContent)));
+  assert(drawn >= 0, "it is not listed");
+  await page.selectOption("#motion", String(drawn));
+  await slide("scale", 0);
+  const edited = await state();
+  await slide("scale", 1);
+  const before = await state();
+  const moved = distance(edited.first, before.first);
+  assert(Math.abs(moved - Math.hypot(0.005, 0.0025)) < 1e-6, `the first corner moved by ${moved}`);
+  assert(/scale\{1\.5, 1\.5, 1\.5\}/.test(await page.textContent("body")), "the edit is not listed");
+  assert(problems.length === 0, problems.join("; "));
+});
+
 await browser.close();
 fs.rmSync(folder, { recursive: true });
 process.exit(failures ? 1 : 0);

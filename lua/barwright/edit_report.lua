@@ -1,0 +1,88 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The report of an edit session: the shape as it is, with the stress under its loads, beside the shape
+-- as it was drawn; what the bones were changed by; the edits.
+local core = require "barwright.core"
+local json = require "barwright.json"
+local options = require "barwright.options"
+local report = require "barwright.report"
+
+local edit_report = {}
+
+local rules = {title = {type = "string"}, manifest = {type = "table"}}
+
+-- Where boundary nodes of a state's mesh were at first.
+local function as_drawn(session, state, nodes)
+  local from = state.topology.node_from
+  return session.rest.nodes:gather(from and from:gather(nodes) or nodes)
+end
+
+local function data_of(session, state, result)
+  local mesh = state.shape.mesh
+  local surface, nodes, details = mesh:surface()
+  if not surface then return nil, nodes, details end
+  local data = report.data(surface)
+  local labels = core.array.map("a + 0", {a = session.domains.node_domain})
+  data.fields[1] = {name = "von Mises stress", unit = "MPa",
+    values = report.floats(result.von_mises:gather(nodes) * 1e-6)}
+  data.fields[2] = {name = "domain", unit = "", values = report.floats(labels:gather(nodes))}
+  data.displacements[1] = {name = "under its loads", kind = "load",
+    values = report.floats(result.displacement:gather(nodes)), field = 0, arrows = json.list {}}
+  data.displacements[2] = {name = "as it was drawn", kind = "shape",
+    values = report.floats(as_drawn(session, state, nodes) - mesh.nodes:gather(nodes)),
+    field = json.null, arrows = json.list {}}
+  return data
+end
+
+local function row(cells)
+  for i, cell in ipairs(cells) do cells[i] = "<td>" .. report.escape(cell) .. "</td>" end
+  return "<tr>" .. table.concat(cells) .. "</tr>"
+end
+
+local function section(title, heads, rows)
+  return ("<h2>%s</h2>\n<div class=\"scroll\"><table><thead><tr><th>%s</th></tr></thead><tbody>\n%s\n"
+    .. "</tbody></table></div>"):format(title, table.concat(heads, "</th><th>"), table.concat(rows, "\n"))
+end
+
+-- Bones that are not at rest.
+local function table_of_bones(session)
+  local rows = {}
+  for _, name in ipairs(session.skeleton.bone_names) do
+    local bone = session:bone(name)
+    local text = tostring(bone)
+    if not text:find("at rest", 1, true) then
+      rows[#rows + 1] = row {name, (text:gsub("^.- mm, ", ""))}
+    end
+  end
+  return section("Bones", {"bone", "change since it was drawn"}, rows)
+end
+
+local function table_of_edits(session)
+  local rows = {}
+  for i, edit in ipairs(session.edits) do rows[i] = row {tostring(i), edit.script, edit.mesh} end
+  return section("Edits", {"", "edit", "mesh"}, rows)
+end
+
+local function answer(session, result)
+  local highest, node = result.von_mises:max(), result.von_mises:argmax()
+  local nodes = result.mesh.nodes
+  return ("%.4g MPa von Mises at (%.4g, %.4g, %.4g) mm, estimated error %.2g %%; %d edit%s"):format(
+    highest / 1e6, nodes(node, 1) * 1e3, nodes(node, 2) * 1e3, nodes(node, 3) * 1e3,
+    100 * result:error_estimate(), #session.edits, #session.edits == 1 and "" or "s")
+end
+
+--- Writes the report to a path. Options: title, manifest.
+function edit_report.write(session, state, result, path, given)
+  local wish = options.read("report", given, rules, 3)
+  local data, message, details = data_of(session, state, result)
+  if not data then return nil, message, details end
+  return report.page(path, {
+    title = wish.title or "Edit session",
+    answer = answer(session, result),
+    manifest = wish.manifest or {version = core.version},
+    body = table_of_bones(session) .. "\n" .. table_of_edits(session),
+    data = data,
+    picture = function(name) return result:picture(name) end,
+  })
+end
+
+return edit_report
