@@ -162,11 +162,16 @@ describe("domains", function()
         if label[e] == 3 and other > 0 and label[other] == 1 then chosen = e end
       end
     end
-    local fine = session:assign({chosen}, "upper")
-    if fine then
-      assert.equal(before - 1, session.domains[3].elements)
-      assert(session:undo())
-    end
+    assert(session:assign({chosen}, "upper"))
+    assert.equal(before - 1, session.domains[3].elements)
+    assert(session:bone("upper"):scale(1.1))
+    compare(session, assert(session:solve()))
+    assert(session:assign({chosen}))
+    assert.equal(before, session.domains[3].elements)
+    compare(session, assert(session:solve()))
+    assert(session:undo())
+    assert.equal(before - 1, session.domains[3].elements)
+    for _ = 1, 2 do assert(session:undo()) end
     assert.equal(before, session.domains[3].elements)
     check.raises("bone 'nobody'", session.assign, session, {chosen}, "nobody")
   end)
@@ -490,6 +495,83 @@ describe("a solve", function()
   end)
 end)
 
+-- ---- any part, any edits -----------------------------------------------------------------------------
+
+describe("a session", function()
+  local function check_edits(part, wish, solve)
+    local session = assert(bw.edit(part, wish))
+    local function compare_with_fresh()
+      local now, fresh = assert(session:solve(solve)), assert(session.part:solve(solve and
+        {inertia_relief = solve.inertia_relief}))
+      local difference = (fresh.displacement - now.displacement):norm() / fresh.displacement:norm()
+      assert.truthy(difference < 1e-8, ("differs by %g"):format(difference))
+    end
+    compare_with_fresh()
+    assert(session:bone("lower"):scale {1.1, 1.3, 1.2}:rotate {x = 10, z = 35})
+    compare_with_fresh()
+    assert(session:bone("upper"):rotate {x = 30, y = 20, z = 10})
+    compare_with_fresh()
+    return session
+  end
+
+  it("is as good on linear elements, orthotropic material, free bodies", function()
+    local wish = function() return {skeleton = beam_skeleton()} end
+    check_edits(beam_part(1), wish())
+    local mesh = check.beam({16, 2, 2}, 2)
+    local layered = bw.material.orthotropic {young = {2e9, 3e9, 1.5e9}, poisson = {0.3, 0.25, 0.28},
+      shear = {0.8e9, 0.7e9, 0.9e9}, density = 1200}
+    local part = bw.model {mesh = mesh, material = layered}
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {3, 1, -10}}
+    check_edits(part, wish())
+    local free = bw.model {mesh = mesh, material = bw.material.pla}
+    free:load {on = mesh.boundary:above(1, 1), force = {0, 0, -10}}
+    check.fails("free", "6 rigid motions are free", assert(bw.edit(free, wish())):solve())
+    check_edits(free, wish(), {inertia_relief = true})
+    local sliding = bw.model {mesh = mesh, material = bw.material.pla}
+    sliding:slide(mesh.boundary:below(1, 0)):fix(mesh.boundary:nearest({0, 0, 0}))
+    sliding:slide(mesh.boundary:below(2, 0), {0, 1, 0}):gravity {0, 0, -9.81}
+    check_edits(sliding, wish())
+  end)
+
+  it("comes through random edits, undos and redos with the equations of a new part", function()
+    local runs = os.getenv "BARWRIGHT_FULL" and 40 or 3
+    local seed = 12345
+    local function random(low, high)
+      seed = (seed * 1103515245 + 12345) % 2147483648
+      return low + (high - low) * (seed // 65536 / 32768)
+    end
+    local refused = 0
+    for _ = 1, runs do
+      local session = body()
+      local names = session.skeleton.bone_names
+      for _ = 1, 6 do
+        local bone = session:bone(names[math.floor(random(1, #names + 1))])
+        local kind = math.floor(random(0, 6))
+        local fine, _, details
+        if kind == 0 then
+          fine, _, details = session:undo()
+        elseif kind == 1 then
+          fine, _, details = session:redo()
+        elseif kind == 2 then
+          fine, _, details = bone:translate {random(-1, 1) * mm, random(-1, 1) * mm, random(-1, 1) * mm}
+        elseif kind == 3 then
+          fine, _, details = bone:scale {random(0.8, 1.3), random(0.8, 1.3), random(0.8, 1.3)}
+        else
+          fine, _, details = bone:rotate {axis = {random(-1, 1), random(-1, 1), 1.1},
+            degrees = random(-50, 50)}
+        end
+        if not fine then
+          refused = refused + 1
+          assert.truthy(details.status == "geometry" or details.status == "empty")
+        end
+        local result = assert(session:solve {check = true})
+        compare(session, result)
+      end
+    end
+    assert.truthy(refused < 5 * runs)
+  end)
+end)
+
 -- ---- forks -----------------------------------------------------------------------------------------
 
 describe("a fork", function()
@@ -564,6 +646,36 @@ describe("a script of edits", function()
       check.read(folder .. "/cut.lua"))
     body({journal = path}):close()
     assert.equal(text, check.read(path .. "~"))
+  end)
+
+  it("replays after the program was killed in the middle of its edits", function()
+    local folder = check.folder()
+    check.write(folder .. "/part.lua", [[
+local bw = require "barwright"
+local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {12, 2, 2}, order = 2}
+local part = bw.model {mesh = mesh, material = bw.material.steel}
+return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.05, 0.05}, {1, 0.05, 0.05}},
+  bones = {{1, 2, name = "upper"}, {2, 3, name = "lower"}}, root = 1}}
+]])
+    check.write(folder .. "/work.lua", ([[
+local bw = require "barwright"
+local folder = %q
+local part, wish = dofile(folder .. "/part.lua")
+wish.script, wish.journal = "part.lua", folder .. "/journal.lua"
+local session = assert(bw.edit(part, wish))
+for i = 1, 1e9 do
+  assert(session:bone(i %% 2 == 0 and "upper" or "lower"):rotate {axis = {1, i %% 7, 2}, degrees = 1 / i})
+  if i %% 5 == 0 then assert(session:undo()) end
+end
+]]):format(folder))
+    for _, seconds in ipairs {0.5, 0.9} do
+      os.execute(("sh -c '\"%s\" %s/work.lua >/dev/null 2>&1 & pid=$!; sleep %g; kill -9 $pid'"):format(
+        check.program, folder, seconds))
+      local path = folder .. "/journal.lua"
+      local lines = select(2, check.read(path):gsub("\n", "\n"))
+      local session = assert(bw.edit.load(path))
+      assert.truthy(#session.edits > 0 and #session.edits < lines)
+    end
   end)
 
   it("runs by itself when it knows the script of its part", function()
