@@ -30,6 +30,70 @@ static int64_t rows_at_once(int width) {
 /* L: panel entries from a given row and column on, leading dimension ld. x: one row of W numbers
  * per column. y: one per row. W is a constant wherever these are expanded. */
 
+/* One right-hand side is as fast as memory lets L through. Columns of a panel are short streams,
+ * too short for the hardware to run ahead in, so the next four are asked for by hand while four are
+ * at work; past the end of a panel that is the beginning of the next one. */
+enum { LINE = 8 }; /* numbers in a cache line */
+static inline void ask_for(const double *l, int64_t ld) {
+  for (int c = 0; c < 4; c++)
+    __builtin_prefetch(l + (4 + c) * ld);
+}
+
+/* y -= L x for one right-hand side, four columns */
+static inline void forward_four(const double *l, int64_t ld, int64_t rows, const double *x,
+                                double *restrict y) {
+  const double *l0 = l, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
+  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+  int64_t r = 0;
+  for (; r + LINE <= rows; r += LINE) {
+    ask_for(l + r, ld);
+    for (int k = 0; k < LINE; k++) {
+      double sum = multiply_add(-l0[r + k], x0, y[r + k]);
+      sum = multiply_add(-l1[r + k], x1, sum);
+      sum = multiply_add(-l2[r + k], x2, sum);
+      y[r + k] = multiply_add(-l3[r + k], x3, sum);
+    }
+  }
+  for (; r < rows; r++) {
+    double sum = multiply_add(-l0[r], x0, y[r]);
+    sum = multiply_add(-l1[r], x1, sum);
+    sum = multiply_add(-l2[r], x2, sum);
+    y[r] = multiply_add(-l3[r], x3, sum);
+  }
+}
+
+static inline double sum_of(const double *lane) {
+  return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+}
+
+/* x -= L^T y for one right-hand side, four columns. Eight sums side by side for each: one sum would
+ * wait for itself at every step. */
+static inline void backward_four(const double *l, int64_t ld, int64_t rows, double *x,
+                                 const double *y) {
+  const double *l0 = l, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
+  double s0[LINE] = {0}, s1[LINE] = {0}, s2[LINE] = {0}, s3[LINE] = {0};
+  int64_t r = 0;
+  for (; r + LINE <= rows; r += LINE) {
+    ask_for(l + r, ld);
+    for (int k = 0; k < LINE; k++) {
+      s0[k] = multiply_add(l0[r + k], y[r + k], s0[k]);
+      s1[k] = multiply_add(l1[r + k], y[r + k], s1[k]);
+      s2[k] = multiply_add(l2[r + k], y[r + k], s2[k]);
+      s3[k] = multiply_add(l3[r + k], y[r + k], s3[k]);
+    }
+  }
+  for (; r < rows; r++) {
+    s0[0] = multiply_add(l0[r], y[r], s0[0]);
+    s1[0] = multiply_add(l1[r], y[r], s1[0]);
+    s2[0] = multiply_add(l2[r], y[r], s2[0]);
+    s3[0] = multiply_add(l3[r], y[r], s3[0]);
+  }
+  x[0] -= sum_of(s0);
+  x[1] -= sum_of(s1);
+  x[2] -= sum_of(s2);
+  x[3] -= sum_of(s3);
+}
+
 /* y -= L x */
 ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int64_t rows,
                                   int64_t columns, const double *x, double *y) {
@@ -38,6 +102,10 @@ ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int6
     int64_t end = rows - begin < block ? rows : begin + block;
     int64_t c = 0;
     for (; c + 4 <= columns; c += 4) {
+      if (W == 1) {
+        forward_four(l + c * ld + begin, ld, end - begin, x + c, y + begin);
+        continue;
+      }
       const double *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld, *xc = x + c * W;
       double *restrict to = y;
       for (int64_t r = begin; r < end; r++)
@@ -66,7 +134,11 @@ ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int
   for (int64_t begin = 0; begin < rows; begin += block) {
     int64_t end = rows - begin < block ? rows : begin + block;
     int64_t c = 0;
-    for (; W > 1 && c + 4 <= columns; c += 4) {
+    for (; c + 4 <= columns; c += 4) {
+      if (W == 1) {
+        backward_four(l + c * ld + begin, ld, end - begin, x + c, y + begin);
+        continue;
+      }
       const double *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
       double sum[4 * BWI_MAX_WIDTH] = {0};
       for (int64_t r = begin; r < end; r++)
@@ -82,24 +154,12 @@ ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int
     }
     for (; c < columns; c++) {
       const double *l0 = l + c * ld;
-      if (W == 1) {
-        /* eight sums side by side: one sum would wait for itself at every step */
-        double sum[8] = {0};
-        int64_t r = begin;
-        for (; r + 8 <= end; r += 8)
-          for (int k = 0; k < 8; k++)
-            sum[k] = multiply_add(l0[r + k], y[r + k], sum[k]);
-        for (; r < end; r++)
-          sum[0] = multiply_add(l0[r], y[r], sum[0]);
-        x[c] -= ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
-      } else {
-        double sum[BWI_MAX_WIDTH] = {0};
-        for (int64_t r = begin; r < end; r++)
-          for (int w = 0; w < W; w++)
-            sum[w] = multiply_add(l0[r], y[r * W + w], sum[w]);
+      double sum[BWI_MAX_WIDTH] = {0};
+      for (int64_t r = begin; r < end; r++)
         for (int w = 0; w < W; w++)
-          x[c * W + w] -= sum[w];
-      }
+          sum[w] = multiply_add(l0[r], y[r * W + w], sum[w]);
+      for (int w = 0; w < W; w++)
+        x[c * W + w] -= sum[w];
     }
   }
 }
