@@ -48,14 +48,17 @@ typedef struct bw_skeleton_options {
   double minutes; /* of the contraction, in a child process; default 5 */
 } bw_skeleton_options;
 void bw_skeleton_options_default(bw_skeleton_options *options);
-/* CGAL's mean-curvature skeleton of a closed surface, pruned and simplified into joints and bones.
- * A cycle (a ring) is cut open at its place farthest from the root, with a remark. A surface of
- * several shells is BW_GEOMETRY. */
+/* CGAL's mean-curvature skeleton of a closed surface, pruned and simplified into joints and bones,
+ * numbered from the root (the middle joint) outwards, long limbs first. All joints lie inside;
+ * those at the ends of limbs half a radius below the surface. A cycle (a ring) is cut open at its
+ * place farthest from the root, with a remark. An open or badly connected surface is repaired
+ * first, with a remark; one of several shells is BW_GEOMETRY. */
 bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
                               const bw_skeleton_options *options, bw_skeleton **skeleton);
 
 /* Trivial graph format: "number x y z [name]" per joint, "#", "from to [name]" per bone. Lengths
- * are multiplied by `unit` (m per unit of the file) on reading, divided on writing. */
+ * are multiplied by `unit` (m per unit of the file) on reading, divided on writing. Bones are
+ * written pointing away from the root, which tells it when they are read again. */
 bw_status bw_skeleton_read_tgf(bw_context *context, const char *path, double unit,
                                bw_skeleton **skeleton);
 bw_status bw_skeleton_write_tgf(bw_context *context, const bw_skeleton *skeleton, const char *path,
@@ -68,7 +71,8 @@ bw_status bw_skeleton_insert_joint(bw_context *context, const bw_skeleton *skele
                                    double fraction, const char *name, bw_skeleton **out);
 bw_status bw_skeleton_move_joint(bw_context *context, const bw_skeleton *skeleton, int32_t joint,
                                  const double at[3], bw_skeleton **out);
-/* Two bones that meet at a joint of no other bone become one, with the name of the first. */
+/* Two bones that meet at a joint of no other bone become one, with the name of the first. Where
+ * that joint was the root, the other end of the first is. */
 bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skeleton, int32_t a,
                                   int32_t b, bw_skeleton **out);
 /* Leave out a bone and all below it. */
