@@ -5,7 +5,7 @@
 #ifndef BWI_SHAPE_CURVE_H
 #define BWI_SHAPE_CURVE_H
 
-#include "barwright/base.h"
+#include "barwright/mesh.h"
 
 /* Points are x y z and the local radius, the mean distance to the surface points that were drawn
  * into them (-1 in a graph where there are none). */
@@ -60,6 +60,12 @@ double bwi_curve_length(const bwi_curve *curve);
 bw_status bwi_curve_bones(bw_context *context, const bwi_curve *curve, double bend, int32_t wanted,
                           bwi_sketch *sketch);
 void bwi_sketch_clear(bwi_sketch *sketch);
+
+/* Tips go on to half a radius below the surface; joints that lie outside it are taken in.
+ * (curve_settle.c) */
+bw_status bwi_sketch_settle(bw_context *context, const bw_surface *surface, bwi_sketch *sketch);
+/* For a body that contracts to a point: one bone along its longest direction. */
+bw_status bwi_sketch_one_bone(bw_context *context, const bw_surface *surface, bwi_sketch *sketch);
 
 static inline double bwi_gap(const double *a, const double *b) {
   double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

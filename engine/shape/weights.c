@@ -15,36 +15,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "mesh/surface_tree.h"
-#include "shape/internal.h"
+#include "shape/weights.h"
 #include "solve/sparse.h"
 
-static const double tie = 1e-4;       /* bones as near as this, relatively, share a point */
-static const double inset = 1e-3;     /* of an edge: where a point looks from */
-static const double least_gap = 1e-6; /* of the box: a bone on the surface is this far away */
-enum { POINTS_PER_CHUNK = 256 };
-
-typedef struct skinning {
-  bw_context *context;
-  const bw_mesh *mesh;
-  const bw_skeleton *skeleton;
-  double heat, size;       /* size: the diagonal of mesh and skeleton */
-  int32_t corners, points; /* corner nodes; those of them on the surface come first */
-  int32_t *number;         /* node_count: among the corners, -1 for middle nodes */
-  int32_t *node;           /* corners: the node */
-  int32_t *triangle;       /* facet_count x 3, of points */
-  double *at;              /* points x 3 */
-  double *normal;   /* points x 3: sum of the normals of the facets around, twice the areas long */
-  double *area;     /* points: a third of the facets around */
-  double *edge;     /* points: shortest edge */
-  double *source;   /* points: M H */
-  int32_t *near;    /* points: number of nearest bones */
-  uint8_t *is_near; /* points x bones */
-  double *gap;      /* threads x bones */
-  bwi_tree *tree;
-} skinning;
-
-static void skinning_clear(skinning *s) {
+static void skinning_clear(bwi_skinning *s) {
   bw_free(s->number);
   bw_free(s->node);
   bw_free(s->triangle);
@@ -62,7 +36,7 @@ static void skinning_clear(skinning *s) {
 /* ---- the surface ----------------------------------------------------------------------------- */
 
 /* Corners: those on the surface first, each in the order of the nodes. */
-static bw_status number_corners(skinning *s) {
+static bw_status number_corners(bwi_skinning *s) {
   const bw_mesh *mesh = s->mesh;
   s->number = BW_NEW(s->context, int32_t, mesh->node_count);
   s->node = BW_NEW(s->context, int32_t, mesh->node_count);
@@ -95,7 +69,7 @@ static bw_status number_corners(skinning *s) {
   return BW_OK;
 }
 
-static bw_status measure_surface(skinning *s) {
+static bw_status measure_surface(bwi_skinning *s) {
   size_t points = (size_t)s->points;
   s->at = BW_NEW(s->context, double, 3 * points);
   s->normal = BW_NEW0(s->context, double, 3 * points);
@@ -131,106 +105,6 @@ static bw_status measure_surface(skinning *s) {
   return bwi_tree_create(s->context, s->at, s->mesh->facet_count, s->triangle, NULL, &s->tree);
 }
 
-/* ---- which bones a point sees ---------------------------------------------------------------- */
-
-typedef struct look {
-  const skinning *s;
-  double from[3], way[3];
-  bool blocked;
-} look;
-
-static bool blocks(void *data, int32_t facet) {
-  look *l = data;
-  const int32_t *corner = l->s->triangle + 3 * (size_t)facet;
-  const double *a = l->s->at + 3 * (size_t)corner[0];
-  double e1[3], e2[3], from[3], p[3], q[3];
-  for (size_t k = 0; k < 3; k++) {
-    e1[k] = l->s->at[3 * (size_t)corner[1] + k] - a[k];
-    e2[k] = l->s->at[3 * (size_t)corner[2] + k] - a[k];
-    from[k] = l->from[k] - a[k];
-  }
-  bw_cross(l->way, e2, p);
-  double det = bw_dot(e1, p);
-  if (det == 0)
-    return true;
-  double u = bw_dot(from, p) / det;
-  bw_cross(from, e1, q);
-  double v = bw_dot(l->way, q) / det, t = bw_dot(e2, q) / det;
-  l->blocked = u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < 1;
-  return !l->blocked;
-}
-
-/* The point of a bone that is nearest to x; returns the distance. */
-static double nearest_on_bone(const bw_skeleton *s, int32_t bone, const double *x, double *place) {
-  const double *head = s->joint + 3 * (size_t)s->bone[2 * (size_t)bone];
-  const double *tail = s->joint + 3 * (size_t)s->bone[2 * (size_t)bone + 1];
-  double along[3], from[3], d[3];
-  for (int k = 0; k < 3; k++) {
-    along[k] = tail[k] - head[k];
-    from[k] = x[k] - head[k];
-  }
-  double t = fmin(fmax(bw_dot(from, along) / bw_dot(along, along), 0), 1);
-  for (int k = 0; k < 3; k++) {
-    place[k] = head[k] + t * along[k];
-    d[k] = x[k] - place[k];
-  }
-  return bw_norm(d);
-}
-
-/* A point looks from just below the surface, so that its own facets hide what lies outwards. */
-static bool sees(const skinning *s, int32_t point, int32_t bone) {
-  look l = {.s = s};
-  double to[3];
-  const double *x = s->at + 3 * (size_t)point, *n = s->normal + 3 * (size_t)point;
-  nearest_on_bone(s->skeleton, bone, x, to);
-  double size = bw_norm(n), below = size > 0 ? inset * s->edge[point] / size : 0;
-  for (int k = 0; k < 3; k++) {
-    l.from[k] = x[k] - below * n[k];
-    l.way[k] = to[k] - l.from[k];
-  }
-  bwi_tree_on_segment(s->tree, l.from, to, blocks, &l);
-  return !l.blocked;
-}
-
-static bw_status find_sources(void *data, int64_t begin, int64_t end, int worker) {
-  skinning *s = data;
-  int32_t bones = s->skeleton->bone_count;
-  double *gap = s->gap + (size_t)worker * (size_t)bones, place[3];
-  for (int64_t i = begin; i < end; i++) {
-    uint8_t *is_near = s->is_near + (size_t)i * (size_t)bones;
-    const double *x = s->at + 3 * (size_t)i;
-    int32_t nearest = 0, first = -1;
-    for (int32_t b = 0; b < bones; b++) {
-      gap[b] = nearest_on_bone(s->skeleton, b, x, place);
-      if (gap[b] < gap[nearest])
-        nearest = b;
-      is_near[b] = 0;
-    }
-    /* the nearest first, until one is seen; 2 marks those that are not */
-    for (int32_t tried = 0; tried < bones && first < 0; tried++) {
-      int32_t next = -1;
-      for (int32_t b = 0; b < bones; b++)
-        if (!is_near[b] && (next < 0 || gap[b] < gap[next]))
-          next = b;
-      if (sees(s, (int32_t)i, next))
-        first = next;
-      else
-        is_near[next] = 2;
-    }
-    bool any = first >= 0;
-    double d = any ? gap[first] : gap[nearest];
-    s->near[i] = 0;
-    for (int32_t b = 0; b < bones; b++) {
-      bool close = gap[b] <= (1 + tie) * d;
-      is_near[b] = close && (!any || (is_near[b] == 0 && (b == first || sees(s, (int32_t)i, b))));
-      s->near[i] += is_near[b];
-    }
-    d = fmax(d, least_gap * s->size);
-    s->source[i] = fmax(s->area[i], 1e-12 * s->size * s->size) * s->heat / (d * d);
-  }
-  return BW_OK;
-}
-
 /* ---- equations ------------------------------------------------------------------------------- */
 
 /* Cotangents of a facet's angles; false for one that is too flat to have any. */
@@ -252,7 +126,7 @@ static bool cotangents(const double *a, const double *b, const double *c, double
   return true;
 }
 
-static bw_status solve_surface(skinning *s, double *weight) {
+static bw_status solve_surface(bwi_skinning *s, double *weight) {
   bw_status status = BW_OK;
   size_t bones = (size_t)s->skeleton->bone_count, points = (size_t)s->points;
   int64_t count = 0;
@@ -312,7 +186,7 @@ static void tetrahedron(const bw_mesh *mesh, int64_t e, double k[4][4]) {
       k[a][b] = bw_dot(n[a], n[b]) / (36 * mesh->volume[e]);
 }
 
-static bw_status solve_inside(skinning *s, double *weight) {
+static bw_status solve_inside(bwi_skinning *s, double *weight) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = s->mesh;
   size_t bones = (size_t)s->skeleton->bone_count, inner = (size_t)(s->corners - s->points);
@@ -357,7 +231,7 @@ done:
 
 /* No negative weight, and rows that sum to one; a row that rounding ruined follows the nearest
  * bone. */
-static void settle_row(const skinning *s, int32_t node, double *row) {
+static void settle_row(const bwi_skinning *s, int32_t node, double *row) {
   int32_t bones = s->skeleton->bone_count, nearest = 0;
   double sum = 0, place[3], least = HUGE_VAL;
   for (int32_t b = 0; b < bones; b++) {
@@ -371,7 +245,7 @@ static void settle_row(const skinning *s, int32_t node, double *row) {
     return;
   }
   for (int32_t b = 0; b < bones; b++) {
-    double gap = nearest_on_bone(s->skeleton, b, s->mesh->node + 3 * (size_t)node, place);
+    double gap = bwi_nearest_on_bone(s->skeleton, b, s->mesh->node + 3 * (size_t)node, place);
     row[b] = 0;
     if (gap < least) {
       least = gap;
@@ -381,7 +255,7 @@ static void settle_row(const skinning *s, int32_t node, double *row) {
   row[nearest] = 1;
 }
 
-static void fill_middles(const skinning *s, double *weight) {
+static void fill_middles(const bwi_skinning *s, double *weight) {
   const bw_mesh *mesh = s->mesh;
   size_t bones = (size_t)s->skeleton->bone_count;
   if (mesh->order == 1)
@@ -398,7 +272,7 @@ static void fill_middles(const skinning *s, double *weight) {
   }
 }
 
-static bw_status check_rows(const skinning *s, const double *weight) {
+static bw_status check_rows(const bwi_skinning *s, const double *weight) {
   size_t bones = (size_t)s->skeleton->bone_count;
   for (int32_t i = 0; i < s->mesh->node_count; i++) {
     double sum = 0, least = 0;
@@ -432,7 +306,7 @@ static double whole_size(const bw_mesh *mesh, const bw_skeleton *skeleton) {
 bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
                               const bw_weights_options *options, double *weight) {
   bw_status status = BW_OK;
-  skinning s = {.context = context, .mesh = mesh, .skeleton = skeleton};
+  bwi_skinning s = {.context = context, .mesh = mesh, .skeleton = skeleton};
   s.heat = options && options->heat != 0 ? options->heat : 20;
   if (!(s.heat > 0 && s.heat < 1e12))
     return bw_fail(context, BW_INVALID, "heat %g of skinning weights: a positive number is needed",
@@ -450,7 +324,7 @@ bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh, const bw
     goto done;
   }
   bw_progress(context, "skinning weights", 0);
-  BW_TRY(bw_parallel(context, s.points, POINTS_PER_CHUNK, find_sources, &s));
+  BW_TRY(bwi_find_sources(&s));
   BW_TRY(bw_check_cancel(context));
   bw_progress(context, "skinning weights", 0.3);
   BW_TRY(solve_surface(&s, weight));
