@@ -31,7 +31,7 @@ describe("the tutorial", function()
     for block in text:gmatch "```lua\n(.-)```" do parts[#parts + 1] = block end
     assert.is_true(#parts >= 3)
     local script = table.concat(parts, "\n"):gsub("elements = %d+", "elements = " .. small)
-      :gsub('"(part%.[a-z]+)"', '"' .. folder .. '/%1"')
+      :gsub('"(%l+%.%l+)"', '"' .. folder .. '/%1"')
     check.write(folder .. "/tutorial.lua", script)
     local code, _, complaint = check.run(folder .. "/tutorial.lua")
     assert.message(complaint).are.equal(0, code)
