@@ -740,6 +740,23 @@ describe("a session", function()
     assert.equal(blocks, after)
   end)
 
+  it("keeps poses of its states, not meshes", function()
+    local session, bytes = beam(), nil
+    for i = 1, 120 do
+      assert(session:bone("lower"):rotate {z = i % 2 == 0 and 1 or -1})
+      if i == 20 then
+        collectgarbage()
+        collectgarbage()
+        bytes = core.external()
+      end
+    end
+    collectgarbage()
+    collectgarbage()
+    assert.equal(bytes, (core.external()))
+    for _ = 1, 120 do assert(session:undo()) end
+    assert.is_true(same_nodes(session.rest, session.mesh))
+  end)
+
   it("is as it was when memory runs out in an edit or a solve", function()
     local session = beam()
     assert(session:bone("lower"):rotate {z = 5})
