@@ -266,12 +266,17 @@ end
 
 --- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
 --- method = "auto" | "refactor" | "iterate" | "scratch", tolerance, check, inertia_relief,
---- balance_tolerance.
+--- balance_tolerance; part = another load case, a model of the mesh as it was given.
 function class:solve(given)
-  local state = current(self)
-  local result, message, details = edit_follow.solve(self, state, given)
+  local state, wish, part = current(self), nil, nil
+  if type(given) == "table" and given.part ~= nil then
+    part, wish = given.part, {}
+    options.object("solve", "part", part, "model", 2)
+    for key, value in pairs(given) do wish[key] = key ~= "part" and value or nil end
+  end
+  local result, message, details = edit_follow.solve(self, state, wish or given, part)
   if not result then return nil, message, details end
-  self.last = {state = state, result = result}
+  if not part then self.last = {state = state, result = result} end
   return result
 end
 

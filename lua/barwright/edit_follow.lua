@@ -33,10 +33,10 @@ local function follow(record, state, model)
 end
 
 --- Brings the session's equations to a state: {system, model, reuse = nil when they are new}. A fork
---- has those of the session it was forked from.
-function edit_follow.bring(session, state)
+--- has those of the session it was forked from. `part`: another one's supports and loads.
+function edit_follow.bring(session, state, part)
   local owner = rawget(session, "root") or session
-  local model, message, details = edit_follow.model(state, session.source)
+  local model, message, details = edit_follow.model(state, part or session.source)
   if not model then return nil, message, details end
   local record = owner.following
   if record and record.topology == state.topology then return follow(record, state, model) end
@@ -75,8 +75,8 @@ local function complete_new(reuse, domains)
 end
 
 --- The static solution of a state.
-function edit_follow.solve(session, state, given)
-  local record, message, details = edit_follow.bring(session, state)
+function edit_follow.solve(session, state, given, part)
+  local record, message, details = edit_follow.bring(session, state, part)
   if not record then return nil, message, details end
   local before = record.reuse
   local result, reuse

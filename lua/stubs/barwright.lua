@@ -1647,7 +1647,8 @@ function Session:adopt(fork) end
 function Session:commit(change) end
 
 ---The static solution of the part as it is now; `reused` of it tells what the edit left standing.
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, check: boolean, inertia_relief: boolean, balance_tolerance: number}
+---`part`: another load case, a model of the mesh as it was given (other supports need another factor).
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, check: boolean, inertia_relief: boolean, balance_tolerance: number, part: bw.Model}
 ---@return bw.Static?
 ---@return string? message
 ---@return table? details

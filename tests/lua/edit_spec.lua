@@ -475,7 +475,14 @@ describe("a solve", function()
     compare(session, assert(session:solve()))
     local other = bw.model {mesh = part.mesh, material = part.material}
     other:load {on = part.mesh.boundary:above(1, 1), force = {0, 1, 0}}
+    other:fix(part.mesh.boundary:below(1, 0))
     assert.equal(session.mesh, assert(session:moved(other)).mesh)
+    local sideways = assert(session:solve {part = other, method = "refactor"})
+    local fresh = assert(assert(session:moved(other)):solve())
+    assert.truthy((fresh.displacement - sideways.displacement):norm() < 1e-8 * fresh.displacement:norm())
+    assert.equal(1, sideways.reused.factor_kept)
+    compare(session, assert(session:solve()))
+    check.raises("a model expected, got mesh", session.solve, session, {part = part.mesh})
   end)
 
   it("writes fields and pictures of the shape as it is", function()
