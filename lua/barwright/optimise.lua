@@ -3,9 +3,10 @@
 -- thinner across themselves until no node's von Mises stress is above a limit, changing the shape
 -- least. docs/theory/edit.md, "Scaling optimisation", has the mathematics.
 --
--- A problem has unknowns (optimise_unknowns), constrained nodes and steps (optimise_steps), and a
--- stage on which shapes are tried (optimise_stage).
+-- A problem has unknowns (optimise_unknowns), constrained nodes with models of their stresses
+-- (optimise_models), steps (optimise_steps), and a stage on which shapes are tried (optimise_stage).
 local core = require "barwright.core"
+local models = require "barwright.optimise_models"
 local options = require "barwright.options"
 local stages = require "barwright.optimise_stage"
 local steps = require "barwright.optimise_steps"
@@ -52,7 +53,7 @@ local function descend(self, point)
   while true do
     local fine, message, details = unknowns.choose(self, point)
     if not fine then return nil, message, details end
-    local new = steps.constrain_peaks(self, point)
+    local new = models.constrain_peaks(self, point)
     local entry = note(self, point, self.t)
     self.point = point
     local met = point.max <= self.wish.von_mises
@@ -63,11 +64,11 @@ local function descend(self, point)
     if #self.history > self.wish.iterations then return met and "met" or "slow" end
     if #self.groups == 0 then return "infeasible" end
     last = entry.change
-    local rows
-    rows, message, details = steps.linearise(self, point)
-    if not rows then return nil, message, details end
+    local known
+    known, message, details = models.update(self, point)
+    if not known then return nil, message, details end
     local taken
-    taken, message, details = steps.take(self, point, self.t, rows, met and not new)
+    taken, message, details = steps.take(self, point, self.t, known, met and not new)
     if not taken then return nil, message, details end
     if taken.still and met then return "met" end
     if taken.still and not taken.step and self.inverted and not self.stage.relaxing then
@@ -189,9 +190,9 @@ end
 --- is made at the end. Returns a report, or nil, message, details with the best point found.
 function optimise.run(session, given)
   local wish = options.read("optimise", given, rules, 3)
-  local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {},
+  local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
     motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
-    radius = wish.step, price = 0, limit = wish.von_mises * (1 - steps.margin)}
+    radius = wish.step, price = 0, limit = wish.von_mises * (1 - models.margin)}
   local parts = {}
   if wish.loads == "own" then parts[1] = session.source end
   for i, part in ipairs(wish.cases) do

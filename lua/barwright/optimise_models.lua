@@ -1,0 +1,177 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The constrained nodes of the scaling optimisation, and what their stresses are expected to do.
+--
+-- A limit on a stress s is taken as h = (limit / s)^(1/3) >= 1. Between two solutions h is modelled as
+-- a product of powers of the factors, h prod (t_i / t_k,i)^q_i, which is what tension and bending are;
+-- the exponents come from the stress gradient.
+local models = {margin = 1e-6} -- of the limit: aimed at lower by this fraction, and met to within it
+
+local considered = 0.5 -- stresses below this part of the limit are not modelled
+local power = 3
+local keep_exponents = 0.02 -- relative change of the factors up to which exponents are kept
+local peaks_at_once = 4 -- of a load case
+local margin = models.margin
+
+-- ---- the constrained nodes -----------------------------------------------------------------------
+
+local function constrain(self, case, node)
+  local key = case .. ":" .. node
+  if self.constrained[key] then return false end
+  self.constrained[key] = true
+  self.constraints[#self.constraints + 1] = {case = case, node = node}
+  return true
+end
+
+--- Constrains the highest nodes above the limit, one for each domain and case, a few at a time.
+--- Returns whether a new one was among them.
+function models.constrain_peaks(self, point)
+  local node_domain, new = self.stage.topology.domains.node_domain, false
+  for i, case in ipairs(point.cases) do
+    local high = case.von_mises:above(self.limit * (1 + margin)):where()
+    if #high > 0 then
+      local values = case.von_mises:gather(high)
+      local seen, count = {}, 0
+      local rank = values:order()
+      for k = #high, 1, -1 do
+        local node = math.tointeger(high[rank[k]])
+        local domain = node_domain[node]
+        if not seen[domain] then
+          seen[domain], count = true, count + 1
+          new = constrain(self, i, node) or new
+          if count == peaks_at_once then break end
+        end
+      end
+    end
+  end
+  return new
+end
+
+-- h = (limit / stress)^(1 / power) of a constraint at a point; at least 1 where it is met.
+local function height(self, point, constraint)
+  local stress = point.cases[constraint.case].von_mises[constraint.node]
+  return stress > 0 and (self.limit / stress) ^ (1 / power) or math.huge, stress
+end
+
+--- How far the constrained nodes are beyond the limit, in h.
+function models.shortfall(self, point)
+  local worst = 0
+  for _, constraint in ipairs(self.constraints) do
+    worst = math.max(worst, 1 - height(self, point, constraint))
+  end
+  return worst
+end
+
+-- Exponents are kept for small steps.
+local function exponents_hold(self, constraint)
+  local at = constraint.at
+  if not at or #at < #self.t then return false end
+  for i, t in ipairs(self.t) do
+    if math.abs(t / at[i] - 1) > keep_exponents then return false end
+  end
+  return true
+end
+
+-- Those that are kept are turned so that they explain the last change of h (Broyden).
+local function correct(self, constraint, h)
+  local step, size, foretold = {}, 0, math.log(constraint.h)
+  for i, t in ipairs(self.t) do
+    step[i] = math.log(t / (constraint.t[i] or 1))
+    size, foretold = size + step[i] ^ 2, foretold + constraint[i] * step[i]
+  end
+  if size < 1e-12 then return end
+  local off = (math.log(h) - foretold) / size
+  for i = 1, #step do constraint[i] = constraint[i] + off * step[i] end
+end
+
+--- h of a model at other factors.
+function models.foretell(model, to)
+  local h = model.h
+  for i = 1, #to do h = h * (to[i] / model.t[i]) ^ model[i] end
+  return h
+end
+
+--- What a step leaves behind for `learn`: the models that were at their limit, as they were.
+function models.remember(self, list, multipliers)
+  self.memory = {t = self.t}
+  for k, model in ipairs(list) do
+    if multipliers[k] > 0 then
+      local old = table.move(model, 1, #model, 1, {h = model.h, t = model.t, of = model})
+      old.multiplier = multipliers[k]
+      self.memory[#self.memory + 1] = old
+    end
+  end
+end
+
+-- E, the curvature of the Lagrangian that the models do not have, from exponents computed anew at the
+-- end of a step (symmetric rank one).
+local function learn(self)
+  local memory, n = self.memory, #self.t
+  self.memory = nil
+  for i = 1, n do
+    self.E[i] = self.E[i] or {}
+    for j = 1, n do self.E[i][j] = self.E[i][j] or 0 end
+  end
+  if not memory or #memory == 0 or #memory[1] < n then return end
+  local s, r, rs, rr, ss = {}, {}, 0, 0, 0
+  for i = 1, n do s[i], r[i] = self.t[i] - memory.t[i], 0 end
+  for _, old in ipairs(memory) do
+    if not old.of.fresh then return end
+    local h = models.foretell(old, self.t)
+    for i = 1, n do
+      r[i] = r[i] - old.multiplier * (old.of.h * old.of[i] - h * old[i]) / self.t[i]
+    end
+  end
+  for i = 1, n do
+    for j = 1, n do r[i] = r[i] - self.E[i][j] * s[j] end
+    rs, rr, ss = rs + r[i] * s[i], rr + r[i] ^ 2, ss + s[i] ^ 2
+  end
+  if math.abs(rs) <= 1e-6 * math.sqrt(rr * ss) then return end
+  for i = 1, n do
+    for j = 1, n do self.E[i][j] = self.E[i][j] + r[i] * r[j] / rs end
+  end
+end
+
+--- Drops E where a step that it led to was not taken. Returns whether there was any.
+function models.forget(self)
+  local any = false
+  for _, row in ipairs(self.E) do
+    for j = 1, #row do any, row[j] = any or row[j] ~= 0, 0 end
+  end
+  return any
+end
+
+--- Brings the models of the constrained nodes' h to a point: h, t, and exponents d log h / d log t.
+--- Returns those worth considering.
+function models.update(self, point)
+  local known = {}
+  for i = 1, #point.cases do
+    local nodes, list = {}, {}
+    for _, constraint in ipairs(self.constraints) do
+      local h, stress = height(self, point, constraint)
+      if constraint.case == i and stress > considered * self.limit then
+        local holds = exponents_hold(self, constraint)
+        if holds then correct(self, constraint, h) end
+        constraint.h, constraint.t, constraint.fresh = h, self.t, not holds
+        known[#known + 1] = constraint
+        if not holds then
+          nodes[#nodes + 1], list[#list + 1] = constraint.node, constraint
+          constraint.stress = stress
+        end
+      end
+    end
+    if #nodes > 0 then
+      local slopes, message, details = self.stage:slopes(point, i, nodes, self.motions)
+      if not slopes then return nil, message, details end
+      for k, constraint in ipairs(list) do
+        constraint.at = table.move(self.t, 1, #self.t, 1, {})
+        for j = 1, #self.t do
+          constraint[j] = -self.t[j] * slopes(k, j) / (power * constraint.stress)
+        end
+      end
+    end
+  end
+  learn(self)
+  return known
+end
+
+return models
