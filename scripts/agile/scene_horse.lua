@@ -9,9 +9,9 @@ local parts = figure.pairs({
   {chain = {{-25, 0, 47, 2.4}, {-32, 0, 43, 2.5}, {-35, 0, 34, 2.6}, {-37, 0, 24, 1.4}}}, -- tail
 }, {
   {from = {27, 3, 71}, to = {26.5, 4, 76}, r = 1.8, r_to = 1.1, round = 1.5}, -- ears
-  {chain = {{16, 5.5, 40, 6}, {18, 6, 30, 3.6}, {18.5, 6, 21, 1.7}, {18, 6, 12, 1.1}, {17.5, 6, 5, 1.6}}}, -- forelegs
+  {chain = {{16, 5.5, 40, 6}, {18, 6, 30, 3.6}, {18.5, 6, 21, 1.4}, {18, 6, 12, 1.15}, {17.5, 6, 5, 1.2}}}, -- forelegs
   {from = {17.7, 6, 3.6}, to = {19, 6, 1.8}, r = 2, r_to = 2.8, round = 1.5},
-  {chain = {{-17, 5.5, 41, 7}, {-18.5, 6, 31, 4.6}, {-21.5, 6, 22, 1.9}, {-20, 6, 12, 1.2}, {-18.5, 6, 5, 1.7}}}, -- hind legs
+  {chain = {{-17, 5.5, 41, 7}, {-18.5, 6, 31, 4.6}, {-21.5, 6, 22, 1.55}, {-20, 6, 12, 1.25}, {-18.5, 6, 5, 1.3}}}, -- hind legs
   {from = {-18.3, 6, 3.6}, to = {-17, 6, 1.8}, r = 2.1, r_to = 2.8, round = 1.5},
 })
 
@@ -38,6 +38,6 @@ return {
   root = "back",
   hold = function(boundary) return boundary:below("z", 0.3) end,
   loads = {
-    {"a push at the chest", function(boundary) return boundary:near({27, 0, 43}, 6) end, {-58, 0, 0}},
+    {"a push at the chest", function(boundary) return boundary:near({27, 0, 43}, 6) end, {-56, 0, 0}},
   },
 }
