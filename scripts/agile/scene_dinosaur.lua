@@ -52,4 +52,19 @@ return {
   loads = {
     {"a push against the snout", function(boundary) return boundary:near({54, 0, 70}, 6) end, {-15, 0, 0}},
   },
+  session = {heat = 100, threshold = 0.65},
+  edits = {
+    {"looks up to the left", function(session)
+      return session:reach {{joint = "snout", at = {53e-3, 6e-3, 71e-3}, from = "chest"}}
+    end},
+    {"a larger head", function(session) return session:bone("head"):scale {1.1, 1.05, 1.05} end},
+    {"the tail to the side", function(session)
+      return session:reach {{joint = "tail tip", at = {-68e-3, -7e-3, 34e-3}, from = "tail middle"}}
+    end},
+    {"the mouth open", function(session) return session:bone("jaw"):rotate {y = 4} end},
+    {"a longer right arm", function(session) return session:bone("right arm"):scale {1.2, 1, 1} end},
+    {"taken back", function(session) return session:undo() end},
+  },
+  ties = {{"left shank", "right shank"}, {"left thigh", "right thigh"},
+    {"left foot", "right foot"}},
 }

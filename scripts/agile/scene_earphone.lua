@@ -62,4 +62,20 @@ return {
     {"the microphone is pressed", function(boundary) return boundary:near({32, 18, -8}, 3) end,
       {0, 0, -4}},
   },
+  session = {heat = 10, threshold = 0.55},
+  edits = {
+    {"the microphone nearer", function(session)
+      return session:reach {{joint = "microphone", at = {31e-3, 13e-3, -9e-3}, from = "boom"}}
+    end},
+    {"a larger microphone", function(session)
+      return session:bone("microphone"):scale {1.1, 1.1, 1.1}
+    end},
+    {"thicker cups", function(session)
+      return session:pose {["left ear"] = {scale = {1, 1.1, 1}}, ["right ear"] = {scale = {1, 1.1, 1}}}
+    end},
+    {"the left arm out", function(session) return session:bone("left arm"):rotate {x = 6} end},
+    {"taken back", function(session) return session:undo() end},
+  },
+  ties = {{"left arm", "right arm"}, {"left yoke", "right yoke"}, {"left temple", "right temple"},
+    {"left band", "right band"}, {"left crown", "right crown"}, {"left ear", "right ear"}},
 }

@@ -40,4 +40,16 @@ return {
   loads = {
     {"a push at the chest", function(boundary) return boundary:near({27, 0, 43}, 6) end, {-56, 0, 0}},
   },
+  session = {heat = 100, threshold = 0.95},
+  edits = {
+    {"the neck lower", function(session) return session:bone("upper neck"):rotate {y = 14} end},
+    {"a larger head", function(session) return session:bone("head"):scale {1.05, 1.1, 1.1} end},
+    {"the tail to the side", function(session)
+      return session:reach("tail tip", {-35e-3, 6e-3, 24e-3})
+    end},
+    {"a thicker loin", function(session) return session:bone("loin"):scale {1, 1.05, 1.05} end},
+    {"taken back", function(session) return session:undo() end},
+  },
+  ties = {{"left cannon", "right cannon"}, {"left shank", "right shank"},
+    {"left forearm", "right forearm"}, {"left thigh", "right thigh"}},
 }

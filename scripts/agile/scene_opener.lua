@@ -26,4 +26,13 @@ return {
     {"a hand lifts the handle", function(boundary) return boundary:box({-63, -9, -4}, {-46, 9, -2.5}) end,
       {0, 0, 39}},
   },
+  session = {heat = 1, threshold = 0.65},
+  edits = {
+    {"a thicker handle", function(session) return session:bone("handle"):scale {1, 1.08, 1.08} end},
+    {"a wider ring", function(session) return session:bone("ring"):scale {1.05, 1.05, 1} end},
+    {"the handle turned up", function(session) return session:bone("handle"):rotate {y = 5} end},
+    {"a longer neck", function(session) return session:bone("neck"):scale {1.1, 1, 1} end},
+    {"taken back", function(session) return session:undo() end},
+  },
+  ties = {},
 }

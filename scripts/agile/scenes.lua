@@ -42,13 +42,14 @@ function scenes.surface(name)
   return figure.surface(require("scene_" .. name))
 end
 
---- A scene: {name, title, surface, mesh, part, joints, bones, root, loads, paper}; joints and bones
---- as bw.skeleton takes them. elements: another number than the paper's; order: default 2.
+--- A scene: {name, title, surface, mesh, log, part, skeleton, held, loads, session, edits, ties,
+--- paper}; session: options for bw.edit. elements: another number than the paper's; order: default 2.
 function scenes.make(name, options)
   options = options or {}
   local about = require("scene_" .. name)
   local paper = scenes.paper[name]
-  local scene = {name = name, title = about.title, paper = paper, root = about.root, loads = {}}
+  local scene = {name = name, title = about.title, paper = paper, edits = about.edits,
+    ties = about.ties, loads = {}, session = {}}
   scene.surface = assert(figure.surface(about))
   local near = {} -- thin limbs get finer elements
   for i, place in ipairs(about.near or {}) do
@@ -57,13 +58,13 @@ function scenes.make(name, options)
   local mesh, log = assert(bw.mesh.fill(scene.surface, {elements = options.elements or paper.elements,
     order = options.order or 2, near = near, tolerance = 0.08}))
   scene.mesh, scene.log = mesh, log
-  scene.joints, scene.bones = {}, {}
+  local joints, bones = {}, {}
   for i, joint in ipairs(about.joints) do
-    scene.joints[i] = {name = joint[1], at = metres(joint[2])}
+    joints[i] = metres(joint[2])
+    joints[i].name = joint[1]
   end
-  for i, bone in ipairs(about.bones) do
-    scene.bones[i] = {name = bone[1], from = bone[2], to = bone[3]}
-  end
+  for i, bone in ipairs(about.bones) do bones[i] = {bone[2], bone[3], name = bone[1]} end
+  scene.skeleton = assert(bw.skeleton.create {joints = joints, bones = bones, root = about.root})
   local part = bw.model {mesh = mesh, material = scenes.material()}
   local boundary = in_millimetres(mesh.boundary)
   scene.held = about.hold(boundary)
@@ -75,6 +76,8 @@ function scenes.make(name, options)
     scene.loads[i] = {what = load[1], on = on, force = load[3]}
   end
   scene.part = part
+  for key, value in pairs(about.session) do scene.session[key] = value end
+  scene.session.skeleton = scene.skeleton
   return scene
 end
 

@@ -1,0 +1,77 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A scene from a model of one's own: the surface is filled, its skeleton extracted; it stands on its
+-- lowest part, and is pushed sideways at the end of the limb that is farthest from there.
+local bw = require "barwright"
+local scenes = require "scenes"
+
+local models = {}
+
+-- Ends of limbs: joints that are the tail of a bone without children.
+local function tips_of(skeleton)
+  local tips = {}
+  for _, name in ipairs(skeleton.bone_names) do
+    local bone = skeleton:bone(name)
+    if #bone.children == 0 then tips[#tips + 1] = {bone = name, joint = bone.tail} end
+  end
+  return tips
+end
+
+local function distance(a, b)
+  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
+end
+
+--- A scene as scenes.make gives it. wish: elements (default 20,000), order (2), bones (as many as
+--- the shape asks for), force (5 N), unit, material (that of the paper).
+function models.make(path, wish)
+  local surface, message, details = bw.surface.read(path, {unit = wish.unit})
+  if not surface then return nil, message, details end
+  local mesh
+  mesh, message, details = bw.mesh.fill(surface, {elements = wish.elements or 20000,
+    order = wish.order or 2})
+  if not mesh then return nil, message, details end
+  local boundary
+  boundary, message, details = mesh:surface()
+  if not boundary then return nil, message, details end
+  local skeleton
+  skeleton, message, details = bw.skeleton.extract(boundary, {bones = wish.bones or 0})
+  if not skeleton then return nil, message, details end
+
+  local low, high = mesh.box.low, mesh.box.high
+  local size = distance(low, high)
+  local material = wish.material and bw.material.named(wish.material) or scenes.material()
+  local part = bw.model {mesh = mesh, material = material}
+  local held = mesh.boundary:below("z", low[3] + 0.04 * (high[3] - low[3]))
+  part:fix(held)
+  part:gravity(scenes.gravity)
+  local centre, tips = held.centre, tips_of(skeleton)
+  local joints, best = skeleton.joints:totable(), nil
+  for _, tip in ipairs(tips) do
+    tip.at = joints[skeleton:joint(tip.joint).index]
+    tip.far = distance(tip.at, centre)
+    if not best or tip.far > best.far then best = tip end
+  end
+  local across = (high[1] - low[1] < high[2] - low[2]) and {wish.force or 5, 0, 0}
+    or {0, wish.force or 5, 0}
+  local nearest = mesh.boundary:nearest(best.at, 1).centre
+  local on = mesh.boundary:near(nearest, 0.04 * size)
+  part:load {on = on, force = across}
+
+  local edits = {}
+  for i, tip in ipairs(tips) do
+    if i > 3 then break end
+    edits[#edits + 1] = {("%s turned"):format(tip.bone), function(session)
+      return session:bone(tip.bone):rotate {axis = {0, 0, 1}, degrees = 8}
+    end}
+    edits[#edits + 1] = {("%s thicker"):format(tip.bone), function(session)
+      return session:bone(tip.bone):scale {1, 1.1, 1.1}
+    end}
+  end
+  edits[#edits + 1] = {"taken back", function(session) return session:undo() end}
+  local name = path:match "([^/]+)%.%w+$" or path
+  return {name = name, title = name, surface = surface, mesh = mesh, part = part, skeleton = skeleton,
+    inputs = {path}, held = held, loads = {{what = ("a push at %s"):format(best.joint), on = on,
+      force = across}}, session = {skeleton = skeleton, heat = 10, threshold = 0.65}, edits = edits,
+    ties = {}}
+end
+
+return models

@@ -1,0 +1,235 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Edit sessions of the paper agile from one command: a scene, or a model of one's own with a skeleton
+-- that is extracted; its edits are replayed one by one, each solved, and then the limbs are scaled
+-- until the part is strong enough.
+--   build/barwright scripts/agile/run.lua --scene NAME|all --out DIR [--elements N] [--order 1|2]
+--       [--limit PA] [--no-optimise] [--threads N]
+--   build/barwright scripts/agile/run.lua MODEL --out DIR [--bones N] [--force N] [--unit mm]
+--       [--material NAME] [--elements N] ...
+-- Scenes: opener bird horse dinosaur earphone. A MODEL stands on its lowest part and is pushed
+-- sideways at the end of a limb. DIR gets result.json, manifest.json, report.html, pictures, the edits as a
+-- script, and the shape as STL; with `all`, a folder for each scene. Exit status 0: the part ends
+-- below the limit (or --no-optimise). 2: refused, one sentence on standard error. 3: it does not.
+local folder = arg[0]:match "^(.*)/[^/]*$" or "."
+package.path = folder .. "/?.lua;" .. package.path
+local bw = require "barwright"
+local models = require "models"
+local page = require "page"
+local scenes = require "scenes"
+
+local MET, REFUSED, NOT_MET, INTERRUPTED = 0, 2, 3, 130
+
+local known = {scene = "string", out = "string", elements = "integer", order = "integer",
+  limit = "number", ["no-optimise"] = "flag", threads = "integer", bones = "integer", force = "number",
+  unit = "string", material = "string"}
+
+local function stop(status, message)
+  io.stdout:flush()
+  io.stderr:write("agile: ", (message:gsub("%s*\n%s*", " ")), "\n")
+  os.exit(status, true)
+end
+
+local function usage(message)
+  stop(REFUSED, message .. " (usage: run.lua --scene NAME|all --out DIR, or run.lua MODEL --out DIR)")
+end
+
+local function read_arguments()
+  local wish, model, i = {}, nil, 1
+  while i <= #arg do
+    local name, joined = arg[i]:match "^%-%-([^=]+)=?(.*)$"
+    local kind = name and known[name]
+    if not name then
+      if model then usage(("one MODEL expected, got %s and %s"):format(model, arg[i])) end
+      model = arg[i]
+    elseif not kind then
+      local names = {}
+      for key in pairs(known) do names[#names + 1] = key end
+      usage(("unknown option --%s: did you mean --%s?"):format(name,
+        require "barwright.core".nearest(name, names)))
+    elseif kind == "flag" then
+      wish[name] = true
+    else
+      local text = joined
+      if not arg[i]:find("=", 1, true) then
+        i = i + 1
+        text = arg[i]
+      end
+      local value = text
+      if kind ~= "string" then
+        value = tonumber(text)
+        if kind == "integer" then value = math.tointeger(value) end
+        if not value or value <= 0 then
+          usage(("option --%s: a positive %s expected, got '%s'"):format(name, kind, text or "nothing"))
+        end
+      end
+      wish[name] = value or usage(("option --%s: a value expected"):format(name))
+    end
+    i = i + 1
+  end
+  if not wish.out then usage "--out DIR is missing" end
+  if not model == not wish.scene then usage "either --scene NAME or a MODEL expected" end
+  if wish.order and wish.order > 2 then usage "option --order: 1 or 2 expected" end
+  return wish, model
+end
+
+local VIEW = {direction = {1, -1.3, 0.7}, up = {0, 0, 1}, width = 900, height = 700, deformation = 1e-9}
+
+-- Reused, as it goes into result.json.
+local function reused_of(result)
+  local reuse = result.reused
+  return {words = tostring(reuse), domains = reuse.domains, domains_touched = reuse.domains_touched,
+    method = reuse.method, factor_kept = reuse.factor_kept, iterations = reuse.iterations}
+end
+
+-- Solve the session as it is; a row for the list of edits.
+local function solved(session, what)
+  local start = bw.seconds()
+  local result, message, details = session:solve()
+  if not result then return nil, message, details end
+  local von_mises = result.von_mises
+  local row = {edit = what, seconds_solve = bw.seconds() - start, max_von_mises_pa = von_mises:max(),
+    reused = reused_of(result)}
+  return row, result
+end
+
+local function domain_counts(domains)
+  local count = {R = 0, F = 0, elements_R = 0, elements_F = 0}
+  for _, domain in ipairs(domains) do
+    count[domain.type] = count[domain.type] + 1
+    count["elements_" .. domain.type] = count["elements_" .. domain.type] + domain.elements
+  end
+  return {type_r = count.R, type_f = count.F, elements_r = count.elements_R,
+    elements_f = count.elements_F}
+end
+
+local function remarks_into(list)
+  for _, remark in ipairs(bw.remarks()) do list[#list + 1] = remark end
+end
+
+-- Everything about one scene; returns its result, or nil, message, details.
+local function run(scene, wish, out)
+  local start = bw.seconds()
+  local limit = wish.limit or scenes.threshold
+  local results, message, details = bw.results.open(out, {script = "scripts/agile/run.lua",
+    inputs = scene.inputs or {}, options = wish, seed = bw.json.null})
+  if not results then return nil, message, details end
+  local mesh = scene.mesh
+  local result = {scene = scene.name, finished = false, elements = mesh.element_count,
+    nodes = mesh.node_count, limit_pa = limit, seconds_mesh = scene.seconds_mesh,
+    bones = scene.skeleton.bone_count, edits = bw.json.list {}, remarks = bw.json.list {},
+    paper = scene.paper and {elements = scene.paper.elements, bones = scene.paper.bones,
+      max_von_mises_pa = scene.paper.von_mises}}
+  print(("%s: %s"):format(scene.name, mesh))
+
+  local clock = bw.seconds()
+  local session
+  session, message, details = bw.edit(scene.part, scene.session)
+  if not session then return nil, message, details end
+  remarks_into(result.remarks)
+  result.seconds_session = bw.seconds() - clock
+  result.domains = domain_counts(session.domains)
+  print(("  %d bones, %d domains of type R with %d elements, %d of type F with %d"):format(result.bones,
+    result.domains.type_r, result.domains.elements_r, result.domains.type_f, result.domains.elements_f))
+
+  local function take(row, static)
+    result.edits[#result.edits + 1] = row
+    print(("  %-28s %8.2f MPa  %6.2f s  %s"):format(row.edit, row.max_von_mises_pa / 1e6,
+      row.seconds_solve, row.reused.words))
+    return static
+  end
+  local row, static, why = solved(session, "as given")
+  if not row then return nil, static, why end
+  take(row, static)
+  assert(static:picture(results:path "rest.png", VIEW))
+  for _, edit in ipairs(scene.edits) do
+    clock = bw.seconds()
+    local fine
+    fine, message = edit[2](session)
+    local seconds = bw.seconds() - clock
+    if bw.interrupted() then return nil, "interrupted", {status = "cancelled"} end
+    if fine then
+      row, static, why = solved(session, edit[1])
+      if not row then return nil, static, why end
+      row.seconds_edit = seconds
+      take(row, static)
+    else -- a refused edit leaves the session as it was
+      result.edits[#result.edits + 1] = {edit = edit[1], refused = message, seconds_edit = seconds}
+      print(("  %-28s refused: %s"):format(edit[1], message))
+    end
+  end
+  remarks_into(result.remarks)
+  static = assert(session:solve())
+  local before = static.von_mises:max()
+  result.before_max_von_mises_pa, result.before_error = before, static:error_estimate()
+  local scale = {high = before / 1e6, low = 0}
+  assert(static:picture(results:path "before.png", VIEW))
+  assert(assert(session:surface()):write(results:path "before.stl"))
+
+  if not wish["no-optimise"] then
+    local report
+    report, message, details = session:optimise {von_mises = limit, ties = scene.ties}
+    local met = report ~= nil
+    report = report or details and details.best
+    if not report then return nil, message, details end
+    result.optimisation = {met = met, message = not met and message or nil,
+      max_von_mises_pa = report.von_mises, steps = report.iterations, unknowns = report.unknowns,
+      constrained_nodes = report.constrained, mean_move_m = report.mean_move, factors = report.factors,
+      seconds = report.seconds, solves = report.solves, factorisations = report.factorisations,
+      adjoints = report.adjoints}
+    print("  " .. tostring(report):gsub("\n", "\n  "))
+    if not met then
+      print("  " .. message)
+      local changes = {} -- the best point is shown all the same
+      for name, factors in pairs(report.factors) do changes[name] = {scale = factors} end
+      if next(changes) then session:pose(changes) end
+    end
+    static = assert(session:solve())
+    result.after_max_von_mises_pa, result.after_error = static.von_mises:max(), static:error_estimate()
+    scale.deformation = VIEW.deformation
+    for key, value in pairs(VIEW) do scale[key] = value end
+    assert(static:picture(results:path "after.png", scale)) -- with the colours of before
+    assert(assert(session:surface()):write(results:path "after.stl"))
+    result.met = met
+  end
+  remarks_into(result.remarks)
+  assert(session:save(results:path "edits.lua"))
+  result.seconds_total = bw.seconds() - start
+  result.peak_memory_bytes = bw.results.peak_memory()
+  result.finished = true
+  assert(results:write(result))
+  assert(page.write(results:path "report.html", scene, result, results))
+  session:close()
+  return result
+end
+
+local function main()
+  local wish, model = read_arguments()
+  if wish.threads then bw.threads(wish.threads) end
+  local names = model and {model} or wish.scene == "all" and scenes.names or {wish.scene}
+  local status = MET
+  for _, name in ipairs(names) do
+    local scene, message, details
+    local start = bw.seconds()
+    if model then
+      scene, message, details = models.make(model, wish)
+    elseif scenes.paper[name] then
+      scene = scenes.make(name, {elements = wish.elements, order = wish.order})
+    else
+      usage(("there is no scene '%s'; scenes are %s"):format(name, table.concat(scenes.names, " ")))
+    end
+    if not scene then stop(REFUSED, message) end
+    scene.seconds_mesh = bw.seconds() - start
+    local out = #names > 1 and wish.out .. "/" .. name or wish.out
+    local result
+    result, message, details = run(scene, wish, out)
+    if not result then
+      stop(details and details.status == "cancelled" and INTERRUPTED or NOT_MET, message)
+    end
+    if result.met == false then status = NOT_MET end
+  end
+  os.exit(status, true)
+end
+
+local fine, message = xpcall(main, debug.traceback)
+if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
+if not fine then stop(NOT_MET, message) end
