@@ -2,7 +2,7 @@
 -- The mesh of a pose. The shape is a function of the topology (domains on a mesh at rest) and the
 -- pose alone: posed from rest, and where that inverts elements, inner nodes relaxed from there. So
 -- the same pose gives the same nodes, whatever came before it, and undo need not keep meshes.
--- What relaxing cannot mend is refilled, which makes another topology (edit_refill).
+-- What relaxing cannot mend is refilled, which makes another topology.
 local core = require "barwright.core"
 local edit_pose = require "barwright.edit_pose"
 
@@ -30,9 +30,9 @@ function edit_shape.floor(mesh, quality)
   return math.max(0, math.min(quality, mesh:shapes():min() / 2))
 end
 
--- The domains of the elements that are poorer than the floor, as a set, and their number.
+-- The domains of the elements that are no better than the floor, as a set.
 local function poor_domains(topology, nodes)
-  local poor = topology.mesh:shapes(nodes):below(topology.floor):where()
+  local poor = topology.mesh:shapes(nodes):map("a <= least", {least = topology.floor}):where()
   local set = {}
   for _, d in ipairs(topology.domains.element_domain:gather(poor):totable()) do set[d] = true end
   return set
@@ -62,11 +62,11 @@ local function relax(topology, shape, nodes, set)
   local moved = core.array.map("norm(a) > 0", {a = relaxed - nodes})
   shape.relaxed = {}
   for _, d in ipairs(topology.domains:touched(moved)) do shape.relaxed[d] = true end
-  shape.how, shape.moved_nodes = "relaxed", moved:sum()
+  if next(shape.relaxed) then shape.how = "relaxed" end
   return relaxed
 end
 
--- The elements at these places, for a message.
+-- What is told of the worst element.
 local function refusal(topology, nodes, judged)
   local element, x, y, z = judged.worst, 0, 0, 0
   local corners = topology.mesh.elements:rows(element, element):totable()[1]
@@ -74,8 +74,9 @@ local function refusal(topology, nodes, judged)
     x, y, z = x + nodes(corners[k], 1), y + nodes(corners[k], 2), z + nodes(corners[k], 3)
   end
   local domain = topology.domains[topology.domains.element_domain[element]]
-  return ("the edit inverts %d elements; the worst is element %d at (%.4g, %.4g, %.4g) mm, between %s")
-    :format(judged.inverted, element, x * 250, y * 250, z * 250, table.concat(domain.bones, ", "))
+  return ("the edit inverts %d element%s; the worst is element %d at (%.4g, %.4g, %.4g) mm, between %s")
+    :format(judged.inverted, judged.inverted == 1 and "" or "s", element, x * 250, y * 250, z * 250,
+      table.concat(domain.bones, ", "))
 end
 
 -- Relaxing in two rounds: blended domains alone, then with their neighbours.
@@ -116,7 +117,10 @@ function edit_shape.of(topology, pose, wish)
     end
   end
   shape.mesh, message, details = topology.mesh:moved(final)
-  if not shape.mesh then return nil, message, details end
+  if not shape.mesh then
+    return nil, message, details, details.status == "geometry"
+      and {nodes = nodes, maps = maps, domains = poor_domains(topology, nodes)} or nil
+  end
   return shape
 end
 
