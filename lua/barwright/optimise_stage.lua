@@ -33,15 +33,6 @@ function stage:derivative(bone, axis)
   return self.topology.domains:pose_derivative(self.pose, bone, axis)
 end
 
--- Brings the equations to a state and a part on it.
-local function bring(self, state, part)
-  local record = {source = part, following = self.session.following}
-  local brought, message, details = edit_follow.bring(record, state)
-  self.session.following = record.following
-  if not brought then return nil, message, details end
-  return brought
-end
-
 -- How far the factors are from those of the last factorisation: the largest relative difference.
 local function distance(self, scales)
   local most = 0
@@ -56,28 +47,22 @@ local function distance(self, scales)
   return most
 end
 
--- Near the last factorisation its factor is a good preconditioner; elsewhere a new one pays, as the
--- adjoint solves need it too.
+-- Near the last factorisation the engine chooses between its factor as a preconditioner and a new one;
+-- elsewhere a new one pays, as the adjoint solves need it too.
 local function solve(self, state, part, scales)
-  local record, message, details = bring(self, state, part)
+  local record, message, details = edit_follow.bring(self.session, state, part)
   if not record then return nil, message, details end
   local result, reuse
-  if record.reuse and distance(self, scales) <= near then
-    result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
-      method = "iterate", tolerance = precise}, record.reuse)
-    if not result and details.status ~= "convergence" then return nil, reuse, details end
-  end
-  if not result then
-    result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
-      method = "refactor"}, record.reuse)
-    if not result then return nil, reuse, details end
+  result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
+    method = distance(self, scales) > near and "refactor" or "auto", tolerance = precise}, record.reuse)
+  if not result then return nil, reuse, details end
+  if not record.reuse or reuse.method ~= "iterate" then
     self.factored = scales
-    if not record.reuse or reuse.factor_kept < 1 then
-      self.counts.factorisations = self.counts.factorisations + 1
-    end
+    local kept = record.reuse and reuse.factor_kept or 0
+    if kept < 1 then self.counts.factorisations = self.counts.factorisations + 1 - kept end
   end
   self.counts.solves = self.counts.solves + 1
-  return {result = result, model = record.model, von_mises = result.von_mises}
+  return {result = result, model = record.model, system = record.system, von_mises = result.von_mises}
 end
 
 --- The point with these factors: scales[bone] = {x, y, z} for bones that differ from the start.
@@ -107,15 +92,14 @@ end
 --- d stress of nodes of a case by motions of all nodes, at a point: rows for nodes.
 function stage:slopes(point, i, nodes, motions)
   local case = point.cases[i]
-  local system = self.session.following.system
   if self.last.point ~= point or self.last.case ~= i then
-    local record, message, details = bring(self, point.state, self.parts[i])
+    local record, message, details = edit_follow.bring(self.session, point.state, self.parts[i])
     if not record then return nil, message, details end
-    case.model, system, self.last = record.model, record.system, {point = point, case = i}
+    case.model, case.system, self.last = record.model, record.system, {point = point, case = i}
   end
   self.counts.adjoints = self.counts.adjoints + #nodes
-  local values, slopes, details = core.von_mises_slopes(case.model, system, case.result.displacement,
-    nodes, motions, {tolerance = rough})
+  local values, slopes, details = core.von_mises_slopes(case.model, case.system,
+    case.result.displacement, nodes, motions, {tolerance = rough})
   if not values then return nil, slopes, details end
   return slopes
 end

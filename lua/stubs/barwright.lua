@@ -1554,7 +1554,7 @@ function edit_module.begin(script, session) end
 ---@field shapes integer that were tried
 ---@field solves integer
 ---@field adjoints integer
----@field factorisations integer
+---@field factorisations number a partial one counts as the part of the work that was done
 ---@field seconds number
 
 ---A part that is posed and thickened by its skeleton and solved again after each edit. Edits return

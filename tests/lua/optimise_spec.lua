@@ -114,6 +114,10 @@ describe("the scaling optimisation", function()
     assert.truthy(session:redo())
     assert.truthy(max_of(session) <= 0.6 * before)
     assert.truthy(tostring(found):find "bone 1")
+    local documented = check.read(check.root .. "/lua/stubs/barwright.lua"):match "@class bw.Optimisation.-\n\n"
+    for key in pairs(found) do
+      assert.truthy(documented:find("@field " .. key, 1, true), key .. " is not in the stubs")
+    end
     -- what already bears its loads is left alone
     local again = assert(session:optimise {von_mises = 0.6 * before})
     assert.equal(0, again.iterations)
