@@ -129,7 +129,13 @@ local function commit(self, edit)
     local shape, message, details = edit_shape.mended(state.topology, state.pose, self.wish)
     if not shape then return nil, message, details end
     state.topology, state.shape, state.note = shape.topology, shape, shape.how
-    if shape.topology.refilled and shape.topology ~= before.topology then state.note = "refilled" end
+    if shape.topology.refilled and shape.topology ~= before.topology then
+      state.note = "refilled"
+      -- Loads that cannot be taken along (on single inner nodes) are in the way now, not at the solve.
+      local model
+      model, message, details = edit_follow.model(state, self.source)
+      if not model then return nil, message, details end
+    end
   else
     state.shape = before.shape
   end

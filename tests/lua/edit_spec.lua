@@ -350,6 +350,16 @@ describe("an edit that inverts elements", function()
     assert.is_true(same_nodes(last, assert(bw.edit.load(path, (body()))).mesh))
   end)
 
+  it("is refused where refilling would lose a load on an inner node", function()
+    local session, part = body()
+    local degrees = turn_until(session, "x", "refilled")
+    assert(session:undo())
+    part:load {nodal = core.array.map("a * 0 + 1e-3", {a = part.mesh.nodes})}
+    local fine, message, details = session:bone("neck"):set {rotation = {x = degrees}}
+    check.fails("unsupported", "node", fine, message, details)
+    assert.equal(0, #session.edits)
+  end)
+
   it("is refused where nothing helps, and the session is as it was", function()
     local session = body()
     assert(session:bone("trunk"):scale {1, 1.1, 1.1})
