@@ -85,12 +85,13 @@ void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double fr
 /* The sums stay in registers only where everything is inlined. */
 #define INLINED __attribute__((always_inline)) static inline
 
-/* a * x + y, rounded once where the processor can. */
-static inline bwi_vector fused(double a, bwi_vector x, bwi_vector y) {
+/* y += a * x, rounded once where the processor can. Through pointers: without AVX, vectors that are
+ * passed or returned by value change the calling convention, which compilers warn of. */
+static inline void add_product(double a, const bwi_vector *x, bwi_vector *y) {
 #ifdef __FMA__
-  return (bwi_vector)_mm256_fmadd_pd(_mm256_set1_pd(a), (__m256d)x, (__m256d)y);
+  *y = (bwi_vector)_mm256_fmadd_pd(_mm256_set1_pd(a), (__m256d)*x, (__m256d)*y);
 #else
-  return a * x + y;
+  *y += a * *x;
 #endif
 }
 
@@ -113,8 +114,8 @@ INLINED void add_eight(const double *map, const double *tensor, bwi_vector sum[1
     bwi_vector t = *(const bwi_vector *)(tensor + 4 * m);
     bwi_vector u = *(const bwi_vector *)(tensor + 36 + 4 * m);
     for (int r = 0; r < 9; r++) {
-      sum[r] = fused(map[9 * m + r], t, sum[r]);
-      sum[9 + r] = fused(map[9 * m + r], u, sum[9 + r]);
+      add_product(map[9 * m + r], &t, &sum[r]);
+      add_product(map[9 * m + r], &u, &sum[9 + r]);
     }
   }
 }
@@ -123,7 +124,7 @@ INLINED void add_four(const double *map, const double *tensor, bwi_vector sum[9]
   for (int m = 0; m < 9; m++) {
     bwi_vector t = *(const bwi_vector *)(tensor + 4 * m);
     for (int r = 0; r < 9; r++)
-      sum[r] = fused(map[9 * m + r], t, sum[r]);
+      add_product(map[9 * m + r], &t, &sum[r]);
   }
 }
 
