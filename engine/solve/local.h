@@ -81,6 +81,6 @@ bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64
 
 /* Compare stiffness and solution with those made from scratch: BW_INTERNAL. */
 bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int64_t count,
-                          const double *force, const double *displacement);
+                          const double *force, const double *displacement, bw_reuse *reuse);
 
 #endif

@@ -45,7 +45,7 @@ done:
 }
 
 bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int64_t count,
-                          const double *force, const double *displacement) {
+                          const double *force, const double *displacement, bw_reuse *reuse) {
   bw_status status = BW_OK;
   const bw_system *system = local->system;
   const bw_numbering *numbering = system->numbering;
@@ -59,6 +59,8 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int
     return BW_MEMORY;
   BW_TRY(fresh_stiffness(context, local, &values));
   double off = difference(system->stiffness, values, 9 * pairs);
+  if (reuse)
+    reuse->difference_stiffness = fmax(reuse->difference_stiffness, off);
   if (!(off <= same_stiffness)) {
     status = bw_fail(context, BW_INTERNAL,
                      "the stiffness kept through edits differs from that made anew by %.3g of the "
@@ -79,6 +81,8 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int
   BW_TRY(bwi_steady_fields(context, numbering, count, fresh));
   for (int64_t k = 0; k < count; k++) {
     off = difference(displacement + k * size, fresh + k * size, size);
+    if (reuse)
+      reuse->difference_solution = fmax(reuse->difference_solution, off);
     if (!(off <= same_solution)) {
       status = bw_fail(context, BW_INTERNAL,
                        "the solution for right-hand side %lld differs from that of a factor made "

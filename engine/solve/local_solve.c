@@ -157,7 +157,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
       reuse->seconds_solve += bw_seconds() - start;
   }
   if (options.check)
-    BW_TRY(bwi_local_check(context, local, count, load, displacement));
+    BW_TRY(bwi_local_check(context, local, count, load, displacement, reuse));
 done:
   bw_free(load);
   return status;

@@ -32,7 +32,9 @@ static const char *const methods_words[] = {"auto", "refactor", "iterate", "scra
   NUMBER(predicted_iterate)                                                                        \
   NUMBER(seconds_stiffness)                                                                        \
   NUMBER(seconds_factor)                                                                           \
-  NUMBER(seconds_solve)
+  NUMBER(seconds_solve)                                                                            \
+  NUMBER(difference_stiffness)                                                                     \
+  NUMBER(difference_solution)
 
 /* Writes into the table on the top. */
 static void store_reuse(lua_State *L, const bw_reuse *reuse) {
@@ -53,7 +55,7 @@ static void load_reuse(lua_State *L, int index, bw_reuse *reuse) {
 #define INTEGER(key) (lua_getfield(L, index, #key), reuse->key = (int32_t)lua_tointeger(L, -1));
 #define NUMBER(key) (lua_getfield(L, index, #key), reuse->key = lua_tonumber(L, -1));
   int top = lua_gettop(L);
-  luaL_checkstack(L, 24, "too many values");
+  luaL_checkstack(L, 26, "too many values");
   KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
@@ -68,7 +70,7 @@ static void begin_reuse(lua_State *L, int index, bw_reuse *reuse) {
     load_reuse(L, index, reuse);
     lua_pushvalue(L, index);
   } else {
-    lua_createtable(L, 0, 16);
+    lua_createtable(L, 0, 18);
     luaL_setmetatable(L, "barwright.reuse");
   }
 }

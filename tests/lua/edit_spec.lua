@@ -582,6 +582,7 @@ describe("a session", function()
           assert.truthy(details.status == "geometry" or details.status == "empty")
         end
         local result = assert(session:solve {check = true})
+        assert.truthy(result.reused.difference_stiffness < 1e-13)
         compare(session, result)
       end
     end

@@ -88,6 +88,8 @@ typedef struct bw_reuse {
   int iterations;          /* of conjugate gradients, in all solves since the update */
   double predicted_refactor, predicted_iterate; /* s, of the model's machine */
   double seconds_stiffness, seconds_factor, seconds_solve;
+  double difference_stiffness, difference_solution; /* with `check`: the largest found, relative to
+                                                       the largest entry and displacement */
 } bw_reuse;
 
 typedef struct bw_local_options {

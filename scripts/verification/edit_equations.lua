@@ -1,0 +1,59 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The equations kept through edits beside those of the same shape made anew.
+local bodies = require "edit_bodies"
+
+local part = {title = "Equations kept through edits"}
+local edits_each = 6
+
+-- A sequence of edits; after each but the last sometimes a solve, after the last always. Returns the
+-- largest differences: of the stiffness, of the solution with a factor made anew (both by the engine's
+-- own check), of displacement and stress with those of a part made anew on the shape.
+local function sequence(body, random, seen)
+  local session = bodies.session(body)
+  for i = 1, edits_each do
+    seen.edits = seen.edits + 1
+    if not bodies.edit(session, random) then seen.refused = seen.refused + 1 end
+    if i == edits_each or random(0, 1) < 0.5 then
+      local result = assert(session:solve {check = true})
+      local reused = result.reused
+      seen.solves = seen.solves + 1
+      seen.iterated = seen.iterated + (reused.method == "iterate" and 1 or 0)
+      seen.refilled = seen.refilled + (reused.mesh == "refilled" and 1 or 0)
+      seen.stiffness = math.max(seen.stiffness, reused.difference_stiffness)
+      seen.solution = math.max(seen.solution, reused.difference_solution)
+      local fresh = assert(session.part:solve())
+      local u, s = fresh.displacement, fresh.von_mises
+      seen.displacement = math.max(seen.displacement, (u - result.displacement):norm() / u:norm())
+      seen.stress = math.max(seen.stress, (s - result.von_mises):norm() / s:norm())
+      fresh:close()
+      result:close()
+    end
+  end
+  session:close()
+end
+
+function part.run(wish)
+  local rows, random = {}, bodies.random(20151)
+  local each = wish.full and 170 or 10
+  for _, body in ipairs(bodies.list) do
+    local seen = {edits = 0, refused = 0, solves = 0, iterated = 0, refilled = 0, stiffness = 0,
+      solution = 0, displacement = 0, stress = 0}
+    for _ = 1, each do sequence(body, random, seen) end
+    local function row(what, key, bound, how)
+      rows[#rows + 1] = {body.name .. ": " .. what, seen[key], "at most", bound, how}
+    end
+    row("stiffness", "stiffness", 1e-12, ("%d sequences, %d edits (%d refused), %d solves; largest "
+      .. "difference of an entry, of the largest"):format(each, seen.edits, seen.refused, seen.solves))
+    row("solution", "solution", 1e-8, ("with a factor made anew; %d solves iterated, %d on refilled meshes")
+      :format(seen.iterated, seen.refilled))
+    row("displacement", "displacement", 1e-8, "with a part made anew on the shape; norm over the nodes")
+    row("von Mises stress", "stress", 1e-8, "likewise")
+  end
+  return rows
+end
+
+part.text = [[Random sequences of six edits (scaling, turning, moving, reaching, undo, redo) through
+sessions with gravity, pressure, a total force, a torque, fixed and sliding supports. What updates,
+partial refactoring and stale-factor iterations leave is compared with everything made anew.]]
+
+return part
