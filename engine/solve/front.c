@@ -11,14 +11,15 @@
  * Two levels, both left-looking: blocks of TILE columns take all columns before them at once, in
  * products large enough for the BLAS to run at full speed; within a block, panels of WIDTH columns
  * take the columns of the block before them. Rows, and the update matrix, are cut into tiles whose
- * borders depend on the sizes only. No pivoting: the caller checks `weak`. */
+ * borders depend on the sizes only; strips of rows are fine enough that a front of a thousand rows
+ * occupies several threads. No pivoting: the caller checks `weak`. */
 #include <math.h>
 #include <string.h>
 
 #include "solve/blas.h"
 #include "solve/internal.h"
 
-enum { WIDTH = 128, TILE = BWI_TILE };
+enum { WIDTH = 128, STRIP = 256, TILE = BWI_TILE };
 
 /* A pivot below this fraction of its diagonal entry's size has no digits left. */
 static const double weak_fraction = 1e-13;
@@ -227,12 +228,12 @@ bw_status bwi_front_eliminate(bw_context *context, bwi_front *front) {
     work.block_end = front->pivots - block < TILE ? front->pivots : block + TILE;
     work.block_minus = work.minus_count;
     if (block > 0)
-      BW_TRY(bw_parallel(context, front->rows - block, TILE, block_rows, &work));
+      BW_TRY(bw_parallel(context, front->rows - block, STRIP, block_rows, &work));
     for (int begin = block; begin < work.block_end; begin += WIDTH) {
       work.begin = begin;
       work.end = work.block_end - begin < WIDTH ? work.block_end : begin + WIDTH;
       BW_TRY(diagonal_block(context, &work));
-      BW_TRY(bw_parallel(context, front->rows - work.end, TILE, panel_rows, &work));
+      BW_TRY(bw_parallel(context, front->rows - work.end, STRIP, panel_rows, &work));
       BW_TRY(keep_minus(context, &work));
     }
   }

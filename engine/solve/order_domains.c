@@ -435,18 +435,17 @@ typedef struct search {
 } search;
 
 /* Analyse the permutation and keep its order if it is the best so far. */
-static bw_status consider(search *s) {
+static bw_status consider(search *s, double *cost) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
   bwi_order *order = NULL;
-  double cost;
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_order_analyse(context, s->near, s->permutation, &order));
-  BW_TRY(predict(context, order, s->mesh, s->domain_count, s->element_domain, &cost));
-  if (!s->best || cost < s->lowest) {
+  BW_TRY(predict(context, order, s->mesh, s->domain_count, s->element_domain, cost));
+  if (!s->best || *cost < s->lowest) {
     bw_release(s->best);
     s->best = order;
-    s->lowest = cost;
+    s->lowest = *cost;
     order = NULL;
   }
 done:
@@ -454,43 +453,69 @@ done:
   return status;
 }
 
-static bw_status consider_groups(search *s) {
-  static const double share[] = {1, 0.8, 0.65, 0.4, 0.25, 0.15};
+/* Join domains into `wanted` groups and consider the order along their interfaces. */
+static bw_status consider_groups(search *s, const membership *of_domains, int32_t wanted,
+                                 double *cost) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
-  int32_t domains = s->domain_count, tried = 0;
-  membership of_domains = {0}, of = {0};
+  int32_t domains = s->domain_count;
+  membership of = {0};
   grouping g = {.domains = domains, .groups = domains};
-  int32_t *element = BW_NEW(context, int32_t, s->mesh->element_count);
   g.group_of = BW_NEW(context, int32_t, domains);
   g.shared = BW_NEW(context, int32_t, (size_t)domains * (size_t)domains);
-  if (!element || !g.group_of || !g.shared) {
+  if (!g.group_of || !g.shared) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(sort_elements(context, s->mesh, domains, s->element_domain, element));
-  BW_TRY(membership_of_domains(context, s->near, s->mesh, element, s->element_domain, &of_domains));
-  count_shared(&of_domains, s->near->size, domains, g.shared);
+  count_shared(of_domains, s->near->size, domains, g.shared);
   for (int32_t d = 0; d < domains; d++)
     g.group_of[d] = d;
-  for (size_t k = 0; k < sizeof share / sizeof *share; k++) {
-    int32_t wanted = (int32_t)ceil(share[k] * domains);
-    join(&g, wanted > 2 ? wanted : 2);
-    if (g.groups == tried || g.groups < 2)
-      continue;
-    tried = g.groups;
-    bw_progress(context, "order", (double)(k + 1) / (sizeof share / sizeof *share + 1));
-    BW_TRY(membership_of_groups(context, &of_domains, s->near->size, &g, &of));
-    BW_TRY(along_interfaces(context, s->near, &of, g.groups, s->permutation));
-    BW_TRY(consider(s));
-    membership_clear(&of);
-  }
+  join(&g, wanted);
+  BW_TRY(membership_of_groups(context, of_domains, s->near->size, &g, &of));
+  BW_TRY(along_interfaces(context, s->near, &of, g.groups, s->permutation));
+  BW_TRY(consider(s, cost));
 done:
-  bw_free(element);
   bw_free(g.group_of);
   bw_free(g.shared);
-  membership_clear(&of_domains);
   membership_clear(&of);
+  return status;
+}
+
+/* A few numbers of groups, then those half-way between the best of them and its neighbours. */
+static bw_status search_groups(search *s) {
+  static const double share[] = {0.8, 0.6, 0.4, 0.25, 0.12};
+  enum { SHARES = sizeof share / sizeof *share };
+  bw_status status = BW_OK;
+  bw_context *context = s->context;
+  int32_t wanted[SHARES], count = 0, best = 0;
+  double cost[SHARES], ignored;
+  membership of_domains = {0};
+  int32_t *element = BW_NEW(context, int32_t, s->mesh->element_count);
+  if (!element) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(sort_elements(context, s->mesh, s->domain_count, s->element_domain, element));
+  BW_TRY(membership_of_domains(context, s->near, s->mesh, element, s->element_domain, &of_domains));
+  for (int k = 0; k < SHARES; k++) {
+    int32_t groups = (int32_t)ceil(share[k] * s->domain_count);
+    groups = groups < 2 ? 2 : groups;
+    if (count > 0 && groups == wanted[count - 1])
+      continue;
+    wanted[count] = groups;
+    bw_progress(context, "order", (k + 1) / (SHARES + 3.0));
+    BW_TRY(consider_groups(s, &of_domains, groups, &cost[count]));
+    if (cost[count] < cost[best])
+      best = count;
+    count++;
+  }
+  if (best > 0 && wanted[best - 1] - wanted[best] > 1)
+    BW_TRY(consider_groups(s, &of_domains, (wanted[best - 1] + wanted[best]) / 2, &ignored));
+  if (best + 1 < count && wanted[best] - wanted[best + 1] > 1)
+    BW_TRY(consider_groups(s, &of_domains, (wanted[best] + wanted[best + 1]) / 2, &ignored));
+done:
+  bw_free(element);
+  membership_clear(&of_domains);
   return status;
 }
 
@@ -517,8 +542,9 @@ bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, c
     goto done;
   }
   BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, NULL, s.permutation));
-  BW_TRY(consider(&s));
-  BW_TRY(consider_groups(&s));
+  double cost;
+  BW_TRY(consider(&s, &cost));
+  BW_TRY(search_groups(&s));
   *order = s.best;
   s.best = NULL;
 done:
