@@ -71,11 +71,7 @@ local function descend(self, point)
     taken, message, details = steps.take(self, point, self.t, known, met and not new)
     if not taken then return nil, message, details end
     if taken.still and met then return "met" end
-    if taken.still and not taken.step and self.inverted and not self.stage.relaxing then
-      self.stage.relaxing, self.radius = true, self.wish.step
-    elseif taken.still then
-      return taken.step and "infeasible" or "stuck"
-    end
+    if taken.still then return taken.step and "infeasible" or "stuck" end
     self.t, point = taken.t, taken.point
   end
 end

@@ -143,7 +143,8 @@ function steps.take(self, point, t, list, met)
     local step, message, details = solve_models(self, t, list, self.radius)
     if not step then return nil, message, details end
     local size = largest_step(t, step.t)
-    if size < 1e-10 or met and step.violation == 0 and size < 0.999 * self.radius
+    local inside = size < 0.999 * self.radius
+    if size < 1e-10 or met and step.violation == 0 and inside
       and math.abs(objective(self, step.t) - now) <= self.wish.tolerance * now then
       return {t = t, point = point, step = step, still = true}
     end
@@ -156,11 +157,10 @@ function steps.take(self, point, t, list, met)
       local hoped = shape + price * (short - predicted(list, step.t))
       local got = shape + price * (short - models.shortfall(self, trial))
       if got >= 0.1 * hoped - 1e-9 * (now + price) then
-        if got > 0.7 * hoped and size > 0.999 * self.radius then
-          self.radius = math.min(2 * self.radius, 4)
-        end
+        if got > 0.7 * hoped and not inside then self.radius = math.min(2 * self.radius, 4) end
         if step.violation == 0 then models.remember(self, list, step.multipliers) end
-        return {t = step.t, point = trial, step = step, still = step.violation > 0 and hoped < 1e-7}
+        return {t = step.t, point = trial, step = step, still = step.violation > 0
+          and hoped < 1e-7 and inside}
       end
     elseif details.status ~= "geometry" then
       return nil, message, details
@@ -168,7 +168,11 @@ function steps.take(self, point, t, list, met)
       self.inverted = message
     end
     if try > 1 then models.forget(self) end
-    self.radius = size / 2
+    if try == 3 and not trial and not self.stage.relaxing then
+      self.stage.relaxing = true -- shorter steps do not help: let inner nodes move
+    else
+      self.radius = size / 2
+    end
   end
   return {t = t, point = point, still = true}
 end
