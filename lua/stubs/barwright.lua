@@ -1816,6 +1816,46 @@ function LocalSystem:memory() end
 
 function LocalSystem:close() end
 
+---The server of the live view (`require "barwright.core".live_server`): answers to this machine alone,
+---below a path of 128 random bits, and only to the origin it serves. WebSockets at `address .. "socket"`.
+---@class bw.LiveServer
+---@field port integer
+---@field token string
+---@field address string to open in a browser; who knows it can edit
+---@field client_count integer open WebSockets
+local LiveServer = {}
+
+---What a path below the address answers from now on.
+---@param path string "" for the page itself
+---@param mime string
+---@param bytes string
+---@param download? string the name under which browsers save it
+---@return bw.LiveServer
+function LiveServer:serve(path, mime, bytes, download) end
+
+---Queues a message; never waits for the client. With `replace`, in place of an unsent one of that key.
+---@param client integer
+---@param bytes string
+---@param options? {binary: boolean, replace: string}
+---@return boolean sent false when that client is gone
+function LiveServer:send(client, bytes, options) end
+
+---The next thing that came, waiting up to so many seconds: nothing when none did; nil, message,
+---details after Ctrl-C. Inside a progress function it does not wait.
+---@param seconds? number
+---@return integer? client
+---@return string? kind "open", "message", "close"
+---@return string|table? text
+function LiveServer:receive(seconds) end
+
+---Ends a client's connection.
+---@param client integer
+---@param code? integer of RFC 6455, default 1000
+---@param reason? string
+function LiveServer:disconnect(client, code, reason) end
+
+function LiveServer:close() end
+
 -- ---- files --------------------------------------------------------------------------------------
 
 ---JSON with sorted keys and the fewest digits that read back the same; NaN and infinities as null.

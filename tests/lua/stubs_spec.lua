@@ -13,7 +13,8 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
   modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
   pressure_basis = "bw.PressureBasis", skeleton = "bw.Skeleton",
-  domains = "bw.Domains", local_system = "bw.LocalSystem"}
+  domains = "bw.Domains", local_system = "bw.LocalSystem",
+  live_server = "bw.LiveServer"}
 
 local function keys(...)
   local out = {}
