@@ -177,7 +177,8 @@ local function refuse(self, word)
   elseif #active > 0 then
     text = text .. "; at their bounds are " .. table.concat(active, ", ")
   elseif self.inverted then
-    text = text .. "; further steps are stopped by the mesh: " .. self.inverted
+    text = text .. "; further steps are stopped by the mesh: " .. self.inverted .. " (wider blended "
+      .. "domains, by a higher 'threshold' of the session, fold later)"
   end
   return nil, text, {status = statuses[word], best = found, von_mises = best.point.max}
 end

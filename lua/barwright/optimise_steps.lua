@@ -9,6 +9,7 @@ local steps = {}
 
 local foretell, objective = models.foretell, unknowns.objective
 local programmes = 50 -- of one step, at most
+local least_radius = 0.005 -- of the trust region, where the mesh stops steps
 
 -- Adds the curvature of -h of a model, times a multiplier: h (D - v v^T) with D = q_i / t_i^2 and
 -- v = q_i / t_i. `convex`: only what is surely positive semidefinite of it, positive exponents, and v
@@ -167,6 +168,7 @@ function steps.take(self, point, t, list, met)
     else
       self.inverted = message
     end
+    if not trial and self.stage.relaxing and self.radius < least_radius then break end
     if try > 1 then models.forget(self) end
     if try == 3 and not trial and not self.stage.relaxing then
       self.stage.relaxing = true -- shorter steps do not help: let inner nodes move
