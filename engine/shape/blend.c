@@ -5,17 +5,22 @@
  * posed mesh is continuous. Inside a type F domain the weight of each bone solves Laplace's
  * equation with one on the interface with that bone's domain and zero on the others (agile, section
  * 4), on linear elements: edge weights w_ij = -integral of grad N_i . grad N_j (the cotangent
- * weights). They can be negative where angles are obtuse, and then so can a solution: such values
- * are cut and the rest scaled to sum to one. Domains of type F share no nodes but those of type R,
- * so each is solved for by itself. */
+ * weights). They can be negative where angles are obtuse, and then so can a solution.
+ *
+ * Harmonic functions vanish nowhere inside: each bone would move every node of the domain, far from
+ * it by next to nothing, and every edit would change the equations of the whole domain. So what is
+ * left of the weights above a small share is taken, and scaled to sum to one: still continuous,
+ * still one on the interfaces, and a node follows only the few bones that matter there. Domains of
+ * type F share no nodes but those of type R, so each is solved for by itself. */
 #include "shape/domains_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Weights below this move nothing that a mesh can show. */
-static const double least_weight = 1e-12;
+/* What is taken off every weight. Slopes of weights grow by a factor of 1 / (1 - taken * bones at a
+ * node) at most. */
+static const double taken = 0.01;
 
 typedef struct edge {
   int32_t i, j;    /* nodes of the domain, i < j; free ones come first */
@@ -291,12 +296,15 @@ static int32_t nearest_held(const blend *b, int32_t i) {
   return bone;
 }
 
-/* Cut, scale, and write down the weights of one free node. */
+/* Thin out, scale, and write down the weights of one free node. */
 static bw_status write_weights(blend *b, int32_t node, const int32_t *bone, int32_t bones,
                                double *weight) {
-  double sum = 0;
+  double sum = 0, most = 0;
+  for (int32_t k = 0; k < bones; k++)
+    most = fmax(most, weight[k]);
+  double off = fmin(taken, most / 2); /* something is left among any number of bones */
   for (int32_t k = 0; k < bones; k++) {
-    weight[k] = weight[k] > least_weight ? weight[k] : 0;
+    weight[k] = fmax(weight[k] - off, 0);
     sum += weight[k];
   }
   for (int32_t k = 0; k < bones; k++)

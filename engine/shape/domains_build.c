@@ -23,16 +23,18 @@ static void domains_destroy(void *object) {
   bw_free(d->influence_start);
   bw_free(d->influence_bone);
   bw_free(d->influence_weight);
+  bwi_domains_clear_pieces(d);
   bw_free(d);
 }
 
 static size_t domains_bytes(const void *object) {
   const bw_domains *d = object;
   size_t n = (size_t)d->mesh->node_count, count = (size_t)d->count;
-  size_t influences = (size_t)d->influence_start[n];
-  return sizeof *d + (size_t)d->mesh->element_count * 4 + count * 8 + (count + 1) * 8 +
-         (size_t)d->bone_start[count] * 4 + (size_t)d->adjacent_start[count] * 4 + n * 5 +
-         (n + 1) * 8 + influences * 12;
+  size_t influences = (size_t)d->influence_start[n], pieces = (size_t)d->piece_count;
+  return sizeof *d + (size_t)d->mesh->element_count * 8 + count * 8 + (count + 1) * 8 +
+         (size_t)d->bone_start[count] * 4 + (size_t)d->adjacent_start[count] * 4 + n * 9 +
+         (n + 1) * 8 + influences * 12 + (2 * pieces + 1) * 4 +
+         (size_t)d->piece_bone_start[pieces] * 4;
 }
 
 static const bw_kind domains_kind = {"domains", domains_destroy, domains_bytes};
@@ -265,6 +267,7 @@ bw_status bwi_domains_make(bw_context *context, const bw_mesh *mesh, const bw_sk
   place_nodes(d);
   BW_TRY(find_neighbours(context, d));
   BW_TRY(bwi_domains_blend(context, d, guide));
+  BW_TRY(bwi_domains_cut(context, d));
   *domains = d;
   d = NULL;
 done:

@@ -285,5 +285,6 @@ bw_status bw_domains_check(bw_context *context, const bw_domains *domains) {
         return bw_fail(context, BW_INTERNAL, "node %d of domain %d goes with domain %d", i + 1,
                        here + 1, there + 1);
     }
-  return check_influences(context, d);
+  status = check_influences(context, d);
+  return status == BW_OK ? bwi_domains_check_pieces(context, d) : status;
 }

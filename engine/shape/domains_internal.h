@@ -36,5 +36,9 @@ bw_status bwi_domains_make(bw_context *context, const bw_mesh *mesh, const bw_sk
                            const bwi_guide *guide, bw_domains **domains);
 /* Fills in the bones of each domain and what moves each corner node (blend.c). */
 bw_status bwi_domains_blend(bw_context *context, bw_domains *domains, const bwi_guide *guide);
+/* Cuts the domains, with all else given, into pieces, anew where there are any (pieces.c). */
+bw_status bwi_domains_cut(bw_context *context, bw_domains *domains);
+void bwi_domains_clear_pieces(bw_domains *domains);
+bw_status bwi_domains_check_pieces(bw_context *context, const bw_domains *domains);
 
 #endif

@@ -260,6 +260,7 @@ bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains, co
                                 label, &d));
   BW_TRY(merge_influences(context, domains, d, node_from));
   BW_TRY(copy_bones(context, domains, d));
+  BW_TRY(bwi_domains_cut(context, d)); /* what moves the nodes is not what it was made with */
   BW_TRY(rest_places(context, domains, d, map, node_from, rest));
   BW_TRY(carry(context, d, rest));
   *refilled = d;

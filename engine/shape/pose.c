@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Poses: forward kinematics, posed joints and nodes, their derivative by scales, and how domains
- * moved.
+/* Poses: forward kinematics, posed joints and nodes, their derivative by scales, and how pieces of
+ * domains moved.
  *
  * Bone b with parent p, rest head h, rest frame F (rows are its axes), local rotation r, scales s,
  * translation t:
@@ -228,7 +228,7 @@ done:
   return status;
 }
 
-/* ---- domains --------------------------------------------------------------------------------- */
+/* ---- pieces ---------------------------------------------------------------------------------- */
 
 /* The furthest that two maps send a corner of the box apart. */
 static double maps_differ(const double *a, const double *b, const double low[3],
@@ -246,8 +246,8 @@ static double maps_differ(const double *a, const double *b, const double low[3],
   return furthest;
 }
 
-bw_status bw_pose_domains(bw_context *context, const bw_domains *domains, const double *map,
-                          const double *rotation, bw_domain_motion *motion) {
+bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const double *map,
+                         const double *rotation, bw_domain_motion *motion) {
   const bw_domains *d = domains;
   bw_status status = bw_check_cancel(context);
   if (status != BW_OK)
@@ -256,17 +256,17 @@ bw_status bw_pose_domains(bw_context *context, const bw_domains *domains, const 
   bw_mesh_box(d->mesh, low, high);
   for (int k = 0; k < 3; k++)
     size = fmax(size, fmax(fabs(low[k]), fabs(high[k])));
-  for (int32_t i = 0; i < d->count; i++) {
-    int32_t first = d->bone_start[i], end = d->bone_start[i + 1];
-    const double *own = map + 12 * (size_t)d->bone[first];
-    const double *turn = rotation + 9 * (size_t)d->bone[first];
+  for (int32_t i = 0; i < d->piece_count; i++) {
+    int32_t first = d->piece_bone_start[i], end = d->piece_bone_start[i + 1];
+    const double *own = map + 12 * (size_t)d->piece_bone[first];
+    const double *turn = rotation + 9 * (size_t)d->piece_bone[first];
     linear_part(own, motion[i].linear);
     for (int r = 0; r < 3; r++)
       for (int c = 0; c < 3; c++)
         motion[i].frame[3 * r + c] = turn[3 * c + r];
     motion[i].reshaped = false;
     for (int32_t k = first + 1; k < end; k++)
-      if (!(maps_differ(own, map + 12 * (size_t)d->bone[k], low, high) <= 1e-14 * size))
+      if (!(maps_differ(own, map + 12 * (size_t)d->piece_bone[k], low, high) <= 1e-14 * size))
         motion[i].reshaped = true;
   }
   return BW_OK;

@@ -60,18 +60,18 @@ local methods = {
 
 function core.tables.reuse:__tostring()
   local function yes(flag) return flag and "yes" or "no" end
-  local text = ("pattern %s, ordering %s, %d of %d domains, %s"):format(yes(self.pattern),
-    yes(self.ordering), self.domains - self.domains_touched, self.domains,
+  local text = ("pattern %s, ordering %s, %d of %d pieces, %s"):format(yes(self.pattern),
+    yes(self.ordering), self.pieces - self.pieces_touched, self.pieces,
     (methods[self.method] or methods.refactor)(self))
   if self.mesh and self.mesh ~= "posed" then text = text .. "; mesh " .. self.mesh end
   return text
 end
 
 -- Of equations that were made for this solve.
-local function complete_new(reuse, domains)
+local function complete_new(reuse, pieces)
   reuse.pattern, reuse.ordering = false, false
-  reuse.domains, reuse.domains_kept, reuse.domains_turned = domains, 0, 0
-  reuse.domains_touched, reuse.factor_kept, reuse.method = domains, 0, "scratch"
+  reuse.pieces, reuse.pieces_kept, reuse.pieces_turned = pieces, 0, 0
+  reuse.pieces_touched, reuse.factor_kept, reuse.method = pieces, 0, "scratch"
 end
 
 --- The static solution of a state.
@@ -82,7 +82,7 @@ function edit_follow.solve(session, state, given, part)
   local result, reuse
   result, reuse, details = record.system:statics(record.model, given, before)
   if not result then return nil, reuse, details end
-  if not before then complete_new(reuse, state.topology.domains.count) end
+  if not before then complete_new(reuse, state.topology.domains.piece_count) end
   reuse.mesh = state.note or "posed"
   reused[result] = reuse
   return result

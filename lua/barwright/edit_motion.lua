@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- How each domain lies now against the shape that a local system was made at. The engine tells it
+-- How each piece lies now against the shape that a local system was made at. The engine tells it
 -- against rest (domains:motion); a system made at an edited shape, as after a refill, counts from
--- there: by the maps that take its bones from then to now, which are one map when the domain moved as
+-- there: by the maps that take its bones from then to now, which are one map when the piece moved as
 -- a whole between the two.
 local edit_pose = require "barwright.edit_pose"
 
@@ -51,28 +51,28 @@ end
 function edit_motion.begin(shape)
   if shape.at_rest then return {relaxed = {}} end
   local turned = {}
-  for d, row in ipairs(shape.topology.domains:motion(shape.maps, shape.rotations):totable()) do
-    turned[d] = edit_pose.transpose {table.unpack(row, 10, 18)}
+  for p, row in ipairs(shape.topology.domains:motion(shape.maps, shape.rotations):totable()) do
+    turned[p] = edit_pose.transpose {table.unpack(row, 10, 18)}
   end
   return {maps = shape.maps:totable(), turned = turned, relaxed = shape.relaxed,
     size = largest_coordinate(shape.mesh)}
 end
 
---- The rows that bring a system to a shape. A domain is reshaped where its bones moved differently,
+--- The rows that bring a system to a shape. A piece is reshaped where its bones moved differently,
 --- or where its inner nodes are relaxed in one of the two.
 function edit_motion.rows(memory, shape)
   local topology = shape.topology
   local motion = topology.domains:motion(shape.maps, shape.rotations):totable()
   local now = memory.maps and shape.maps:totable()
-  for d, row in ipairs(motion) do
+  for p, row in ipairs(motion) do
     if now then
-      local linear = common_map(topology.list[d].bones, memory.maps, now, memory.size)
-      local frame = edit_pose.multiply(memory.turned[d], {table.unpack(row, 10, 18)})
+      local linear = common_map(topology.piece_bones[p], memory.maps, now, memory.size)
+      local frame = edit_pose.multiply(memory.turned[p], {table.unpack(row, 10, 18)})
       table.move(linear or edit_pose.identity, 1, 9, 1, row)
       table.move(frame, 1, 9, 10, row)
       row[19] = linear and 0 or 1
     end
-    if shape.relaxed[d] or memory.relaxed[d] then row[19] = 1 end
+    if shape.relaxed[p] or memory.relaxed[p] then row[19] = 1 end
   end
   return motion
 end

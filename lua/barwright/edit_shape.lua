@@ -21,8 +21,8 @@ function edit_shape.topology(domains, floor, node_from)
     list[d] = {bones = bones, type = domain.type, adjacent = domain.adjacent,
       elements = domain.elements}
   end
-  return {domains = domains, skeleton = skeleton, mesh = mesh, list = list, node_from = node_from,
-    floor = floor}
+  return {domains = domains, skeleton = skeleton, mesh = mesh, list = list,
+    piece_bones = domains.piece_bones, node_from = node_from, floor = floor}
 end
 
 --- The quality asked for; a mesh that is poor at rest is not held against the edits.
@@ -61,7 +61,7 @@ local function relax(topology, shape, nodes, set)
   if not relaxed then return nil, report, details end
   local moved = core.array.map("norm(a) > 0", {a = relaxed - nodes})
   shape.relaxed = {}
-  for _, d in ipairs(topology.domains:touched(moved)) do shape.relaxed[d] = true end
+  for _, p in ipairs(topology.domains:pieces_touched(moved)) do shape.relaxed[p] = true end
   if next(shape.relaxed) then shape.how = "relaxed" end
   return relaxed
 end
@@ -89,7 +89,7 @@ local function relaxed_nodes(topology, shape, nodes)
   return relax(topology, shape, nodes, with_neighbours(topology, set))
 end
 
---- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of domains,
+--- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of pieces,
 --- topology}. Where elements are inverted and stay so, a fourth value has what refilling starts from.
 function edit_shape.of(topology, pose, wish)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)

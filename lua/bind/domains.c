@@ -134,24 +134,35 @@ static int domains_refilled(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* domains:touched(mask): the domains with an element that has a node whose mask is not 0 */
-static int domains_touched(lua_State *L) {
-  const bw_domains *domains = self(L);
-  const bw_mesh *mesh = domains->mesh;
+/* The numbers of the parts (labels of elements below `count`) with an element that has a node whose
+ * mask, the second argument, is not 0. */
+static int push_touched(lua_State *L, const bw_mesh *mesh, int32_t count, const int32_t *label) {
   uint8_t *mask = lbw_to_mask(L, 2, "mask", mesh->node_count);
-  uint8_t *touched = (uint8_t *)lua_newuserdatauv(L, (size_t)domains->count + 1, 0);
-  memset(touched, 0, (size_t)domains->count);
+  uint8_t *touched = (uint8_t *)lua_newuserdatauv(L, (size_t)count + 1, 0);
+  memset(touched, 0, (size_t)count);
   for (int64_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < mesh->nodes_per_element; a++)
       if (mask[mesh->element[e * mesh->nodes_per_element + a]])
-        touched[domains->element_domain[e]] = 1;
+        touched[label[e]] = 1;
   lua_newtable(L);
-  for (int32_t d = 0, n = 0; d < domains->count; d++)
-    if (touched[d]) {
-      lua_pushinteger(L, (lua_Integer)d + 1);
+  for (int32_t i = 0, n = 0; i < count; i++)
+    if (touched[i]) {
+      lua_pushinteger(L, (lua_Integer)i + 1);
       lua_rawseti(L, -2, ++n);
     }
   return 1;
+}
+
+/* domains:touched(mask) */
+static int domains_touched(lua_State *L) {
+  const bw_domains *domains = self(L);
+  return push_touched(L, domains->mesh, domains->count, domains->element_domain);
+}
+
+/* domains:pieces_touched(mask) */
+static int domains_pieces_touched(lua_State *L) {
+  const bw_domains *domains = self(L);
+  return push_touched(L, domains->mesh, domains->piece_count, domains->element_piece);
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */
@@ -201,6 +212,27 @@ static int domains_rigid_count(lua_State *L) {
   return 1;
 }
 
+static int domains_piece_count(lua_State *L) {
+  lua_pushinteger(L, self(L)->piece_count);
+  return 1;
+}
+
+/* The numbers of the bones that each piece follows, as a list of lists. */
+static int domains_piece_bones(lua_State *L) {
+  const bw_domains *domains = self(L);
+  lua_createtable(L, domains->piece_count, 0);
+  for (int32_t p = 0; p < domains->piece_count; p++) {
+    int32_t first = domains->piece_bone_start[p], end = domains->piece_bone_start[p + 1];
+    lua_createtable(L, end - first, 0);
+    for (int32_t k = first; k < end; k++) {
+      lua_pushinteger(L, (lua_Integer)domains->piece_bone[k] + 1);
+      lua_rawseti(L, -2, k - first + 1);
+    }
+    lua_rawseti(L, -2, p + 1);
+  }
+  return 1;
+}
+
 static int domains_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, self(L)->mesh);
   return 1;
@@ -219,6 +251,16 @@ static int domains_element_domain(lua_State *L) {
 static int domains_node_domain(lua_State *L) {
   const bw_domains *domains = self(L);
   return lbw_push_indices(L, domains->mesh->node_count, 1, domains->node_domain);
+}
+
+static int domains_element_piece(lua_State *L) {
+  const bw_domains *domains = self(L);
+  return lbw_push_indices(L, domains->mesh->element_count, 1, domains->element_piece);
+}
+
+static int domains_node_piece(lua_State *L) {
+  const bw_domains *domains = self(L);
+  return lbw_push_indices(L, domains->mesh->node_count, 1, domains->node_piece);
 }
 
 static int domains_interface(lua_State *L) {
@@ -249,6 +291,7 @@ static int domains_tostring(lua_State *L) {
 static const luaL_Reg methods[] = {{"assign", domains_assign},
                                    {"refilled", domains_refilled},
                                    {"touched", domains_touched},
+                                   {"pieces_touched", domains_pieces_touched},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"count", domains_length},
                                       {"rigid_count", domains_rigid_count},
@@ -256,6 +299,10 @@ static const luaL_Reg properties[] = {{"count", domains_length},
                                       {"skeleton", domains_skeleton},
                                       {"element_domain", domains_element_domain},
                                       {"node_domain", domains_node_domain},
+                                      {"piece_count", domains_piece_count},
+                                      {"piece_bones", domains_piece_bones},
+                                      {"element_piece", domains_element_piece},
+                                      {"node_piece", domains_node_piece},
                                       {"interface", domains_interface},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__index", domains_index},

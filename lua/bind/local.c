@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Systems that follow edits: the equations of a body cut into domains, kept up to date, and what an
+/* Systems that follow edits: the equations of a body cut into pieces, kept up to date, and what an
  * update and a solve reused, as a table. The box's second reference is to the domains. */
 #include "bind.h"
 
@@ -10,37 +10,38 @@ static bw_local_system *self(lua_State *L) {
   return (bw_local_system *)lbw_check(L, 1, &lbw_local_system_class);
 }
 
-static int32_t domain_count(lua_State *L) {
+static int32_t piece_count(lua_State *L) {
   const lbw_box *box = lbw_check_box(L, 1, &lbw_local_system_class);
-  return ((const bw_domains *)box->extra)->count;
+  return ((const bw_domains *)box->extra)->piece_count;
 }
 
 static const char *const methods_words[] = {"auto", "refactor", "iterate", "scratch", NULL};
 
 /* ---- what was reused ------------------------------------------------------------------------- */
 
+/* The domains of a local system are the pieces of bw_domains, and are called so here. */
 #define KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)                                                    \
-  BOOLEAN(pattern)                                                                                 \
-  BOOLEAN(ordering)                                                                                \
-  INTEGER(domains)                                                                                 \
-  INTEGER(domains_kept)                                                                            \
-  INTEGER(domains_turned)                                                                          \
-  INTEGER(domains_touched)                                                                         \
-  NUMBER(factor_kept)                                                                              \
-  INTEGER(iterations)                                                                              \
-  NUMBER(predicted_refactor)                                                                       \
-  NUMBER(predicted_iterate)                                                                        \
-  NUMBER(seconds_stiffness)                                                                        \
-  NUMBER(seconds_factor)                                                                           \
-  NUMBER(seconds_solve)                                                                            \
-  NUMBER(difference_stiffness)                                                                     \
-  NUMBER(difference_solution)
+  BOOLEAN(pattern, pattern)                                                                        \
+  BOOLEAN(ordering, ordering)                                                                      \
+  INTEGER(domains, pieces)                                                                         \
+  INTEGER(domains_kept, pieces_kept)                                                               \
+  INTEGER(domains_turned, pieces_turned)                                                           \
+  INTEGER(domains_touched, pieces_touched)                                                         \
+  NUMBER(factor_kept, factor_kept)                                                                 \
+  INTEGER(iterations, iterations)                                                                  \
+  NUMBER(predicted_refactor, predicted_refactor)                                                   \
+  NUMBER(predicted_iterate, predicted_iterate)                                                     \
+  NUMBER(seconds_stiffness, seconds_stiffness)                                                     \
+  NUMBER(seconds_factor, seconds_factor)                                                           \
+  NUMBER(seconds_solve, seconds_solve)                                                             \
+  NUMBER(difference_stiffness, difference_stiffness)                                               \
+  NUMBER(difference_solution, difference_solution)
 
 /* Writes into the table on the top. */
 static void store_reuse(lua_State *L, const bw_reuse *reuse) {
-#define BOOLEAN(key) (lua_pushboolean(L, reuse->key), lua_setfield(L, -2, #key));
-#define INTEGER(key) (lua_pushinteger(L, reuse->key), lua_setfield(L, -2, #key));
-#define NUMBER(key) (lua_pushnumber(L, reuse->key), lua_setfield(L, -2, #key));
+#define BOOLEAN(field, key) (lua_pushboolean(L, reuse->field), lua_setfield(L, -2, #key));
+#define INTEGER(field, key) (lua_pushinteger(L, reuse->field), lua_setfield(L, -2, #key));
+#define NUMBER(field, key) (lua_pushnumber(L, reuse->field), lua_setfield(L, -2, #key));
   KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
@@ -51,9 +52,10 @@ static void store_reuse(lua_State *L, const bw_reuse *reuse) {
 
 /* Reads back what store_reuse wrote, so that a solve completes what an update began. */
 static void load_reuse(lua_State *L, int index, bw_reuse *reuse) {
-#define BOOLEAN(key) (lua_getfield(L, index, #key), reuse->key = lua_toboolean(L, -1));
-#define INTEGER(key) (lua_getfield(L, index, #key), reuse->key = (int32_t)lua_tointeger(L, -1));
-#define NUMBER(key) (lua_getfield(L, index, #key), reuse->key = lua_tonumber(L, -1));
+#define BOOLEAN(field, key) (lua_getfield(L, index, #key), reuse->field = lua_toboolean(L, -1));
+#define INTEGER(field, key)                                                                        \
+  (lua_getfield(L, index, #key), reuse->field = (int32_t)lua_tointeger(L, -1));
+#define NUMBER(field, key) (lua_getfield(L, index, #key), reuse->field = lua_tonumber(L, -1));
   int top = lua_gettop(L);
   luaL_checkstack(L, 26, "too many values");
   KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)
@@ -87,8 +89,8 @@ static int core_local_system(lua_State *L) {
                 2, "domains of the model's mesh expected");
   lbw_box *box = lbw_box_new(L, &lbw_local_system_class);
   bw_local_system *local = NULL;
-  bw_status status = bw_local_system_create(lbw_enter(L), model, false, domains->count,
-                                            domains->element_domain, domains->node_domain, &local);
+  bw_status status = bw_local_system_create(lbw_enter(L), model, false, domains->piece_count,
+                                            domains->element_piece, domains->node_piece, &local);
   if (local)
     box->extra = bw_retain(domains);
   lbw_box_fill(L, box, local);
@@ -102,7 +104,7 @@ static int local_update(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
   luaL_argcheck(L, model->mesh->node_count == local->system->mesh->node_count, 2,
                 "a model of the same topology expected");
-  bw_domain_motion *motion = lbw_read_motion(L, 3, domain_count(L));
+  bw_domain_motion *motion = lbw_read_motion(L, 3, piece_count(L));
   bw_reuse reuse;
   begin_reuse(L, 0, &reuse);
   bw_status status = bw_local_system_update(lbw_enter(L), local, model, motion, &reuse);
@@ -218,8 +220,8 @@ static int local_unknown_count(lua_State *L) {
   return 1;
 }
 
-static int local_domain_count(lua_State *L) {
-  lua_pushinteger(L, domain_count(L));
+static int local_piece_count(lua_State *L) {
+  lua_pushinteger(L, piece_count(L));
   return 1;
 }
 
@@ -233,7 +235,7 @@ static int local_tostring(lua_State *L) {
   bw_local_system_memory(local, &factor, &updates);
   char text[200];
   snprintf(text, sizeof text,
-           "local system of %d unknowns in %d domains, factor of %.3g MB, %.3g MB kept for updates",
+           "local system of %d unknowns in %d pieces, factor of %.3g MB, %.3g MB kept for updates",
            (int)local->system->numbering->unknown_count, (int)local->stiffness->domain_count,
            (double)factor / 1e6, (double)updates / 1e6);
   lua_pushstring(L, text);
@@ -244,7 +246,7 @@ static const luaL_Reg methods[] = {{"update", local_update},   {"solve", local_s
                                    {"statics", local_statics}, {"refactor", local_refactor},
                                    {"memory", local_memory},   {NULL, NULL}};
 static const luaL_Reg properties[] = {
-    {"unknown_count", local_unknown_count}, {"domain_count", local_domain_count}, {NULL, NULL}};
+    {"unknown_count", local_unknown_count}, {"piece_count", local_piece_count}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", local_tostring}, {NULL, NULL}};
 const lbw_class lbw_local_system_class = {"local_system", methods, properties, meta, NULL};
 

@@ -1,9 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Poses of a skeleton: maps of the bones, posed nodes, motions of domains, inverse kinematics.
+/* Poses of a skeleton: maps of the bones, posed nodes, motions of pieces, inverse kinematics.
  *
  * A pose is an array or table with a row of 15 numbers for every bone: the rotation by rows, the
  * scale along the bone's axes, the translation of its head. Maps are rows of 12: [A | b] by rows.
- * Motions are rows of 19: linear part, frame, and 1 where the domain was reshaped. */
+ * Motions are rows of 19: linear part, frame, and 1 where the piece was reshaped. */
 #include "bind.h"
 
 #include <string.h>
@@ -99,20 +99,20 @@ static int domains_pose_derivative(lua_State *L) {
   return lbw_leave(L, bw_pose_derivative(lbw_enter(L), domains, pose, bone, axis, out), 1);
 }
 
-/* domains:motion(maps, rotations): a row of 19 for every domain */
+/* domains:motion(maps, rotations): a row of 19 for every piece */
 static int domains_motion(lua_State *L) {
   const bw_domains *domains = check_domains(L, 1);
   double *map = bone_rows(L, 2, "maps", domains->skeleton->bone_count, MAP);
   double *rotation = bone_rows(L, 3, "rotations", domains->skeleton->bone_count, ROTATION);
-  bw_domain_motion *motion =
-      (bw_domain_motion *)lua_newuserdatauv(L, ((size_t)domains->count + 1) * sizeof *motion, 0);
-  double *row = (double *)lbw_push_array(L, BW_F64, domains->count, MOTION)->data;
-  bw_status status = bw_pose_domains(lbw_enter(L), domains, map, rotation, motion);
+  bw_domain_motion *motion = (bw_domain_motion *)lua_newuserdatauv(
+      L, ((size_t)domains->piece_count + 1) * sizeof *motion, 0);
+  double *row = (double *)lbw_push_array(L, BW_F64, domains->piece_count, MOTION)->data;
+  bw_status status = bw_pose_pieces(lbw_enter(L), domains, map, rotation, motion);
   if (status == BW_OK)
-    for (int32_t d = 0; d < domains->count; d++, row += MOTION) {
-      memcpy(row, motion[d].linear, sizeof motion[d].linear);
-      memcpy(row + 9, motion[d].frame, sizeof motion[d].frame);
-      row[18] = motion[d].reshaped;
+    for (int32_t p = 0; p < domains->piece_count; p++, row += MOTION) {
+      memcpy(row, motion[p].linear, sizeof motion[p].linear);
+      memcpy(row + 9, motion[p].frame, sizeof motion[p].frame);
+      row[18] = motion[p].reshaped;
     }
   return lbw_leave(L, status, 1);
 }
@@ -121,7 +121,7 @@ bw_domain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count) {
   int64_t rows;
   double *row = lbw_to_doubles(L, argument, "motion", MOTION, &rows);
   if (rows != count)
-    luaL_error(L, "motion: a row for every domain expected");
+    luaL_error(L, "motion: a row for every piece expected");
   bw_domain_motion *motion =
       (bw_domain_motion *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *motion, 0);
   for (int32_t d = 0; d < count; d++, row += MOTION) {

@@ -1025,7 +1025,7 @@ function Model:close() end
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session
----@field reused table? in an edit session: pattern, ordering, domains, domains_kept, domains_turned, domains_touched, method, factor_kept, iterations, predicted_refactor, predicted_iterate, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
+---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, predicted_refactor, predicted_iterate, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
 ---Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.
@@ -1431,6 +1431,10 @@ function Skeleton:reach(pose, targets, limits, tolerance) end
 ---@field element_domain bw.Array of every element
 ---@field node_domain bw.Array of every node: the one it goes with
 ---@field interface bw.Array mask: nodes where elements of several domains meet
+---@field piece_count integer domains are cut into pieces for the equations: elements joined through faces that follow the same bones
+---@field piece_bones integer[][] the numbers of the bones that each piece follows
+---@field element_piece bw.Array of every element
+---@field node_piece bw.Array of every node: the one whose frame it goes with
 local Domains = {}
 
 ---Elements given to a bone's domain, or (without a bone) taken out of those that follow one: new
@@ -1457,6 +1461,11 @@ function Domains:refilled(maps, mask, mesh, node_from, element_from) end
 ---@return integer[]
 function Domains:touched(mask) end
 
+---The pieces with an element that has a node whose mask is not 0.
+---@param mask bw.Array
+---@return integer[]
+function Domains:pieces_touched(mask) end
+
 ---Where the nodes are under maps of the bones: corners blended, middle nodes half-way.
 ---@param maps bw.Array|table
 ---@return bw.Array?
@@ -1469,7 +1478,7 @@ function Domains:posed_nodes(maps) end
 ---@return bw.Array?
 function Domains:pose_derivative(pose, bone, axis) end
 
----How every domain lies against rest: rows of 19, the linear map, the frame, and 1 where it was
+---How every piece lies against rest: rows of 19, the linear map, the frame, and 1 where it was
 ---reshaped.
 ---@param maps bw.Array|table
 ---@param rotations bw.Array|table
@@ -1769,13 +1778,13 @@ function Bone:set(change) end
 ---@return table? details
 function Bone:reset() end
 
----The equations of a part cut into domains, kept up to date through edits. Changed by `update`.
+---The equations of a part cut into pieces, kept up to date through edits. Changed by `update`.
 ---@class bw.LocalSystem
 ---@field unknown_count integer
----@field domain_count integer
+---@field piece_count integer
 local LocalSystem = {}
 
----Follows an edit: the moved model, and how every domain lies against the shape that the system was
+---Follows an edit: the moved model, and how every piece lies against the shape that the system was
 ---made at (rows of bw.Domains:motion).
 ---@param model bw.Model
 ---@param motion bw.Array|table
@@ -1808,7 +1817,7 @@ function LocalSystem:statics(model, options, reused) end
 ---@return table? details
 function LocalSystem:refactor(reused) end
 
----Bytes of the factor, of what is kept for updating it, of the domains' coefficients.
+---Bytes of the factor, of what is kept for updating it, of the pieces' coefficients.
 ---@return integer factor
 ---@return integer updates
 ---@return integer coefficients

@@ -77,7 +77,7 @@ local VIEW = {direction = {1, -1.3, 0.7}, up = {0, 0, 1}, width = 900, height = 
 -- Reused, as it goes into result.json.
 local function reused_of(result)
   local reuse = result.reused
-  return {words = tostring(reuse), domains = reuse.domains, domains_touched = reuse.domains_touched,
+  return {words = tostring(reuse), pieces = reuse.pieces, pieces_touched = reuse.pieces_touched,
     method = reuse.method, factor_kept = reuse.factor_kept, iterations = reuse.iterations}
 end
 

@@ -128,6 +128,18 @@ typedef struct bw_domains {
   int64_t *influence_start; /* node_count + 1 */
   int32_t *influence_bone;
   double *influence_weight;
+  /* Domains cut further, for the equations: elements joined through faces whose corners follow the
+   * same set of bones. Few of a blended domain's bones matter at any place, so that an edit changes
+   * some of its pieces and leaves the others. A domain of type R is one piece, of its own number;
+   * the others come after, by domain. */
+  int32_t piece_count;
+  int32_t *element_piece;    /* element_count */
+  int32_t *piece_domain;     /* piece_count: ascending */
+  int32_t *piece_bone_start; /* piece_count + 1: the bones its corners follow, ascending */
+  int32_t *piece_bone;
+  int32_t *node_piece; /* node_count: the piece whose frame a node goes with: that of type R if any,
+                          else one whose first bone all pieces at the node follow, where there is
+                          one, and of these that of the fewest bones */
 } bw_domains;
 
 typedef struct bw_domains_options {
@@ -193,11 +205,11 @@ bw_status bw_pose_nodes(bw_context *context, const bw_domains *domains, const do
 bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
                              const bw_bone_pose *pose, int32_t bone, int axis, double *derivative);
 
-/* How each domain moved since rest: see bw_domain_motion (assemble.h). A type F domain all of whose
- * bones moved by one affine map moves with it as a whole. Frames are the bones' rotations (for type
- * F that of its first bone). */
-bw_status bw_pose_domains(bw_context *context, const bw_domains *domains, const double *map,
-                          const double *rotation, bw_domain_motion *motion);
+/* How each piece moved since rest (piece_count): see bw_domain_motion (assemble.h). A piece all of
+ * whose bones moved by one affine map moves with it as a whole. Its frame is the rotation of its
+ * first bone. */
+bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const double *map,
+                         const double *rotation, bw_domain_motion *motion);
 
 /* ---- inverse kinematics ---------------------------------------------------------------------- */
 

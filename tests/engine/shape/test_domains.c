@@ -70,8 +70,14 @@ static void graded(void *data, const double unit[3], double out[3]) {
   out[2] = 0.4 * sqrt(unit[2]);
 }
 
+/* What is left of two weights of one in sum when small ones are left out. */
+static double thinned(double w) {
+  double own = fmax(w - 0.01, 0), other = fmax(1 - w - 0.01, 0);
+  return own / (own + other);
+}
+
 /* A slab of type F between two planes: harmonic weights are linear in x, to rounding, whatever the
- * sizes of the elements. */
+ * sizes of the elements; they follow one bone alone near its interface. */
 static void test_blend_is_linear(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh;
@@ -102,7 +108,7 @@ static void test_blend_is_linear(void **state) {
         weight += d->influence_weight[k];
       assert_true(d->influence_bone[k] < 2);
     }
-    check_near(weight, expected, 1e-11);
+    check_near(weight, thinned(expected), 1e-11);
     check_near(sum, 1, 1e-15);
     found++;
   }

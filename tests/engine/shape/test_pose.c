@@ -39,7 +39,7 @@ static void test_rest(void **state) {
   for (int b = 0; b < 4; b++)
     pose[b].translation[1] = 0.3;
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
-  check_ok(context, bw_pose_domains(context, d, map, rotation, motion));
+  check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
   for (int i = 0; i < d->count; i++) {
     assert_false(motion[i].reshaped);
     assert_memory_equal(motion[i].linear, unit, sizeof unit);
@@ -173,7 +173,7 @@ static void test_nodes(void **state) {
     limbs_random_pose(&random, 4, pose);
     check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
     check_ok(context, bw_pose_nodes(context, d, map, node));
-    check_ok(context, bw_pose_domains(context, d, map, rotation, motion));
+    check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
     for (int32_t e = 0; e < mesh->element_count; e++) {
       const int32_t *at = mesh->element + e * mesh->nodes_per_element;
       int32_t domain = d->element_domain[e], b = d->bone_of[domain];
@@ -228,7 +228,7 @@ static void test_turned_as_a_whole(void **state) {
     bw_bone_pose_rest(pose + b);
   limbs_turn(pose[1].rotation, (double[3]){1, 2, 3}, 0.7);
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
-  check_ok(context, bw_pose_domains(context, d, map, rotation, motion));
+  check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
   assert_false(motion[0].reshaped || motion[1].reshaped || motion[2].reshaped);
   assert_true(motion[3].reshaped);  /* between bones 0 and 1 */
   assert_false(motion[4].reshaped); /* between 1 and 2, which turned together */
@@ -237,7 +237,7 @@ static void test_turned_as_a_whole(void **state) {
   /* from the root, with a chain of turns: everything beyond the last of them goes as a whole */
   limbs_turn(pose[0].rotation, (double[3]){0, 2, -1}, 0.3);
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
-  check_ok(context, bw_pose_domains(context, d, map, rotation, motion));
+  check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
   assert_false(motion[4].reshaped);
   assert_memory_equal(map + 12, map + 24, 12 * sizeof(double));
   bw_release(d);

@@ -1,0 +1,381 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Domains of type F cut into pieces: elements joined through faces whose corners follow the same
+ * set of bones.
+ *
+ * Invariants: a piece lies in one domain and is connected through faces, but for what its domain
+ * has that is joined by edges or corners only (then each part is a piece); its bones are those that
+ * its corners follow; a domain of type R is the piece of the same number. Pieces too small to be
+ * worth their own bookkeeping are joined to a neighbour, so that then a piece's bones are those of
+ * any of its corners and not of all. */
+#include "shape/domains_internal.h"
+
+#include <string.h>
+
+/* Pieces of fewer elements are joined to a neighbour. */
+enum { fewest = 40 };
+
+/* Elements in the place of pieces while those grow: named by their first element. */
+typedef struct pieces {
+  bw_domains *domains;
+  size_t words;   /* of a set of bones */
+  uint64_t *set;  /* element_count x words: that of the piece, at its first element */
+  int32_t *group; /* element_count */
+  int32_t *size;  /* element_count: elements of the piece, at its first */
+  int32_t *next;  /* element_count: the piece's elements in a chain, -1 at its end */
+  int32_t *last;  /* element_count: the end of the chain, at its first */
+} pieces;
+
+static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
+  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+}
+
+/* ---- sets of bones --------------------------------------------------------------------------- */
+
+static size_t set_words(const bw_domains *d) {
+  return ((size_t)d->skeleton->bone_count + 63) / 64;
+}
+
+static void add_bone(uint64_t *set, int32_t bone) {
+  set[bone / 64] |= (uint64_t)1 << (bone % 64);
+}
+
+static bool has_bone(const uint64_t *set, int32_t bone) {
+  return set[bone / 64] >> (bone % 64) & 1;
+}
+
+/* How many bones are in a and not in b (NULL: the empty set). */
+static int32_t count_beyond(const uint64_t *a, const uint64_t *b, size_t words) {
+  int32_t count = 0;
+  for (size_t k = 0; k < words; k++)
+    for (uint64_t left = b ? a[k] & ~b[k] : a[k]; left; left &= left - 1)
+      count++;
+  return count;
+}
+
+/* The bones that the corners of element e follow. */
+static void add_followed(const bw_domains *d, int32_t e, uint64_t *set) {
+  for (int k = 0; k < 4; k++) {
+    int32_t i = nodes_of(d->mesh, e)[k];
+    for (int64_t at = d->influence_start[i]; at < d->influence_start[i + 1]; at++)
+      add_bone(set, d->influence_bone[at]);
+  }
+}
+
+/* ---- growing --------------------------------------------------------------------------------- */
+
+static uint64_t *set_of(const pieces *p, int32_t first) {
+  return p->set + (size_t)first * p->words;
+}
+
+static bool same_set(const pieces *p, int32_t a, int32_t b) {
+  return memcmp(set_of(p, a), set_of(p, b), p->words * sizeof(uint64_t)) == 0;
+}
+
+static void join(pieces *p, int32_t a, int32_t b) {
+  a = bwi_group_find(p->group, a);
+  b = bwi_group_find(p->group, b);
+  if (a == b)
+    return;
+  bwi_group_join(p->group, a, b);
+  int32_t to = a < b ? a : b, from = a < b ? b : a;
+  for (size_t k = 0; k < p->words; k++)
+    set_of(p, to)[k] |= set_of(p, from)[k];
+  p->size[to] += p->size[from];
+  p->next[p->last[to]] = from;
+  p->last[to] = p->last[from];
+}
+
+/* The face neighbour of e in the same domain, or -1. */
+static int32_t beside(const bw_domains *d, int32_t e, int k) {
+  int32_t other = d->mesh->neighbour[4 * (size_t)e + (size_t)k];
+  return other >= 0 && d->element_domain[other] == d->element_domain[e] ? other : -1;
+}
+
+/* Join what touches through faces and follows the same bones. */
+static void join_alike(pieces *p) {
+  const bw_domains *d = p->domains;
+  for (int32_t e = 0; e < d->mesh->element_count; e++)
+    for (int k = 0; k < 4; k++) {
+      int32_t other = beside(d, e, k);
+      if (other > e && (d->bone_of[d->element_domain[e]] >= 0 ||
+                        same_set(p, bwi_group_find(p->group, e), bwi_group_find(p->group, other))))
+        join(p, e, other);
+    }
+}
+
+/* The neighbour of a piece with which fewest elements come to follow bones that they did not: that
+ * of the smallest superset, if there is one and it is not too large. Or -1. */
+static int32_t best_neighbour(pieces *p, int32_t first) {
+  int32_t best = -1;
+  int64_t least = 0;
+  for (int32_t e = first; e >= 0; e = p->next[e])
+    for (int k = 0; k < 4; k++) {
+      int32_t other = beside(p->domains, e, k);
+      if (other < 0 || (other = bwi_group_find(p->group, other)) == first)
+        continue;
+      const uint64_t *own = set_of(p, first), *its = set_of(p, other);
+      int64_t cost = (int64_t)p->size[first] * count_beyond(its, own, p->words) +
+                     (int64_t)p->size[other] * count_beyond(own, its, p->words);
+      if (best < 0 || cost < least || (cost == least && other < best)) {
+        best = other;
+        least = cost;
+      }
+    }
+  return best;
+}
+
+/* Smallest pieces first; what they become part of is larger, and comes later if it is still small.
+ */
+static void join_small(pieces *p) {
+  const bw_domains *d = p->domains;
+  for (int32_t size = 1; size < fewest; size++)
+    for (int32_t e = 0; e < d->mesh->element_count; e++) {
+      if (p->group[e] != e || p->size[e] != size || d->bone_of[d->element_domain[e]] >= 0)
+        continue;
+      int32_t to = best_neighbour(p, e);
+      if (to >= 0)
+        join(p, e, to);
+    }
+}
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* element_piece, piece_count, piece_domain: by domain, then by first element. */
+static bw_status number_pieces(bw_context *context, pieces *p) {
+  bw_domains *d = p->domains;
+  int32_t elements = d->mesh->element_count, *next = BW_NEW0(context, int32_t, d->count + 1);
+  if (!next)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < elements; e++)
+    if (p->group[e] == e)
+      next[d->element_domain[e] + 1]++;
+  for (int32_t i = 0; i < d->count; i++)
+    next[i + 1] += next[i];
+  d->piece_count = next[d->count];
+  d->element_piece = BW_NEW(context, int32_t, elements);
+  d->piece_domain = BW_NEW(context, int32_t, d->piece_count);
+  if (!d->element_piece || !d->piece_domain) {
+    bw_free(next);
+    return BW_MEMORY;
+  }
+  for (int32_t e = 0; e < elements; e++) {
+    int32_t first = bwi_group_find(p->group, e);
+    if (first == e) {
+      d->element_piece[e] = next[d->element_domain[e]]++;
+      d->piece_domain[d->element_piece[e]] = d->element_domain[e];
+    } else {
+      d->element_piece[e] = d->element_piece[first];
+    }
+  }
+  bw_free(next);
+  return BW_OK;
+}
+
+static bw_status list_bones(bw_context *context, const pieces *p) {
+  bw_domains *d = p->domains;
+  int32_t *start = d->piece_bone_start = BW_NEW0(context, int32_t, d->piece_count + 1);
+  if (!start)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < d->mesh->element_count; e++)
+    if (p->group[e] == e)
+      start[d->element_piece[e] + 1] = count_beyond(set_of(p, e), NULL, p->words);
+  for (int32_t i = 0; i < d->piece_count; i++)
+    start[i + 1] += start[i];
+  d->piece_bone = BW_NEW(context, int32_t, start[d->piece_count]);
+  if (!d->piece_bone)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < d->mesh->element_count; e++) {
+    if (p->group[e] != e)
+      continue;
+    int32_t at = start[d->element_piece[e]];
+    for (int32_t b = 0; b < d->skeleton->bone_count; b++)
+      if (has_bone(set_of(p, e), b))
+        d->piece_bone[at++] = b;
+  }
+  return BW_OK;
+}
+
+/* ---- frames of nodes ------------------------------------------------------------------------- */
+
+/* node_piece. When a part of the body turns as a whole, pieces in it keep their entries where all
+ * their nodes' frames turn along: those of bones that they follow. */
+static bw_status place_nodes(bw_context *context, const pieces *p) {
+  bw_domains *d = p->domains;
+  const bw_mesh *mesh = d->mesh;
+  bw_status status = BW_MEMORY;
+  int32_t bones = d->skeleton->bone_count;
+  uint64_t *common = BW_NEW(context, uint64_t, (int64_t)p->words * mesh->node_count);
+  int32_t *rank = BW_NEW(context, int32_t, mesh->node_count); /* of the choice: lower is better */
+  d->node_piece = BW_NEW(context, int32_t, mesh->node_count);
+  if (!common || !rank || !d->node_piece)
+    goto done;
+  memset(common, 0xff, p->words * (size_t)mesh->node_count * sizeof *common);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < mesh->nodes_per_element; k++)
+      for (size_t w = 0; w < p->words; w++)
+        common[(size_t)nodes_of(mesh, e)[k] * p->words + w] &=
+            set_of(p, bwi_group_find(p->group, e))[w];
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    d->node_piece[i] = -1;
+    rank[i] = INT32_MAX;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t piece = d->element_piece[e], first = d->piece_bone_start[piece];
+    int32_t count = d->piece_bone_start[piece + 1] - first;
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k], own = count;
+      if (piece < d->rigid_count)
+        own = 0;
+      else if (!has_bone(common + (size_t)i * p->words, d->piece_bone[first]))
+        own += bones;
+      if (own < rank[i] || (own == rank[i] && piece < d->node_piece[i])) {
+        rank[i] = own;
+        d->node_piece[i] = piece;
+      }
+    }
+  }
+  status = BW_OK;
+done:
+  bw_free(common);
+  bw_free(rank);
+  return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+void bwi_domains_clear_pieces(bw_domains *d) {
+  bw_free(d->element_piece);
+  bw_free(d->piece_domain);
+  bw_free(d->piece_bone_start);
+  bw_free(d->piece_bone);
+  bw_free(d->node_piece);
+  d->element_piece = d->piece_domain = d->piece_bone_start = d->piece_bone = d->node_piece = NULL;
+  d->piece_count = 0;
+}
+
+bw_status bwi_domains_cut(bw_context *context, bw_domains *domains) {
+  bw_status status = BW_MEMORY;
+  int32_t elements = domains->mesh->element_count;
+  pieces p = {.domains = domains, .words = set_words(domains)};
+  bwi_domains_clear_pieces(domains);
+  p.set = BW_NEW0(context, uint64_t, (int64_t)p.words * elements);
+  p.group = BW_NEW(context, int32_t, elements);
+  p.size = BW_NEW(context, int32_t, elements);
+  p.next = BW_NEW(context, int32_t, elements);
+  p.last = BW_NEW(context, int32_t, elements);
+  if (!p.set || !p.group || !p.size || !p.next || !p.last)
+    goto done;
+  for (int32_t e = 0; e < elements; e++) {
+    p.group[e] = p.last[e] = e;
+    p.size[e] = 1;
+    p.next[e] = -1;
+    add_followed(domains, e, set_of(&p, e));
+  }
+  join_alike(&p);
+  join_small(&p);
+  join_alike(&p); /* sets that grew may be alike now */
+  BW_TRY(bw_check_cancel(context));
+  BW_TRY(number_pieces(context, &p));
+  BW_TRY(list_bones(context, &p));
+  BW_TRY(place_nodes(context, &p));
+done:
+  bw_free(p.set);
+  bw_free(p.group);
+  bw_free(p.size);
+  bw_free(p.next);
+  bw_free(p.last);
+  return status;
+}
+
+/* ---- the check ------------------------------------------------------------------------------- */
+
+static bw_status fail_piece(bw_context *context, int32_t element, int32_t piece, const char *what) {
+  bw_fail(context, BW_INTERNAL, "element %d is in piece %d, %s", element + 1, piece + 1, what);
+  bw_detail_number(context, "element", element);
+  return BW_INTERNAL;
+}
+
+static bool follows(const bw_domains *d, int32_t piece, int32_t bone) {
+  for (int32_t k = d->piece_bone_start[piece]; k < d->piece_bone_start[piece + 1]; k++)
+    if (d->piece_bone[k] == bone)
+      return true;
+  return false;
+}
+
+/* Pieces cover the domains, and each is what its lowest element reaches through faces. */
+static bw_status check_parts(bw_context *context, const bw_domains *d, int32_t *group,
+                             int32_t *first) {
+  const bw_mesh *mesh = d->mesh;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t piece = d->element_piece[e];
+    if (piece < 0 || piece >= d->piece_count)
+      return fail_piece(context, e, piece, "which does not exist");
+    if (d->piece_domain[piece] != d->element_domain[e])
+      return fail_piece(context, e, piece, "which is of another domain");
+    if (d->element_domain[e] < d->rigid_count && piece != d->element_domain[e])
+      return fail_piece(context, e, piece, "which is not that of its domain");
+    group[e] = e;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < 4; k++) {
+      int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
+      if (other > e && d->element_piece[other] == d->element_piece[e])
+        bwi_group_join(group, e, other);
+    }
+  for (int32_t i = 0; i < d->piece_count; i++)
+    first[i] = -1;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t *named = first + d->element_piece[e], part = bwi_group_find(group, e);
+    if (*named < 0)
+      *named = part;
+    else if (*named != part)
+      return fail_piece(context, e, d->element_piece[e], "which falls apart");
+  }
+  return BW_OK;
+}
+
+/* A piece follows what its corners follow, and nothing else. */
+static bw_status check_bones(bw_context *context, const bw_domains *d, uint8_t *met) {
+  const bw_mesh *mesh = d->mesh;
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    int32_t piece = d->element_piece[e];
+    for (int k = 0; k < mesh->nodes_per_element; k++) {
+      int32_t i = nodes_of(mesh, e)[k], frame = d->node_piece[i];
+      for (int64_t at = d->influence_start[i]; at < d->influence_start[i + 1]; at++) {
+        int32_t list = d->piece_bone_start[piece], bone = d->influence_bone[at];
+        if (!follows(d, piece, bone))
+          return fail_piece(context, e, piece, "whose bones are not all that its corners follow");
+        while (d->piece_bone[list] != bone)
+          list++;
+        met[list] = 1;
+      }
+      if (frame < 0 || frame >= d->piece_count || (piece < d->rigid_count && frame != piece))
+        return fail_piece(context, e, piece, "a node of which goes with another");
+    }
+  }
+  for (int32_t i = 0; i < d->piece_count; i++)
+    for (int32_t k = d->piece_bone_start[i]; k < d->piece_bone_start[i + 1]; k++) {
+      bool sorted = k == d->piece_bone_start[i] || d->piece_bone[k - 1] < d->piece_bone[k];
+      if (!met[k] || !sorted)
+        return bw_fail(context, BW_INTERNAL,
+                       "piece %d lists bone %d, which none of its corners follows, or out of order",
+                       i + 1, d->piece_bone[k] + 1);
+    }
+  return BW_OK;
+}
+
+bw_status bwi_domains_check_pieces(bw_context *context, const bw_domains *d) {
+  bw_status status = BW_MEMORY;
+  int32_t *group = BW_NEW(context, int32_t, d->mesh->element_count);
+  int32_t *first = BW_NEW(context, int32_t, d->piece_count);
+  uint8_t *met = BW_NEW0(context, uint8_t, d->piece_bone_start[d->piece_count]);
+  if (!group || !first || !met)
+    goto done;
+  BW_TRY(check_parts(context, d, group, first));
+  BW_TRY(check_bones(context, d, met));
+done:
+  bw_free(group);
+  bw_free(first);
+  bw_free(met);
+  return status;
+}
