@@ -30,6 +30,7 @@ local rules = {
   iterations = {type = "integer", default = 40, least = 1},
   tolerance = {type = "number", default = 1e-4, above = 0},
   step = {type = "number", default = 0.5, above = 0},
+  refills = {type = "integer", default = 3, least = 0},
   inertia_relief = {type = "boolean"},
 }
 
@@ -44,6 +45,23 @@ local function note(self, point, t)
     self.best = {point = point, t = table.move(t, 1, #t, 1, {})}
   end
   return entry
+end
+
+-- Where the mesh stopped all steps: goes to the farthest of their shapes that can be had by filling
+-- domains again. Returns the point there, on the new mesh, or false.
+local function refill(self)
+  self.refills = self.refills + 1
+  for _, t in ipairs(self.blocked) do
+    if self.stage:refill(unknowns.scales(self, t)) then
+      self.corners = core.corner_nodes(self.stage.topology.mesh)
+      local fine, message, details = unknowns.measure(self)
+      if not fine then return nil, message, details end
+      self.constraints, self.constrained, self.memory, self.best = {}, {}, nil, nil
+      self.t, self.E, self.radius = t, {}, self.wish.step
+      return self.stage:at(unknowns.scales(self, t))
+    end
+  end
+  return false
 end
 
 -- From `point` at self.t until no node is above the limit. Returns "met", "infeasible", "stuck", or
@@ -71,8 +89,20 @@ local function descend(self, point)
     taken, message, details = steps.take(self, point, self.t, known, met and not new)
     if not taken then return nil, message, details end
     if taken.still and met then return "met" end
-    if taken.still then return taken.step and "infeasible" or "stuck" end
-    self.t, point = taken.t, taken.point
+    if taken.still and not taken.step and #self.blocked > 0 and self.refills < self.wish.refills then
+      local other
+      other, message, details = refill(self)
+      if other == nil then return nil, message, details end
+      if other then
+        point, last = other, nil
+      else
+        self.refills = self.wish.refills -- shorter steps are left
+      end
+    elseif taken.still then
+      return taken.step and "infeasible" or "stuck"
+    else
+      self.t, point = taken.t, taken.point
+    end
   end
 end
 
@@ -189,7 +219,7 @@ function optimise.run(session, given)
   local wish = options.read("optimise", given, rules, 3)
   local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
     motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
-    radius = wish.step, price = 0, limit = wish.von_mises * (1 - models.margin)}
+    radius = wish.step, price = 0, refills = 0, blocked = {}, limit = wish.von_mises * (1 - models.margin)}
   local parts = {}
   if wish.loads == "own" then parts[1] = session.source end
   for i, part in ipairs(wish.cases) do
@@ -228,11 +258,10 @@ function optimise.run(session, given)
   if not word then return nil, message, details end
   if word ~= "met" then return refuse(self, word) end
   local found = answer(self, self.point, self.t, true)
-  local changes = {}
-  for name, scale in pairs(found.factors) do changes[name] = {scale = scale} end
-  if next(changes) then
+  local scales = unknowns.scales(self, self.t)
+  if next(scales) then
     local fine
-    fine, message, details = session:pose(changes)
+    fine, message, details = self.stage:commit(scales)
     if not fine then return nil, message, details end
   end
   return found

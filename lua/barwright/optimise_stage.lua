@@ -5,6 +5,7 @@
 local core = require "barwright.core"
 local edit_follow = require "barwright.edit_follow"
 local edit_pose = require "barwright.edit_pose"
+local edit_script = require "barwright.edit_script"
 local edit_shape = require "barwright.edit_shape"
 
 local stage = {}
@@ -65,10 +66,16 @@ local function solve(self, state, part, scales)
   return {result = result, model = record.model, system = record.system, von_mises = result.von_mises}
 end
 
---- The point with these factors: scales[bone] = {x, y, z} for bones that differ from the start.
-function stage:at(scales)
+--- The pose with these factors: scales[bone] = {x, y, z} for bones that differ from the start.
+function stage:pose_of(scales)
   local pose = self.pose
   for bone, scale in pairs(scales) do pose = edit_pose.with(pose, bone, nil, scale) end
+  return pose
+end
+
+--- The point with these factors.
+function stage:at(scales)
+  local pose = self:pose_of(scales)
   local shape, message, details = edit_shape.of(self.topology, pose, self.session.wish)
   if not shape then return nil, message, details end
   if shape.how == "relaxed" and not self.relaxing then -- its nodes are not linear in the factors
@@ -92,7 +99,7 @@ end
 --- d stress of nodes of a case by motions of all nodes, at a point: rows for nodes.
 function stage:slopes(point, i, nodes, motions)
   local case = point.cases[i]
-  if self.last.point ~= point or self.last.case ~= i then
+  if not self.last or self.last.point ~= point or self.last.case ~= i then
     local record, message, details = edit_follow.bring(self.session, point.state, self.parts[i])
     if not record then return nil, message, details end
     case.model, case.system, self.last = record.model, record.system, {point = point, case = i}
@@ -102,6 +109,28 @@ function stage:slopes(point, i, nodes, motions)
     case.result.displacement, nodes, motions, {tolerance = rough})
   if not values then return nil, slopes, details end
   return slopes
+end
+
+--- Goes on with a mesh that was filled again so that a shape which inverts elements can be had: returns
+--- whether there is one.
+function stage:refill(scales)
+  local pose = self:pose_of(scales)
+  local shape = edit_shape.mended(self.topology, pose, self.session.wish)
+  if not shape or shape.topology == self.topology then return false end
+  self.topology, self.relaxing, self.factored, self.last = shape.topology, true, {}, nil
+  return true
+end
+
+--- Makes these factors the session's next edit.
+function stage:commit(scales)
+  local names, list = self.topology.skeleton.bone_names, {}
+  for bone, scale in pairs(scales) do
+    list[#list + 1] = ("[%s] = {scale = %s}"):format(edit_script.value(names[bone]),
+      edit_script.vector(scale))
+  end
+  table.sort(list)
+  return self.session:commit {pose = self:pose_of(scales), topology = self.topology,
+    script = ("session:pose {%s}"):format(table.concat(list, ", "))}
 end
 
 --- Another load case: forces at the nodes of the original mesh.

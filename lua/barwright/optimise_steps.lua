@@ -140,6 +140,7 @@ end
 --- the constrained nodes. `met`: the point will do, if the step would hardly change it.
 function steps.take(self, point, t, list, met)
   local now, short = objective(self, t), models.shortfall(self, point)
+  self.blocked = {}
   for try = 1, 12 do
     local step, message, details = solve_models(self, t, list, self.radius)
     if not step then return nil, message, details end
@@ -167,7 +168,9 @@ function steps.take(self, point, t, list, met)
       return nil, message, details
     else
       self.inverted = message
+      self.blocked[#self.blocked + 1] = step.t
     end
+    if not trial and try >= 3 and self.refills < self.wish.refills then break end
     if not trial and self.stage.relaxing and self.radius < least_radius then break end
     if try > 1 then models.forget(self) end
     if try == 3 and not trial and not self.stage.relaxing then

@@ -42,29 +42,47 @@ function unknowns.ties(skeleton, ties)
   return tied
 end
 
+-- The motion of a group and its part of H, on the stage's mesh.
+local function measure(self, n)
+  local group, motion = self.groups[n], nil
+  for _, bone in ipairs(group.bones) do
+    local derivative, message, details = self.stage:derivative(bone, group.axis)
+    if not derivative then return nil, message, details end
+    derivative = derivative * self.stage:factors(bone)[group.axis]
+    motion = motion and motion + derivative or derivative
+  end
+  self.motions[n], group.corners = motion, motion:gather(self.corners)
+  self.H[n] = {}
+  for i = 1, n do
+    self.H[n][i] = group.corners:dot(self.groups[i].corners)
+    self.H[i][n] = self.H[n][i]
+  end
+  return true
+end
+
 local function add_group(self, bones, axis)
   local group = {bones = bones, axis = axis, low = 0, high = math.huge}
   for _, bone in ipairs(bones) do
     local start = self.stage:factors(bone)[axis]
     group.low = math.max(group.low, math.min(self.wish.low / start, 1))
     group.high = math.min(group.high, math.max(self.wish.high / start, 1))
-    local derivative, message, details = self.stage:derivative(bone, axis)
-    if not derivative then return nil, message, details end
-    local motion = derivative * start
-    group.motion = group.motion and group.motion + motion or motion
   end
-  group.corners = group.motion:gather(self.corners)
   local n = #self.groups + 1
-  self.groups[n], self.t[n], self.H[n] = group, 1, {}
-  for i = 1, n do
-    self.H[n][i] = group.corners:dot(self.groups[i].corners)
-    self.H[i][n] = self.H[n][i]
-  end
-  if self.H[n][n] > 0 then
-    self.motions[n] = group.motion
-  else -- moves nothing
-    self.groups[n], self.t[n], self.H[n] = nil, nil, nil
+  self.groups[n], self.t[n] = group, 1
+  local fine, message, details = measure(self, n)
+  if not fine then return nil, message, details end
+  if self.H[n][n] <= 0 then -- moves nothing
+    self.groups[n], self.t[n], self.H[n], self.motions[n] = nil, nil, nil, nil
     for i = 1, n - 1 do self.H[i][n] = nil end
+  end
+  return true
+end
+
+--- All of them anew, on another mesh.
+function unknowns.measure(self)
+  for n = 1, #self.groups do
+    local fine, message, details = measure(self, n)
+    if not fine then return nil, message, details end
   end
   return true
 end

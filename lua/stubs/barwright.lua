@@ -1540,6 +1540,7 @@ function edit_module.begin(script, session) end
 ---@field change? number a worst load whose stress is above the limit by no more than this fraction is the last; default 0.02
 ---@field iterations? integer steps, at most; default 40
 ---@field tolerance? number relative change of the change of shape at which to stop; default 1e-4
+---@field refills? integer how often domains may be filled again where the mesh stops steps; default 3
 ---@field step? number largest relative change of a factor in the first step; default 0.5
 ---@field inertia_relief? boolean see bw.Session:solve; with loads = "worst" by default
 
