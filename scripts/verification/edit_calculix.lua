@@ -99,8 +99,6 @@ function part.run()
       for k = 1, 6 do s[k] = s[k] / s.volume end
       worst = math.max(worst, math.abs(von_mises(s) - result.von_mises[node]))
     end
-    local after = {}
-    for _, edit in ipairs(session.edits) do after[edit.mesh] = (after[edit.mesh] or 0) + 1 end
     rows[#rows + 1] = {body.name .. ": displacement", largest(u - result.displacement) /
       largest(result.displacement), "at most", 1e-6, ("%d elements after %d edits in force"):format(
       mesh.element_count, #session.edits)}
