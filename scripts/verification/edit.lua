@@ -41,7 +41,10 @@ end
 local function show_table(heads, rows)
   write("| %s |", table.concat(heads, " | "))
   write("|%s", ("---|"):rep(#heads))
-  for _, row in ipairs(rows) do write("| %s |", table.concat(row, " | ")) end
+  for _, row in ipairs(rows) do
+    write("| %s |", table.concat(row, " | "))
+    print("   " .. table.concat(row, ", "))
+  end
   write ""
 end
 
