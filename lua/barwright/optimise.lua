@@ -58,7 +58,11 @@ local function refill(self)
       if not fine then return nil, message, details end
       self.constraints, self.constrained, self.memory, self.best = {}, {}, nil, nil
       self.t, self.E, self.radius = t, {}, self.wish.step
-      return self.stage:at(unknowns.scales(self, t))
+      local point
+      point, message, details = self.stage:at(unknowns.scales(self, t))
+      if not point then return nil, message, details end
+      models.constrain_highest(self, point)
+      return point
     end
   end
   return false

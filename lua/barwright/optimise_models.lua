@@ -46,6 +46,11 @@ function models.constrain_peaks(self, point)
   return new
 end
 
+--- Constrains the highest node under each load, above the limit or not.
+function models.constrain_highest(self, point)
+  for i, case in ipairs(point.cases) do constrain(self, i, case.von_mises:argmax()) end
+end
+
 -- h = (limit / stress)^(1 / power) of a constraint at a point; at least 1 where it is met.
 local function height(self, point, constraint)
   local stress = point.cases[constraint.case].von_mises[constraint.node]
