@@ -1,13 +1,11 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The colour map: 0..1 -> sRGB bytes, between knots that the engine put into the page, so that
-// pictures and pages show the same colours.
-import { data } from "./data.mjs";
-
-const knots = data.colours;
-
-export function colour(t) {
-  const x = Math.min(1, Math.max(0, t)) * (knots.length - 1);
-  const i = Math.min(knots.length - 2, Math.floor(x));
-  const f = x - i;
-  return [0, 1, 2].map((k) => Math.round(knots[i][k] * (1 - f) + knots[i + 1][k] * f));
+// The colour map: 0..1 -> sRGB bytes, between knots that the engine gave, so that pictures and pages
+// show the same colours.
+export function colourMap(knots) {
+  return (t) => {
+    const x = Math.min(1, Math.max(0, t)) * (knots.length - 1);
+    const i = Math.min(knots.length - 2, Math.floor(x));
+    const f = x - i;
+    return [0, 1, 2].map((k) => Math.round(knots[i][k] * (1 - f) + knots[i + 1][k] * f));
+  };
 }

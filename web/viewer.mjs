@@ -2,9 +2,9 @@
 // The report's 3D view: a surface that turns, coloured by a field, deformed by a displacement or a
 // swinging mode, with the arrows of the chosen load. Reads the page's #data; needs no network.
 import * as THREE from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { colour } from "./colour.mjs";
+import { colourMap } from "./colour.mjs";
 import { data } from "./data.mjs";
+import { drawBar, makeBody, makeStage, number, paint } from "./stage.mjs";
 
 function bytes(base64) {
   const text = atob(base64);
@@ -22,47 +22,17 @@ const motions = (data.displacements || []).map((d) => ({ ...d, values: floats(d.
 
 // ---- scene ---------------------------------------------------------------------------------------
 
-const view = document.getElementById("view");
-const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
-renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-view.appendChild(renderer.domElement);
-const scene = new THREE.Scene();
-scene.background = new THREE.Color(0xf7f8fa);
-
-const geometry = new THREE.BufferGeometry();
-const position = new THREE.BufferAttribute(new Float32Array(rest), 3);
-const paint = new THREE.BufferAttribute(new Float32Array(rest.length), 3);
-geometry.setAttribute("position", position);
-geometry.setAttribute("color", paint);
-geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
-geometry.computeBoundingBox();
-const box = geometry.boundingBox;
-const centre = box.getCenter(new THREE.Vector3());
-const size = box.getSize(new THREE.Vector3()).length() || 1;
-
-const material = new THREE.MeshStandardMaterial({
-  vertexColors: true,
-  flatShading: true,
-  roughness: 0.75,
-  metalness: 0,
-  side: THREE.DoubleSide,
+const colour = colourMap(data.colours);
+const { scene, camera, aim, start } = makeStage(document.getElementById("view"), (now) => {
+  if (state.playing) {
+    state.phase = Math.sin((now / 1000) * 2 * Math.PI * 0.7);
+    deform();
+  }
 });
-scene.add(new THREE.Mesh(geometry, material));
-scene.add(new THREE.HemisphereLight(0xffffff, 0xb0b4bc, 1.6));
-const lamp = new THREE.DirectionalLight(0xffffff, 1.8);
-
-const camera = new THREE.PerspectiveCamera(35, 1, size * 0.001, size * 20);
-camera.up.set(0, 0, 1);
-const start = data.view || [1, -1.4, 0.8];
-camera.position.copy(
-  new THREE.Vector3(...start).normalize().multiplyScalar(size * 1.5).add(centre),
-);
-camera.add(lamp);
-lamp.position.set(0.6, 0.8, 1);
-scene.add(camera);
-const controls = new OrbitControls(camera, renderer.domElement);
-controls.target.copy(centre);
-controls.update();
+const body = makeBody(new Float32Array(rest), triangles);
+const position = body.geometry.getAttribute("position");
+scene.add(body);
+const size = aim(body.geometry.boundingBox, data.view || [1, -1.4, 0.8]);
 
 const arrows = new THREE.Group();
 scene.add(arrows);
@@ -71,7 +41,6 @@ scene.add(arrows);
 
 const byId = (id) => document.getElementById(id);
 const state = { field: 0, motion: 0, scale: 1, range: 1, playing: false, phase: 1 };
-const number = (x) => (Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4));
 
 function fill(select, names) {
   for (const [i, name] of names.entries()) {
@@ -98,25 +67,10 @@ function extent(field) {
 
 function recolour() {
   const field = fields[state.field];
-  if (!field) {
-    paint.array.fill(0.72);
-    paint.needsUpdate = true;
-    return;
-  }
+  if (!field) return paint(body);
   const [low, full] = extent(field);
   const high = low + (full - low) * state.range;
-  const linear = new THREE.Color();
-  for (let i = 0; i < field.values.length; i++) {
-    const v = field.values[i];
-    if (Number.isFinite(v)) {
-      const rgb = colour(high > low ? (v - low) / (high - low) : 0);
-      linear.setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, THREE.SRGBColorSpace);
-    } else linear.setRGB(0.5, 0.5, 0.5);
-    paint.array[3 * i] = linear.r;
-    paint.array[3 * i + 1] = linear.g;
-    paint.array[3 * i + 2] = linear.b;
-  }
-  paint.needsUpdate = true;
+  paint(body, field.values, low, high, colour);
   byId("low").textContent = number(Math.abs(low) < 1e-6 * Math.abs(full) ? 0 : low);
   byId("high").textContent = `${state.range < 1 ? "≥ " : ""}${number(high)}`;
   byId("unit").textContent = field.unit || "";
@@ -238,34 +192,10 @@ byId("play").addEventListener("click", () => {
 document.querySelectorAll("tr[data-motion]").forEach((row) =>
   row.addEventListener("click", () => select(Number(row.dataset.motion))));
 
-const strip = byId("bar").getContext("2d");
-for (let x = 0; x < 256; x++) {
-  const [r, g, b] = colour(x / 255);
-  strip.fillStyle = `rgb(${r},${g},${b})`;
-  strip.fillRect(x, 0, 1, 14);
-}
-
-function resize() {
-  const { clientWidth, clientHeight } = view;
-  renderer.setSize(clientWidth, clientHeight);
-  camera.aspect = clientWidth / Math.max(1, clientHeight);
-  camera.updateProjectionMatrix();
-}
-new ResizeObserver(resize).observe(view);
-resize();
+drawBar(byId("bar"), colour);
 recolour();
 if (motions.length > 0) select(0);
-
-function frame(now) {
-  if (state.playing) {
-    state.phase = Math.sin((now / 1000) * 2 * Math.PI * 0.7);
-    deform();
-  }
-  controls.update();
-  renderer.render(scene, camera);
-  requestAnimationFrame(frame);
-}
-requestAnimationFrame(frame);
+start();
 
 // For whoever drives the page by script.
 window.barwright = {

@@ -6,7 +6,7 @@
 --   assert(session:bone("neck"):scale{1, 1.2, 1.2})
 --   assert(session:undo())
 --
--- part.lua returns the part and the options of bw.edit. So `barwright edits.lua` replays the whole,
+-- part.lua returns the part and the options of bw.edit, or a session. So `barwright edits.lua` replays the whole,
 -- and bw.edit.load("edits.lua", session) replays into a session at hand. Numbers are written so that
 -- they read back with the same bits.
 local core = require "barwright.core"
@@ -113,6 +113,21 @@ function edit_script.open_journal(path, script)
   return append(path)
 end
 
+--- From now on the session's journal is at this path; it begins with the edits in force. One that is
+--- there already is kept beside it.
+function edit_script.keep(session, path)
+  local record, message, details = edit_script.open_journal(path, session.wish.script)
+  if not record then return nil, message, details end
+  for i = 2, session.position do
+    local fine
+    fine, message, details = record:add(session.history[i].script)
+    if not fine then return nil, message, details end
+  end
+  if session.record then session.record:close() end
+  session.record = record
+  return session
+end
+
 -- ---- replaying -----------------------------------------------------------------------------------------
 
 -- The session that the script at hand began, for load: a journal does not return it.
@@ -132,7 +147,8 @@ local function find(path, asking)
 end
 
 --- The session of a saved script: the one that it is replayed into, or a new one on the part that
---- the file `script` returns with the options. `asking` is the source that calls.
+--- the file `script` returns with the options, or the session that it returns. `asking` is the source
+--- that calls.
 function edit_script.begin(edit, asking, script, given)
   if getmetatable(given) == edit.class then
     begun = given
@@ -143,6 +159,10 @@ function edit_script.begin(edit, asking, script, given)
       .. "replay them with bw.edit.load(path, session)", 3)
   end
   local part, options = dofile(find(script, asking))
+  if getmetatable(part) == edit.class then
+    begun, part.wish.script = part, part.wish.script or script
+    return part
+  end
   local wish = {}
   for key, value in pairs(options or {}) do wish[key] = value end
   wish.journal, wish.script = nil, wish.script or script

@@ -35,6 +35,7 @@ local bw = {
   skinning_weights = core.skinning_weights,
   domains = core.domains,
   edit = require "barwright.edit",
+  live = require("barwright.live").run,
   von_mises_gradient = core.von_mises_gradient,
   von_mises_slopes = core.von_mises_slopes,
   quadratic_programme = core.quadratic_programme,

@@ -136,6 +136,7 @@ static void set_path(lua_State *L) {
 
 static void print_help(void) {
   puts("usage: barwright [options] [script.lua [arguments]]\n"
+       "       barwright live session.lua [options]   an edit session in the browser (--help)\n"
        "  -e STATEMENTS   run them (barwright is loaded as bw)\n"
        "  -i              open the prompt after the script or the statements\n"
        "  --gc-stress     run the whole collector at every allocation (slow; for tests)\n"
@@ -232,6 +233,28 @@ static bool run_script(lua_State *L, const command *c) {
   return program_call(L, arguments, 0);
 }
 
+/* barwright live FILE ...: the function run of barwright.live_command with the arguments. */
+static int run_live(lua_State *L) {
+  int arguments = lua_gettop(L);
+  lua_getglobal(L, "require");
+  lua_pushliteral(L, "barwright.live_command");
+  lua_call(L, 1, 1);
+  lua_getfield(L, -1, "run");
+  lua_insert(L, 1);
+  lua_pop(L, 1);
+  lua_call(L, arguments, 0);
+  return 0;
+}
+
+static bool run_command(lua_State *L, const command *c) {
+  int arguments = c->count - c->script_at - 1;
+  luaL_checkstack(L, arguments + 8, "too many arguments");
+  lua_pushcfunction(L, run_live);
+  for (int i = 0; i < arguments; i++)
+    lua_pushstring(L, c->value[c->script_at + 1 + i]);
+  return program_call(L, arguments, 0);
+}
+
 static bool run(lua_State *L, const command *c) {
   set_path(L);
   set_arguments(L, c);
@@ -259,7 +282,7 @@ static bool run(lua_State *L, const command *c) {
       fine = program_call(L, 0, 0);
   }
   if (fine && c->script)
-    fine = run_script(L, c);
+    fine = strcmp(c->script, "live") == 0 ? run_command(L, c) : run_script(L, c);
   if (prompt && !engine->stopping) {
     program_prompt(L);
     return true;

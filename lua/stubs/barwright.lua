@@ -1779,6 +1779,14 @@ function Bone:set(change) end
 ---@return table? details
 function Bone:reset() end
 
+---The live view: serves a session as a page on this machine until Ctrl-C. See docs/live.md.
+---@param session bw.Session
+---@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, saved: string, ready: fun(address: string)}
+---@return bw.Session?
+---@return string? message
+---@return table? details
+function bw.live(session, options) end
+
 ---The equations of a part cut into pieces, kept up to date through edits. Changed by `update`.
 ---@class bw.LocalSystem
 ---@field unknown_count integer

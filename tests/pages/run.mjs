@@ -6,6 +6,7 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
+import { live } from "./live.mjs";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const { chromium } = await import(path.join(root, "web/node_modules/playwright-core/index.mjs"));
@@ -155,6 +156,9 @@ await test("the report of a session shows the shape as it was drawn, in its true
   assert(/scale\{1\.5, 1\.5, 1\.5\}/.test(await page.textContent("body")), "the edit is not listed");
   assert(problems.length === 0, problems.join("; "));
 });
+
+// With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
+await live({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 
 await browser.close();
 fs.rmSync(folder, { recursive: true });

@@ -1,0 +1,157 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright live FILE: the live view of the session that a file makes. The file returns a session, or
+-- a part and the options of bw.edit; or it is a saved session. docs/live.md tells more.
+local core = require "barwright.core"
+local edit = require "barwright.edit"
+local edit_script = require "barwright.edit_script"
+local live = require "barwright.live"
+
+local command = {}
+
+local usage = [[
+usage: barwright live SESSION.lua [options]
+  --port N      the port to listen at (default: any that is free)
+  --save FILE   where the edits are kept (default: SESSION.edits.lua beside it; they are replayed
+                when they are there already)
+  --fresh       begin without the edits kept before; the file is kept as FILE~
+  --no-open     print the address only, do not open a browser
+SESSION.lua returns a session (bw.edit), or a part and the options of bw.edit, or is a saved session.
+Only this machine can reach the page, and only with the address that is printed. Ctrl-C ends it.]]
+
+-- Nothing, after one sentence on standard error: the caller's next word is "return".
+local function fail(text)
+  io.stderr:write("barwright live: ", text, "\n")
+  os.exit(2, true)
+end
+
+local function read_arguments(list)
+  local wish, i = {open = true, port = 0}, 1
+  local function value(name)
+    i = i + 1
+    return list[i] or fail(name .. ": a value is missing")
+  end
+  while i <= #list do
+    local word = list[i]
+    if word == "--help" or word == "-h" then
+      print(usage)
+      os.exit(0, true)
+    elseif word == "--port" then
+      wish.port = math.tointeger(tonumber(value(word)))
+      if not wish.port or wish.port < 0 or wish.port > 65535 then
+        fail "--port: a number from 0 to 65535 expected"
+      end
+    elseif word == "--save" then wish.save = value(word)
+    elseif word == "--fresh" then wish.fresh = true
+    elseif word == "--no-open" then wish.open = false
+    elseif word:sub(1, 1) == "-" then
+      fail(("unknown option '%s': did you mean '%s'?"):format(word,
+        core.nearest(word, {"--port", "--save", "--fresh", "--no-open", "--help"})))
+    elseif wish.file then fail("one file expected, got also " .. word)
+    else wish.file = word end
+    i = i + 1
+  end
+  if not wish.file then fail("SESSION.lua is missing\n" .. usage) end
+  return wish
+end
+
+-- ---- sessions --------------------------------------------------------------------------------------
+
+local function read(path)
+  local file, why = io.open(path, "rb")
+  if not file then fail(why) end
+  local text = file:read "a"
+  file:close()
+  return text or fail(path .. ": cannot be read")
+end
+
+local function exists(path)
+  local file = io.open(path, "rb")
+  if file then file:close() end
+  return file ~= nil
+end
+
+local function folder(path)
+  return path:match "^(.*[/\\])" or ""
+end
+
+-- How the file of edits names the file that it replays on: beside it, else by its whole path.
+local function name_for(file, save)
+  if folder(file) == folder(save) then return file:sub(#folder(file) + 1) end
+  if file:sub(1, 1) == "/" then return file end
+  return (os.getenv "PWD" or ".") .. "/" .. file
+end
+
+local function checked(what, value, message, ...)
+  if value == nil or value == false then fail(what .. ": " .. tostring(message)) end
+  return value, message, ...
+end
+
+-- A file of edits: replayed, and grown further unless they are to be kept elsewhere.
+local function open_edits(wish)
+  local session, cut = checked(wish.file, edit.load(wish.file, nil, {resume = not wish.save}))
+  if cut then print(wish.file .. ": the last line was cut off in the middle and is left out") end
+  if wish.save then checked(wish.save, edit_script.keep(session, wish.save)) end
+  return session, {}, wish.save or wish.file
+end
+
+local function open_script(wish)
+  local fine, made, about = pcall(dofile, wish.file)
+  if not fine then fail(tostring(made)) end
+  local save = wish.save or wish.file:gsub("%.lua$", "") .. ".edits.lua"
+  local session = made
+  about = type(about) == "table" and about or {}
+  if core.classes.model and getmetatable(made) == core.classes.model then
+    session, about = checked(wish.file, edit(made, about)), {}
+  elseif getmetatable(made) ~= edit.class then
+    fail(wish.file .. ": the file must return a session (bw.edit), or a part and options of bw.edit")
+  end
+  session.wish.script = name_for(wish.file, save)
+  if exists(save) and not wish.fresh then
+    local _, cut = checked(save, edit.load(save, session, {resume = true}))
+    print(("%s: %d edits replayed (--fresh begins without them)%s"):format(save, #session.edits,
+      cut and "; the last line was cut off in the middle and is left out" or ""))
+  else
+    checked(save, edit_script.keep(session, save))
+  end
+  return session, about, save
+end
+
+-- ---- the browser -----------------------------------------------------------------------------------
+
+-- Through a file that only this user can read: arguments of programs can be read by others, and who
+-- knows the address can edit.
+local function open_browser(address)
+  if not (os.getenv "DISPLAY" or os.getenv "WAYLAND_DISPLAY") then return end
+  local name = os.tmpname()
+  local path = name .. ".html"
+  if not os.rename(name, path) then return end
+  local file = io.open(path, "wb")
+  if not file then return end
+  file:write('<!doctype html><meta name="referrer" content="no-referrer">',
+    '<meta http-equiv="refresh" content="0; url=', address, '">')
+  file:close()
+  os.execute(("xdg-open '%s' >/dev/null 2>&1 &"):format(path))
+  return path
+end
+
+--- The program's subcommand.
+function command.run(...)
+  local wish = read_arguments {...}
+  local is_edits = read(wish.file):find('require%("barwright"%)%.edit%.begin%(')
+  local session, about, saved = (is_edits and open_edits or open_script)(wish)
+  local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
+  local opened
+  local fine, message = live.run(session, {port = wish.port, title = about.title or name, name = name,
+    solve = about.solve, von_mises = about.von_mises, saved = saved, ready = function(address)
+      print(address)
+      print(("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends."):format(saved))
+      io.stdout:flush()
+      if wish.open then opened = open_browser(address) end
+    end})
+  if opened then os.remove(opened) end
+  if not fine then fail(message) end
+  print(("%d edits in force, kept in %s"):format(#session.edits, saved))
+  session:close()
+end
+
+return command

@@ -1,0 +1,109 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the live view's page is told: a scene (what stays through edits) and states. Both are binary
+-- messages: the length of a JSON text (u32), the text, padded to a multiple of four, then the blocks
+-- that it lists, little-endian. docs/live.md has the fields.
+local core = require "barwright.core"
+local json = require "barwright.json"
+
+local live_frame = {}
+
+-- blocks: {{name, "f4" | "u4", bytes}, ...}
+local function pack(header, blocks)
+  header.blocks = json.list {}
+  local bytes = {}
+  for i, block in ipairs(blocks) do
+    header.blocks[i] = {name = block[1], type = block[2], count = #block[3] // 4}
+    bytes[i] = block[3]
+  end
+  local text = json.encode(header)
+  text = text .. (" "):rep(-#text % 4)
+  return ("<I4"):pack(#text) .. text .. table.concat(bytes)
+end
+
+--- Colours of the map, for a page: 33 knots of red, green, blue from 0 to 255.
+function live_frame.colours()
+  local knots = json.list {}
+  for i = 0, 32 do knots[i + 1] = {core.colour(i / 32)} end
+  return knots
+end
+
+--- What stays while the topology does: {topology, id, surface's nodes, size, bytes}.
+function live_frame.scene(state, id, about)
+  local topology = state.topology
+  local surface, nodes, details = state.shape.mesh:surface()
+  if not surface then return nil, nodes, details end
+  local skeleton, bones = topology.skeleton, json.list {}
+  local ends, parents = skeleton.bones:totable(), skeleton.parents:totable()
+  local alone = {}
+  for _, domain in ipairs(topology.domains) do
+    if domain.bone then alone[domain.bone] = true end
+  end
+  for b, name in ipairs(skeleton.bone_names) do
+    bones[b] = {name = name, head = ends[b][1] - 1, tail = ends[b][2] - 1, parent = parents[b] - 1,
+      follows = alone[name] or false}
+  end
+  local box = surface.box
+  local size = box.size
+  size = math.sqrt(size[1] ^ 2 + size[2] ^ 2 + size[3] ^ 2)
+  return {topology = topology, id = id, nodes = nodes, size = size, bytes = pack({type = "scene",
+    scene = id, title = about.title, bones = bones, joints = json.list(skeleton.joint_names),
+    colours = live_frame.colours(), strength = about.strength, size = size,
+    elements = state.shape.mesh.element_count},
+    {{"triangles", "u4", surface.triangles:tostring("<u4", -1)}})}
+end
+
+-- The axes of every bone where it stands now, by rows: x along the bone.
+local function axes(state)
+  local rest, turned = state.topology.skeleton.frames:totable(), state.shape.rotations:totable()
+  local out = json.list {}
+  for b, frame in ipairs(rest) do
+    local r, row = turned[b], {}
+    for i = 0, 6, 3 do
+      for j = 1, 3 do
+        row[i + j] = r[3 * j - 2] * frame[i + 1] + r[3 * j - 1] * frame[i + 2] + r[3 * j] * frame[i + 3]
+      end
+    end
+    out[b] = row
+  end
+  return out
+end
+
+local function factors(state)
+  local out = json.list {}
+  for b, row in ipairs(state.pose) do out[b] = {row[10], row[11], row[12]} end
+  return out
+end
+
+--- A state of a session, or of a fork of it: `header` has what the desk adds.
+function live_frame.state(scene, state, result, header)
+  local mesh = state.shape.mesh
+  header.type, header.scene = "state", scene.id
+  header.joints = json.list(state.topology.skeleton:posed_joints(state.shape.maps):totable())
+  header.axes, header.factors, header.mesh = axes(state), factors(state), state.note or "posed"
+  local blocks = {{"positions", "f4", mesh.nodes:gather(scene.nodes):tostring "<f4"}}
+  if result then
+    local stress = result.von_mises
+    local worst = stress:argmax()
+    header.maximum, header.node = stress[worst], worst
+    header.at = mesh.nodes:rows(worst, worst):totable()[1]
+    header.error = result:error_estimate()
+    header.reused = tostring(result.reused)
+    blocks[2] = {"von_mises", "f4", stress:gather(scene.nodes):tostring "<f4"}
+    blocks[3] = {"displacement", "f4", result.displacement:gather(scene.nodes):tostring "<f4"}
+  end
+  return pack(header, blocks)
+end
+
+--- The header of such a message, and its blocks by name as text: for scripts that talk to a desk.
+function live_frame.read(bytes)
+  local length = ("<I4"):unpack(bytes)
+  local header = assert(json.decode(bytes:sub(5, 4 + length)))
+  local place, blocks = 5 + length, {}
+  for _, block in ipairs(header.blocks) do
+    blocks[block.name] = bytes:sub(place, place + 4 * block.count - 1)
+    place = place + 4 * block.count
+  end
+  return header, blocks
+end
+
+return live_frame

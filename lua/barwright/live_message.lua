@@ -1,0 +1,183 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Messages of the live view's pages, checked: a JSON object with a known type and exactly the fields
+-- of that type, each of its kind and within its range. Anything else is a sentence of what is wrong.
+local json = require "barwright.json"
+
+local live_message = {}
+
+local function is_object(value)
+  return type(value) == "table" and value ~= json.null
+end
+
+-- What a page sent, to be shown in a message: no more than a line, and plain.
+local function shown(value)
+  return (tostring(value):sub(1, 40):gsub("[^\32-\126]", "?"))
+end
+
+-- Each check returns the value to use, or nil and what is expected.
+
+local function number_between(low, high)
+  return function(value)
+    if type(value) == "number" and value >= low and value <= high then return value end -- NaN fails
+    return nil, ("a number from %g to %g"):format(low, high)
+  end
+end
+
+local function whole(value)
+  if math.type(value) == "integer" and value >= 0 and value <= 2 ^ 53 then return value end
+  return nil, "a whole number"
+end
+
+local function flag(value)
+  if type(value) == "boolean" then return value end
+  return nil, "true or false"
+end
+
+local function vector(check, what)
+  return function(value)
+    if is_object(value) and #value == 3 then
+      local out = {}
+      for i = 1, 3 do out[i] = check(value[i]) end
+      local count = 0
+      for _ in pairs(value) do count = count + 1 end
+      if out[1] and out[2] and out[3] and count == 3 then return out end
+    end
+    return nil, what
+  end
+end
+
+local function axis(value)
+  local out = vector(number_between(-1e3, 1e3), "")(value)
+  if out and out[1] ^ 2 + out[2] ^ 2 + out[3] ^ 2 > 1e-12 then return out end
+  return nil, "an axis of three numbers that are not all 0"
+end
+
+-- Within reach of the body: 20 times its size.
+local function place(value, desk)
+  local most = 20 * desk.scene.size
+  return vector(number_between(-most, most), ("three numbers of at most %g m"):format(most))(value)
+end
+
+local function bone(value, desk)
+  if type(value) == "string" then
+    for _, name in ipairs(desk.session.skeleton.bone_names) do
+      if name == value then return value end
+    end
+  end
+  return nil, "the name of a bone"
+end
+
+local function bones(value, desk)
+  if not is_object(value) or #value > 10000 then return nil, "a list of names of bones" end
+  local out, count = {}, 0
+  for i, name in ipairs(value) do
+    if not bone(name, desk) then return nil, "a list of names of bones" end
+    out[i] = name
+  end
+  for _ in pairs(value) do count = count + 1 end
+  if count ~= #out then return nil, "a list of names of bones" end
+  return out
+end
+
+local function one_of(...)
+  local known = {...}
+  return function(value)
+    for _, word in ipairs(known) do
+      if word == value then return value end
+    end
+    return nil, table.concat(known, " or ")
+  end
+end
+
+-- ---- objects ---------------------------------------------------------------------------------------
+
+-- fields: name -> {check, needed}
+local function read_object(where, value, fields, desk)
+  if not is_object(value) then return nil, where .. ": an object expected" end
+  local out = {}
+  for key in pairs(value) do
+    if not fields[key] then return nil, ("%s: unknown field '%s'"):format(where, shown(key)) end
+  end
+  for key, field in pairs(fields) do
+    local given = value[key]
+    if given ~= nil then
+      local read, expected = field[1](given, desk)
+      if read == nil then return nil, ("%s: '%s': %s expected"):format(where, key, expected) end
+      out[key] = read
+    elseif field[2] then
+      return nil, ("%s: '%s' is missing"):format(where, key)
+    end
+  end
+  return out
+end
+
+local turn_fields = {axis = {axis, true}, degrees = {number_between(-3600, 3600), true}}
+
+local function turn(value, desk)
+  return read_object("rotate", value, turn_fields, desk)
+end
+
+local change_fields = {
+  rotate = {turn},
+  scale = {vector(number_between(0.01, 100), "three factors from 0.01 to 100")},
+  translate = {place},
+  reach = {place},
+  reset = {one_of(true)},
+}
+
+local function change(value, desk)
+  local out, why = read_object("change", value, change_fields, desk)
+  if not out then return nil, why .. "; a change" end
+  local key = next(out)
+  if key and next(out, key) == nil then return out end
+  return nil, "one of rotate, scale, translate, reach, reset"
+end
+
+local stress = number_between(1e-3, 1e15)
+local function stress_or_null(value)
+  if value == json.null then return false end
+  return stress(value)
+end
+
+local nothing = {}
+local types = {
+  begin = {bone = {bone, true}, seq = {whole, true}},
+  move = {seq = {whole, true}, change = {change, true}},
+  ["end"] = {seq = {whole}, cancel = {flag}},
+  edit = {bone = {bone, true}, change = {change, true}, seq = {whole}},
+  undo = nothing,
+  redo = nothing,
+  reset = nothing,
+  stop = nothing,
+  limit = {von_mises = {stress_or_null, true}},
+  optimise = {von_mises = {stress, true}, low = {number_between(0.05, 1)}, high = {number_between(1, 20)},
+    bones = {bones}},
+  export = {format = {one_of("stl", "lua"), true}},
+}
+
+--- The message of a text, or nil and why it is none.
+function live_message.read(text, desk)
+  local value, why = json.decode(text)
+  if value == nil then return nil, "not JSON: " .. why end
+  if not is_object(value) then return nil, "a JSON object with a 'type' expected" end
+  local kind = value.type
+  local fields = type(kind) == "string" and types[kind]
+  if not fields then
+    return nil, ("unknown type of message '%s'"):format(shown(kind))
+  end
+  value.type = nil
+  local message
+  message, why = read_object(kind, value, fields, desk)
+  if not message then return nil, why end
+  message.type = kind
+  return message
+end
+
+--- Whether a text asks to stop what is going on.
+function live_message.is_stop(text)
+  if #text > 100 then return false end
+  local value = json.decode(text)
+  return is_object(value) and value.type == "stop"
+end
+
+return live_message

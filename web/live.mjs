@@ -1,0 +1,345 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// The live view of an edit session: shows the state that the session tells, sends what the person
+// does. The page keeps nothing of its own but what is looked at: windows agree because all of them
+// show the session.
+import * as THREE from "three";
+import { colourMap } from "./colour.mjs";
+import { Bones } from "./live_bones.mjs";
+import { Handles } from "./live_handles.mjs";
+import { connect } from "./live_socket.mjs";
+import { drawBar, makeBody, makeStage, number, paint } from "./stage.mjs";
+
+const byId = (id) => document.getElementById(id);
+const view = byId("view");
+const stage = makeStage(view, () => {});
+const bones = new Bones(stage.scene);
+const worst = new THREE.Mesh(new THREE.SphereGeometry(1, 16, 12),
+  new THREE.MeshBasicMaterial({ color: 0xc62828, depthTest: false, transparent: true, opacity: 0.85 }));
+worst.renderOrder = 2;
+worst.visible = false;
+stage.scene.add(worst);
+
+let me = 0; // this window's number
+let scene = null;
+let state = null;
+let body = null;
+let colour = null;
+let bone = 0;
+let connected = false;
+let busy = false;
+let arrivals = [];
+const touched = { limit: false };
+
+// ---- saying ----------------------------------------------------------------------------------------
+
+function say(text, bad = false) {
+  byId("said").textContent = text;
+  byId("said").classList.toggle("bad", bad);
+}
+
+const link = connect(
+  (message) => heard[message.type]?.(message),
+  (status, reason) => {
+    connected = status === "open";
+    byId("lost").hidden = connected;
+    byId("lost").textContent = status === "ended"
+      ? "The session has ended. Its edits are kept; start barwright live again to go on."
+      : `The connection is lost${reason ? ` (${reason})` : ""}: trying again …`;
+    if (!connected) {
+      handles.drop();
+      setBusy(false);
+    }
+    enable();
+  },
+);
+const send = (message) => link.send(message);
+const handles = new Handles(stage, send);
+
+// ---- what the session tells --------------------------------------------------------------------------
+
+const heard = {
+  welcome(message) {
+    me = message.client;
+    byId("saved").textContent = message.saved ? `Edits are kept in ${message.saved}.` : "";
+  },
+
+  scene(message) {
+    const first = !scene;
+    scene = message;
+    state = null;
+    colour = colourMap(scene.colours);
+    drawBar(byId("bar"), colour);
+    document.title = `${scene.title} – barwright`;
+    byId("title").textContent = scene.title;
+    bones.setBones(scene.bones, scene.size);
+    worst.scale.setScalar(0.008 * scene.size);
+    bone = Math.min(bone, scene.bones.length - 1);
+    listBones();
+    if (first) {
+      const thick = scene.bones.findIndex((b) => b.follows);
+      bone = Math.max(0, thick);
+    }
+  },
+
+  state(message) {
+    if (!scene || message.scene !== scene.scene) return;
+    const aimed = state || body;
+    state = message;
+    arrivals = [...arrivals.slice(-9), performance.now()];
+    setBody();
+    if (!aimed) fit();
+    recolour();
+    bones.place(state.joints);
+    pick(bone);
+    readouts();
+    const drag = state.drag;
+    if (drag && drag.client === me) handles.handled(drag.seq);
+    say(state.trouble || (drag && drag.client !== me ? `another window drags ${drag.bone}` : ""),
+      !!state.trouble);
+  },
+
+  refused(message) {
+    say(message.message, true);
+    if (message.asked === "begin") handles.drop();
+    else if (message.asked === "move") handles.handled(message.seq);
+  },
+
+  error(message) {
+    say(message.message, true);
+  },
+
+  progress(message) {
+    setBusy(true);
+    byId("progress").value = message.fraction;
+    say(`optimising: ${message.stage}`);
+  },
+
+  optimised(message) {
+    setBusy(false);
+    // After the state that follows it, which clears what is said.
+    setTimeout(() => say(message.message, !message.met), 300);
+  },
+
+  file(message) {
+    const a = document.createElement("a");
+    a.href = message.path;
+    a.download = "";
+    a.click();
+  },
+};
+
+// ---- the body ----------------------------------------------------------------------------------------
+
+function setBody() {
+  if (!body || body.userData.scene !== scene.scene) {
+    if (body) {
+      stage.scene.remove(body);
+      body.geometry.dispose();
+      body.material.dispose();
+    }
+    body = makeBody(new Float32Array(state.positions), new Uint32Array(scene.triangles));
+    body.userData.scene = scene.scene;
+    stage.scene.add(body);
+  }
+  deform();
+}
+
+// The slider at 1 shows the largest deflection as a tenth of the body's size.
+function deform() {
+  const slider = Number(byId("deflection").value);
+  const position = body.geometry.getAttribute("position");
+  let factor = 0;
+  if (slider > 0 && state.displacement) {
+    const u = state.displacement;
+    let largest = 0;
+    for (let i = 0; i < u.length; i += 3) largest = Math.max(largest, Math.hypot(u[i], u[i + 1], u[i + 2]));
+    if (largest > 0) factor = (slider * 0.1 * scene.size) / largest;
+    for (let i = 0; i < u.length; i++) position.array[i] = state.positions[i] + factor * u[i];
+  } else position.array.set(state.positions);
+  position.needsUpdate = true;
+  body.geometry.computeBoundingBox();
+  body.geometry.computeBoundingSphere();
+  byId("times").textContent = factor > 0 ? number(factor) : "0";
+}
+
+function recolour() {
+  const byLimit = byId("range").value === "limit" && state.limit;
+  const high = byLimit ? state.limit : state.maximum || 1;
+  paint(body, state.von_mises, 0, high, colour);
+  byId("high").textContent = `${byLimit ? "≥ " : ""}${number(high / 1e6)}`;
+  worst.visible = !!state.at;
+  if (state.at) worst.position.set(...state.at);
+}
+
+function fit() {
+  if (body) stage.aim(body.geometry.boundingBox, [1, -1.4, 0.8]);
+}
+
+function zoom(factor) {
+  const { camera, controls } = stage;
+  camera.position.sub(controls.target).multiplyScalar(factor).add(controls.target);
+}
+
+// ---- readouts ------------------------------------------------------------------------------------------
+
+function readouts() {
+  const over = state.limit && state.maximum > state.limit;
+  const maximum = byId("maximum");
+  maximum.textContent = state.maximum === undefined ? "–" : `${number(state.maximum / 1e6)} `;
+  const unit = document.createElement("small");
+  unit.textContent = over ? "MPa, above the limit" : "MPa";
+  maximum.append(unit);
+  maximum.classList.toggle("over", !!over);
+  byId("error").textContent = state.error === undefined ? "–" : `${number(100 * state.error)} %`;
+  byId("edits").textContent = state.edits;
+  byId("reused").textContent = state.reused || "–";
+  byId("mesh").textContent = `${scene.elements} elements, ${state.mesh}`;
+  const span = arrivals[arrivals.length - 1] - arrivals[0];
+  const rate = arrivals.length > 2 && span < 3000 ? (1000 * (arrivals.length - 1)) / span : 0;
+  byId("time").textContent = `${Math.round(1000 * state.seconds)} ms${rate ? `, ${rate.toFixed(1)} a second` : ""}`;
+  if (!touched.limit && state.limit) byId("limit").value = Number((state.limit / 1e6).toPrecision(6));
+  byId("script").replaceChildren(...state.script.map((line) => {
+    const item = document.createElement("li");
+    item.textContent = line.replace(/^session:/, "")
+      .replace(/-?\d+\.\d{5,}(e-?\d+)?/g, (x) => String(Number(Number(x).toPrecision(5))));
+    return item;
+  }));
+  enable();
+}
+
+function enable() {
+  const idle = connected && !busy && !!state && !state.drag;
+  byId("undo").disabled = !(idle && state.can_undo);
+  byId("redo").disabled = !(idle && state.can_redo);
+  for (const id of ["reset", "optimise", "stl", "lua"]) byId(id).disabled = !idle;
+}
+
+function setBusy(on) {
+  busy = on;
+  byId("progress").hidden = !on;
+  byId("stop").hidden = !on;
+  enable();
+}
+
+// ---- picking -------------------------------------------------------------------------------------------
+
+function listBones() {
+  byId("bones").replaceChildren(...scene.bones.map((b, i) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = b.name;
+    button.title = b.follows ? "a part follows this bone alone" : "this bone only takes part in blending";
+    button.addEventListener("click", () => pick(i));
+    return button;
+  }));
+}
+
+function pick(index) {
+  bone = index;
+  for (const [i, button] of [...byId("bones").children].entries()) button.classList.toggle("on", i === bone);
+  bones.choose(bone);
+  const b = scene.bones[bone];
+  handles.setBone(b && state && { name: b.name, head: bones.joints[b.head], tail: bones.joints[b.tail],
+    axes: state.axes[bone] }, scene.size);
+}
+
+function toScreen(point) {
+  const box = stage.renderer.domElement.getBoundingClientRect();
+  const p = point.clone().project(stage.camera);
+  return new THREE.Vector2(box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height);
+}
+
+let pressed = null;
+stage.renderer.domElement.addEventListener("pointerdown", (event) => {
+  pressed = handles.controls.axis ? null : { x: event.clientX, y: event.clientY };
+});
+stage.renderer.domElement.addEventListener("pointerup", (event) => {
+  if (!pressed || !state || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
+  const pixel = new THREE.Vector2(event.clientX, event.clientY);
+  const drawn = bones.near(pixel, toScreen);
+  if (drawn >= 0) return pick(drawn);
+  const box = stage.renderer.domElement.getBoundingClientRect();
+  const ray = new THREE.Raycaster();
+  ray.setFromCamera(new THREE.Vector2(((pixel.x - box.left) / box.width) * 2 - 1,
+    1 - ((pixel.y - box.top) / box.height) * 2), stage.camera);
+  const hit = ray.intersectObject(body)[0];
+  if (hit) pick(bones.nearest(hit.point));
+});
+
+// ---- buttons and keys ------------------------------------------------------------------------------------
+
+function setMode(mode) {
+  handles.setMode(mode);
+  for (const button of document.querySelectorAll("[data-mode]"))
+    button.classList.toggle("on", button.dataset.mode === handles.mode);
+}
+for (const button of document.querySelectorAll("[data-mode]"))
+  button.addEventListener("click", () => setMode(button.dataset.mode));
+setMode("rotate");
+
+const click = (id, action) => byId(id).addEventListener("click", action);
+for (const word of ["undo", "redo", "reset"]) click(word, () => send({ type: word }));
+for (const format of ["stl", "lua"]) click(format, () => send({ type: "export", format }));
+click("in", () => zoom(0.8));
+click("out", () => zoom(1.25));
+click("fit", fit);
+click("stop", () => send({ type: "stop" }));
+click("optimise", () => {
+  const limit = Number(byId("limit").value) * 1e6;
+  if (!(limit > 0)) return say("give the limit first, in MPa", true);
+  touched.limit = false;
+  if (send({ type: "optimise", von_mises: limit })) setBusy(true);
+});
+byId("limit").addEventListener("input", () => (touched.limit = true));
+byId("limit").addEventListener("change", () => {
+  const limit = Number(byId("limit").value) * 1e6;
+  touched.limit = false;
+  send({ type: "limit", von_mises: limit > 0 ? limit : null });
+});
+byId("deflection").addEventListener("input", () => state && deform());
+byId("range").addEventListener("change", () => state && recolour());
+
+const keys = {
+  r: () => setMode("rotate"),
+  s: () => setMode("scale"),
+  m: () => setMode("translate"),
+  e: () => setMode("reach"),
+  f: fit,
+  "+": () => zoom(0.8),
+  "=": () => zoom(0.8),
+  "-": () => zoom(1.25),
+  "[": () => scene && !handles.dragging && pick((bone + scene.bones.length - 1) % scene.bones.length),
+  "]": () => scene && !handles.dragging && pick((bone + 1) % scene.bones.length),
+  Escape: () => handles.cancel(),
+};
+window.addEventListener("keydown", (event) => {
+  if (event.target.matches("input, select")) return;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (event.ctrlKey || event.metaKey) {
+    if (key !== "z" && key !== "y") return;
+    event.preventDefault();
+    const redo = key === "y" || event.shiftKey;
+    if (!byId(redo ? "redo" : "undo").disabled) send({ type: redo ? "redo" : "undo" });
+  } else if (keys[key]) {
+    event.preventDefault();
+    keys[key]();
+  }
+});
+stage.start();
+
+// For whoever drives the page by script.
+window.barwright = {
+  state: () => ({
+    connected, busy, me, bone: scene?.bones[bone]?.name, mode: handles.mode, dragging: handles.dragging,
+    scene: scene?.scene, revision: state?.revision, maximum: state?.maximum, error: state?.error,
+    edits: state?.edits, limit: state?.limit, drag: state?.drag, said: byId("said").textContent,
+    canUndo: state?.can_undo, canRedo: state?.can_redo,
+    box: body && [...body.geometry.boundingBox.min, ...body.geometry.boundingBox.max],
+    positions: state && Array.from(state.positions),
+    rate: arrivals.length,
+  }),
+  handle: (axis) => toScreen(handles.at(axis)).toArray(),
+  place: (name) => toScreen(bones.joints[scene.bones.find((b) => b.name === name).head].clone()
+    .lerp(bones.joints[scene.bones.find((b) => b.name === name).tail], 0.5)).toArray(),
+  send,
+};

@@ -1,0 +1,146 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// The handles on the chosen bone. A drag is told as begin, moves, end. One move at a time is under
+// way: while the engine works on it only the newest wish is kept, so that the part follows the hand
+// as fast as it can and never lags behind it.
+import * as THREE from "three";
+import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
+
+const least = 0.2;
+const most = 5;
+
+// A hand is not exact, and the script is to be read.
+const rounded = (x, digits) => Number(x.toFixed(digits)) + 0;
+
+export class Handles {
+  // send(message): whether it went out. orbit: switched off while a handle is dragged.
+  constructor(stage, send) {
+    this.stage = stage;
+    this.send = send;
+    this.mode = "rotate";
+    this.seq = 0;
+    this.dragging = false;
+    this.proxy = new THREE.Object3D();
+    stage.scene.add(this.proxy);
+    this.controls = new TransformControls(stage.camera, stage.renderer.domElement);
+    this.controls.setSize(0.9);
+    stage.scene.add(this.controls.getHelper());
+    this.controls.addEventListener("dragging-changed", (event) => {
+      stage.controls.enabled = !event.value;
+      if (event.value) this.begin();
+      else this.end();
+    });
+    this.controls.addEventListener("objectChange", () => this.moved());
+    this.setMode("rotate");
+  }
+
+  setMode(mode) {
+    if (this.dragging) return;
+    this.mode = mode;
+    this.controls.setMode(mode === "reach" ? "translate" : mode);
+    this.controls.setSpace(mode === "rotate" ? "local" : "world");
+    this.place();
+  }
+
+  // The bone {name, head, tail, axes} as it stands, or nothing; the size of the body.
+  setBone(bone, size) {
+    this.bone = bone;
+    this.size = size;
+    if (!this.dragging) this.place();
+  }
+
+  place() {
+    if (!this.bone) return this.controls.detach();
+    const { head, tail, axes } = this.bone;
+    this.proxy.position.copy(this.mode === "reach" ? tail : head);
+    this.proxy.scale.set(1, 1, 1);
+    const [x, y, z] = [0, 3, 6].map((i) => new THREE.Vector3(axes[i], axes[i + 1], axes[i + 2]));
+    this.proxy.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(x, y, z));
+    this.proxy.updateMatrixWorld();
+    if (this.controls.object !== this.proxy) this.controls.attach(this.proxy);
+  }
+
+  begin() {
+    this.start = { position: this.proxy.position.clone(), turn: this.proxy.quaternion.clone().invert() };
+    this.wanted = null;
+    this.waiting = 0;
+    this.dragging = this.send({ type: "begin", bone: this.bone.name, seq: ++this.seq });
+  }
+
+  change() {
+    const digits = Math.max(0, 5 - Math.floor(Math.log10(this.size)));
+    const metres = (x) => rounded(x, digits);
+    const by = this.proxy.position.clone().sub(this.start.position);
+    if (this.mode === "reach") return { reach: this.proxy.position.toArray().map(metres) };
+    if (this.mode === "translate") return { translate: by.toArray().map(metres) };
+    if (this.mode === "scale")
+      return { scale: this.proxy.scale.toArray().map((s) => rounded(Math.min(most, Math.max(least, s)), 3)) };
+    const turn = this.proxy.quaternion.clone().multiply(this.start.turn).normalize();
+    if (turn.w < 0) turn.set(-turn.x, -turn.y, -turn.z, -turn.w);
+    const sine = Math.hypot(turn.x, turn.y, turn.z);
+    if (sine < 1e-9) return { rotate: { axis: [1, 0, 0], degrees: 0 } };
+    return { rotate: { axis: [turn.x, turn.y, turn.z].map((x) => rounded(x / sine, 5)),
+      degrees: rounded(THREE.MathUtils.radToDeg(2 * Math.atan2(sine, turn.w)), 2) } };
+  }
+
+  moved() {
+    if (!this.dragging) return;
+    this.wanted = this.change();
+    if (!this.waiting) this.go();
+  }
+
+  go() {
+    if (!this.wanted) return;
+    this.waiting = ++this.seq;
+    this.send({ type: "move", seq: this.waiting, change: this.wanted });
+    this.wanted = null;
+  }
+
+  // The session has handled a move, well or not.
+  handled(seq) {
+    if (seq !== this.waiting) return;
+    this.waiting = 0;
+    if (this.dragging) this.go();
+  }
+
+  end() {
+    if (!this.dragging) return;
+    this.go();
+    this.dragging = false;
+    this.send({ type: "end", seq: ++this.seq });
+  }
+
+  // Takes the drag back.
+  cancel() {
+    if (!this.dragging) return;
+    this.drop();
+    this.send({ type: "end", seq: ++this.seq, cancel: true });
+  }
+
+  // The drag is over without more being told: it was refused, or the connection was lost.
+  drop() {
+    this.dragging = false;
+    this.wanted = null;
+    this.waiting = 0;
+    this.controls.pointerUp({ button: 0 });
+    this.place();
+  }
+
+  // Where a handle is, as a place in space: for whoever drives the page by script.
+  at(axis) {
+    const { camera } = this.stage;
+    const reach = this.proxy.position.distanceTo(camera.position) *
+      1.9 * Math.tan((Math.PI * camera.fov) / 360) * this.controls.size / 4;
+    const local = this.mode === "rotate" || this.mode === "scale";
+    const direction = (name) => {
+      const v = new THREE.Vector3(+(name === "X"), +(name === "Y"), +(name === "Z"));
+      return local ? v.applyQuaternion(this.proxy.quaternion) : v;
+    };
+    if (this.mode === "reach" && axis === "XYZ") return this.proxy.position.clone();
+    if (this.mode === "rotate") {
+      const others = ["X", "Y", "Z"].filter((name) => name !== axis).map(direction);
+      return this.proxy.position.clone().addScaledVector(others[0], (0.5 * reach) / Math.SQRT2)
+        .addScaledVector(others[1], (0.5 * reach) / Math.SQRT2);
+    }
+    return this.proxy.position.clone().addScaledVector(direction(axis), 0.45 * reach);
+  }
+}

@@ -1,0 +1,99 @@
+// Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+// What the report's view and the live view share: a lit scene with a camera to orbit, a surface in
+// colours of a field, the colour bar, numbers as text.
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+export const number = (x) =>
+  Math.abs(x) >= 1e4 || (x !== 0 && Math.abs(x) < 1e-2) ? x.toExponential(2) : x.toPrecision(4);
+
+// The scene fills `view`; `frame(now)` is called before each picture.
+export function makeStage(view, frame) {
+  const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+  renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+  view.appendChild(renderer.domElement);
+  const scene = new THREE.Scene();
+  scene.background = new THREE.Color(0xf7f8fa);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xb0b4bc, 1.6));
+  const lamp = new THREE.DirectionalLight(0xffffff, 1.8);
+  const camera = new THREE.PerspectiveCamera(35, 1, 0.001, 20);
+  camera.up.set(0, 0, 1);
+  camera.add(lamp);
+  lamp.position.set(0.6, 0.8, 1);
+  scene.add(camera);
+  const controls = new OrbitControls(camera, renderer.domElement);
+
+  // Looks at a box from a direction.
+  function aim(box, from) {
+    const centre = box.getCenter(new THREE.Vector3());
+    const size = box.getSize(new THREE.Vector3()).length() || 1;
+    camera.near = size * 0.001;
+    camera.far = size * 20;
+    camera.updateProjectionMatrix();
+    camera.position.copy(new THREE.Vector3(...from).normalize().multiplyScalar(size * 1.5).add(centre));
+    controls.target.copy(centre);
+    controls.update();
+    return size;
+  }
+
+  function resize() {
+    const { clientWidth, clientHeight } = view;
+    renderer.setSize(clientWidth, clientHeight);
+    camera.aspect = clientWidth / Math.max(1, clientHeight);
+    camera.updateProjectionMatrix();
+  }
+  new ResizeObserver(resize).observe(view);
+  resize();
+
+  function draw(now) {
+    frame(now);
+    controls.update();
+    renderer.render(scene, camera);
+    requestAnimationFrame(draw);
+  }
+  const start = () => requestAnimationFrame(draw);
+  return { renderer, scene, camera, controls, aim, start };
+}
+
+// A surface of triangles whose points have colours.
+export function makeBody(points, triangles) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
+  geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(points.length), 3));
+  geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+  geometry.computeBoundingBox();
+  const material = new THREE.MeshStandardMaterial({
+    vertexColors: true,
+    flatShading: true,
+    roughness: 0.75,
+    metalness: 0,
+    side: THREE.DoubleSide,
+  });
+  return new THREE.Mesh(geometry, material);
+}
+
+// Colours of values between low and high; what is no number is grey, no values at all a light grey.
+export function paint(body, values, low, high, colour) {
+  const attribute = body.geometry.getAttribute("color");
+  const linear = new THREE.Color();
+  if (!values) attribute.array.fill(0.72);
+  else
+    for (let i = 0; i < values.length; i++) {
+      const v = values[i];
+      if (Number.isFinite(v)) {
+        const rgb = colour(high > low ? (v - low) / (high - low) : 0);
+        linear.setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, THREE.SRGBColorSpace);
+      } else linear.setRGB(0.5, 0.5, 0.5);
+      attribute.setXYZ(i, linear.r, linear.g, linear.b);
+    }
+  attribute.needsUpdate = true;
+}
+
+export function drawBar(canvas, colour) {
+  const strip = canvas.getContext("2d");
+  for (let x = 0; x < canvas.width; x++) {
+    const [r, g, b] = colour(x / (canvas.width - 1));
+    strip.fillStyle = `rgb(${r},${g},${b})`;
+    strip.fillRect(x, 0, 1, canvas.height);
+  }
+}
