@@ -45,6 +45,22 @@ static const char *name_fault(const bw_name *name) {
   return NULL;
 }
 
+/* What a message calls joint or bone i: by its name where it has one, else by its number, whose
+ * first in a message says how it counts. */
+typedef struct label {
+  char text[BW_NAME + 40];
+} label;
+
+static label label_of(const char *kind, const bw_name *name, int64_t i, bool first) {
+  label made;
+  if (name && name[i].text[0] && !name_fault(&name[i]))
+    snprintf(made.text, sizeof made.text, "%s \"%s\"", kind, name[i].text);
+  else
+    snprintf(made.text, sizeof made.text, "%s %lld%s", kind, (long long)i,
+             first ? " (counting from 0)" : "");
+  return made;
+}
+
 static int compare_names(const void *a, const void *b) {
   return strcmp((*(const bw_name *const *)a)->text, (*(const bw_name *const *)b)->text);
 }
@@ -237,16 +253,17 @@ static bw_status fail_bone(bw_context *context, int64_t bone) {
 
 /* Joints finite, indices in range, bones longer than 1e-9 of the box. */
 static bw_status check_geometry(bw_context *context, int64_t joints, const double *joint,
-                                int64_t bones, const int32_t *ends) {
+                                const bw_name *joint_name, int64_t bones, const int32_t *ends,
+                                const bw_name *bone_name) {
   double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (int64_t j = 0; j < joints; j++)
     for (int k = 0; k < 3; k++) {
       double x = joint[3 * j + k];
       if (!(fabs(x) < 1e100)) {
         bw_fail(context, BW_INVALID,
-                "joint %lld (counting from 0) is at (%g, %g, %g): every "
-                "coordinate must be a number of ordinary size",
-                (long long)j, joint[3 * j], joint[3 * j + 1], joint[3 * j + 2]);
+                "%s is at (%g, %g, %g): every coordinate must be a number of ordinary size",
+                label_of("joint", joint_name, j, true).text, joint[3 * j], joint[3 * j + 1],
+                joint[3 * j + 2]);
         bw_detail_number(context, "joint", (double)j);
         return BW_INVALID;
       }
@@ -258,17 +275,16 @@ static bw_status check_geometry(bw_context *context, int64_t joints, const doubl
     int32_t head = ends[2 * b], tail = ends[2 * b + 1];
     if (head < 0 || tail < 0 || head >= joints || tail >= joints) {
       bw_fail(context, BW_INVALID,
-              "bone %lld (counting from 0) joins joints %d and %d, but there are %lld joints, "
-              "numbered from 0",
-              (long long)b, head, tail, (long long)joints);
+              "%s joins joints %d and %d, but there are %lld joints, numbered from 0",
+              label_of("bone", bone_name, b, true).text, head, tail, (long long)joints);
       return fail_bone(context, b);
     }
     if (!(distance(joint, head, tail) > 1e-9 * size)) {
-      bw_fail(context, BW_INVALID,
-              "bone %lld (counting from 0), from joint %d to joint %d, has no length: both are at "
-              "(%g, %g, %g)",
-              (long long)b, head, tail, joint[3 * (int64_t)head], joint[3 * (int64_t)head + 1],
-              joint[3 * (int64_t)head + 2]);
+      bw_fail(context, BW_INVALID, "%s, from %s to %s, has no length: both are at (%g, %g, %g)",
+              label_of("bone", bone_name, b, true).text,
+              label_of("joint", joint_name, head, false).text,
+              label_of("joint", joint_name, tail, false).text, joint[3 * (int64_t)head],
+              joint[3 * (int64_t)head + 1], joint[3 * (int64_t)head + 2]);
       return fail_bone(context, b);
     }
   }
@@ -282,7 +298,8 @@ static int32_t group_of(int32_t *group, int32_t j) {
 }
 
 /* The first bone that closes a cycle, or a joint that no way leads to. */
-static bw_status check_tree(bw_context *context, int32_t joints, int32_t bones, const int32_t *ends,
+static bw_status check_tree(bw_context *context, int32_t joints, const bw_name *joint_name,
+                            int32_t bones, const int32_t *ends, const bw_name *bone_name,
                             int32_t *group) {
   for (int32_t j = 0; j < joints; j++)
     group[j] = j;
@@ -291,19 +308,20 @@ static bw_status check_tree(bw_context *context, int32_t joints, int32_t bones, 
     int32_t one = group_of(group, i), other = group_of(group, k);
     if (one == other) {
       bw_fail(context, BW_INVALID,
-              "bone %d (counting from 0), from joint %d to joint %d, closes a cycle: these joints "
-              "are joined already; a skeleton is a tree",
-              b, i, k);
+              "%s, from %s to %s, closes a cycle: these joints are joined already; a skeleton is a "
+              "tree",
+              label_of("bone", bone_name, b, true).text,
+              label_of("joint", joint_name, i, false).text,
+              label_of("joint", joint_name, k, false).text);
       return fail_bone(context, b);
     }
     group[one > other ? one : other] = one > other ? other : one;
   }
   for (int32_t j = 0; j < joints; j++)
     if (group_of(group, j) != group_of(group, 0)) {
-      bw_fail(context, BW_INVALID,
-              "joint %d (counting from 0) is not connected: no way along bones leads from joint 0 "
-              "to it",
-              j);
+      bw_fail(context, BW_INVALID, "%s is not connected: no way along bones leads from %s to it",
+              label_of("joint", joint_name, j, true).text,
+              label_of("joint", joint_name, 0, false).text);
       bw_detail_number(context, "joint", j);
       return BW_INVALID;
     }
@@ -321,7 +339,7 @@ bw_status bw_skeleton_create(bw_context *context, int64_t joints, const double *
   int32_t *through = NULL, *queue = NULL, *place = NULL;
   double *a = NULL, *b = NULL;
   BW_TRY(check_counts(context, joints, bones, root));
-  BW_TRY(check_geometry(context, joints, joint, bones, bone));
+  BW_TRY(check_geometry(context, joints, joint, joint_name, bones, bone, bone_name));
   made = BW_NEW0(context, bw_skeleton, 1);
   through = BW_NEW(context, int32_t, joints);
   queue = BW_NEW(context, int32_t, joints);
@@ -334,7 +352,7 @@ bw_status bw_skeleton_create(bw_context *context, int64_t joints, const double *
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(check_tree(context, (int32_t)joints, (int32_t)bones, bone, queue));
+  BW_TRY(check_tree(context, (int32_t)joints, joint_name, (int32_t)bones, bone, bone_name, queue));
   made->joint_count = (int32_t)joints;
   made->bone_count = (int32_t)bones;
   made->joint = BW_NEW(context, double, 3 * joints);

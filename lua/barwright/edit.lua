@@ -48,6 +48,21 @@ local function bone_thresholds(skeleton, given)
   return rows
 end
 
+-- A skeleton far outside of the part, or many times its size, is one in another unit or of another part:
+-- it would move nothing, or everything alike.
+local function misplaced(skeleton, mesh)
+  local box, joints, size, inside = mesh.box, skeleton.joints:totable(), 0, 0
+  for k = 1, 3 do size = math.max(size, box.size[k]) end
+  for _, at in ipairs(joints) do
+    local out = 0
+    for k = 1, 3 do out = math.max(out, box.low[k] - at[k], at[k] - box.high[k]) end
+    if out <= size then inside = inside + 1 end
+  end
+  if 2 * inside >= #joints then return nil end
+  return ("%d of the skeleton's %d joints are farther from the part than it is long (%.4g mm): is its "
+    .. "unit that of the part?"):format(#joints - inside, #joints, size * 1e3)
+end
+
 local function make_domains(mesh, wish)
   local skeleton, message, details = wish.skeleton
   if not skeleton then
@@ -57,6 +72,8 @@ local function make_domains(mesh, wish)
     skeleton, message, details = core.skeleton.extract(surface, {bones = wish.bones})
     if not skeleton then return nil, message, details end
   end
+  message = misplaced(skeleton, mesh)
+  if message then return nil, message, {status = "geometry"} end
   local thresholds = bone_thresholds(skeleton, wish.thresholds)
   local weights
   weights, message, details = core.skinning_weights(mesh, skeleton, {heat = wish.heat})
@@ -98,6 +115,9 @@ end
 -- ---- states --------------------------------------------------------------------------------------
 
 local function current(self)
+  if getmetatable(self) ~= class then
+    error("call a session's methods with a colon, as in session:solve()", 3)
+  end
   local state = self.history[self.position]
   if not state then error("this session is closed", 3) end
   return state
@@ -190,6 +210,7 @@ end
 --- Sets several bones at once, as one edit: {left_leg = {scale =, rotation =, translation =}, ...}.
 --- These are the bones' whole changes since rest; what is left out stays.
 function class:pose(changes)
+  current(self)
   return edit_bone.set_pose(self, changes)
 end
 
@@ -197,12 +218,14 @@ end
 --- {{joint = | bone =, at =, along =, weight =, from = first bone of the chain}, ...}. Returns
 --- {distance, iterations, reached}.
 function class:reach(target, at, given)
+  current(self)
   return edit_bone.reach(self, target, at, given)
 end
 
 --- How far a bone (or all bones whose head is a joint) may turn against its parent in `reach`:
 --- {swing =, twist = {low, high}} in degrees; nil lifts the limit.
 function class:limit(name, limit)
+  current(self)
   return edit_bone.limit(self, name, limit)
 end
 
@@ -250,6 +273,7 @@ local fork_rules = {
 --- A session that begins where this one is, with the same equations and no journal, to try edits in:
 --- a drag of a hand, a step of an optimisation. What came of it is taken over by `adopt`.
 function class:fork(given)
+  current(self)
   local state, wish = {}, {}
   for key, value in pairs(current(self)) do state[key] = value end -- it lets go of its mesh by itself
   for key, value in pairs(self.wish) do wish[key] = value end
@@ -335,6 +359,7 @@ end
 
 --- The edits in force: {script =, mesh = "posed" | "relaxed" | "refilled"}.
 function properties:edits()
+  current(self)
   local list = {}
   for i = 2, self.position do
     list[i - 1] = {script = self.history[i].script, mesh = self.history[i].note}
@@ -355,6 +380,7 @@ end
 
 --- Writes the fields of the current shape: those of bw.Static, and the domains.
 function class:write(path, given)
+  current(self)
   local result, message, details = result_now(self)
   if not result then return nil, message, details end
   local wish = {}
@@ -368,6 +394,7 @@ end
 
 --- A picture of the current shape under its loads; options of bw.Static:picture.
 function class:picture(path, given)
+  current(self)
   local result, message, details = result_now(self)
   if not result then return nil, message, details end
   return result:picture(path, given)
@@ -376,6 +403,7 @@ end
 --- One HTML file with a 3D view of the shape under its loads and as it was drawn, and the edits.
 --- Options: title, manifest.
 function class:report(path, given)
+  current(self)
   local result, message, details = result_now(self)
   if not result then return nil, message, details end
   return edit_report.write(self, current(self), result, path, given)
@@ -384,6 +412,7 @@ end
 --- The edits in force as a script that replays them.
 function class:save(path)
   current(self)
+  if type(path) ~= "string" then error("save: the path of a script expected", 2) end
   return edit_script.save(self, path)
 end
 
@@ -431,6 +460,10 @@ function class:__index(name)
   end
   error(("a session has no '%s': did you mean '%s'?"):format(tostring(name),
     core.nearest(tostring(name), names)), 2)
+end
+
+function class.__newindex(_, name)
+  error(("a session cannot be changed by assignment to '%s'"):format(tostring(name)), 2)
 end
 
 local edit = {class = class, properties = properties}

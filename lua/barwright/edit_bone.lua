@@ -15,6 +15,13 @@ local function state_of(session)
   return session.history[session.position] or error("this session is closed", 3)
 end
 
+-- bone.scale(2) in place of bone:scale(2) is a slip that deserves a better answer than Lua's own.
+local function of_bone(self, call)
+  if getmetatable(self) ~= class then
+    error(("%s: call it with a colon: bone:%s(...)"):format(call, call), 3)
+  end
+end
+
 local function row_of(self)
   return state_of(self.session).pose[self.index]
 end
@@ -39,6 +46,7 @@ end
 
 --- Thicker or longer: factors along the bone and across it, on top of what it has.
 function class:scale(factors)
+  of_bone(self, "scale")
   local by, row = edit_pose.read_scale("scale", factors, 2), row_of(self)
   return change(self, "scale" .. edit_script.vector(by), nil,
     {row[10] * by[1], row[11] * by[2], row[12] * by[3]})
@@ -47,6 +55,7 @@ end
 --- Turned about its head, on top of what it has, with all that hangs on it: {axis =, degrees =},
 --- {x =, y =, z =} in degrees, or three rows. Directions are those of the space it stands in.
 function class:rotate(turn)
+  of_bone(self, "rotate")
   local by = edit_pose.read_rotation("rotate", turn, 2)
   local above = parent_rotation(self)
   local own = edit_pose.multiply(edit_pose.transpose(above),
@@ -56,6 +65,7 @@ end
 
 --- Moved by a vector in metres, with all that hangs on it.
 function class:translate(vector)
+  of_bone(self, "translate")
   local by, row = edit_pose.read_vector("translate", vector, 2), row_of(self)
   local local_by = edit_pose.apply(edit_pose.transpose(parent_rotation(self)), by)
   return change(self, "translate" .. edit_script.vector(by), nil, nil,
@@ -85,12 +95,14 @@ end
 --- Sets its whole change since rest: {scale =, rotation =, translation =}; what is left out stays.
 --- The rotation is against its parent, the translation in the parent's directions.
 function class:set(given)
+  of_bone(self, "set")
   local rotation, scale, translation, text = read_change("set", given, 2)
   return change(self, "set" .. text, rotation, scale, translation)
 end
 
 --- Back to rest.
 function class:reset()
+  of_bone(self, "reset")
   return change(self, "reset()", edit_pose.identity, {1, 1, 1}, {0, 0, 0})
 end
 
@@ -160,6 +172,12 @@ function class:__index(name)
   end
   error(("a bone has no '%s': did you mean '%s'?"):format(tostring(name),
     core.nearest(tostring(name), names)), 2)
+end
+
+function class:__newindex(name)
+  of_bone(self, tostring(name))
+  error(("a bone cannot be changed by assignment to '%s': call bone:set {scale =, rotation =, translation =}")
+    :format(tostring(name)), 2)
 end
 
 edit_bone.class, edit_bone.properties = class, properties
@@ -304,7 +322,8 @@ local function read_limit(given)
   local wish = options.read("limit", given, limit_rules, 4)
   if wish.twist then
     local low, high = wish.twist[1], wish.twist[2]
-    local fits = #wish.twist == 2 and type(low) == "number" and type(high) == "number" and low <= high
+    local fits = #wish.twist == 2 and type(low) == "number" and type(high) == "number"
+      and -math.huge < low and low <= high and high < math.huge
     if not fits then
       error("limit: option 'twist': {lowest, highest} in degrees expected", 4)
     end

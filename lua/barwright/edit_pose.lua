@@ -56,9 +56,10 @@ local function orthonormal(a)
   return {x1, x2, x3, y1, y2, y3, x2 * y3 - x3 * y2, x3 * y1 - x1 * y3, x1 * y2 - x2 * y1}
 end
 
---- The rotation about an axis by an angle in radians.
+--- The rotation about an axis of any length above 0 by an angle in radians.
 function edit_pose.about(axis, angle)
-  local x, y, z = axis[1], axis[2], axis[3]
+  local largest = math.max(math.abs(axis[1]), math.abs(axis[2]), math.abs(axis[3]))
+  local x, y, z = axis[1] / largest, axis[2] / largest, axis[3] / largest
   local n = math.sqrt(x * x + y * y + z * z)
   x, y, z = x / n, y / n, z / n
   local c, s = math.cos(angle), math.sin(angle)
@@ -200,11 +201,11 @@ function edit_pose.read_rotation(where, value, level)
     if axis[1] == 0 and axis[2] == 0 and axis[3] == 0 then
       error(where .. ": an axis of some length expected", level)
     end
-    local angle = value.radians or value.degrees and math.rad(value.degrees)
+    local angle = value.radians or value.degrees
     if not finite(angle) or value.radians and value.degrees or value.x or value.y or value.z then
       error(where .. ": an axis and one of degrees, radians expected", level)
     end
-    return edit_pose.about(axis, angle)
+    return edit_pose.about(axis, value.radians or math.rad(angle))
   end
   local out = identity
   for k, axis in ipairs {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}} do

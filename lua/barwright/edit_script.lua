@@ -82,35 +82,77 @@ local function io_failure(path, why)
   return nil, ("%s: %s"):format(path, why), {status = "io", file = path}
 end
 
+local function read_all(path)
+  local file, why = io.open(path, "rb")
+  if not file then return nil, why end
+  local text = file:read "a"
+  file:close()
+  return text, "cannot be read"
+end
+
+-- Opens the file for more lines; `size` bytes of it are good.
+local function append(self)
+  local file, why = io.open(self.path, "ab")
+  if not file then return io_failure(self.path, why) end
+  self.file, self.size = file, file:seek "end"
+  return self
+end
+
+-- After a line that could not be written (a full disk): what came of it is cut off.
+local function cut_torn_line(self)
+  local text, why = read_all(self.path)
+  if not text then return io_failure(self.path, why) end
+  if #text > self.size then
+    local fine, message, details = core.write_file(self.path, text:sub(1, self.size))
+    if not fine then return nil, message, details end
+  end
+  return append(self)
+end
+
 --- A line that is on its way to the disk before the edit counts.
 function journal:add(script)
-  local fine, why = self.file:write(("assert(%s)\n"):format(script))
+  if not self.file then
+    local fine, message, details = cut_torn_line(self)
+    if not fine then return nil, message, details end
+  end
+  local line = ("assert(%s)\n"):format(script)
+  local fine, why = self.file:write(line)
   if fine then fine, why = self.file:flush() end
-  if not fine then return io_failure(self.path, why) end
+  if not fine then
+    self.file:close()
+    self.file = false
+    return io_failure(self.path, why)
+  end
+  self.size = self.size + #line
   return true
 end
 
 function journal:close()
-  self.file:close()
+  if self.file then self.file:close() else cut_torn_line(self) end
+  self.file = false
 end
 
-local function append(path)
-  local file, why = io.open(path, "ab")
-  if not file then return io_failure(path, why) end
-  return setmetatable({file = file, path = path}, journal)
+local function go_on(path)
+  return append(setmetatable({path = path, file = false}, journal))
 end
 
---- A new journal. One that is there already is kept beside it, as edits.lua~.
+--- A new journal. One that is there already is kept beside it, as edits.lua~; what is no journal (a
+--- part's script, a folder, a device) is left alone.
 function edit_script.open_journal(path, script)
   local old = io.open(path, "rb")
   if old then
+    local text, why = old:read(4096)
     old:close()
-    local fine, why = os.rename(path, path .. "~")
-    if not fine then return io_failure(path, why) end
+    if why or text and not text:find("edit.begin(", 1, true) then
+      return io_failure(path, "is there already and is no journal of edits: give the journal another name")
+    end
+    local kept = not text -- nothing to keep of an empty file
+    if text then kept, why = os.rename(path, path .. "~") end
+    if not kept then return io_failure(path, why) end
   end
   local fine, message, details = core.write_file(path, head(script))
   if not fine then return nil, message, details end
-  return append(path)
+  return go_on(path)
 end
 
 --- From now on the session's journal is at this path; it begins with the edits in force. One that is
@@ -172,18 +214,34 @@ end
 
 -- The lines of a script; what stands after the last line end was cut off in the middle.
 local function read_whole_lines(path)
-  local file, why = io.open(path, "rb")
-  if not file then return io_failure(path, why) end
-  local text = file:read "a"
-  file:close()
-  if not text then return io_failure(path, "cannot be read") end
+  local text, why = read_all(path)
+  if not text then return io_failure(path, why) end
   local whole = text:match "^(.*\n)" or ""
   return whole, whole ~= text
+end
+
+-- What went wrong, with the line of the script that it happened on.
+local function with_line(path)
+  return function(message)
+    message = type(message) == "string" and message or tostring(message)
+    local level = 2
+    local info = debug.getinfo(level, "Sl")
+    while info and info.source ~= "@" .. path do
+      level = level + 1
+      info = debug.getinfo(level, "Sl")
+    end
+    if not info then return message end
+    return ("line %d: %s"):format(info.currentline, (message:gsub("^[^\n]-%.lua:%d+: ", "")))
+  end
 end
 
 --- Replays a script into a session, or into the one it begins. {resume = true} goes on with the file
 --- as the session's journal.
 function edit_script.load(edit, path, session, given)
+  if type(path) ~= "string" then error("edit.load: the path of a script expected", 3) end
+  if session ~= nil and getmetatable(session) ~= edit.class then
+    error("edit.load: a session expected, to replay the edits into", 3)
+  end
   local wish = require "barwright.options".read("edit.load", given,
     {resume = {type = "boolean", default = false}}, 3)
   local text, cut, details = read_whole_lines(path)
@@ -191,12 +249,14 @@ function edit_script.load(edit, path, session, given)
   local chunk, message = load(text, "@" .. path, "t")
   if not chunk then return nil, message, {status = "format", file = path} end
   begun = nil
-  local fine, result = pcall(chunk, session)
+  local before = session and session.position
+  local fine, result = xpcall(chunk, with_line(path), session)
   local made = begun
   begun = nil
   if not fine then
-    return nil, ("%s could not be replayed: %s"):format(path, tostring(result)),
-      {status = "format", file = path}
+    local moved = session and session.position ~= before
+    return nil, ("%s could not be replayed: %s%s"):format(path, result,
+      moved and "; the edits on the lines before are made" or ""), {status = "format", file = path}
   end
   session = getmetatable(result) == edit.class and result or made or session
   if not session then
@@ -209,7 +269,7 @@ function edit_script.load(edit, path, session, given)
     if session.record then session.record:close() end
     session.record = false
     local record
-    record, message, details = append(path)
+    record, message, details = go_on(path)
     if not record then return nil, message, details end
     session.record = record
   end

@@ -21,7 +21,7 @@ function edit_shape.topology(domains, floor, node_from)
     list[d] = {bones = bones, type = domain.type, adjacent = domain.adjacent,
       elements = domain.elements}
   end
-  return {domains = domains, skeleton = skeleton, mesh = mesh, list = list,
+  return {domains = domains, skeleton = skeleton, mesh = mesh, list = list, box = mesh.box,
     piece_bones = domains.piece_bones, node_from = node_from, floor = floor}
 end
 
@@ -66,6 +66,20 @@ local function relax(topology, shape, nodes, set)
   return relaxed
 end
 
+local farthest = 1e6 -- sizes of the part at rest: beyond it, coordinates have no digits left for shapes
+
+-- Whether nodes left the part's surroundings, or the numbers.
+local function is_far(topology, nodes)
+  local low, high, size = topology.box.low, topology.box.high, 0
+  for k = 1, 3 do size = math.max(size, high[k] - low[k]) end
+  for k = 1, 3 do
+    local column, reach = nodes:column(k), farthest * size
+    local mean = column:mean() -- the least and the largest pass over what is no number
+    if mean ~= mean or column:min() < low[k] - reach or column:max() > high[k] + reach then return true end
+  end
+  return false
+end
+
 -- What is told of the worst element.
 local function refusal(topology, nodes, judged)
   local element, x, y, z = judged.worst, 0, 0, 0
@@ -97,6 +111,10 @@ function edit_shape.of(topology, pose, wish)
   local nodes, message
   nodes, message, details = topology.domains:posed_nodes(maps)
   if not nodes then return nil, message, details end
+  if is_far(topology, nodes) then
+    return nil, ("the edit takes nodes farther away than %.0g times the part's size: is a factor or a length "
+      .. "wrong?"):format(farthest), {status = "geometry"}
+  end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
     relaxed = {}, at_rest = edit_pose.all_at_rest(pose)}
   local judged = topology.mesh:judge(nodes, topology.floor)

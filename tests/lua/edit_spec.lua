@@ -105,6 +105,20 @@ describe("a skeleton", function()
     check.raises("two joints", bw.skeleton.create, {joints = {a = {0, 0, 0}}, bones = {{"a"}}})
   end)
 
+  it("says what is wrong by its names", function()
+    local joints = {hip = {0, 0, 0}, knee = {0, 0, 1}, foot = {0, 0, 1}}
+    check.raises('bone "shin", from joint "knee" to joint "foot", has no length', bw.skeleton.create,
+      {joints = joints, bones = {{"hip", "knee"}, {"knee", "foot", name = "shin"}}})
+    check.raises('bone "again", from joint "hip" to joint "knee", closes a cycle', bw.skeleton.create,
+      {joints = joints, bones = {{"hip", "knee"}, {"hip", "knee", name = "again"}}})
+  end)
+
+  it("in another unit than the part is refused", function()
+    local far = bw.skeleton.create {joints = {a = {0, 50, 50}, b = {500, 50, 50}, c = {1000, 50, 50}},
+      bones = {{"a", "b"}, {"b", "c"}}}
+    check.fails("geometry", "is its unit that of the part?", bw.edit(beam_part(), {skeleton = far}))
+  end)
+
   it("is changed into a new one", function()
     local s = beam_skeleton()
     local more = s:insert_joint("upper", 0.5, "middle")
@@ -254,6 +268,36 @@ describe("an edit", function()
     check.raises("'refactr' is not known: did you mean 'refactor'", session.solve, session,
       {method = "refactr"})
     assert.equal(0, #session.edits)
+  end)
+
+  it("called without a colon, or assigned to, is told apart", function()
+    local session = beam()
+    local bone = session:bone "lower"
+    check.raises("with a colon", session.bone, "lower")
+    check.raises("with a colon", session.solve, {method = "auto"})
+    check.raises("with a colon", session.undo)
+    check.raises("with a colon", session.write, "part.vtu")
+    check.raises("bone:scale(...)", bone.scale, 2)
+    check.raises("by assignment to 'mesh'", function() session.mesh = 1 end)
+    check.raises("by assignment to 'factors'", function() bone.factors = {1, 2, 2} end)
+  end)
+
+  it("by numbers out of all bounds is refused, and axes may have any length", function()
+    local session = beam()
+    local bone = session:bone "lower"
+    for _, factor in ipairs {1e7, 1e150, 1e300} do
+      check.fails("geometry", "is a factor or a length wrong", bone:scale(factor))
+    end
+    for _, length in ipairs {1e7, 1e100, 1e308} do
+      check.fails("geometry", "is a factor or a length wrong", session:bone("upper"):translate {length, 0, 0})
+    end
+    check.raises("{lowest, highest} in degrees", session.limit, session, "lower", {twist = {-1 / 0, 1 / 0}})
+    check.raises("one of degrees, radians", bone.rotate, bone, {axis = {0, 0, 1}, degrees = "ten"})
+    assert.equal(0, #session.edits)
+    for _, length in ipairs {1e200, 1e-200, 1} do
+      assert(bone:rotate {axis = {0, 0, length}, degrees = 10})
+    end
+    check.near(0.05 + 0.5 * math.sin(math.pi / 6), bone.to[2], 1e-12)
   end)
 
   it("takes loads and supports along", function()
@@ -725,10 +769,48 @@ return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.
       .. 'assert(session:bone("nobody"):scale{1, 1, 1})\n')
     check.fails("format", "nobody", bw.edit.load(path, beam()))
     check.fails("format", "name no script", bw.edit.load(path))
+    check.fails("format", "edits.lua could not be replayed: line 2: there is no bone 'nobody'",
+      bw.edit.load(path, beam()))
+    check.raises("a session expected", bw.edit.load, path, {})
     check.write(path, "this is not Lua\n")
     check.fails("format", "edits.lua", bw.edit.load(path, beam()))
     check.fails("io", "none.lua", bw.edit.load(folder .. "/none.lua", beam()))
     check.fails("io", "", bw.edit(beam_part(), {skeleton = beam_skeleton(), journal = folder .. "/no/such"}))
+  end)
+end)
+
+describe("a journal", function()
+  it("takes the place of a journal, and of nothing else", function()
+    local folder = check.folder()
+    local function refuses(path)
+      check.fails("io", "no journal of edits", bw.edit(beam_part(), {skeleton = beam_skeleton(), journal = path}))
+    end
+    check.write(folder .. "/part.lua", "return part\n")
+    refuses(folder .. "/part.lua")
+    assert.equal("return part\n", check.read(folder .. "/part.lua"))
+    refuses(folder)
+    refuses "/dev/zero"
+    check.write(folder .. "/empty.lua", "")
+    beam({journal = folder .. "/empty.lua"}):close()
+  end)
+
+  it("is whole again after a disk was full", function()
+    local path = check.folder() .. "/journal.lua"
+    local session = beam {journal = path}
+    assert(session:bone("lower"):rotate {z = 5})
+    local mesh, text = session.mesh, check.read(path)
+    local full = io.open("/dev/full", "ab")
+    if not full then return end
+    session.record.file:close()
+    session.record.file = full
+    check.write(path, text .. 'assert(session:bone("lo') -- as much as went onto the disk
+    local fine, message, details = session:bone("lower"):rotate {z = 5}
+    check.fails("io", "journal.lua", fine, message, details)
+    assert.is_true(same_nodes(mesh, session.mesh))
+    assert.equal(1, #session.edits)
+    assert(session:bone("upper"):scale(1.1)) -- there is room again
+    session:close()
+    assert.equal(text .. 'assert(session:bone("upper"):scale{1.1, 1.1, 1.1})\n', check.read(path))
   end)
 end)
 
