@@ -209,7 +209,7 @@ static void closed_forms(void **state) {
   bw_context *context = check_context(state);
   /* the point of x + y <= 1 nearest to (2, 1), H = 1 */
   programme q = {.n = 2, .m = 1, .H = {1, 0, 0, 1}, .g = {-2, -1}, .A = {1, 1}, .b = {1}};
-  double x[2], violation, mu[2];
+  double x[2], violation, mu[8]; /* as many as the longest programme has rows */
   for (int i = 0; i < 2; i++) {
     q.low[i] = -INFINITY;
     q.high[i] = INFINITY;
