@@ -72,7 +72,12 @@ local function read_arguments()
   return wish, model
 end
 
-local VIEW = {direction = {1, -1.3, 0.7}, up = {0, 0, 1}, width = 900, height = 700, deformation = 1e-9}
+-- The shape as it is, not as it bends, coloured by stress; with `high` the colours end there.
+local function picture(session, static, path, high)
+  assert(session.mesh:picture(path, {values = static.von_mises, unit = "von Mises stress, MPa",
+    scale = 1e-6, low = 0, high = high, direction = {1, -1.3, 0.7}, up = {0, 0, 1}, width = 900,
+    height = 700, edges = false}))
+end
 
 -- Reused, as it goes into result.json.
 local function reused_of(result)
@@ -140,7 +145,7 @@ local function run(scene, wish, out)
   local row, static, why = solved(session, "as given")
   if not row then return nil, static, why end
   take(row, static)
-  assert(static:picture(results:path "rest.png", VIEW))
+  picture(session, static, results:path "rest.png")
   for _, edit in ipairs(scene.edits) do
     clock = bw.seconds()
     local fine
@@ -161,8 +166,7 @@ local function run(scene, wish, out)
   static = assert(session:solve())
   local before = static.von_mises:max()
   result.before_max_von_mises_pa, result.before_error = before, static:error_estimate()
-  local scale = {high = before / 1e6, low = 0}
-  assert(static:picture(results:path "before.png", VIEW))
+  picture(session, static, results:path "before.png")
   assert(assert(session:surface()):write(results:path "before.stl"))
 
   if not wish["no-optimise"] then
@@ -185,9 +189,7 @@ local function run(scene, wish, out)
     end
     static = assert(session:solve())
     result.after_max_von_mises_pa, result.after_error = static.von_mises:max(), static:error_estimate()
-    scale.deformation = VIEW.deformation
-    for key, value in pairs(VIEW) do scale[key] = value end
-    assert(static:picture(results:path "after.png", scale)) -- with the colours of before
+    picture(session, static, results:path "after.png", before)
     assert(assert(session:surface()):write(results:path "after.stl"))
     result.met = met
   end

@@ -41,7 +41,7 @@ return {
       return boundary:box({-8, 0.5, -1}, {12, 13, 2.2})
     end, {-5, 0, 0}},
   },
-  session = {heat = 100, threshold = 0.55},
+  session = {heat = 100, threshold = 0.7},
   edits = {
     {"looks to the left", function(session) return session:bone("neck"):rotate {z = 15} end},
     {"a larger head", function(session) return session:bone("head"):scale {1.1, 1.1, 1.1} end},

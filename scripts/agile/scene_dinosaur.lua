@@ -52,7 +52,7 @@ return {
   loads = {
     {"a push against the snout", function(boundary) return boundary:near({54, 0, 70}, 6) end, {-15, 0, 0}},
   },
-  session = {heat = 100, threshold = 0.65},
+  session = {heat = 100, threshold = 0.8},
   edits = {
     {"looks up to the left", function(session)
       return session:reach {{joint = "snout", at = {53e-3, 6e-3, 71e-3}, from = "chest"}}

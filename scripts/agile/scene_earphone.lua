@@ -11,7 +11,8 @@ local function band(i) -- 0: top, 3: where the arm begins
   return {0, RADIUS * math.sin(angle), HEIGHT + RADIUS * math.cos(angle)}
 end
 local shoulder = band(3)
-local elbow, hub = {0, 30.5, 24}, {0, 27, 11}
+local slider = {shoulder[1], shoulder[2] + 0.3, shoulder[3] - 4.5}
+local elbow, hub = {0, 30, 29}, {0, 28, 20}
 local arc = {}
 for i = -3, 3 do
   local p = band(i)
@@ -20,7 +21,7 @@ end
 local parts = figure.pairs({{chain = arc, squash = {1.6, 1, 1}}}, {
   {from = shoulder, r = 3.3, squash = {1.2, 1, 1}}, -- slider
   {chain = {{shoulder[1], shoulder[2], shoulder[3], 1.9}, {elbow[1], elbow[2], elbow[3], 1.6},
-    {hub[1], hub[2], hub[3], 2}}}, -- arm
+    {hub[1], hub[2], hub[3], 1.8}, {0, 27, 12, 2}}}, -- arm
   {from = {0, 27.5, 10}, to = {0, 22, 10}, r = 9, r_to = 9.5, squash = {1, 0.55, 1}}, -- cup
 })
 for _, p in ipairs {
@@ -35,10 +36,10 @@ local function mirrored(v) return {v[1], -v[2], v[3]} end
 return {
   title = "earphone", parts = parts, rounding = 1.8, cell = 0.75,
   joints = {
-    {"top", band(0)}, {"left band 1", band(1)}, {"left band 2", band(2)}, {"left slider", shoulder},
+    {"top", band(0)}, {"left band 1", band(1)}, {"left band 2", band(2)}, {"left slider", slider},
     {"left elbow", elbow}, {"left hub", hub}, {"left cup", {0, 25, 0.8}},
     {"right band 1", mirrored(band(1))}, {"right band 2", mirrored(band(2))},
-    {"right slider", mirrored(shoulder)}, {"right elbow", mirrored(elbow)}, {"right hub", mirrored(hub)},
+    {"right slider", mirrored(slider)}, {"right elbow", mirrored(elbow)}, {"right hub", mirrored(hub)},
     {"right cup", {0, -25, 0.8}},
     {"boom bend", {16, 30, -4}}, {"boom end", {28, 24, -10}}, {"microphone", {33, 17, -11}},
   },
@@ -62,7 +63,7 @@ return {
     {"the microphone is pressed", function(boundary) return boundary:near({32, 18, -8}, 3) end,
       {0, 0, -4}},
   },
-  session = {heat = 10, threshold = 0.55},
+  session = {heat = 10, threshold = 0.8},
   edits = {
     {"the microphone nearer", function(session)
       return session:reach {{joint = "microphone", at = {31e-3, 13e-3, -9e-3}, from = "boom"}}
