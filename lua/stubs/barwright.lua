@@ -1832,6 +1832,13 @@ function LocalSystem:refactor(reused) end
 ---@return integer coefficients
 function LocalSystem:memory() end
 
+---What the current shape would cost from scratch, in the same order of unknowns: seconds of its
+---stiffness from all elements, and of CHOLMOD's analysis, factor and solve. For benchmarks.
+---@return {stiffness: number, analysis: number, factor: number, solve: number, flops: number, entries: number}?
+---@return string? message
+---@return table? details
+function LocalSystem:baseline() end
+
 function LocalSystem:close() end
 
 ---The server of the live view (`require "barwright.core".live_server`): answers to this machine alone,

@@ -41,7 +41,9 @@ return {
       return boundary:box({-8, 0.5, -1}, {12, 13, 2.2})
     end, {-5, 0, 0}},
   },
-  session = {heat = 100, threshold = 0.7},
+  session = {heat = 100, threshold = 0.55, thresholds = { -- wider joints where limbs will be scaled
+    ["left thigh"] = 0.9, ["left shank"] = 0.9, ["left foot"] = 0.9, ["right thigh"] = 0.9,
+    ["right shank"] = 0.9, ["right foot"] = 0.9}},
   edits = {
     {"looks to the left", function(session) return session:bone("neck"):rotate {z = 15} end},
     {"a larger head", function(session) return session:bone("head"):scale {1.1, 1.1, 1.1} end},

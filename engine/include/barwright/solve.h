@@ -131,6 +131,16 @@ bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, 
 bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw_model *model,
                            const bw_statics_options *statics, const bw_local_options *options,
                            bw_static **result, bw_reuse *reuse);
+/* What the same shape costs from scratch, with the same graph and order of unknowns: its stiffness
+ * gathered from all elements, CHOLMOD's analysis, numeric factorisation and one solve. For
+ * benchmarks; needs a factor (BW_INVALID before the first solve), and leaves everything as it is.
+ */
+typedef struct bw_baseline_times {
+  double stiffness, analysis, factor, solve; /* s */
+  double flops, entries;                     /* of the factor, as CHOLMOD counts them */
+} bw_baseline_times;
+bw_status bw_local_baseline(bw_context *context, const bw_local_system *local,
+                            bw_baseline_times *times);
 /* Bytes: of the factor, and of the update matrices kept beside it. */
 void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
 

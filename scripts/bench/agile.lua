@@ -1,0 +1,154 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Edit sessions beside tables 2 and 3 of the paper agile, on scenes of its sizes (scripts/agile). In
+-- one run and on one machine: what an edit of one bone costs, and what the same shape costs from
+-- scratch: the stiffness from all elements, CHOLMOD's numeric factorisation and one solve, in the same
+-- order. The paper's seconds are those of its own machine (4 cores, MKL).
+--   build/barwright scripts/bench/agile.lua [--out FILE.json] [--scenes opener,horse] [--bones N]
+--       [--no-optimise]
+local root = arg[0]:match "^(.*)/bench/[^/]*$" or "scripts"
+package.path = root .. "/agile/?.lua;" .. package.path
+local bw = require "barwright"
+local scenes = require "scenes"
+
+-- Table 2: all entries directly, by domains all, by domains local (ms), solve (s). Table 3: s.
+local paper = {
+  opener = {direct = 387, all = 103, update = 50, solve = 1.11, optimise = 20.78},
+  bird = {direct = 634, all = 199, update = 23, solve = 2.93, optimise = 77.89},
+  horse = {direct = 170, all = 121, update = 28.6, solve = 0.41, optimise = 9.55},
+  dinosaur = {direct = 338, all = 155, update = 31.8, solve = 0.91, optimise = 18.89},
+  earphone = {direct = 458, all = 119, update = 20.9, solve = 1.38, optimise = 52.90},
+}
+
+local wish, i = {scenes = table.concat(scenes.names, ","), bones = math.huge, optimise = true}, 1
+while arg[i] do
+  if arg[i] == "--no-optimise" then
+    wish.optimise = false
+  else
+    local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
+    wish[name] = name == "bones" and assert(math.tointeger(tonumber(arg[i + 1]))) or arg[i + 1]
+    i = i + 1
+  end
+  i = i + 1
+end
+
+local function median(list)
+  table.sort(list)
+  return #list == 0 and 0 / 0
+    or #list % 2 == 1 and list[#list // 2 + 1] or (list[#list // 2] + list[#list // 2 + 1]) / 2
+end
+
+-- One edit up to the von Mises stress at every node.
+local function timed(session, edit)
+  local start = bw.seconds()
+  local fine, message = edit(session)
+  if not fine then return nil, message end
+  local result = assert(session:solve())
+  local most = result.von_mises:max()
+  local reused = result.reused
+  return {seconds = bw.seconds() - start, stiffness = reused.seconds_stiffness,
+    factor = reused.seconds_factor, solve = reused.seconds_solve, kept = reused.factor_kept,
+    method = reused.method, iterations = reused.iterations, max = most,
+    relaxed = reused.mesh ~= "posed"}
+end
+
+local function back(session)
+  assert(session:undo())
+  assert(session:solve())
+end
+
+local rows = bw.json.list {}
+local columns = "%-9s %6d %7d | %5.1f %5.1f %5.1f %5.1f | %6.2f %6.2f | %6.2f %5.1f | %5.0f %5.0f"
+print [[
+            tets   nodes | stiffness, ms             | from scratch, s | an edit, s   | memory, MB
+                         | direct  all  local (paper) | CHOLMOD (paper) | median ratio | factor updates]]
+local ratios = {}
+for name in wish.scenes:gmatch "[^,]+" do
+  local scene = scenes.make(name)
+  local session = assert(bw.edit(scene.part, scene.session))
+  local row = {scene = name, elements = scene.mesh.element_count, nodes = scene.mesh.node_count,
+    domains = session.domains.count}
+  local start = bw.seconds()
+  local first = assert(session:solve())
+  first.von_mises:max()
+  row.seconds_begin, row.max_von_mises_pa = bw.seconds() - start, first.von_mises:max()
+  local bones = {}
+  for _, bone in ipairs(scene.skeleton.bone_names) do
+    if #bones < wish.bones and session:bone(bone).domain then bones[#bones + 1] = bone end
+  end
+
+  -- all domains scaled at once, what the paper calls DD assemble, first number
+  local all = {}
+  for _, bone in ipairs(bones) do all[bone] = {scale = {1, 1.01, 1.01}} end
+  local everything = timed(session, function(s) return s:pose(all) end)
+  if everything then back(session) end
+
+  -- from scratch, twice: before the edits and after them
+  local function scratch()
+    local system = assert(session:synchronise())
+    local once = assert(system:baseline())
+    return {stiffness = once.stiffness, factor = once.factor, solve = once.solve,
+      total = once.stiffness + once.factor + once.solve}
+  end
+  local base = scratch()
+
+  -- one bone at a time
+  local edits = bw.json.list {}
+  for _, bone in ipairs(bones) do
+    local kinds = {
+      {"scaled", function(s) return s:bone(bone):scale {1, 1.03, 1.03} end},
+      {"turned", function(s) return s:bone(bone):rotate {axis = {0.3, 0.5, 0.8}, degrees = 1} end},
+    }
+    for _, kind in ipairs(kinds) do
+      local row_of, message = timed(session, kind[2])
+      if row_of then
+        row_of.bone, row_of.edit = bone, kind[1]
+        edits[#edits + 1] = row_of
+        back(session)
+      else
+        print(("  %s, %s %s: %s"):format(name, bone, kind[1], message))
+      end
+    end
+  end
+  local again = scratch()
+  for key, value in pairs(again) do base[key] = math.min(base[key], value) end
+
+  local seconds, stiffness = {}, {}
+  for _, edit in ipairs(edits) do
+    seconds[#seconds + 1], stiffness[#stiffness + 1] = edit.seconds, edit.stiffness
+    ratios[#ratios + 1] = base.total / edit.seconds
+  end
+  local system = assert(session:synchronise())
+  local factor, updates, coefficients = system:memory()
+  row.seconds_direct, row.seconds_all = base.stiffness, everything and everything.stiffness
+  row.seconds_local, row.seconds_edit = median(stiffness), median(seconds)
+  row.seconds_cholmod_factor, row.seconds_cholmod_solve = base.factor, base.solve
+  row.ratio = base.total / row.seconds_edit
+  row.bytes_factor, row.bytes_updates, row.bytes_coefficients = factor, updates, coefficients
+  row.edits = edits
+  local p = paper[name]
+  print(columns:format(name, row.elements, row.nodes, 1e3 * row.seconds_direct,
+    1e3 * (row.seconds_all or 0 / 0), 1e3 * row.seconds_local, p.update, base.factor + base.solve,
+    p.solve, row.seconds_edit, row.ratio, factor / 1e6, updates / 1e6))
+  if wish.optimise then
+    start = bw.seconds()
+    local report, message, details = session:optimise {von_mises = scenes.threshold, ties = scene.ties}
+    row.seconds_optimise, row.optimise_met = bw.seconds() - start, report ~= nil
+    report = report or details and details.best
+    row.optimise_steps = report and report.iterations
+    row.optimise_max_von_mises_pa = report and report.von_mises
+    print(("          optimised in %.2f s (paper %.2f s, %.1f times), %.2f to %.2f MPa%s"):format(
+      row.seconds_optimise, p.optimise, p.optimise / row.seconds_optimise, row.max_von_mises_pa / 1e6,
+      (report and report.von_mises or 0 / 0) / 1e6, row.optimise_met and "" or ": " .. message))
+  end
+  row.paper = p
+  rows[#rows + 1] = row
+  session:close()
+  collectgarbage()
+end
+print(("median over all edits: %.1f times faster than from scratch; peak memory %.2f GB"):format(
+  median(ratios), (bw.results.peak_memory() or 0) / 1e9))
+if wish.out then
+  assert(require "barwright.core".write_file(wish.out, bw.json.encode({threads = bw.threads(),
+    scenes = rows, median_ratio = median(ratios), peak_memory_bytes = bw.results.peak_memory()},
+    "  ") .. "\n"))
+end
