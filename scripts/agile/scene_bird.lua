@@ -41,7 +41,7 @@ return {
       return boundary:box({-8, 0.5, -1}, {12, 13, 2.2})
     end, {-5, 0, 0}},
   },
-  session = {heat = 100, threshold = 0.55, thresholds = { -- wider joints where limbs will be scaled
+  session = {heat = 10, threshold = 0.45, thresholds = { -- wider joints where limbs will be scaled
     ["left thigh"] = 0.9, ["left shank"] = 0.9, ["left foot"] = 0.9, ["right thigh"] = 0.9,
     ["right shank"] = 0.9, ["right foot"] = 0.9}},
   edits = {

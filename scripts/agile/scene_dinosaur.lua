@@ -52,9 +52,9 @@ return {
   loads = {
     {"a push against the snout", function(boundary) return boundary:near({54, 0, 70}, 6) end, {-15, 0, 0}},
   },
-  session = {heat = 100, threshold = 0.65, thresholds = { -- wider joints where limbs will be scaled
-    ["left thigh"] = 0.95, ["left shank"] = 0.95, ["left foot"] = 0.95, ["right thigh"] = 0.95,
-    ["right shank"] = 0.95, ["right foot"] = 0.95}},
+  session = {heat = 10, threshold = 0.55, thresholds = { -- wider joints where limbs will be scaled
+    ["left thigh"] = 0.9, ["left shank"] = 0.9, ["left foot"] = 0.9, ["right thigh"] = 0.9,
+    ["right shank"] = 0.9, ["right foot"] = 0.9}},
   edits = {
     {"looks up to the left", function(session)
       return session:reach {{joint = "snout", at = {53e-3, 6e-3, 71e-3}, from = "chest"}}
