@@ -1,6 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The report of an edit session: one HTML file with the pictures in it, before and after.
-local bw = require "barwright"
 local core = require "barwright.core"
 
 local page = {}
@@ -36,7 +35,9 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1c2430; max-width: 68rem; m
 h1 { margin-bottom: 0 } h2 { margin-top: 2rem }
 .pair { display: flex; flex-wrap: wrap; gap: 1rem } figure { margin: 0; flex: 1 1 24rem }
 img { width: 100%; border: 1px solid #d8dee8; border-radius: 6px } figcaption { color: #556 }
-table { border-collapse: collapse; width: 100% } th, td { text-align: left; padding: .25rem .6rem; border-bottom: 1px solid #e4e8ef; font-variant-numeric: tabular-nums }
+table { border-collapse: collapse; width: 100% } 
+th, td { text-align: left; padding: .25rem .6rem; border-bottom: 1px solid #e4e8ef;
+  font-variant-numeric: tabular-nums }
 ]]
 
 local function mpa(pa) return ("%.2f MPa"):format(pa / 1e6) end
@@ -89,7 +90,8 @@ function page.write(path, scene, result, results)
   parts[#parts + 1] = table_of({"edit", "largest von Mises stress", "solved in", "reused"}, edits)
   parts[#parts + 1] = "<h2>Loads</h2>"
   parts[#parts + 1] = table_of({"what", "force"}, loads)
-  parts[#parts + 1] = ("<p>Estimated error in the energy norm: %.1f %% before%s. barwright %s.</p></body></html>\n")
+  parts[#parts + 1] = ("<p>Estimated error in the energy norm: %.1f %% before%s. barwright %s.</p>"
+    .. "</body></html>\n")
     :format(100 * result.before_error,
       found and (", %.1f %% after"):format(100 * result.after_error) or "", escape(core.version))
   return core.write_file(path, table.concat(parts))

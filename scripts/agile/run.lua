@@ -67,7 +67,7 @@ local function read_arguments()
     i = i + 1
   end
   if not wish.out then usage "--out DIR is missing" end
-  if not model == not wish.scene then usage "either --scene NAME or a MODEL expected" end
+  if (model ~= nil) == (wish.scene ~= nil) then usage "either --scene NAME or a MODEL expected" end
   if wish.order and wish.order > 2 then usage "option --order: 1 or 2 expected" end
   return wish, model
 end
@@ -210,10 +210,10 @@ local function main()
   local names = model and {model} or wish.scene == "all" and scenes.names or {wish.scene}
   local status = MET
   for _, name in ipairs(names) do
-    local scene, message, details
+    local scene, message
     local start = bw.seconds()
     if model then
-      scene, message, details = models.make(model, wish)
+      scene, message = models.make(model, wish)
     elseif scenes.paper[name] then
       scene = scenes.make(name, {elements = wish.elements, order = wish.order})
     else
@@ -222,7 +222,7 @@ local function main()
     if not scene then stop(REFUSED, message) end
     scene.seconds_mesh = bw.seconds() - start
     local out = #names > 1 and wish.out .. "/" .. name or wish.out
-    local result
+    local result, details
     result, message, details = run(scene, wish, out)
     if not result then
       stop(details and details.status == "cancelled" and INTERRUPTED or NOT_MET, message)
