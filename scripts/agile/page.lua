@@ -35,7 +35,7 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1c2430; max-width: 68rem; m
 h1 { margin-bottom: 0 } h2 { margin-top: 2rem }
 .pair { display: flex; flex-wrap: wrap; gap: 1rem } figure { margin: 0; flex: 1 1 24rem }
 img { width: 100%; border: 1px solid #d8dee8; border-radius: 6px } figcaption { color: #556 }
-table { border-collapse: collapse; width: 100% } 
+table { border-collapse: collapse; width: 100% }
 th, td { text-align: left; padding: .25rem .6rem; border-bottom: 1px solid #e4e8ef;
   font-variant-numeric: tabular-nums }
 ]]
