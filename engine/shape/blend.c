@@ -18,9 +18,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is taken off every weight. Slopes of weights grow by a factor of 1 / (1 - taken * bones at a
- * node) at most. */
-static const double taken = 0.01;
+/* What is taken off every weight. What is left is divided by its sum, 1 - taken * bones at least:
+ * slopes stay nearly what they were. */
+static const double taken = 0.02;
 
 typedef struct edge {
   int32_t i, j;    /* nodes of the domain, i < j; free ones come first */

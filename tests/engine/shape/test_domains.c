@@ -72,7 +72,7 @@ static void graded(void *data, const double unit[3], double out[3]) {
 
 /* What is left of two weights of one in sum when small ones are left out. */
 static double thinned(double w) {
-  double own = fmax(w - 0.01, 0), other = fmax(1 - w - 0.01, 0);
+  double own = fmax(w - 0.02, 0), other = fmax(1 - w - 0.02, 0);
   return own / (own + other);
 }
 
