@@ -29,4 +29,16 @@ bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neig
 bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
                             const idx_t *permutation, bwi_order **order);
 
+/* The groups around each node, ascending. */
+typedef struct bwi_membership {
+  int32_t *start; /* size + 1 (and one to count with) */
+  int32_t *group;
+} bwi_membership;
+/* shared[a groups + b]: nodes that groups a and b have in common; the diagonal is 0. */
+void bwi_count_shared(const bwi_membership *of, int32_t size, int32_t groups, int32_t *shared);
+/* permutation[k] = the node eliminated k-th: the set of groups bisected along its interfaces, METIS
+ * inside a group (order_interfaces.c). */
+bw_status bwi_order_along_interfaces(bw_context *context, const bwi_adjacency *near,
+                                     const bwi_membership *of, int32_t groups, idx_t *permutation);
+
 #endif
