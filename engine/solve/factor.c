@@ -14,15 +14,10 @@
 #include "solve/blas.h"
 #include "solve/internal.h"
 
-/* Rows of a child that are next to each other in the parent too. */
-typedef struct run {
-  int32_t from, to, length;
-} run;
-
 /* What one worker needs. */
 typedef struct workspace {
   int32_t *local; /* order->size: row of a position in the front at work */
-  run *runs;
+  bwi_run *runs;
   double *scale;
   double *panel; /* when L is not kept */
   double *stack;
@@ -77,80 +72,6 @@ static void lower_to(int32_t *place, int32_t value) {
     ;
 }
 
-/* ---- adding a child's update matrix -------------------------------------------------------- */
-
-typedef struct addition {
-  const double *from;
-  int32_t size; /* of the child's update matrix */
-  const run *runs;
-  int32_t run_count;
-  double *panel, *update;
-  int32_t rows, pivots; /* of the parent */
-} addition;
-
-static bw_status add_columns(void *data, int64_t begin, int64_t end, int worker) {
-  (void)worker;
-  const addition *add = data;
-  int64_t outer = add->rows - add->pivots;
-  int32_t r = 0;
-  for (int64_t j = begin; j < end; j++) {
-    while (add->runs[r].from + add->runs[r].length <= j)
-      r++;
-    int64_t column = add->runs[r].to + (j - add->runs[r].from);
-    double *target =
-        column < add->pivots
-            ? add->panel + column * add->rows
-            : add->update + bwi_update_column(outer, column - add->pivots) - add->pivots;
-    const double *source = add->from + bwi_update_column(add->size, j);
-    int64_t from = j, to = column, length = add->runs[r].length - (j - add->runs[r].from);
-    for (int32_t q = r;;) {
-      double *restrict a = target + to;
-      const double *restrict b = source + from;
-      for (int64_t i = 0; i < length; i++)
-        a[i] += b[i];
-      if (++q == add->run_count)
-        break;
-      from = add->runs[q].from;
-      to = add->runs[q].to;
-      length = add->runs[q].length;
-    }
-  }
-  return BW_OK;
-}
-
-static bw_status add_child(const factorisation *f, int32_t s, int32_t child, workspace *space,
-                           double *panel, double *update) {
-  const bwi_symbolic *symbolic = f->symbolic;
-  const bwi_order *order = symbolic->order;
-  int32_t from = 0, count = 0;
-  run *runs = space->runs;
-  int64_t begin = order->row_start[child] + order->super[child + 1] - order->super[child];
-  for (int64_t k = begin; k < order->row_start[child + 1]; k++) {
-    int32_t p = order->row[k], length = symbolic->first[p + 1] - symbolic->first[p];
-    if (length == 0)
-      continue;
-    int32_t to = space->local[p];
-    if (count > 0 && runs[count - 1].to + runs[count - 1].length == to)
-      runs[count - 1].length += length;
-    else
-      runs[count++] = (run){from, to, length};
-    from += length;
-  }
-  if (from == 0)
-    return BW_OK;
-  const double *kept = kept_update(f, child);
-  addition add = {.from = kept ? kept : f->store->update[child],
-                  .size = from,
-                  .runs = runs,
-                  .run_count = count,
-                  .panel = panel,
-                  .update = update,
-                  .rows = symbolic->rows[s],
-                  .pivots = bwi_pivots(symbolic, s)};
-  int64_t grain = 1 + (1 << 18) / from;
-  return bw_parallel(f->context, from, grain, add_columns, &add);
-}
-
 /* ---- one front ----------------------------------------------------------------------------- */
 
 typedef struct clearing {
@@ -193,7 +114,9 @@ static bw_status do_front(factorisation *f, int32_t s, double *own, workspace *s
   BW_TRY(bw_parallel(context, outer, grain, clear_columns, &clear_update));
   bwi_matrix_to_panel(symbolic, f->matrix, s, space->local, panel, space->scale);
   for (int32_t c = f->store->child[s]; c >= 0; c = f->store->sibling[c]) {
-    BW_TRY(add_child(f, s, c, space, panel, update));
+    const double *of_child = kept_update(f, c);
+    BW_TRY(bwi_add_child(context, symbolic, s, c, of_child ? of_child : f->store->update[c],
+                         space->local, space->runs, panel, update));
     if (f->plan->task_of[c] < 0 && !kept_update(f, c))
       children += bwi_update_size(symbolic->rows[c] - bwi_pivots(symbolic, c));
   }
@@ -314,7 +237,7 @@ static bw_status store_prepare(factorisation *f) {
     if (!space->local)
       space->local = BW_NEW(context, int32_t, symbolic->order->size);
     if (!space->runs)
-      space->runs = BW_NEW(context, run, symbolic->max_rows);
+      space->runs = BW_NEW(context, bwi_run, symbolic->max_rows);
     if (!space->scale)
       space->scale = BW_NEW(context, double, symbolic->max_rows);
     if (!space->panel && !f->value)

@@ -182,6 +182,16 @@ typedef struct bwi_baseline_times {
 bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const bwi_matrix *matrix,
                        double *x, bwi_baseline_times *times);
 
+/* Rows of a child that are next to each other in the parent too. */
+typedef struct bwi_run {
+  int32_t from, to, length;
+} bwi_run;
+/* Add the update matrix of a child to the front (panel and update matrix) of supernode s, whose
+ * rows are `local` by position; runs: room for the child's rows (extend_add.c). */
+bw_status bwi_add_child(bw_context *context, const bwi_symbolic *symbolic, int32_t s, int32_t child,
+                        const double *of_child, const int32_t *local, bwi_run *runs, double *panel,
+                        double *update);
+
 /* ---- dense kernels (front.c) --------------------------------------------------------------- */
 
 /* An update matrix is a lower triangle kept as columns of tiles: block column c holds the rows from
