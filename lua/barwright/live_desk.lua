@@ -169,7 +169,7 @@ for _, word in ipairs {"undo", "redo", "reset"} do
 end
 
 function handlers.limit(self, _, message)
-  self.limit = message.von_mises
+  self.limit = message.von_mises or nil
   return publish(self, self.drag and self.drag.fork or self.session)
 end
 

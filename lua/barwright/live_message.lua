@@ -80,12 +80,14 @@ local function bones(value, desk)
 end
 
 local function one_of(...)
-  local known = {...}
+  local known, words = {...}, {}
+  for i, word in ipairs(known) do words[i] = tostring(word) end
+  local expected = table.concat(words, " or ")
   return function(value)
     for _, word in ipairs(known) do
       if word == value then return value end
     end
-    return nil, table.concat(known, " or ")
+    return nil, expected
   end
 end
 

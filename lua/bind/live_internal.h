@@ -27,6 +27,7 @@ struct lbw_live_server {
   int port;
   char token[LIVE_TOKEN_DIGITS + 1];
   bool library; /* mg_init_library was called */
+  bool stopped; /* CivetWeb has ended (atomic) */
   struct mg_context *web;
   pthread_mutex_t lock; /* of all that follows */
   pthread_cond_t arrived;

@@ -1,10 +1,14 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The server's life, the pages that it serves, and who may ask for them. Clients: live_client.c. */
 #include <errno.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/random.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "live_internal.h"
 
@@ -207,12 +211,43 @@ static int on_log(const struct mg_connection *connection, const char *message) {
 
 /* ---- life ------------------------------------------------------------------------------------ */
 
+/* CivetWeb's master thread looks up every two seconds, or when somebody connects. */
+static void *knock(void *data) {
+  lbw_live_server *server = (lbw_live_server *)data;
+  const struct timespec pause = {0, 10000000};
+  const struct sockaddr_in address = {.sin_family = AF_INET,
+                                      .sin_port = htons((uint16_t)server->port),
+                                      .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+  while (!__atomic_load_n(&server->stopped, __ATOMIC_RELAXED)) {
+    nanosleep(&pause, NULL);
+    int s = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (s < 0)
+      continue;
+    if (connect(s, (const struct sockaddr *)&address, sizeof address) != 0 && errno != EINPROGRESS)
+      nanosleep(&pause, NULL);
+    close(s);
+  }
+  return NULL;
+}
+
+static void stop_web(lbw_live_server *server) {
+  lbw_live_end_clients(server);
+  pthread_t knocker;
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  bool knocks = pthread_create(&knocker, NULL, knock, server) == 0;
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+  mg_stop(server->web); /* returns when no thread is left */
+  __atomic_store_n(&server->stopped, true, __ATOMIC_RELAXED);
+  if (knocks)
+    pthread_join(knocker, NULL);
+}
+
 static void destroy_server(void *object) {
   lbw_live_server *server = (lbw_live_server *)object;
-  if (server->web) {
-    lbw_live_end_clients(server);
-    mg_stop(server->web); /* returns when no thread is left */
-  }
+  if (server->web)
+    stop_web(server);
   if (server->library)
     mg_exit_library();
   while (server->pages) {

@@ -1,0 +1,376 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The live view's desk, through a table in place of its server, and the command. Sockets are tested in
+-- test_live.c, the page in tests/pages/live.mjs.
+local bw = require "barwright"
+local core = require "barwright.core"
+local live_desk = require "barwright.live_desk"
+local live_frame = require "barwright.live_frame"
+local check = require "check"
+
+local session_file = check.root .. "/tests/lua/live_session.lua"
+
+-- A desk whose windows are lists: got[client] = messages in order, states and scenes as tables.
+local function desk_on(session, about)
+  local server = {got = {}, files = {}, waiting = {}}
+  function server:send(client, bytes, options)
+    local message
+    if options and options.binary then
+      message = live_frame.read(bytes)
+    else
+      assert(utf8.len(bytes))
+      message = assert(bw.json.decode(bytes))
+    end
+    self.got[client] = self.got[client] or {}
+    table.insert(self.got[client], message)
+    return true
+  end
+  function server:serve(path, _, bytes) self.files[path] = bytes end
+  function server:receive() return table.unpack(table.remove(self.waiting, 1) or {}) end
+  local desk = assert(live_desk.new(session, server, about or {}))
+  local talk = {desk = desk, server = server, session = session}
+  -- Handles messages of a window; gives the last answer and all of them.
+  function talk.say(client, ...)
+    server.got[client] = {}
+    local events = {}
+    for i, message in ipairs {...} do
+      events[i] = {client, "message", type(message) == "table" and bw.json.encode(message) or message}
+    end
+    desk:handle(events)
+    local got = server.got[client]
+    return got[#got], got
+  end
+  function talk.open(client)
+    server.got[client] = {}
+    desk:handle {{client, "open", ""}}
+    return server.got[client]
+  end
+  function talk.close(client) desk:handle {{client, "close", ""}} end
+  return talk
+end
+
+local shared
+local function hook()
+  if not shared then shared = assert(dofile(session_file)) end
+  while shared:undo() do end
+  return shared
+end
+
+local function scaled(by)
+  return {scale = {1, by, by}}
+end
+
+describe("a desk", function()
+  it("tells a window who it is, the scene, the state", function()
+    local talk = desk_on(hook())
+    local got = talk.open(3)
+    assert.equal("welcome", got[1].type)
+    assert.equal(3, got[1].client)
+    assert.equal("scene", got[2].type)
+    assert.equal("arm", got[2].bones[1].name)
+    assert.equal(3 * #got[2].blocks, got[2].blocks[1].count % 3 == 0 and 3 or 0)
+    local state = got[3]
+    assert.equal("state", state.type)
+    check.near(assert(talk.session:solve()).von_mises:max(), state.maximum, 1e-9)
+    assert.is_false(state.can_undo)
+    assert.equal(3 * state.blocks[2].count, state.blocks[1].count)
+    assert.equal(53e6, state.limit)
+  end)
+
+  it("makes one edit of a drag, and the newest of moves that wait", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    talk.open(2)
+    talk.say(1, {type = "begin", bone = "arm", seq = 1})
+    local last, all = talk.say(1, {type = "move", seq = 2, change = scaled(1.05)},
+      {type = "move", seq = 3, change = scaled(1.1)}, {type = "move", seq = 4, change = scaled(1.2)})
+    assert.equal(1, #all)
+    assert.equal(4, last.drag.seq)
+    assert.equal(0, last.edits)
+    assert.equal(0, #talk.session.edits)
+    assert.same(last, talk.server.got[2][#talk.server.got[2]])
+    assert.equal("refused", talk.say(2, {type = "undo"}).type)
+    assert.equal("refused", talk.say(2, {type = "begin", bone = "nose", seq = 1}).type)
+    assert.equal("refused", talk.say(2, {type = "end"}).type)
+    last = talk.say(1, {type = "end"})
+    assert.equal(1, last.edits)
+    assert.is_nil(last.drag)
+    assert.equal('session:bone("arm"):scale{1, 1.2, 1.2}', talk.session.edits[1].script)
+    assert.is_true(talk.say(2, {type = "undo"}).can_redo)
+    assert.equal(1, talk.say(2, {type = "redo"}).edits)
+  end)
+
+  it("says why it refuses, and the session is as it was", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    local bent = {rotate = {axis = {0, 1, 0}, degrees = -170}}
+    local answer = talk.say(1, {type = "edit", bone = "nose", change = bent, seq = 7})
+    assert.equal("refused", answer.type)
+    assert.equal(7, answer.seq)
+    assert.truthy(answer.message:find "inverts %d+ elements")
+    assert.equal(0, #talk.session.edits)
+    -- In a drag the shape before stays, and is what the drag's end makes an edit of.
+    talk.say(1, {type = "begin", bone = "nose", seq = 1})
+    talk.say(1, {type = "move", seq = 2, change = scaled(1.1)})
+    assert.equal("refused", talk.say(1, {type = "move", seq = 3, change = bent}).type)
+    talk.say(1, {type = "end"})
+    assert.equal('session:bone("nose"):scale{1, 1.1, 1.1}', talk.session.edits[1].script)
+    assert.equal(1, #talk.session.edits)
+  end)
+
+  it("ends a drag whose window is closed, and takes one back that is cancelled", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    talk.open(2)
+    talk.say(1, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)})
+    talk.close(1)
+    assert.equal(1, #talk.session.edits)
+    local told = talk.server.got[2][#talk.server.got[2]]
+    assert.is_nil(told.drag)
+    assert.equal(1, told.edits)
+    talk.say(2, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)},
+      {type = "end", cancel = true})
+    assert.equal(1, #talk.session.edits)
+    talk.say(2, {type = "begin", bone = "arm", seq = 1})
+    talk.close(2)
+    assert.equal(1, #talk.session.edits)
+  end)
+
+  it("does every kind of change", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    for i, change in ipairs {scaled(1.1), {rotate = {axis = {0, 0, 1}, degrees = 5}},
+      {translate = {0.001, 0, 0}}, {reach = {0.06, 0.002, 0.025}}, {reset = true}} do
+      assert.equal(i, talk.say(1, {type = "edit", bone = "nose", change = change}).edits)
+    end
+    assert.equal(6, talk.say(1, {type = "reset"}).edits)
+    assert.equal(20e6, talk.say(1, {type = "limit", von_mises = 20e6}).limit)
+    assert.is_nil(talk.say(1, {type = "limit", von_mises = bw.json.null}).limit)
+    local file = talk.say(1, {type = "export", format = "stl"})
+    assert.equal(#talk.server.files[file.path], file.bytes)
+    file = talk.say(1, {type = "export", format = "lua"})
+    assert.truthy(talk.server.files[file.path]:find("session:reset()", 1, true))
+  end)
+
+  it("optimises, says why not, and stops when asked", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    local last, all = talk.say(1, {type = "optimise", von_mises = 30e6})
+    assert.is_true(all[#all - 1].met)
+    assert.truthy(last.maximum <= 30e6 * 1.0001)
+    assert.equal(1, last.edits)
+    last, all = talk.say(1, {type = "optimise", von_mises = 1e3})
+    assert.is_false(all[#all - 1].met)
+    assert.truthy(#all[#all - 1].message > 20)
+    assert.equal(1, last.edits)
+    -- What arrives while the engine works is kept for afterwards.
+    talk.server.waiting = {{1, "message", '{"type":"undo"}'}, {1, "message", '{"type":"stop"}'}}
+    last, all = talk.say(1, {type = "optimise", von_mises = 20e6})
+    local stopped
+    for _, message in ipairs(all) do stopped = stopped or message.type == "optimised" and message end
+    assert.is_false(stopped.met)
+    assert.truthy(stopped.message:find "stopped")
+    assert.equal(0, last.edits)
+    assert.is_true(last.can_redo)
+  end)
+end)
+
+-- ---- what is no message ------------------------------------------------------------------------------
+
+describe("a message that is none", function()
+  it("is answered with what was expected", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    for text, expected in pairs {
+      [""] = "not JSON", ["{"] = "not JSON", ["[]"] = "unknown type", ["3"] = "a JSON object",
+      ["null"] = "a JSON object", ['{"type":"jump"}'] = "unknown type of message 'jump'",
+      ['{"type":{}}'] = "unknown type", ['{"type":"undo","x":1}'] = "unknown field 'x'",
+      ['{"type":"begin","bone":"arm"}'] = "'seq' is missing",
+      ['{"type":"begin","bone":"leg","seq":1}'] = "the name of a bone expected",
+      ['{"type":"begin","bone":1,"seq":1}'] = "the name of a bone expected",
+      ['{"type":"begin","bone":"arm","seq":-1}'] = "a whole number expected",
+      ['{"type":"begin","bone":"arm","seq":1.5}'] = "a whole number expected",
+      ['{"type":"edit","bone":"arm","change":{}}'] = "one of rotate, scale",
+      ['{"type":"edit","bone":"arm","change":[]}'] = "one of rotate, scale",
+      ['{"type":"edit","bone":"arm","change":{"scale":[1,1,1],"reset":true}}'] = "one of rotate, scale",
+      ['{"type":"edit","bone":"arm","change":{"scale":[1,1]}}'] = "three factors",
+      ['{"type":"edit","bone":"arm","change":{"scale":[1,null,1]}}'] = "three factors",
+      ['{"type":"edit","bone":"arm","change":{"scale":[1,1,1,1]}}'] = "three factors",
+      ['{"type":"edit","bone":"arm","change":{"scale":[1,-1,1]}}'] = "three factors",
+      ['{"type":"edit","bone":"arm","change":{"scale":[1,1e999,1]}}'] = "three factors",
+      ['{"type":"edit","bone":"arm","change":{"translate":[1e300,0,0]}}'] = "three numbers of at most",
+      ['{"type":"edit","bone":"arm","change":{"rotate":{"axis":[0,0,0],"degrees":1}}}'] = "not all 0",
+      ['{"type":"edit","bone":"arm","change":{"rotate":{"axis":[0,0,1]}}}'] = "'degrees' is missing",
+      ['{"type":"edit","bone":"arm","change":{"reset":false}}'] = "true expected",
+      ['{"type":"optimise","von_mises":"NaN"}'] = "a number from",
+      ['{"type":"optimise","von_mises":1e6,"bones":["arm","leg"]}'] = "a list of names",
+      ['{"type":"export","format":"../../x"}'] = "stl or lua expected",
+      ['{"type":"x\\u0000\\udc00"}'] = "unknown type of message",
+      ['{"\\u0000":1,"type":"undo"}'] = "unknown field '?'",
+      [("["):rep(5000)] = "less nesting",
+    } do
+      local answer = talk.say(1, text)
+      assert.equal("error", answer.type, text:sub(1, 80))
+      assert.truthy(answer.message:find(expected, 1, true), text:sub(1, 80) .. ": " .. answer.message)
+    end
+    assert.equal(0, #talk.session.edits)
+  end)
+
+  it("changes nothing, whatever is in it", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    math.randomseed(20130701)
+    local good = {
+      '{"type":"edit","bone":"arm","change":{"scale":[1,1.1,1.1]}}',
+      '{"type":"begin","bone":"nose","seq":1}',
+      '{"type":"move","seq":2,"change":{"rotate":{"axis":[0,1,0],"degrees":12.5}}}',
+      '{"type":"optimise","von_mises":30000000,"low":0.5,"bones":["arm"]}',
+      '{"type":"limit","von_mises":null}',
+    }
+    local pieces = {"{", "}", "[", "]", ":", ",", '"', "null", "true", "1e308", "-", '"type"', '"edit"',
+      '"change"', "\\u", "\\ud800", "\0", "\255", "NaN", "9999999999999999999999", '"scale"', "{}"}
+    local answered = 0
+    for round = 1, 900 do
+      local text = good[round % #good + 1]
+      if round % 3 == 0 then
+        text = text:sub(1, math.random(#text) - 1) -- cut off
+      elseif round % 3 == 1 then -- something put in its midst, so that it is no message any more
+        local at = math.random(#text)
+        text = text:sub(1, at - 1) .. pieces[math.random(#pieces)] .. text:sub(at + math.random(0, 9))
+          .. pieces[math.random(#pieces)]
+      else
+        local bytes = {}
+        for i = 1, math.random(200) do bytes[i] = string.char(math.random(0, 255)) end
+        text = table.concat(bytes)
+      end
+      local answer = talk.say(1, text)
+      if answer and answer.type == "error" then answered = answered + 1 end
+      if talk.desk.drag then talk.say(1, {type = "end", cancel = true}) end
+    end
+    assert.truthy(answered > 890, answered)
+    assert.equal(0, #talk.session.edits)
+    assert.equal(1, talk.say(1, good[1]).edits)
+  end)
+
+  it("of right form and wild values leaves a sound session", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    math.randomseed(7)
+    local function wild()
+      local kind = math.random(6)
+      if kind == 1 then return 0 end
+      if kind == 2 then return 10 ^ math.random(-300, 300) end
+      return (math.random() - 0.5) * 10 ^ math.random(-3, 2)
+    end
+    for round = 1, 60 do
+      local change = ({{scale = {wild(), wild(), wild()}}, {translate = {wild(), wild(), wild()}},
+        {reach = {wild(), wild(), wild()}},
+        {rotate = {axis = {wild(), wild(), wild()}, degrees = 100 * wild()}}})[round % 4 + 1]
+      local answer = talk.say(1, {type = "edit", bone = round % 2 == 0 and "arm" or "nose", change = change})
+      assert.truthy(answer.type == "state" or answer.type == "refused" or answer.type == "error")
+      if answer.type == "state" then talk.say(1, {type = "undo"}) end
+    end
+    local state = talk.open(2)[3]
+    assert.equal(0, state.edits)
+    check.near(assert(hook():solve()).von_mises:max(), state.maximum, 1e-6)
+  end)
+end)
+
+-- ---- the command --------------------------------------------------------------------------------------
+
+-- Starts `barwright live` as a child; gives its address and number.
+local function start(folder, arguments)
+  check.write(folder .. "/out", "")
+  os.execute(("cd '%s' && { BARWRIGHT_QUIET=1 '%s' live hook.lua --no-open %s >out 2>&1 & echo $! >pid; }")
+    :format(folder, check.program:match "^/" and check.program or os.getenv "PWD" .. "/" .. check.program,
+      arguments or ""))
+  local address
+  for _ = 1, 200 do
+    address = check.read(folder .. "/out"):match "http://%S+"
+    if address then break end
+    os.execute "sleep 0.05"
+  end
+  return assert(address, check.read(folder .. "/out")), check.read(folder .. "/pid"):match "%d+"
+end
+
+local function stop(folder, pid, signal)
+  os.execute(("kill -%s %s; for i in $(seq 100); do kill -0 %s 2>/dev/null || break; sleep 0.05; done")
+    :format(signal, pid, pid))
+  return check.read(folder .. "/out")
+end
+
+local has_page = io.open(check.root .. "/build/web/live.js", "rb")
+if has_page then has_page:close() end
+
+describe("barwright live", function()
+  it("says in a sentence what it cannot use", function()
+    local folder = check.folder()
+    check.write(folder .. "/nothing.lua", "return 5")
+    check.write(folder .. "/broken.lua", "return (")
+    for arguments, text in pairs {
+      [""] = "SESSION.lua is missing",
+      [folder .. "/missing.lua"] = "No such file",
+      [folder .. "/nothing.lua"] = "must return a session",
+      [folder .. "/broken.lua"] = "unexpected symbol",
+      ["--prot 3 x.lua"] = "did you mean '--port'",
+      ["x.lua --port 70000"] = "a number from 0 to 65535 expected",
+      ["x.lua --save"] = "a value is missing",
+      ["x.lua y.lua"] = "one file expected",
+    } do
+      local status, _, err = check.run("live " .. arguments)
+      assert.equal(2, status, arguments .. ": " .. err)
+      assert.truthy(err:find(text, 1, true), err)
+    end
+    local status, out = check.run "live --help"
+    assert.equal(0, status)
+    assert.truthy(out:find("usage: barwright live", 1, true))
+  end)
+
+  it("serves a page, ends at Ctrl-C, and goes on with the edits that were kept", function()
+    if not has_page then return pending "the page is not bundled" end
+    local folder = check.folder()
+    check.write(folder .. "/hook.lua", check.read(session_file))
+    local address, pid = start(folder)
+    assert.truthy(address:match "^http://127%.0%.0%.1:%d+/%x+/$")
+    local out = stop(folder, pid, "INT")
+    assert.truthy(out:find("0 edits in force, kept in hook.edits.lua", 1, true), out)
+    assert.is_nil(out:find "traceback")
+    -- Killed in the midst of writing an edit: what is whole is replayed.
+    local kept = check.read(folder .. "/hook.edits.lua")
+    check.write(folder .. "/hook.edits.lua", kept .. 'assert(session:bone("arm"):scale{1, 1.1, 1.1})\nassert(sess')
+    local _, second = start(folder)
+    out = stop(folder, second, "KILL")
+    assert.truthy(out:find("1 edits replayed", 1, true), out)
+    assert.truthy(out:find("cut off in the middle", 1, true))
+    local session = assert(bw.edit.load(folder .. "/hook.edits.lua"))
+    assert.equal(1, #session.edits)
+    -- A file of edits is served as well; --fresh begins without.
+    os.execute(("cp '%s/hook.edits.lua' '%s/hook2.lua'"):format(folder, folder))
+    local _, third = start(folder, "--fresh")
+    out = stop(folder, third, "INT")
+    assert.truthy(out:find("0 edits in force", 1, true), out)
+    assert.truthy(check.read(folder .. "/hook.edits.lua~"):find("scale{1, 1.1, 1.1}", 1, true))
+  end)
+end)
+
+describe("the live server", function()
+  it("takes its arguments apart and closes like any object", function()
+    check.raises("did you mean 'port'", core.live_server, {prot = 1})
+    check.raises("a port from 0 to 65535", core.live_server, {port = 70000})
+    local server = assert(core.live_server {})
+    assert.truthy(server.address:find(server.token, 1, true))
+    assert.equal(32, #server.token)
+    assert.equal(0, server.client_count)
+    assert.is_nil(server:receive(0.01))
+    assert.is_false(server:send(1, "x", {replace = "state"}))
+    check.raises("plain text", server.serve, server, "a\r\nb", "text/plain", "")
+    check.raises("plain text", server.serve, server, "a", "text/plain", "", 'x"y')
+    check.raises("a shorter key", server.send, server, 1, "x", {replace = ("k"):rep(30)})
+    check.fails("io", "is the port taken", core.live_server {port = server.port})
+    server:close()
+    check.raises("closed", function() return server:receive(0) end)
+    do
+      local another <close> = assert(core.live_server {})
+      assert.truthy(tostring(another):find "live server at")
+    end
+  end)
+end)
