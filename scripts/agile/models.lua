@@ -43,12 +43,11 @@ function models.make(path, wish)
   local held = mesh.boundary:below("z", low[3] + 0.04 * (high[3] - low[3]))
   part:fix(held)
   part:gravity(scenes.gravity)
-  local centre, tips = held.centre, tips_of(skeleton)
-  local joints, best = skeleton.joints:totable(), nil
-  for _, tip in ipairs(tips) do
-    tip.at = joints[skeleton:joint(tip.joint).index]
-    tip.far = distance(tip.at, centre)
-    if not best or tip.far > best.far then best = tip end
+  local centre, tips, joints = held.centre, tips_of(skeleton), skeleton.joints:totable()
+  local best = {far = -1}
+  for i, name in ipairs(skeleton.joint_names) do
+    local far = distance(joints[i], centre)
+    if far > best.far then best = {far = far, at = joints[i], joint = name} end
   end
   local across = (high[1] - low[1] < high[2] - low[2]) and {wish.force or 5, 0, 0}
     or {0, wish.force or 5, 0}

@@ -57,9 +57,9 @@ return {
   hold = function(boundary) return boundary:box({-10, -7, 60}, {10, 7, 80}) end,
   loads = {
     {"the left cup is pulled", function(boundary) return boundary:box({-10, 20, -1}, {10, 40, 4}) end,
-      {0, 7, 0}},
+      {0, 6.3, 0}},
     {"the right cup is pulled", function(boundary) return boundary:box({-10, -40, -1}, {10, -20, 4}) end,
-      {0, -7, 0}},
+      {0, -6.3, 0}},
     {"the microphone is pressed", function(boundary) return boundary:near({32, 18, -8}, 3) end,
       {0, 0, -4}},
   },
