@@ -1,19 +1,23 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Verifies edit sessions and writes a part of the verification manual; exits with 1 when a figure is
 -- not within what is allowed.
---   build/barwright scripts/verification/edit.lua [--full] [--only TEXT] [--models FOLDER] [--out FILE]
+--   build/barwright scripts/verification/edit.lua [--full] [--only TEXT] [--scene NAME]
+--       [--models FOLDER] [--out FILE]
 -- --full: 500 sequences of edits, scenes with the paper's numbers of elements. --only: parts whose
--- name holds the text; nothing is written then. --models: closed surfaces to find skeletons in.
+-- name holds the text; nothing is written then. --scene: one of scripts/agile instead of all.
+-- --models: a folder of closed surfaces to find skeletons in.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../agile/?.lua;" .. package.path
 
+io.stdout:setvbuf "line"
 local wish = {models = os.getenv "BARWRIGHT_SHARED" or "../shared"}
 wish.models = wish.models .. "/models"
 local out, only = "docs/verification_edit.md", nil
 for i, a in ipairs(arg) do
   if a == "--full" then wish.full = true end
   if a == "--only" then only = arg[i + 1] end
+  if a == "--scene" then wish.scene = arg[i + 1] end
   if a == "--models" then wish.models = arg[i + 1] end
   if a == "--out" then out = arg[i + 1] end
 end
@@ -26,16 +30,15 @@ local function number(x)
   return ("%.3g"):format(x)
 end
 
--- A row: {quantity, figure, "at most" | "at least" | "", bound, how}.
+-- A row: {quantity, figure, "at most" | "at least", bound, how}.
 local function show_row(part, row)
   local quantity, figure, word, bound, how = table.unpack(row, 1, 5)
-  local good = true
-  if word == "at most" then good = figure <= bound elseif word == "at least" then good = figure >= bound end
-  local allowed = word == "" and "" or word .. " " .. number(bound)
-  count, failed = count + (word == "" and 0 or 1), failed + (good and 0 or 1)
+  local good = word == "at most" and figure <= bound or word == "at least" and figure >= bound
+  local allowed = word .. " " .. number(bound)
+  count, failed = count + 1, failed + (good and 0 or 1)
   write("| %s | %s%s | %s | %s |", quantity, number(figure), good and "" or " **outside**", allowed, how or "")
-  print(("%s %s: %s: %s%s"):format(word == "" and "  " or good and "ok" or "OUTSIDE", part, quantity,
-    number(figure), allowed == "" and "" or " (" .. allowed .. ")"))
+  print(("%s %s: %s (%s; %s)"):format(good and "ok" or "OUTSIDE", quantity, number(figure), allowed,
+    how or part))
 end
 
 local function show_table(heads, rows)

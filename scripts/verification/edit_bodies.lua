@@ -96,6 +96,9 @@ local kinds = {
   {5, function(bone, random)
     return bone:rotate {axis = bodies.random_axis(random), degrees = random(-20, 20)}
   end},
+  {2, function(bone, random) -- often mended, sometimes refused
+    return bone:rotate {axis = bodies.random_axis(random), degrees = random(-75, 75)}
+  end},
   {1, function(bone, random)
     return bone:translate {random(-1, 1) * mm, random(-1, 1) * mm, random(-1, 1) * mm}
   end},

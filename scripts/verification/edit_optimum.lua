@@ -57,7 +57,7 @@ local function sample(session, list, H, found, start, random)
   local optimum = {}
   for i, unknown in ipairs(list) do optimum[i] = unknown.t end
   seen.change = change_of(list, H, optimum)
-  local fork = session:fork {relax = false, refill = false}
+  local fork = session:fork {refill = false}
   for _ = 1, points do
     local t, size = {}, 10 ^ random(-3, -1)
     for i, unknown in ipairs(list) do
@@ -80,7 +80,11 @@ local function sample(session, list, H, found, start, random)
         local most = result.von_mises:max()
         result:close()
         seen.lowest = math.min(seen.lowest, most)
-        if most <= found.limit then seen.better = seen.better + 1 end
+        if most <= found.limit then
+          seen.better = seen.better + 1
+          print(("   better by %.2g of the change, %.6g MPa, t* (%s), t (%s)"):format(1 - change_of(list, H, t) / seen.change,
+            most / 1e6, table.concat(optimum, ", "), table.concat(t, ", ")))
+        end
         fork:undo()
       else
         seen.refused = seen.refused + 1
@@ -91,11 +95,15 @@ local function sample(session, list, H, found, start, random)
   return seen
 end
 
+-- Where the nodes are by the pose alone, before inner ones are relaxed.
+local function posed(session)
+  return session.domains:posed_nodes(session.skeleton:pose_maps(session.current_pose))
+end
+
 local function run_scene(name, elements, random, rows)
   local scene = scenes.make(name, {elements = elements})
   local session = assert(bw.edit(scene.part, scene.session))
   for _, edit in ipairs(scene.edits) do edit[2](session) end
-  local before = session.mesh.nodes
   local function row(what, ...) rows[#rows + 1] = {name .. ": " .. what, ...} end
   local start = {}
   for _, bone in ipairs(session.skeleton.bone_names) do start[bone] = session:bone(bone).factors end
@@ -109,23 +117,26 @@ local function run_scene(name, elements, random, rows)
   row("largest stress, MPa", after / 1e6, "at most", scenes.threshold / 1e6,
     ("%d elements, %.1f MPa before; a part made anew; %d unknowns, %d steps"):format(
       scene.mesh.element_count, from / 1e6, found.unknowns, found.iterations))
-  local moved = session.mesh.nodes
+  local moved, how = posed(session), session.edits[#session.edits].mesh
   assert(session:undo())
   local list, H = unknowns_of(session, found, scene.ties, start)
-  local corners = core.corner_nodes(scene.mesh)
-  local d = moved:gather(corners) - before:gather(corners)
+  local corners = core.corner_nodes(session.mesh)
+  local d = moved:gather(corners) - posed(session):gather(corners)
   row("change of shape", math.abs(found.change / d:dot(d) - 1), "at most", 1e-9,
-    "reported, beside the corner nodes' moves; relative")
+    ("reported, beside the moves of the corner nodes, mesh %s; relative"):format(how))
+  local clock = bw.seconds()
   local seen = sample(session, list, H, found, start, random)
   row("points that change the shape less and meet the limit", seen.better, "at most", 0,
     ("of %d, %d change it less%s; their least stress is %.5g MPa"):format(points, seen.less,
-      seen.refused > 0 and (", %d of them invert elements"):format(seen.refused) or "", seen.lowest / 1e6))
+      seen.refused > 0 and (", %d of them cannot be made"):format(seen.refused) or "", seen.lowest / 1e6))
+  print(("   %s: %.0f s for the answer, %.0f s for points near it"):format(name, found.seconds,
+    bw.seconds() - clock))
   session:close()
 end
 
 function part.run(wish)
   local rows, random = {}, bodies.random(55)
-  for _, name in ipairs(scenes.names) do
+  for _, name in ipairs(wish.scene and {wish.scene} or scenes.names) do
     run_scene(name, not wish.full and scenes.paper[name].elements // 2 or nil, random, rows)
     collectgarbage()
   end

@@ -76,7 +76,8 @@ if test and not only then
 end
 
 -- Parts that take long are made by scripts of their own, and kept.
-for _, part in ipairs {"docs/verification_brute_force.md", "docs/verification_models.md"} do
+for _, part in ipairs {"docs/verification_edit.md", "docs/verification_brute_force.md",
+  "docs/verification_models.md"} do
   local file = not only and io.open(part)
   if file then
     lines[#lines + 1] = file:read "a"
