@@ -446,6 +446,43 @@ static void test_memory(void **state) {
   bw_release(skeleton);
 }
 
+/* Bones by the dozen that nothing follows are counted, not listed. */
+static void test_needless_bones(void **state) {
+  enum { MANY = 40 };
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = limbs_bar(context, 1, 2);
+  double joint[3 * (MANY + 1)];
+  int32_t bone[2 * MANY];
+  for (int j = 0; j <= MANY; j++) {
+    joint[3 * j] = 3.0 * j / MANY;
+    joint[3 * j + 1] = joint[3 * j + 2] = 0;
+    if (j < MANY) {
+      bone[2 * j] = j;
+      bone[2 * j + 1] = j + 1;
+    }
+  }
+  bw_skeleton *skeleton;
+  check_ok(context,
+           bw_skeleton_create(context, MANY + 1, joint, NULL, MANY, bone, NULL, 0, &skeleton));
+  double *weight = limbs_weights(mesh, skeleton, 5);
+  bw_domains *d;
+  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, NULL, &d));
+  assert_true(d->rigid_count < MANY - 10);
+  int one = 0, all = 0;
+  char text[64];
+  snprintf(text, sizeof text, "%d of %d bones have no domain", MANY - d->rigid_count, MANY);
+  for (int i = 0; bw_remark_at(context, i); i++) {
+    one += strstr(bw_remark_at(context, i), "has no domain") != NULL;
+    all += strstr(bw_remark_at(context, i), text) != NULL;
+  }
+  assert_int_equal(one, 4);
+  assert_int_equal(all, 1);
+  free(weight);
+  bw_release(d);
+  bw_release(skeleton);
+  bw_release(mesh);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_bar),
@@ -458,6 +495,7 @@ int main(void) {
       check_test(test_assign),
       check_test(test_labels),
       check_test(test_memory),
+      check_test(test_needless_bones),
   };
   return cmocka_run_group_tests_name("domains", tests, NULL, NULL);
 }
