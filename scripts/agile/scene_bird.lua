@@ -41,17 +41,18 @@ return {
       return boundary:box({-8, 0.5, -1}, {12, 13, 2.2})
     end, {-5, 0, 0}},
   },
-  session = {heat = 10, threshold = 0.45, thresholds = { -- wider joints where limbs will be scaled
+  session = {heat = 10, threshold = 0.45, thresholds = { -- wider joints where limbs move
     ["left thigh"] = 0.9, ["left shank"] = 0.9, ["left foot"] = 0.9, ["right thigh"] = 0.9,
-    ["right shank"] = 0.9, ["right foot"] = 0.9}},
+    ["right shank"] = 0.9, ["right foot"] = 0.9, ["left wing"] = 0.85, ["right wing"] = 0.85,
+    tail = 0.85, head = 0.85}},
   edits = {
-    {"looks to the left", function(session) return session:bone("neck"):rotate {z = 15} end},
+    {"looks to the left", function(session) return session:bone("neck"):rotate {z = 7} end},
     {"a larger head", function(session) return session:bone("head"):scale {1.1, 1.1, 1.1} end},
-    {"the tail up", function(session) return session:bone("tail"):rotate {y = 12} end},
-    {"the left wing up", function(session) return session:bone("left wing"):rotate {x = 15} end},
+    {"the tail up", function(session) return session:bone("tail"):rotate {y = 5} end},
+    {"the left wing up", function(session) return session:bone("left wing"):rotate {x = 6} end},
     {"a longer left wing", function(session) return session:bone("left wing"):scale {1.15, 1, 1} end},
     {"taken back", function(session) return session:undo() end},
-    {"the right wing up", function(session) return session:bone("right wing"):rotate {x = -15} end},
+    {"the right wing up", function(session) return session:bone("right wing"):rotate {x = -6} end},
   },
   ties = {{"left shank", "right shank"}, {"left thigh", "right thigh"}, {"left foot", "right foot"}},
 }
