@@ -32,7 +32,11 @@ const touched = { limit: false };
 
 // ---- saying ----------------------------------------------------------------------------------------
 
-function say(text, bad = false) {
+// What is said stays through so many of the states that follow.
+let kept = 0;
+
+function say(text, bad = false, states = 0) {
+  kept = states;
   byId("said").textContent = text;
   byId("said").classList.toggle("bad", bad);
 }
@@ -94,12 +98,23 @@ const heard = {
     readouts();
     const drag = state.drag;
     if (drag && drag.client === me) handles.handled(drag.seq);
-    say(state.trouble || (drag && drag.client !== me ? `another window drags ${drag.bone}` : ""),
+    if (kept > 0 && !state.trouble) kept--;
+    else say(state.trouble || (drag && drag.client !== me ? `another window drags ${drag.bone}` : ""),
       !!state.trouble);
   },
 
+  // The stresses of a larger body come later than its shape.
+  shape(message) {
+    if (!state || message.scene !== state.scene) return;
+    Object.assign(state, { positions: message.positions, joints: message.joints, axes: message.axes });
+    setBody();
+    bones.place(state.joints);
+    pick(bone);
+    if (kept === 0) say("computing …");
+  },
+
   refused(message) {
-    say(message.message, true);
+    say(message.message, true, message.asked === "end" ? 1 : 0);
     if (message.asked === "begin") handles.drop();
     else if (message.asked === "move") handles.handled(message.seq);
   },
@@ -116,8 +131,7 @@ const heard = {
 
   optimised(message) {
     setBusy(false);
-    // After the state that follows it, which clears what is said.
-    setTimeout(() => say(message.message, !message.met), 300);
+    say(message.message, !message.met, 1);
   },
 
   file(message) {

@@ -44,6 +44,15 @@ local function history(session)
   return list
 end
 
+-- How long a solve may take before the shape is shown without waiting for it.
+local patience = 0.1
+
+local function send_all(self, bytes, key)
+  for client in pairs(self.clients) do
+    self.server:send(client, bytes, {binary = true, replace = key})
+  end
+end
+
 -- Solves a session or a fork and puts its state in place of the one before. Where it cannot be
 -- solved, the shape is told all the same, and why.
 local function publish(self, shown)
@@ -52,23 +61,21 @@ local function publish(self, shown)
     local scene, why = live_frame.scene(state, self.scene.id + 1, self.about)
     if not scene then return nil, why end
     self.scene = scene
-    for client in pairs(self.clients) do
-      self.server:send(client, scene.bytes, {binary = true, replace = "scene"})
-    end
+    send_all(self, scene.bytes, "scene")
   end
+  if self.seconds > patience then send_all(self, live_frame.shape(self.scene, state), "shape") end
   local result, why = shown:solve(self.about.solve)
+  self.seconds = core.seconds() - start
   self.revision = self.revision + 1
   local drag = self.drag
   local bytes = live_frame.state(self.scene, state, result, {
-    revision = self.revision, seconds = core.seconds() - start, limit = self.limit,
+    revision = self.revision, seconds = self.seconds, limit = self.limit,
     trouble = not result and why or nil, edits = self.session.position - 1,
     can_undo = self.session.position > 1, can_redo = #self.session.history > self.session.position,
     script = history(self.session),
     drag = drag and {client = drag.client, bone = drag.bone, seq = drag.seq} or nil})
   self.state = bytes
-  for client in pairs(self.clients) do
-    self.server:send(client, bytes, {binary = true, replace = "state"})
-  end
+  send_all(self, bytes, "state")
   return true
 end
 
@@ -263,7 +270,7 @@ function desk.new(session, server, about)
     solve = about.solve or (#session.source.supports == 0 and {inertia_relief = true} or nil),
     limit = about.limit}
   local self = setmetatable({session = session, server = server, about = about, clients = {},
-    revision = 0, later = {}, limit = about.limit or strength, drag = nil}, desk)
+    revision = 0, seconds = 0, later = {}, limit = about.limit or strength, drag = nil}, desk)
   local scene, why, details = live_frame.scene(state, 1, about)
   if not scene then return nil, why, details end
   self.scene = scene

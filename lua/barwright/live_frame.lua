@@ -74,13 +74,30 @@ local function factors(state)
   return out
 end
 
+local function positions(scene, state)
+  return {"positions", "f4", state.shape.mesh.nodes:gather(scene.nodes):tostring "<f4"}
+end
+
+local function place(header, scene, state)
+  header.scene = scene.id
+  header.joints = json.list(state.topology.skeleton:posed_joints(state.shape.maps):totable())
+  header.axes = axes(state)
+end
+
+--- A shape alone, to be shown while its stresses are computed.
+function live_frame.shape(scene, state)
+  local header = {type = "shape"}
+  place(header, scene, state)
+  return pack(header, {positions(scene, state)})
+end
+
 --- A state of a session, or of a fork of it: `header` has what the desk adds.
 function live_frame.state(scene, state, result, header)
   local mesh = state.shape.mesh
-  header.type, header.scene = "state", scene.id
-  header.joints = json.list(state.topology.skeleton:posed_joints(state.shape.maps):totable())
-  header.axes, header.factors, header.mesh = axes(state), factors(state), state.note or "posed"
-  local blocks = {{"positions", "f4", mesh.nodes:gather(scene.nodes):tostring "<f4"}}
+  header.type = "state"
+  place(header, scene, state)
+  header.factors, header.mesh = factors(state), state.note or "posed"
+  local blocks = {positions(scene, state)}
   if result then
     local stress = result.von_mises
     local worst = stress:argmax()
