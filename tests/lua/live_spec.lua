@@ -99,6 +99,17 @@ describe("a desk", function()
     assert.equal(1, talk.say(2, {type = "redo"}).edits)
   end)
 
+  it("shows a shape before stresses that take long", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    talk.desk.seconds = 5
+    local _, all = talk.say(1, {type = "edit", bone = "arm", change = scaled(1.1)})
+    assert.equal("shape", all[1].type)
+    assert.equal("state", all[2].type)
+    assert.same(all[2].joints, all[1].joints)
+    assert.equal(all[2].blocks[1].count, all[1].blocks[1].count)
+  end)
+
   it("says why it refuses, and the session is as it was", function()
     local talk = desk_on(hook())
     talk.open(1)
@@ -349,6 +360,40 @@ describe("barwright live", function()
     out = stop(folder, third, "INT")
     assert.truthy(out:find("0 edits in force", 1, true), out)
     assert.truthy(check.read(folder .. "/hook.edits.lua~"):find("scale{1, 1.1, 1.1}", 1, true))
+  end)
+end)
+
+describe("what barwright live is given", function()
+  local part_file = [[
+    local bw = require "barwright"
+    local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 0.1), force = {0, 0, -1}}
+    return part, {skeleton = bw.skeleton.create {joints = {a = {0, 0.005, 0.005}, b = {0.05, 0.005, 0.005},
+      c = {0.1, 0.005, 0.005}}, root = "a", bones = {{"a", "b", name = "one"}, {"b", "c", name = "two"}}}}
+  ]]
+
+  it("may be a part with options, and saved edits, kept where it is told", function()
+    if not has_page then return pending "the page is not bundled" end
+    local folder = check.folder()
+    os.execute("mkdir " .. folder .. "/kept")
+    check.write(folder .. "/hook.lua", part_file)
+    local _, pid = start(folder, "--save kept/mine.lua")
+    local out = stop(folder, pid, "INT")
+    assert.truthy(out:find("kept in kept/mine.lua", 1, true), out)
+    local file = assert(io.open(folder .. "/kept/mine.lua", "ab"))
+    file:write('assert(session:bone("two"):scale{1, 1.5, 1.5})\n')
+    file:close()
+    -- From another folder: the file of edits finds its part.
+    local session = assert(bw.edit.load(folder .. "/kept/mine.lua"))
+    assert.equal(1, #session.edits)
+    -- The file of edits itself, which grows further.
+    os.execute(("mv '%s/hook.lua' '%s/part.lua' && sed 's/hook/part/' '%s/kept/mine.lua' >'%s/hook.lua'")
+      :format(folder, folder, folder, folder))
+    _, pid = start(folder)
+    out = stop(folder, pid, "INT")
+    assert.truthy(out:find("1 edits in force, kept in hook.lua", 1, true), out)
+    assert.equal(1, #assert(bw.edit.load(folder .. "/hook.lua")).edits)
   end)
 end)
 

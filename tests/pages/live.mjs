@@ -156,6 +156,27 @@ export async function live({ browser, root, folder, test, assert, pictures }) {
     await drag(page, "Z", 0, -10);
   });
 
+  await test("a lost connection shows, and comes back", async () => {
+    const lost = await context.newPage();
+    const routes = [];
+    await lost.routeWebSocket(/socket$/, (route) => {
+      route.connectToServer();
+      routes.push(route);
+    });
+    await lost.goto(address);
+    await until(lost, () => window.barwright?.state().revision > 0);
+    await routes[0].close({ code: 1011, reason: "for the test" });
+    await until(lost, () => !document.getElementById("lost").hidden);
+    assert(/connection is lost/.test(await lost.textContent("#lost")), "it does not say so");
+    await until(lost, () => window.barwright.state().connected && document.getElementById("lost").hidden);
+    await page.keyboard.press("Control+z");
+    const { edits } = await state(page);
+    await until(lost, (n) => window.barwright.state().edits === n - 1, edits);
+    await page.keyboard.press("Control+Shift+z");
+    await until(lost, (n) => window.barwright.state().edits === n, edits);
+    await lost.close();
+  });
+
   await test("nonsense is answered and changes nothing", async () => {
     const before = await state(page);
     await page.evaluate(() => window.barwright.send({ type: "edit", bone: "tail", change: { scale: [1, 1, 1] } }));
