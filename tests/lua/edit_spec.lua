@@ -857,6 +857,41 @@ describe("a session", function()
     assert.is_true(same_nodes(session.rest, session.mesh))
   end)
 
+  it("ends with a status wherever memory runs out, and leaves nothing behind", function()
+    local part, path = beam_part(), check.folder() .. "/journal.lua"
+    local function whole()
+      local session <close> = assert(bw.edit(part, {skeleton = assert(beam_skeleton()), journal = path}))
+      assert(session:bone("lower"):rotate {z = 10})
+      local limit = 0.95 * assert(session:solve()).von_mises:max()
+      assert(session:optimise {von_mises = limit})
+      assert(session:undo())
+      assert(session:save(path .. ".saved"))
+      return assert(session:solve()).von_mises:max()
+    end
+    local function blocks()
+      collectgarbage()
+      collectgarbage()
+      return select(2, core.external())
+    end
+    local highest = whole()
+    local before, failures = blocks(), 0
+    for _, and_later in ipairs {true, false} do
+      for n = 1, 1500, os.getenv "BARWRIGHT_FULL" and 1 or 97 do
+        core.fail_allocation(n, and_later)
+        local fine, answer = pcall(whole)
+        core.fail_allocation(0, false)
+        if fine then
+          check.near(highest, answer, 1e-7)
+        else
+          failures = failures + 1
+          assert.truthy(tostring(answer):find("memory", 1, true), tostring(answer))
+        end
+        assert.equal(before, blocks())
+      end
+    end
+    assert.truthy(failures > 10)
+  end)
+
   it("is as it was when memory runs out in an edit or a solve", function()
     local session = beam()
     assert(session:bone("lower"):rotate {z = 5})
