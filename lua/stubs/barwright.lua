@@ -1523,7 +1523,7 @@ function edit_module.begin(script, session) end
 ---@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements; default true
 ---@field refill? boolean refill domains where that fails; default true
----@field journal? string a script that every edit is added to at once; an older one becomes path~
+---@field journal? string a script that every edit is added to at once; an older journal becomes path~, any other file there is refused
 ---@field script? string a file that returns the part and these options, named by saved scripts
 
 ---@class bw.OptimiseOptions
