@@ -31,7 +31,7 @@ local limit = 0.6 * before
 --    are those of skeleton.frames; what resists bending most is found without being told.
 local found = assert(session:optimise {von_mises = limit, high = 2})
 print(found)
-print(("corners moved %.2g mm on average (root mean square), %d shapes tried, %d factorisations")
+print(("corners moved %.2g mm on average (root mean square), %d shapes tried, %.1f factorisations")
   :format(found.mean_move / mm, found.shapes, found.factorisations))
 
 -- 3. The answer is one edit. Its stresses are those of a part made anew on that shape.
