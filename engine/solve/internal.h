@@ -34,11 +34,12 @@ typedef struct bwi_order {
 bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
                            bwi_order **order);
 
-/* An order for edits domain by domain: of several candidates the one in which an edit of one domain
- * touches the least work, without making the whole factor much dearer. */
+/* An order for edits domain by domain: of several candidates the one in which an edit (NULL: of one
+ * domain) touches the least work, without making the whole factor much dearer. */
 bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
                                    const bw_mesh *mesh, int32_t domain_count,
-                                   const int32_t *element_domain, bwi_order **order);
+                                   const int32_t *element_domain, const bw_edits *edits,
+                                   bwi_order **order);
 
 /* ---- symbolic ------------------------------------------------------------------------------ */
 
@@ -281,7 +282,7 @@ void bwi_nodes_taking_part(const bw_numbering *numbering, uint8_t *take);
  * element_domain (may be NULL) a new order is made for edits by domains. */
 bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
                            const bw_numbering *numbering, int32_t domain_count,
-                           const int32_t *element_domain, bwi_symbolic *old,
+                           const int32_t *element_domain, const bw_edits *edits, bwi_symbolic *old,
                            bwi_symbolic **symbolic);
 /* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
 bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,

@@ -35,6 +35,8 @@ static void inner_free(bwi_local *inner) {
   bw_release(inner->model);
   bw_free(inner->element_domain);
   bw_free(inner->node_domain);
+  bw_free(inner->edit_start);
+  bw_free(inner->edit);
   bw_free(inner->motion);
   bw_free(inner->frame);
   bw_free(inner->supports);
@@ -72,6 +74,19 @@ static size_t local_bytes(const void *object) {
 
 static const bw_kind local_kind = {"local system", local_destroy, local_bytes};
 
+static bw_status copy_edits(bw_context *context, bwi_local *inner, const bw_edits *edits) {
+  size_t starts = (size_t)inner->domain_count + 1;
+  size_t count = (size_t)edits->start[inner->domain_count];
+  inner->edit_start = BW_NEW(context, int32_t, starts);
+  inner->edit = BW_NEW(context, int32_t, count);
+  if (!inner->edit_start || !inner->edit)
+    return BW_MEMORY;
+  memcpy(inner->edit_start, edits->start, starts * sizeof *inner->edit_start);
+  memcpy(inner->edit, edits->edit, count * sizeof *inner->edit);
+  inner->edits = (bw_edits){edits->count, inner->edit_start, inner->edit};
+  return BW_OK;
+}
+
 static bw_status inner_create(bw_context *context, const bw_model *model, bool material_turns,
                               int32_t domain_count, const int32_t *element_domain,
                               const int32_t *node_domain, bwi_local **out) {
@@ -107,7 +122,8 @@ static bw_status inner_create(bw_context *context, const bw_model *model, bool m
 }
 
 static bw_status check_domains(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
-                               const int32_t *element_domain, const int32_t *node_domain) {
+                               const int32_t *element_domain, const int32_t *node_domain,
+                               const bw_edits *edits) {
   if (domain_count < 1)
     return bw_fail(context, BW_INVALID, "a body is cut into at least one domain, not %d",
                    domain_count);
@@ -119,6 +135,10 @@ static bw_status check_domains(bw_context *context, const bw_mesh *mesh, int32_t
     if (node_domain[i] < -1 || node_domain[i] >= domain_count)
       return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i,
                      node_domain[i] + 1, domain_count);
+  for (int32_t k = 0; edits && k < edits->start[domain_count]; k++)
+    if (edits->edit[k] < 0 || edits->edit[k] >= edits->count)
+      return bw_fail(context, BW_INVALID, "edit %d of the list is %d, there are %d", k + 1,
+                     edits->edit[k] + 1, edits->count);
   return BW_OK;
 }
 
@@ -138,13 +158,14 @@ static bw_status view_create(bw_context *context, const bw_model *model, bw_syst
 
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
                                  int32_t domain_count, const int32_t *element_domain,
-                                 const int32_t *node_domain, bw_local_system **out) {
+                                 const int32_t *node_domain, const bw_edits *edits,
+                                 bw_local_system **out) {
   bw_status status = BW_OK;
   bw_local_system *local = NULL;
   bw_numbering *numbering = NULL;
   bw_domain_stiffness *stiffness = NULL;
   bool same;
-  BW_TRY(check_domains(context, model->mesh, domain_count, element_domain, node_domain));
+  BW_TRY(check_domains(context, model->mesh, domain_count, element_domain, node_domain, edits));
   local = BW_NEW0(context, bw_local_system, 1);
   if (!local)
     return BW_MEMORY;
@@ -153,6 +174,8 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   BW_TRY(inner_create(context, model, material_turns, domain_count, element_domain, node_domain,
                       &local->inner));
   bwi_local *inner = local->inner;
+  if (edits)
+    BW_TRY(copy_edits(context, inner, edits));
   bw_system *system = local->system;
   BW_TRY(bw_numbering_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
                              &numbering));

@@ -17,14 +17,16 @@ typedef struct bwi_local {
   bool material_turns;
   int32_t domain_count;
   int32_t *element_domain, *node_domain;
-  bw_domain_motion *motion; /* domain_count: since rest */
-  double *frame;            /* domain_count x 9: those of `motion` */
-  double *supports;         /* rows of the numbering that are supports' x 9: as last reported */
-  bwi_factor *factor;       /* or NULL */
-  bwi_reach *reach;         /* of the factor's symbolic; or NULL */
-  uint8_t *touched;         /* domain_count */
-  const bw_mesh *factored;  /* retained: the shape the factor was last brought up to date with */
-  double *factored_frame;   /* domain_count x 9: and the frames then */
+  bw_edits edits;             /* count 0: none are known */
+  int32_t *edit_start, *edit; /* what `edits` points to */
+  bw_domain_motion *motion;   /* domain_count: since rest */
+  double *frame;              /* domain_count x 9: those of `motion` */
+  double *supports;           /* rows of the numbering that are supports' x 9: as last reported */
+  bwi_factor *factor;         /* or NULL */
+  bwi_reach *reach;           /* of the factor's symbolic; or NULL */
+  uint8_t *touched;           /* domain_count */
+  const bw_mesh *factored;    /* retained: the shape the factor was last brought up to date with */
+  double *factored_frame;     /* domain_count x 9: and the frames then */
   /* iterations with the factor as it is */
   double experience; /* iterations needed over predicted, when last iterated */
   int spent;         /* since the last edit */

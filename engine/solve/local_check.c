@@ -69,7 +69,7 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int
     goto done;
   }
   bwi_matrix matrix = {.graph = system->graph, .stiffness = values, .numbering = numbering};
-  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL, NULL, &symbolic));
+  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL, NULL, NULL, &symbolic));
   status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
   if (status == BW_SINGULAR)
     status = bwi_say_singular(context, system->mesh, bad);

@@ -31,7 +31,8 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   double start = bw_seconds();
   bw_progress(context, "order", 0);
   BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->numbering, inner->domain_count,
-                          inner->element_domain, (bwi_symbolic *)old, &symbolic));
+                          inner->element_domain, inner->edits.count ? &inner->edits : NULL,
+                          (bwi_symbolic *)old, &symbolic));
   BW_TRY(bwi_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
                           inner->element_domain, &reach));
   if (reuse)

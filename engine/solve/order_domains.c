@@ -154,18 +154,37 @@ static int ascending(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* Predicted seconds of an edit and a solve: the work of the median domain, a quarter of the mean
+/* The work of each edit: of the domains that it touches. Returns how many touch any. */
+static int32_t work_of_edits(const bwi_reach *reach, const bw_edits *edits, uint8_t *touched,
+                             double *flops) {
+  int32_t domains = reach->domain_count, count = 0;
+  for (int32_t e = 0; e < (edits ? edits->count : domains); e++) {
+    bool any = false;
+    for (int32_t d = 0; d < domains; d++) {
+      touched[d] = !edits && d == e;
+      for (int32_t k = edits ? edits->start[d] : 0; k < (edits ? edits->start[d + 1] : 0); k++)
+        touched[d] |= edits->edit[k] == e;
+      any |= touched[d] != 0;
+    }
+    if (any)
+      flops[count++] = bwi_reach_flops(reach, touched);
+  }
+  return count;
+}
+
+/* Predicted seconds of an edit and a solve: the work of the median edit, a quarter of the mean
  * (large domains are edited too), a fiftieth of the whole factor (made once per session), and L
  * read twice. Rates are those of a machine with two cores; only their ratio matters. */
 static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *mesh,
-                         int32_t domain_count, const int32_t *element_domain, double *cost) {
+                         int32_t domain_count, const int32_t *element_domain, const bw_edits *edits,
+                         double *cost) {
   const double operations = 40e9, bytes = 15e9;
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_reach *reach = NULL;
   int32_t *unknown = BW_NEW(context, int32_t, 3 * (size_t)order->node_count);
-  uint8_t *touched = BW_NEW0(context, uint8_t, domain_count);
-  double *flops = BW_NEW(context, double, domain_count), mean = 0;
+  uint8_t *touched = BW_NEW(context, uint8_t, domain_count);
+  double *flops = BW_NEW(context, double, edits ? edits->count : domain_count), mean = 0;
   if (!unknown || !touched || !flops) {
     status = BW_MEMORY;
     goto done;
@@ -175,14 +194,11 @@ static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *m
       unknown[3 * i + c] = order->place[i] >= 0 ? 0 : -1;
   BW_TRY(bwi_symbolic_create(context, order, 3, unknown, &symbolic));
   BW_TRY(bwi_reach_create(context, symbolic, mesh, domain_count, element_domain, &reach));
-  for (int32_t d = 0; d < domain_count; d++) {
-    touched[d] = 1;
-    flops[d] = bwi_reach_flops(reach, touched);
-    mean += flops[d] / domain_count;
-    touched[d] = 0;
-  }
-  qsort(flops, (size_t)domain_count, sizeof *flops, ascending);
-  *cost = (flops[domain_count / 2] + mean / 4 + symbolic->flops / 50) / operations +
+  int32_t count = work_of_edits(reach, edits, touched, flops);
+  for (int32_t e = 0; e < count; e++)
+    mean += flops[e] / count;
+  qsort(flops, (size_t)count, sizeof *flops, ascending);
+  *cost = ((count ? flops[count / 2] : 0) + mean / 4 + symbolic->flops / 50) / operations +
           16 * (double)symbolic->panel[order->super_count] / bytes;
 done:
   bw_free(unknown);
@@ -199,6 +215,7 @@ typedef struct search {
   const bw_mesh *mesh;
   int32_t domain_count;
   const int32_t *element_domain;
+  const bw_edits *edits;
   idx_t *permutation;
   bwi_order *best;
   double lowest;
@@ -211,7 +228,7 @@ static bw_status consider(search *s, double *cost) {
   bwi_order *order = NULL;
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_order_analyse(context, s->near, s->permutation, &order));
-  BW_TRY(predict(context, order, s->mesh, s->domain_count, s->element_domain, cost));
+  BW_TRY(predict(context, order, s->mesh, s->domain_count, s->element_domain, s->edits, cost));
   if (!s->best || *cost < s->lowest) {
     bw_release(s->best);
     s->best = order;
@@ -291,14 +308,16 @@ done:
 
 bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
                                    const bw_mesh *mesh, int32_t domain_count,
-                                   const int32_t *element_domain, bwi_order **order) {
+                                   const int32_t *element_domain, const bw_edits *edits,
+                                   bwi_order **order) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   search s = {.context = context,
               .near = &near,
               .mesh = mesh,
               .domain_count = domain_count,
-              .element_domain = element_domain};
+              .element_domain = element_domain,
+              .edits = edits};
   for (int64_t e = 0; e < mesh->element_count; e++)
     if (element_domain[e] < 0 || element_domain[e] >= domain_count)
       return bw_fail(context, BW_INVALID, "element %lld is of domain %d, there are %d",

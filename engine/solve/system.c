@@ -63,7 +63,7 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
 
 bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
                            const bw_numbering *numbering, int32_t domain_count,
-                           const int32_t *element_domain, bwi_symbolic *old,
+                           const int32_t *element_domain, const bw_edits *edits, bwi_symbolic *old,
                            bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
   int32_t nodes = graph->node_count;
@@ -80,7 +80,7 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
     order = bw_retain(old->order);
   } else if (element_domain)
     BW_TRY(bwi_order_create_domains(context, graph, take, numbering->mesh, domain_count,
-                                    element_domain, &order));
+                                    element_domain, edits, &order));
   else
     BW_TRY(bwi_order_create(context, graph, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, numbering->unknown, symbolic));
@@ -149,7 +149,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
 
   start = bw_seconds();
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL,
+  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL, NULL,
                           previous && previous->factor ? previous->factor->symbolic : NULL,
                           &symbolic));
   system->times.order = bw_seconds() - start;

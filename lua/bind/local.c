@@ -89,8 +89,10 @@ static int core_local_system(lua_State *L) {
                 2, "domains of the model's mesh expected");
   lbw_box *box = lbw_box_new(L, &lbw_local_system_class);
   bw_local_system *local = NULL;
-  bw_status status = bw_local_system_create(lbw_enter(L), model, false, domains->piece_count,
-                                            domains->element_piece, domains->node_piece, &local);
+  bw_edits edits = {domains->skeleton->bone_count, domains->piece_bone_start, domains->piece_bone};
+  bw_status status =
+      bw_local_system_create(lbw_enter(L), model, false, domains->piece_count,
+                             domains->element_piece, domains->node_piece, &edits, &local);
   if (local)
     box->extra = bw_retain(domains);
   lbw_box_fill(L, box, local);

@@ -37,6 +37,11 @@ static bw_status plain(bw_context *context, const bw_graph *graph, const uint8_t
   (void)domain;
   return bwi_order_create(context, graph, take, order);
 }
+static bw_status by_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                            const bw_mesh *mesh, int32_t domains, const int32_t *domain,
+                            bwi_order **order) {
+  return bwi_order_create_domains(context, graph, take, mesh, domains, domain, NULL, order);
+}
 
 typedef struct scene {
   bw_mesh *mesh;
@@ -210,7 +215,7 @@ int main(int count, char **argument) {
     if (status == BW_OK)
       status = run(context, body, &s, "nodes", plain, baseline);
     if (status == BW_OK)
-      status = run(context, body, &s, "domains", bwi_order_create_domains, baseline);
+      status = run(context, body, &s, "domains", by_domains, baseline);
     close_scene(&s);
   }
   if (status != BW_OK)

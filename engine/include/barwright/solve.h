@@ -110,11 +110,19 @@ typedef struct bw_local_system {
   bw_domain_stiffness *stiffness;
   struct bwi_local *inner;
 } bw_local_system;
+/* The edits to be expected, by the domains that they touch: those of domain d are edit[start[d]] to
+ * edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */
+typedef struct bw_edits {
+  int32_t count;
+  const int32_t *start; /* domain_count + 1 */
+  const int32_t *edit;
+} bw_edits;
 /* `domain_count` domains by element and by node, as in bw_domains; all at rest in the model's mesh.
- * Orders with the domains in mind, factors. */
+ * Orders with the edits in mind (NULL: of each domain by itself), factors. */
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
                                  int32_t domain_count, const int32_t *element_domain,
-                                 const int32_t *node_domain, bw_local_system **local);
+                                 const int32_t *node_domain, const bw_edits *edits,
+                                 bw_local_system **local);
 /* Follow an edit: `model` is the edited one (bw_model_moved). Where the supports are no longer the
  * same, the whole factor is made again on the next solve. On failure the shape is as it was. */
 bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,

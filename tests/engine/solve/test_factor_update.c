@@ -29,7 +29,7 @@ static bw_status plain_order(bw_context *context, const problem *p, bwi_order **
 }
 static bw_status domain_order(bw_context *context, const problem *p, bwi_order **order) {
   return bwi_order_create_domains(context, p->graph, p->take, p->mesh, p->domain_count,
-                                  p->element_domain, order);
+                                  p->element_domain, NULL, order);
 }
 
 static int below(bw_random *random, int count) {
@@ -308,8 +308,9 @@ static void neck(void **state) {
     bwi_order *order = NULL;
     bwi_symbolic *symbolic = NULL;
     bwi_reach *reach = NULL;
-    check_ok(context, k ? bwi_order_create_domains(context, graph, NULL, mesh, 3, domain, &order)
-                        : bwi_order_create(context, graph, NULL, &order));
+    check_ok(context,
+             k ? bwi_order_create_domains(context, graph, NULL, mesh, 3, domain, NULL, &order)
+               : bwi_order_create(context, graph, NULL, &order));
     check_ok(context, bwi_symbolic_create(context, order, 3, unknown, &symbolic));
     check_ok(context, bwi_reach_create(context, symbolic, mesh, 3, domain, &reach));
     for (int d = 0; d < 3; d++) {

@@ -306,7 +306,7 @@ static void edit_sequences(bw_context *context, int scene, int order, bw_local_m
     rest_pose(&b.now);
     follow(&b);
     check_ok(context, bw_local_system_create(context, b.model, false, DOMAINS, b.element_domain,
-                                             b.node_domain, &local));
+                                             b.node_domain, NULL, &local));
     for (int edit = 0; edit < 4; edit++) {
       pose before = b.now;
       random_edit(&random, &b.now);
@@ -341,7 +341,7 @@ static void random_sequences(void **state) {
 static bw_local_system *local_of(bw_context *context, const bar *b) {
   bw_local_system *local = NULL;
   check_ok(context, bw_local_system_create(context, b->model, false, DOMAINS, b->element_domain,
-                                           b->node_domain, &local));
+                                           b->node_domain, NULL, &local));
   return local;
 }
 
@@ -575,7 +575,7 @@ static void orthotropic(void **state) {
     load_bar(context, &b, 0);
     bw_local_system *local = NULL;
     check_ok(context, bw_local_system_create(context, b.model, turns, DOMAINS, b.element_domain,
-                                             b.node_domain, &local));
+                                             b.node_domain, NULL, &local));
     bw_local_options options;
     bw_local_options_default(&options);
     options.check = true;
@@ -752,7 +752,7 @@ static void no_memory(void **state) {
     bw_local_system *local = NULL;
     bw_fail_allocation(n, true);
     bw_status status = bw_local_system_create(context, rest, false, DOMAINS, b.element_domain,
-                                              b.node_domain, &local);
+                                              b.node_domain, NULL, &local);
     bw_fail_allocation(0, false);
     bw_release(local);
     if (status == BW_OK)

@@ -139,7 +139,7 @@ static bw_status whole_session(bw_context *context, double *most) {
   BW_TRY(bw_domains_create(context, mesh, skeleton, weight, NULL, &domains));
   BW_TRY(shape_create(context, domains, &s));
   BW_TRY(bw_local_system_create(context, model, false, domains->piece_count, domains->element_piece,
-                                domains->node_piece, &local));
+                                domains->node_piece, NULL, &local));
   for (int b = 0; b < BONES; b++)
     bw_bone_pose_rest(&pose[b]);
   pose[1].scale[1] = 1.2;
