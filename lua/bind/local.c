@@ -31,6 +31,7 @@ static const char *const methods_words[] = {"auto", "refactor", "iterate", "scra
   INTEGER(iterations, iterations)                                                                  \
   NUMBER(predicted_refactor, predicted_refactor)                                                   \
   NUMBER(predicted_iterate, predicted_iterate)                                                     \
+  NUMBER(seconds_unknowns, seconds_unknowns)                                                       \
   NUMBER(seconds_stiffness, seconds_stiffness)                                                     \
   NUMBER(seconds_factor, seconds_factor)                                                           \
   NUMBER(seconds_solve, seconds_solve)                                                             \

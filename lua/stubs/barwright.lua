@@ -1025,7 +1025,7 @@ function Model:close() end
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session
----@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, predicted_refactor, predicted_iterate, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
+---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, predicted_refactor, predicted_iterate, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
 ---Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.

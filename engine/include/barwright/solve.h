@@ -87,6 +87,7 @@ typedef struct bw_reuse {
   double factor_kept;      /* fraction of the factor's work that was not done again */
   int iterations;          /* of conjugate gradients, in all solves since the update */
   double predicted_refactor, predicted_iterate; /* s, of the model's machine */
+  double seconds_unknowns; /* following the supports and the frames of the unknowns */
   double seconds_stiffness, seconds_factor, seconds_solve;
   double difference_stiffness, difference_solution; /* with `check`: the largest found, relative to
                                                        the largest entry and displacement */
