@@ -71,7 +71,7 @@ static bw_status check_kept(const bwi_refiller *r) {
     if (r->piece_of[e] >= 0 || bwi_judged_quality(x) > 0)
       continue;
     bw_fail(r->context, BW_GEOMETRY,
-            "element %d near (%g, %g, %g) is inverted and not among those to be replaced", e,
+            "element %d near (%g, %g, %g) is inverted and not among those to be replaced", e + 1,
             x[0][0], x[0][1], x[0][2]);
     bw_detail_number(r->context, "element", e);
     return BW_GEOMETRY;

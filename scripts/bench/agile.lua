@@ -81,7 +81,7 @@ for name in wish.scenes:gmatch "[^,]+" do
   local all = {}
   for _, bone in ipairs(scene.skeleton.bone_names) do
     if not scene.skeleton:bone(bone).parent then
-      all[bone] = {rotate = {axis = {0.3, 0.5, 0.8}, degrees = 1}}
+      all[bone] = {rotation = {axis = {0.3, 0.5, 0.8}, degrees = 1}}
     end
   end
   local everything
