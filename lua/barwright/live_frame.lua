@@ -115,10 +115,10 @@ end
 function live_frame.read(bytes)
   local length = ("<I4"):unpack(bytes)
   local header = assert(json.decode(bytes:sub(5, 4 + length)))
-  local place, blocks = 5 + length, {}
+  local at, blocks = 5 + length, {}
   for _, block in ipairs(header.blocks) do
-    blocks[block.name] = bytes:sub(place, place + 4 * block.count - 1)
-    place = place + 4 * block.count
+    blocks[block.name] = bytes:sub(at, at + 4 * block.count - 1)
+    at = at + 4 * block.count
   end
   return header, blocks
 end
