@@ -86,6 +86,38 @@ static bw_status check_model(bw_context *context, const bw_local_system *local,
   return BW_OK;
 }
 
+/* Domains whose nodes and frames are bit for bit those that were factored need nothing done again:
+ * an edit that was taken back while the factor was left as it was. Where supports have frames of
+ * their own, which hang on the facets around a node, only if the whole shape is back. `moved` is
+ * room for domain_count. */
+static void forget_undone(bwi_local *inner, const bw_mesh *now, const bw_numbering *numbering,
+                          uint8_t *moved) {
+  const bw_mesh *before = inner->factored;
+  bool all = numbering->frame_count > inner->domain_count, any = false;
+  size_t domains = (size_t)inner->domain_count, vector = 3 * sizeof(double);
+  for (size_t d = 0; d < domains; d++) {
+    moved[d] = memcmp(inner->frame + 9 * d, inner->factored_frame + 9 * d, 3 * vector) != 0;
+    any |= moved[d] != 0;
+  }
+  for (int64_t e = 0; e < now->element_count; e++) {
+    int32_t d = inner->element_domain[e];
+    if (moved[d] || (!all && !inner->touched[d]))
+      continue;
+    const int32_t *node = now->element + e * now->nodes_per_element;
+    for (int a = 0; a < now->nodes_per_element && !moved[d]; a++) {
+      size_t at = 3 * (size_t)node[a];
+      int32_t of = inner->node_domain[node[a]];
+      moved[d] = memcmp(now->node + at, before->node + at, vector) != 0 ||
+                 (of >= 0 && memcmp(inner->frame + 9 * (size_t)of,
+                                    inner->factored_frame + 9 * (size_t)of, 3 * vector) != 0);
+    }
+    any |= moved[d] != 0;
+  }
+  for (size_t d = 0; d < domains; d++)
+    if (all ? !any : !moved[d])
+      inner->touched[d] = 0;
+}
+
 bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
                                  const bw_domain_motion *motion, bw_reuse *reuse) {
   bw_status status = BW_OK;
@@ -134,6 +166,8 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   }
   memcpy(inner->motion, motion, domains * sizeof *motion);
   memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
+  if (inner->factor && inner->factored)
+    forget_undone(inner, model->mesh, numbering, touched);
   inner->spent = 0;
   inner->change = -1;
   bw_retain(model);

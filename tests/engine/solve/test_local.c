@@ -401,10 +401,16 @@ static void reuse_is_said(void **state) {
     r = edit_and_compare(context, &b, local, BW_LOCAL_SCRATCH);
     assert_int_equal(r.method, BW_LOCAL_SCRATCH);
     check_near(r.factor_kept, 0, 0);
+    pose before = b.now;
     b.now.scale[2][1] *= 1.05;
     r = edit_and_compare(context, &b, local, BW_LOCAL_ITERATE);
     assert_int_equal(r.method, BW_LOCAL_ITERATE);
     assert_true(r.iterations > 1 && r.iterations < 60);
+    check_near(r.factor_kept, 1, 0);
+    b.now = before; /* taken back: the factor is that of the shape again */
+    r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
+    assert_int_equal(r.method, BW_LOCAL_REFACTOR);
+    assert_int_equal(r.iterations, 0);
     check_near(r.factor_kept, 1, 0);
     size_t factor = 0, updates = 0;
     bw_local_system_memory(local, &factor, &updates);
