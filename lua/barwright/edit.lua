@@ -6,6 +6,7 @@
 -- the limits of the joints; it never changes. Everything else (mesh, model, equations) follows from
 -- it, so that a refused edit leaves nothing to put right, and undo is a step back in the list.
 local core = require "barwright.core"
+local members = require "barwright.members"
 local options = require "barwright.options"
 local edit_bone = require "barwright.edit_bone"
 local edit_follow = require "barwright.edit_follow"
@@ -448,19 +449,7 @@ function class:__tostring()
   return table.concat(lines, "\n")
 end
 
-function class:__index(name)
-  local method = class[name]
-  if method ~= nil then return method end
-  local property = properties[name]
-  if property then return property(self) end
-  local names = {}
-  for key in pairs(properties) do names[#names + 1] = key end
-  for key in pairs(class) do
-    if not key:find "^__" then names[#names + 1] = key end
-  end
-  error(("a session has no '%s': did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), names)), 2)
-end
+class.__index = members("a session", class, properties)
 
 function class.__newindex(_, name)
   error(("a session cannot be changed by assignment to '%s'"):format(tostring(name)), 2)

@@ -2,6 +2,7 @@
 -- Edits of bones: turning, scaling, moving, setting, inverse kinematics, limits. Each reads its
 -- arguments, makes the new pose, and hands it to the session with the line that replays it.
 local core = require "barwright.core"
+local members = require "barwright.members"
 local edit_pose = require "barwright.edit_pose"
 local edit_script = require "barwright.edit_script"
 local options = require "barwright.options"
@@ -160,19 +161,7 @@ function class:__tostring()
     .. (self.domain and "" or "; no domain follows it alone")
 end
 
-function class:__index(name)
-  local method = class[name]
-  if method ~= nil then return method end
-  local property = properties[name]
-  if property then return property(self) end
-  local names = {}
-  for key in pairs(properties) do names[#names + 1] = key end
-  for key in pairs(class) do
-    if not key:find "^__" then names[#names + 1] = key end
-  end
-  error(("a bone has no '%s': did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), names)), 2)
-end
+class.__index = members("a bone", class, properties)
 
 function class:__newindex(name)
   of_bone(self, tostring(name))

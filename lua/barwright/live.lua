@@ -2,6 +2,7 @@
 -- The live view of an edit session: a page on this machine's loopback address where a person picks a
 -- bone and drags it. The desk (live_desk) does the work; this file makes the server and keeps it
 -- going until Ctrl-C.
+local beside = require "barwright.beside"
 local core = require "barwright.core"
 local live_desk = require "barwright.live_desk"
 local options = require "barwright.options"
@@ -18,23 +19,10 @@ local rules = {
   ready = {type = "function"}, -- called with the address
 }
 
-local function here()
-  return debug.getinfo(1, "S").source:match "^@(.*)[/\\][^/\\]*$" or "."
-end
-
-local function read(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
 -- As for the report: beside this file when installed, else in the tree that was built.
 local function page()
-  local folder = here()
-  local html = read(folder .. "/live.html") or read(folder .. "/../../web/live.html")
-  local script = read(folder .. "/live.js") or read(folder .. "/../../web/live.js")
+  local html = beside.find "live.html"
+  local script = beside.find "live.js"
   if html and script then return html, script end
   return nil, "the live view's page is not there: it is bundled by scripts/setup where nodejs and npm "
     .. "are installed; install them and run scripts/setup again", {status = "unsupported"}

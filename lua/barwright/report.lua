@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Reports: one HTML file that opens from disk and needs no network; here that of a worst case. The
 -- page is web/report.html, its view web/viewer.mjs; web/README.md names the placeholders and the data.
+local beside = require "barwright.beside"
 local core = require "barwright.core"
 local json = require "barwright.json"
 local options = require "barwright.options"
@@ -14,28 +15,14 @@ local rules = {
   modes = {type = "integer", default = 15, least = 0},
 }
 
-local function here()
-  return debug.getinfo(1, "S").source:match "^@(.*)[/\\][^/\\]*$" or "."
-end
-
-local function read(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
 -- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
 -- is seen through the link build/lua/barwright/report.lua.
 local function viewer()
-  local folder = here()
-  return read(folder .. "/viewer.js") or read(folder .. "/../../web/viewer.js")
+  return beside.find "viewer.js"
 end
 
 local function template()
-  local folder = here()
-  return read(folder .. "/report.html") or read(folder .. "/../../web/report.html")
+  return beside.find "report.html"
 end
 
 --- Text for a page.
@@ -155,7 +142,7 @@ end
 local function picture(draw, path)
   local name = path .. ".png"
   if not draw(name) then return "" end
-  local bytes = read(name)
+  local bytes = beside.read(name)
   os.remove(name)
   return bytes and ('<img alt="picture" src="data:image/png;base64,%s">'):format(core.base64(bytes))
     or ""

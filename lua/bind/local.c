@@ -78,6 +78,17 @@ static void begin_reuse(lua_State *L, int index, bw_reuse *reuse) {
   }
 }
 
+/* The end of a call that completes a reuse table, which lies on the top of the stack. */
+static int leave_with_reuse(lua_State *L, bw_status status, const bw_reuse *reuse, lbw_box *own,
+                            int results) {
+  if (status != BW_OK)
+    return lbw_leave(L, status, results);
+  lbw_leave_or_raise(L, BW_OK);
+  store_reuse(L, reuse);
+  lbw_box_account(L, own);
+  return results;
+}
+
 /* ---- making, following, solving -------------------------------------------------------------- */
 
 /* local_system(model, domains): the model at the shape that later motions count from */
@@ -111,12 +122,7 @@ static int local_update(lua_State *L) {
   bw_reuse reuse;
   begin_reuse(L, 0, &reuse);
   bw_status status = bw_local_system_update(lbw_enter(L), local, model, motion, &reuse);
-  if (status != BW_OK)
-    return lbw_leave(L, status, 1);
-  lbw_leave_or_raise(L, BW_OK);
-  store_reuse(L, &reuse);
-  lbw_box_account(L, box);
-  return 1;
+  return leave_with_reuse(L, status, &reuse, box, 1);
 }
 
 static void read_options(lua_State *L, int index, const char *function, bw_local_options *local,
@@ -157,12 +163,7 @@ static int local_statics(lua_State *L) {
   bw_status status =
       bw_local_statics(lbw_enter(L), local, model, &statics, &options, &result, &reuse);
   lbw_box_fill(L, box, result);
-  if (status != BW_OK)
-    return lbw_leave(L, status, 2);
-  lbw_leave_or_raise(L, BW_OK);
-  store_reuse(L, &reuse);
-  lbw_box_account(L, own);
-  return 2;
+  return leave_with_reuse(L, status, &reuse, own, 2);
 }
 
 /* local:solve(force, options, reuse or nil): displacement, reuse */
@@ -181,12 +182,7 @@ static int local_solve(lua_State *L) {
   bw_reuse reuse;
   begin_reuse(L, 4, &reuse);
   bw_status status = bw_local_system_solve(lbw_enter(L), local, &options, 1, force, out, &reuse);
-  if (status != BW_OK)
-    return lbw_leave(L, status, 2);
-  lbw_leave_or_raise(L, BW_OK);
-  store_reuse(L, &reuse);
-  lbw_box_account(L, own);
-  return 2;
+  return leave_with_reuse(L, status, &reuse, own, 2);
 }
 
 /* local:refactor(reuse or nil): reuse */
@@ -196,12 +192,7 @@ static int local_refactor(lua_State *L) {
   lua_settop(L, 2);
   begin_reuse(L, 2, &reuse);
   bw_status status = bw_local_system_refactor(lbw_enter(L), self(L), &reuse);
-  if (status != BW_OK)
-    return lbw_leave(L, status, 1);
-  lbw_leave_or_raise(L, BW_OK);
-  store_reuse(L, &reuse);
-  lbw_box_account(L, own);
-  return 1;
+  return leave_with_reuse(L, status, &reuse, own, 1);
 }
 
 /* ---- views ----------------------------------------------------------------------------------- */
