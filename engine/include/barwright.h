@@ -32,6 +32,8 @@
 #define BARWRIGHT_H
 
 #include "barwright/base.h"
+#include "barwright/outline.h"
+#include "barwright/plane.h"
 #include "barwright/mesh.h"
 
 #include "barwright/io.h"

@@ -1,0 +1,127 @@
+/* outline: shapes in the plane bounded by lines and Bézier curves, with holes and regions; their
+ * handles, measures and edits. What a person drags, and what a plane mesh follows. */
+#ifndef BARWRIGHT_OUTLINE_H
+#define BARWRIGHT_OUTLINE_H
+
+#include "barwright/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A segment runs from point[0] to point[3]; a line has control points -1. Segments of a loop follow
+ * each other, each beginning at the point where the one before ends, the first where the last
+ * ends; no point belongs to two loops. `tag` groups segments for conditions and handles. */
+typedef struct bw_segment {
+  int32_t point[4]; /* start, control, control, end */
+  int32_t tag;      /* from 0; index into the outline's tag names */
+} bw_segment;
+
+enum { BW_NAME_LENGTH = 32 };
+typedef struct bw_name {
+  char text[BW_NAME_LENGTH];
+} bw_name;
+
+/* What lies on a loop's inner side. Outer loops run counter-clockwise and hold a region; loops
+ * inside a region are holes (region -1, stored clockwise) or hold another region: the boundary
+ * between the two is then inside the material. */
+typedef struct bw_loop {
+  int32_t first, count; /* segments */
+  int32_t region;       /* region number inside, -1: a hole */
+  int32_t parent;       /* the loop directly around it, -1: none */
+  bw_name name;
+} bw_loop;
+
+/* Immutable; always valid: every loop closed and simple, loops disjoint and properly nested. */
+typedef struct bw_outline {
+  bw_object object;
+  int32_t point_count, segment_count, loop_count, region_count, tag_count;
+  double *point; /* point_count x 2: vertices and control points */
+  bw_segment *segment;
+  bw_loop *loop;
+  bw_name *tag;
+} bw_outline;
+
+/* From a description: points (checked to be finite), segments loop by loop in order, loops with
+ * `first`, `count`, `region` and `name` (direction and parent are found; loops given clockwise are
+ * turned). BW_GEOMETRY names loop, segment and place of a crossing, a doubled point, a loop that
+ * lies outside of everything it should be in, or an empty area. */
+bw_status bw_outline_create(bw_context *context, int32_t points, const double *point,
+                            int32_t segments, const bw_segment *segment, int32_t loops,
+                            const bw_loop *loop, int32_t tags, const bw_name *tag,
+                            bw_outline **outline);
+/* The same topology with other points: what dragging makes. Crossings are refused with their place
+ * ("segment 4 of loop 'hole' crosses segment 1 of loop 'body' at (0.1, 0.2)"), the outline given
+ * stays as it is. */
+bw_status bw_outline_moved(bw_context *context, const bw_outline *outline, const double *point,
+                           bw_outline **moved);
+
+typedef enum bw_handle_kind {
+  BW_HANDLE_VERTEX,  /* a point; the control points beside a vertex go with it */
+  BW_HANDLE_SEGMENT, /* both ends and the controls of an edge */
+  BW_HANDLE_LOOP     /* a whole loop with the loops inside it */
+} bw_handle_kind;
+/* Displacement of every outline point under a unit move of a handle: weight[i] in 0..1 for each
+ * point (the move is the same in x and y). */
+bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_handle_kind kind,
+                            int32_t index, double *weight);
+
+/* Position, first and second derivative (by t) at parameter t in 0..1 of a segment; the
+ * derivatives may be NULL. */
+void bw_outline_evaluate(const bw_outline *outline, int32_t segment, double t, double position[2],
+                         double derivative[2], double second[2]);
+/* d position / d points: weights of the (at most) four points, in the order of bw_segment; lines
+ * have (1-t, 0, 0, t). */
+void bw_outline_basis(const bw_outline *outline, int32_t segment, double t, double weight[4]);
+
+typedef struct bw_outline_measures {
+  double area, perimeter; /* of the material: holes left out, inner boundaries not counted */
+  double centroid[2];
+  double second_moment[3]; /* about the centroid: xx (integral of y^2), yy (of x^2), xy */
+  double low[2], high[2];
+} bw_outline_measures;
+/* Exact for lines and cubics (Green's theorem on polynomials); `region` -1: all of them. */
+bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int32_t region,
+                             bw_outline_measures *measures);
+/* d area / d points (point_count x 2), of all regions. */
+bw_status bw_outline_area_gradient(bw_context *context, const bw_outline *outline,
+                                   double *gradient);
+
+/* Laplacian smoothing of a loop's vertices and controls, `strength` in 0..1, `rounds` times;
+ * vertices turned by more than `corner` radians are kept. */
+bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, int32_t loop,
+                              double strength, int rounds, double corner, bw_outline **smoothed);
+/* A loop more (a hole or a region), its points and segments given from 0; or one fewer. */
+bw_status bw_outline_with_loop(bw_context *context, const bw_outline *outline, int32_t points,
+                               const double *point, int32_t segments, const bw_segment *segment,
+                               const bw_loop *loop, bw_outline **larger);
+bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline, int32_t loop,
+                                  bw_outline **smaller);
+/* Push-pin pulling of a curve: the vertex goes to `to`, pinned vertices stay, the points of the
+ * loop between (within `reach` along the curve; 0: up to the pins) follow as rigidly as possible.
+ */
+bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int32_t vertex,
+                            const double to[2], int32_t pins, const int32_t *pin, double reach,
+                            bw_outline **pulled);
+/* A segment cut in two at t (de Casteljau), and a vertex merged away: for editors. */
+bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32_t segment,
+                           double t, bw_outline **finer);
+/* A vertex between two segments taken out: one segment remains of the two. */
+bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int32_t vertex,
+                            bw_outline **coarser);
+
+/* Points along the curves no farther than `tolerance` from them, loop by loop (as polygons without
+ * the closing point): for pictures, cutting files, tests. */
+typedef struct bw_polygons {
+  int32_t loop_count;
+  int32_t *start; /* loop_count + 1 */
+  double *point;  /* x 2 */
+} bw_polygons;
+bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline, double tolerance,
+                             bw_polygons *polygons);
+void bw_polygons_clear(bw_polygons *polygons);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
