@@ -345,7 +345,7 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
                             const double *weight, const bw_domains_options *options,
                             bw_domains **domains) {
   int32_t bones = skeleton->bone_count;
-  double usual = options ? options->threshold : 0.95;
+  double usual = options && options->threshold != 0 ? options->threshold : 0.95;
   double share = options && options->share != 0 ? options->share : 0.35;
   if (!(share <= 1))
     return bw_fail(context, BW_INVALID,

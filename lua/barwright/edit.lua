@@ -23,10 +23,11 @@ local rules = {
   skeleton = {type = "skeleton"}, -- left out: extracted from the surface
   bones = {type = "integer", default = 0, least = 0}, -- wanted of the extracted one
   domains = {type = "domains"}, -- left out: from weights and thresholds
-  threshold = {type = "number", default = 0.95, above = 0, most = 1},
+  -- of the domains; left out: the engine's own
+  threshold = {type = "number", above = 0, most = 1},
   thresholds = {type = "table", default = {}}, -- of single bones, by name
-  share = {type = "number", default = 0.35, least = 0, most = 1}, -- of what a bone moves most
-  heat = {type = "number", default = 1, above = 0},
+  share = {type = "number", least = 0, most = 1}, -- of what a bone moves most
+  heat = {type = "number", above = 0},
   quality = {type = "number", default = 0.02, least = 0, most = 0.5},
   relax = {type = "boolean", default = true},
   refill = {type = "boolean", default = true},
@@ -80,7 +81,7 @@ local function make_domains(mesh, wish)
   weights, message, details = core.skinning_weights(mesh, skeleton, {heat = wish.heat})
   if not weights then return nil, message, details end
   return core.domains(mesh, skeleton, weights, {threshold = wish.threshold,
-    bone_threshold = thresholds, share = wish.share > 0 and wish.share or -1})
+    bone_threshold = thresholds, share = wish.share == 0 and -1 or wish.share})
 end
 
 --- Begins a session on a part. Returns nil, message, details when it cannot.

@@ -25,7 +25,7 @@ static int core_skinning_weights(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const bw_skeleton *skeleton = check_skeleton(L, 2);
-  bw_weights_options options = {.heat = 1};
+  bw_weights_options options = {0};
   lbw_options(L, 3, "skinning_weights", list, &options);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, skeleton->bone_count)->data;
   return lbw_leave(L, bw_skinning_weights(lbw_enter(L), mesh, skeleton, &options, out), 1);
@@ -45,7 +45,7 @@ static int core_domains(lua_State *L) {
   int64_t rows;
   double *weight = lbw_to_doubles(L, 3, "weights", skeleton->bone_count, &rows);
   luaL_argcheck(L, rows == mesh->node_count, 3, "weights: a row for every node expected");
-  bw_domains_options options = {.threshold = 0.95};
+  bw_domains_options options = {0};
   lbw_options(L, 4, "domains", list, &options);
   if (lbw_option_get(L, 4, "bone_threshold") != LUA_TNIL) {
     options.bone_threshold = lbw_to_doubles(L, -1, "bone_threshold", 1, &rows);

@@ -160,7 +160,7 @@ function bw.von_mises_slopes(part, system, displacement, nodes, motions, options
 function bw.quadratic_programme(programme) end
 
 ---How much each bone moves each node: a row for every node, a column for every bone, rows summing to
----one. `heat`: of the exchange with the bones; default 1.
+---one. `heat`: of the exchange with the bones; default 20.
 ---@param mesh bw.Mesh
 ---@param skeleton bw.Skeleton
 ---@param options? {heat: number}
@@ -1518,7 +1518,7 @@ function edit_module.begin(script, session) end
 ---@field threshold? number mean weight from which an element follows one bone; default 0.95
 ---@field thresholds? table<string, number> instead of it, for single bones
 ---@field share? number the threshold is lowered until each bone has this share of the elements that it moves most; default 0.35, 0: never
----@field heat? number of the skinning weights; default 1; larger: more elements follow one bone
+---@field heat? number of the skinning weights; default 20; larger: more elements follow one bone
 ---@field domains? bw.Domains ready-made ones, of the part's own mesh
 ---@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements; default true

@@ -61,6 +61,7 @@ local function body(wish)
   part:load {on = mesh.boundary:above(3, 60 * mm), force = {0, 1, -2}}
   wish = wish or {}
   wish.skeleton = wish.skeleton or body_skeleton()
+  wish.heat = wish.heat or 1 -- wide joints: few elements stand wide turns
   return assert(bw.edit(part, wish)), part
 end
 

@@ -89,7 +89,7 @@ void bw_skeleton_frames(const bw_skeleton *skeleton, double *frame);
 
 typedef struct bw_weights_options {
   /* of the exchange with the bones: along the surface a weight falls from 0.95 to 0.05 in 4.6 /
-   * sqrt(heat) distances to the bone; default 20, one such distance (Pinocchio: 1) */
+   * sqrt(heat) distances to the bone; 0: 20, one such distance (Pinocchio: 1) */
   double heat;
 } bw_weights_options;
 /* How much each bone moves each node: node_count x bone_count, non-negative, each row summing to
@@ -143,7 +143,7 @@ typedef struct bw_domains {
 } bw_domains;
 
 typedef struct bw_domains_options {
-  double threshold;             /* mean weight from which an element is of type R; default 0.95 */
+  double threshold;             /* mean weight from which an element is of type R; 0: 0.95 */
   const double *bone_threshold; /* bone_count: instead of it, where not 0; may be NULL */
   /* Where bones are short for the body's thickness no weight comes near one. So that a bone has a
    * domain all the same, its threshold is lowered (with a remark) to what this share, by volume, of
