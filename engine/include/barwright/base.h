@@ -95,6 +95,12 @@ void bw_clear_remarks(bw_context *context);
 /* Seconds of a monotonic clock. */
 double bw_seconds(void);
 
+/* A name of a bone, a loop, a tag. */
+enum { BW_NAME = 48 };
+typedef struct bw_name {
+  char text[BW_NAME];
+} bw_name;
+
 /* ---- memory ------------------------------------------------------------------------- */
 
 /* count*size bytes, checked for overflow; NULL (with BW_MEMORY recorded) when there is no memory.

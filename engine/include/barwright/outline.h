@@ -17,11 +17,6 @@ typedef struct bw_segment {
   int32_t tag;      /* from 0; index into the outline's tag names */
 } bw_segment;
 
-enum { BW_NAME_LENGTH = 32 };
-typedef struct bw_name {
-  char text[BW_NAME_LENGTH];
-} bw_name;
-
 /* What lies on a loop's inner side. Outer loops run counter-clockwise and hold a region; loops
  * inside a region are holes (region -1, stored clockwise) or hold another region: the boundary
  * between the two is then inside the material. */

@@ -11,11 +11,6 @@ extern "C" {
 
 /* ---- skeletons ------------------------------------------------------------------------------- */
 
-enum { BW_NAME = 48 };
-typedef struct bw_name {
-  char text[BW_NAME];
-} bw_name;
-
 /* A tree of joints joined by bones. Immutable. Bones are ordered so that a parent comes before its
  * children; bone b runs from joint bone[2 b] (its head, nearer the root) to bone[2 b + 1] (its
  * tail). Names are unique; where none is given, "joint 3" and "bone 2" (counting from 1). */
