@@ -50,6 +50,8 @@
 #include "barwright/shape.h"
 
 #include "barwright/analysis.h"
+#include "barwright/responsive.h"
+#include "barwright/flow.h"
 
 #include "barwright/picture.h"
 

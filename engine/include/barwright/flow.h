@@ -1,0 +1,74 @@
+/* flow: incompressible flow and heat in the plane on triangle meshes that follow an outline
+ * (responsive, section 4): Galerkin with SUPG and PSPG stabilisation (Tezduyar et al. 1992). */
+#ifndef BARWRIGHT_FLOW_H
+#define BARWRIGHT_FLOW_H
+
+#include "barwright/responsive.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bw_flow_description {
+  double density, viscosity; /* kg/m3, Pa s (dynamic) */
+  /* with heat (eqs. 6 to 8); diffusivity 0: none */
+  double diffusivity; /* alpha, m2/s */
+  double expansion;   /* beta, 1/K */
+  double reference;   /* T0, K */
+  double gravity[2];
+  /* BW_PRESCRIBED: components 0, 1 velocity, 2 pressure, 3 temperature; outflow without tractions
+     where nothing is prescribed. Without a prescribed pressure and without an outflow the mean
+     pressure is 0. */
+  int32_t condition_count;
+  const bw_condition *condition;
+} bw_flow_description;
+
+typedef struct bw_flow_options {
+  double step;      /* s; 0: steady */
+  int bdf;          /* 1: implicit Euler, 2: second order (default; 1 in the first step and after a
+                       reconstruction's carry-over) */
+  int iterations;   /* of Picard/Newton per step; default 1 for time steps (velocity extrapolated),
+                       30 for steady */
+  double tolerance; /* relative change of the solution at which a steady or iterated step is done;
+                       default 1e-8 */
+  bool ale; /* nodes that moved since the last step carry a mesh velocity; default false: the
+               shape is changed between steps, as in the paper */
+  bw_stale_options linear; /* default tolerance 1e-6 */
+} bw_flow_options;
+void bw_flow_options_default(bw_flow_options *options);
+
+/* A fluid on a mesh that follows an outline. Mutable. */
+typedef struct bw_flow {
+  bw_object object;
+  const bw_plane_mesh *mesh; /* retained: the current one; order 1 */
+  int components;            /* 3, or 4 with heat: velocity x, y, pressure, temperature */
+  double *state;             /* node_count x components */
+  double *before;            /* of the step before */
+  double time;
+  struct bwi_flow *inner;
+} bw_flow;
+bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
+                         const bw_flow_description *description, bw_flow **flow);
+bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
+                         bw_kept *kept);
+/* One implicit time step, or the steady state. BW_CONVERGENCE leaves the state as it was. */
+bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
+                       bw_kept *kept);
+/* Force of the fluid on the segments of a tag, per depth (N/m), as the reaction of the discrete
+ * equations (the consistent one, twice the order of integrating stresses), and heat flow into the
+ * fluid through them (W/m over density times heat capacity: K m2/s). */
+bw_status bw_flow_force(bw_context *context, const bw_flow *flow, int32_t tag, double force[2]);
+bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, double *heat);
+/* Velocity, pressure (and temperature) at a place (`components` numbers). */
+bw_status bw_flow_at(bw_context *context, const bw_flow *flow, const double at[2], double *values);
+/* Vorticity at the nodes, stream function (zero at the lowest node of the boundary). */
+bw_status bw_flow_vorticity(bw_context *context, const bw_flow *flow, double *vorticity);
+
+/* Frequency of a signal sampled at equal steps, by zero crossings about its mean over the last
+ * `periods` whole periods; 0 where there is none. */
+double bw_flow_frequency(int64_t count, const double *signal, double step, int periods);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

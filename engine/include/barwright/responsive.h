@@ -1,0 +1,241 @@
+/* responsive: equations on plane meshes that follow an outline, with stale factors reused; elastic
+ * sheets (static, shaken, largely bent) and plates that ring. */
+#ifndef BARWRIGHT_RESPONSIVE_H
+#define BARWRIGHT_RESPONSIVE_H
+
+#include "barwright/element.h"
+#include "barwright/material.h"
+#include "barwright/plane.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- matrices on a plane mesh -------------------------------------------------------------- */
+
+/* Node pairs that share an element, full rows, ascending, and for every pair the contributions
+ * (element, local pair) that are added into it: gathered, never scattered, so that the bits do not
+ * depend on threads. Values belong to whoever assembles: `components`^2 numbers per pair, row by
+ * row. Depends on topology only. */
+typedef struct bw_plane_graph {
+  bw_object object;
+  const bw_plane_topology *topology; /* retained */
+  int32_t node_count;
+  int64_t pair_count;
+  int64_t *start;        /* node_count + 1 */
+  int32_t *column;       /* pair_count */
+  int64_t *diagonal;     /* node_count: where the pair (i, i) is */
+  int64_t *mirror;       /* pair_count: where the pair (j, i) of a pair (i, j) is */
+  int64_t *gather_start; /* pair_count + 1 */
+  int32_t *gather_element;
+  uint8_t *gather_local; /* a * 6 + b */
+} bw_plane_graph;
+bw_status bw_plane_graph_create(bw_context *context, const bw_plane_topology *topology,
+                                bw_plane_graph **graph);
+/* Add the elements' matrices (element_count x (n c) x (n c), row by row, unknown = node c +
+ * component; only as many elements at a time as the caller likes: `element_matrix` fills one) into
+ * values (zeroed first). */
+typedef bw_status bw_element_matrix(void *data, int32_t element, double *matrix);
+bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+                            bw_element_matrix *element_matrix, void *data, double *values);
+/* y = A x */
+bw_status bw_plane_multiply(bw_context *context, const bw_plane_graph *graph, int components,
+                            const double *values, const double *x, double *y);
+/* Prescribed unknowns (held[i] != 0, value x[i]): their rows and columns become those of the
+ * identity times `scale` (0: a typical diagonal entry) and `rhs` follows, so that the number of
+ * unknowns never changes. */
+bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, int components,
+                             const uint8_t *held, const double *prescribed, double *values,
+                             double *rhs);
+
+/* ---- stale factors (responsive, sections 3.2 and 3.3)
+ * --------------------------------------------
+ *
+ * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a CHOLMOD
+ * factor for symmetric positive definite matrices, BiCGSTAB on a UMFPACK factor for others. The
+ * paper uses ILU(k); a complete factor costs little in the plane and keeps its worth for longer. */
+typedef enum bw_stale_method {
+  BW_STALE_AUTO,     /* by predicted cost: operations and bytes counted, and the iterations that
+                        recent solves took; never time measured */
+  BW_STALE_ITERATE,  /* on the factor as it is, as long as it converges */
+  BW_STALE_REFACTOR, /* numbers anew, analysis kept */
+  BW_STALE_SCRATCH   /* analysis too: for baselines */
+} bw_stale_method;
+typedef struct bw_stale_options {
+  bw_stale_method method;
+  double tolerance; /* relative residual |b - A x| / |b|; default 1e-8 */
+  int iterations;   /* before refactoring; default 60 */
+} bw_stale_options;
+void bw_stale_options_default(bw_stale_options *options);
+/* What one solve, or one frame of an application, reused and what it cost. Sums over the solves of
+ * a frame; clear with memset before. */
+typedef struct bw_kept {
+  bw_level level; /* of the mesh in this frame */
+  bool pattern;   /* of A: kept */
+  bool factor;    /* B: kept (stale) */
+  bool solution;  /* x: used as the first guess */
+  int analyses, factorisations, solves, iterations;
+  double residual;                            /* the largest, relative, as reached */
+  double predicted_iterate, predicted_factor; /* s, of the model's machine */
+  double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve;
+} bw_kept;
+
+typedef struct bw_stale bw_stale; /* mutable; one thread at a time */
+bw_status bw_stale_create(bw_context *context, bool symmetric, int components, bw_stale **stale);
+void bw_stale_free(bw_stale *stale);
+/* x: the first guess on entry, the solution on return. The factor is kept as long as the graph's
+ * nodes are the same object, the analysis as long as its topology is. BW_SINGULAR, or
+ * BW_CONVERGENCE with the residual reached; x is then as it was. `kept` is added to. */
+bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
+                         const double *values, const double *rhs, double *x,
+                         const bw_stale_options *options, bw_kept *kept);
+/* Apply the factor alone (z = B r, current or stale): for eigenvalue iterations. */
+bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z);
+/* Drop everything kept. */
+void bw_stale_forget(bw_stale *stale);
+
+/* ---- conditions by tag -------------------------------------------------------------------------
+ */
+
+/* A value over place and time. */
+typedef double bw_plane_function(void *data, const double at[2], double time);
+typedef enum bw_condition_kind {
+  BW_PRESCRIBED, /* component = value on the nodes of the segments */
+  BW_TRACTION,   /* component = value per length and thickness (Pa) on the segments */
+  BW_PRESSURE    /* along the inner normal (Pa); component not used */
+} bw_condition_kind;
+/* Conditions sit on tags, so that they follow the outline through every level. */
+typedef struct bw_condition {
+  int32_t tag; /* of the outline; -1: every segment */
+  bw_condition_kind kind;
+  int component; /* 0 x, 1 y; flow: 2 pressure, 3 temperature */
+  double value;
+  bw_plane_function *function; /* in place of value; may be NULL */
+  void *data;
+} bw_condition;
+/* held and prescribed (node_count x components) at a time. Later conditions win at shared nodes. */
+bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
+                                  int32_t count, const bw_condition *condition, double time,
+                                  uint8_t *held, double *prescribed);
+/* Consistent nodal forces of tractions and pressures, times thickness. */
+bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
+                              int32_t count, const bw_condition *condition, double time,
+                              double thickness, double *force);
+
+/* ---- elastic sheets
+ * -------------------------------------------------------------------------------- */
+
+typedef struct bw_sheet_section {
+  const bw_material *material; /* isotropic or orthotropic with an axis along z; retained */
+  double thickness;            /* m; plane strain: per this depth */
+  bool plane_strain;
+} bw_sheet_section;
+typedef struct bw_sheet_description {
+  int32_t section_count; /* 1, or one per region */
+  const bw_sheet_section *section;
+  int32_t condition_count;
+  const bw_condition *condition;
+  double gravity[2]; /* m/s2 */
+} bw_sheet_description;
+
+/* A sheet on a mesh that follows an outline: holds matrices, factor and solution from frame to
+ * frame. Mutable. */
+typedef struct bw_sheet {
+  bw_object object;
+  const bw_plane_mesh *mesh;       /* retained: the current one */
+  double *displacement;            /* node_count x 2: of the last solution; zero at first */
+  double *velocity, *acceleration; /* of shaken sheets; NULL otherwise */
+  double time;
+  struct bwi_sheet *inner;
+} bw_sheet;
+bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
+                          const bw_sheet_description *description, bw_sheet **sheet);
+/* Go over to another mesh of the same problem; the solution is carried over (bw_plane_carry). */
+bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
+                          bw_kept *kept);
+/* (e) Linear statics. BW_FREE when rigid motions are free. */
+bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
+                          bw_kept *kept);
+/* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2): beta, gamma (defaults 1/4, 1/2),
+ * Rayleigh damping. Prescribed displacements are of the ground, as functions of time; the other
+ * conditions' functions are read at the new time. */
+typedef struct bw_newmark {
+  double step, beta, gamma;
+  double damping_mass, damping_stiffness;
+} bw_newmark;
+void bw_newmark_default(bw_newmark *newmark);
+bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                         const bw_stale_options *options, bw_kept *kept);
+/* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
+ * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
+ * load went. */
+typedef struct bw_newton_options {
+  double tolerance; /* |residual| / |load|; default 1e-8 */
+  int iterations;   /* of one load step; default 30 */
+  int load_steps;   /* at most; default 64 */
+  bw_stale_options linear;
+} bw_newton_options;
+void bw_newton_options_default(bw_newton_options *options);
+typedef struct bw_newton_report {
+  int iterations, load_steps;
+  double residual, energy;
+} bw_newton_report;
+bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_newton_options *options,
+                        bw_newton_report *report, bw_kept *kept);
+/* Stress xx yy xy zz at element points averaged to nodes (node_count x 4; Cauchy stress after
+ * bw_sheet_bend) and von Mises (node_count); either may be NULL. */
+bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,
+                          double *von_mises);
+/* Zienkiewicz-Zhu estimate of the relative error in energy. */
+bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *relative);
+/* J = p-norm of von Mises over the area and dJ / d node positions (node_count x 2), by one adjoint
+ * solve on the current factor: for shape optimisation. */
+bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p, double *norm,
+                                   double *gradient);
+
+/* ---- plates that ring (responsive, appendix A)
+ * --------------------------------------------------------- */
+
+/* The outline extruded to a plate, as Reissner-Mindlin triangles that do not lock: deflection and
+ * two rotations at each node. Mutable; holds factor, modes and rigid motions from frame to frame.
+ */
+typedef struct bw_plate {
+  bw_object object;
+  const bw_plane_mesh *mesh; /* retained; order 1 */
+  const bw_material *material;
+  double thickness;
+  int mode_count;
+  double *frequency; /* Hz, ascending, elastic modes only */
+  double *shape;     /* mode_count x node_count x 3: deflection, rotations; mass norm 1, the largest
+                        deflection positive */
+  double *residual;  /* |K u - lambda M u| / |lambda M u| */
+  struct bwi_plate *inner;
+} bw_plate;
+bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
+                          const bw_material *material, double thickness, bw_plate **plate);
+bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
+                          bw_kept *kept);
+typedef struct bw_plate_options {
+  int modes;        /* default 1 */
+  double tolerance; /* relative residual; default 1e-6 */
+  bool scratch;     /* random start, fresh factor: for checks and baselines */
+} bw_plate_options;
+void bw_plate_options_default(bw_plate_options *options);
+/* Inverse (subspace) iteration with the rigid motions projected out, from the last frame's modes on
+ * the last frame's factor. */
+bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *options,
+                         bw_kept *kept);
+/* d frequency[mode] / d node positions (node_count x 2), Hz/m. */
+bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode, double *gradient);
+/* Where the mode's deflection vanishes: pieces of line, 4 numbers each (x0 y0 x1 y1); free with
+ * bw_free. For the mounting holes. */
+bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int mode, int32_t *count,
+                               double **lines);
+/* The lowest frequencies of motion in the plane of the plate (plane stress, free), to see whether
+ * one lies below: `count` of them. */
+bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count,
+                           double *frequency);
+#ifdef __cplusplus
+}
+#endif
+#endif
