@@ -21,8 +21,8 @@ local rules = {
 
 --- The largest stress that any allowed load can cause in each of the elements tried.
 function brute_force.analyse(part, given)
-  options.object("brute_force", "part", part, "model", 2)
-  local wish = options.read("brute_force", given, rules, 2)
+  options.object("brute_force", "part", part, "model")
+  local wish = options.read("brute_force", given, rules)
   local mesh = part.mesh
   local self = setmetatable({options = wish, mesh = mesh}, brute_force)
   local start = core.seconds()

@@ -18,8 +18,8 @@ local rules = {
 
 --- Drops a part that has no supports and a known density.
 function drop_test.analyse(part, given)
-  options.object("drop_test", "part", part, "model", 2)
-  local wish = options.read("drop_test", given, rules, 2)
+  options.object("drop_test", "part", part, "model")
+  local wish = options.read("drop_test", given, rules)
   local self = setmetatable({options = wish, mesh = part.mesh}, drop_test)
   local start = core.seconds()
   local system, message, details = part:system()

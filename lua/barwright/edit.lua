@@ -16,6 +16,8 @@ local edit_script = require "barwright.edit_script"
 local edit_shape = require "barwright.edit_shape"
 local optimise = require "barwright.optimise"
 
+local raise = core.raise
+
 local class = {__name = "barwright.session"}
 local properties = {}
 
@@ -43,7 +45,7 @@ local function bone_thresholds(skeleton, given)
   for name, threshold in pairs(given) do
     local bone = skeleton:bone(name)
     if type(threshold) ~= "number" or not (threshold > 0 and threshold <= 1) then
-      error(("edit: thresholds: bone '%s': a number above 0, at most 1, expected"):format(bone.name), 4)
+      raise(("edit: thresholds: bone '%s': a number above 0, at most 1, expected"):format(bone.name))
     end
     rows[bone.index] = threshold
   end
@@ -86,12 +88,12 @@ end
 
 --- Begins a session on a part. Returns nil, message, details when it cannot.
 local function begin(part, given)
-  options.object("edit", "part", part, "model", 3)
-  local wish = options.read("edit", given, rules, 3)
+  options.object("edit", "part", part, "model")
+  local wish = options.read("edit", given, rules)
   local mesh = part.mesh
   local domains, message, details = wish.domains
   if domains and domains.mesh ~= mesh then
-    error("edit: option 'domains': domains of the part's own mesh expected", 3)
+    raise("edit: option 'domains': domains of the part's own mesh expected")
   end
   if not domains then
     domains, message, details = make_domains(mesh, wish)
@@ -118,10 +120,10 @@ end
 
 local function current(self)
   if getmetatable(self) ~= class then
-    error("call a session's methods with a colon, as in session:solve()", 3)
+    raise("call a session's methods with a colon, as in session:solve()")
   end
   local state = self.history[self.position]
-  if not state then error("this session is closed", 3) end
+  if not state then raise("this session is closed") end
   return state
 end
 
@@ -279,7 +281,7 @@ function class:fork(given)
   local state, wish = {}, {}
   for key, value in pairs(current(self)) do state[key] = value end -- it lets go of its mesh by itself
   for key, value in pairs(self.wish) do wish[key] = value end
-  for key, value in pairs(options.read("fork", given, fork_rules, 2)) do wish[key] = value end
+  for key, value in pairs(options.read("fork", given, fork_rules)) do wish[key] = value end
   return setmetatable({source = self.source, wish = wish, position = 1, following = false,
     last = false, record = false, root = self.root or self, history = {state}}, class)
 end
@@ -287,7 +289,7 @@ end
 --- The pose of a fork, as one edit.
 function class:adopt(fork)
   if getmetatable(fork) ~= class or fork.root ~= (self.root or self) then
-    error("adopt: a fork of this session expected", 2)
+    raise("adopt: a fork of this session expected")
   end
   local changes = edit_bone.changes(current(self), current(fork))
   if next(changes) == nil then return self end
@@ -303,7 +305,7 @@ function class:solve(given)
   local state, wish, part = current(self), nil, nil
   if type(given) == "table" and given.part ~= nil then
     part, wish = given.part, {}
-    options.object("solve", "part", part, "model", 2)
+    options.object("solve", "part", part, "model")
     for key, value in pairs(given) do wish[key] = key ~= "part" and value or nil end
   end
   local result, message, details = edit_follow.solve(self, state, wish or given, part)
@@ -327,7 +329,8 @@ end
 -- ---- asking --------------------------------------------------------------------------------------
 
 function properties:part()
-  return assert(edit_follow.model(current(self), self.source))
+  local part, message = edit_follow.model(current(self), self.source)
+  return part or raise(message)
 end
 
 function properties:mesh()
@@ -414,7 +417,7 @@ end
 --- The edits in force as a script that replays them.
 function class:save(path)
   current(self)
-  if type(path) ~= "string" then error("save: the path of a script expected", 2) end
+  if type(path) ~= "string" then raise("save: the path of a script expected") end
   return edit_script.save(self, path)
 end
 
@@ -453,7 +456,7 @@ end
 class.__index = members("a session", class, properties)
 
 function class.__newindex(_, name)
-  error(("a session cannot be changed by assignment to '%s'"):format(tostring(name)), 2)
+  raise(("a session cannot be changed by assignment to '%s'"):format(tostring(name)))
 end
 
 local edit = {class = class, properties = properties}

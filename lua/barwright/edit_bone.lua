@@ -7,19 +7,21 @@ local edit_pose = require "barwright.edit_pose"
 local edit_script = require "barwright.edit_script"
 local options = require "barwright.options"
 
+local raise = core.raise
+
 local edit_bone = {}
 
 local class = {__name = "barwright.bone"}
 local properties = {}
 
 local function state_of(session)
-  return session.history[session.position] or error("this session is closed", 3)
+  return session.history[session.position] or raise("this session is closed")
 end
 
 -- bone.scale(2) in place of bone:scale(2) is a slip that deserves a better answer than Lua's own.
 local function of_bone(self, call)
   if getmetatable(self) ~= class then
-    error(("%s: call it with a colon: bone:%s(...)"):format(call, call), 3)
+    raise(("%s: call it with a colon: bone:%s(...)"):format(call, call))
   end
 end
 
@@ -48,7 +50,7 @@ end
 --- Thicker or longer: factors along the bone and across it, on top of what it has.
 function class:scale(factors)
   of_bone(self, "scale")
-  local by, row = edit_pose.read_scale("scale", factors, 2), row_of(self)
+  local by, row = edit_pose.read_scale("scale", factors), row_of(self)
   return change(self, "scale" .. edit_script.vector(by), nil,
     {row[10] * by[1], row[11] * by[2], row[12] * by[3]})
 end
@@ -57,7 +59,7 @@ end
 --- {x =, y =, z =} in degrees, or three rows. Directions are those of the space it stands in.
 function class:rotate(turn)
   of_bone(self, "rotate")
-  local by = edit_pose.read_rotation("rotate", turn, 2)
+  local by = edit_pose.read_rotation("rotate", turn)
   local above = parent_rotation(self)
   local own = edit_pose.multiply(edit_pose.transpose(above),
     edit_pose.multiply(by, edit_pose.multiply(above, edit_pose.rotation(row_of(self)))))
@@ -67,7 +69,7 @@ end
 --- Moved by a vector in metres, with all that hangs on it.
 function class:translate(vector)
   of_bone(self, "translate")
-  local by, row = edit_pose.read_vector("translate", vector, 2), row_of(self)
+  local by, row = edit_pose.read_vector("translate", vector), row_of(self)
   local local_by = edit_pose.apply(edit_pose.transpose(parent_rotation(self)), by)
   return change(self, "translate" .. edit_script.vector(by), nil, nil,
     {row[13] + local_by[1], row[14] + local_by[2], row[15] + local_by[3]})
@@ -80,12 +82,12 @@ local set_rules = {
 }
 
 -- rotation, scale, translation of {scale =, rotation =, translation =}, and how it is written
-local function read_change(where, given, level)
-  local wish = options.read(where, given, set_rules, level + 1)
-  local rotation = wish.rotation and edit_pose.read_rotation(where .. ": rotation", wish.rotation, level + 1)
-  local scale = wish.scale and edit_pose.read_scale(where .. ": scale", wish.scale, level + 1)
+local function read_change(where, given)
+  local wish = options.read(where, given, set_rules)
+  local rotation = wish.rotation and edit_pose.read_rotation(where .. ": rotation", wish.rotation)
+  local scale = wish.scale and edit_pose.read_scale(where .. ": scale", wish.scale)
   local translation = wish.translation
-    and edit_pose.read_vector(where .. ": translation", wish.translation, level + 1)
+    and edit_pose.read_vector(where .. ": translation", wish.translation)
   local text = {}
   if wish.rotation then text[#text + 1] = "rotation = " .. edit_script.value(wish.rotation) end
   if scale then text[#text + 1] = "scale = " .. edit_script.vector(scale) end
@@ -97,7 +99,7 @@ end
 --- The rotation is against its parent, the translation in the parent's directions.
 function class:set(given)
   of_bone(self, "set")
-  local rotation, scale, translation, text = read_change("set", given, 2)
+  local rotation, scale, translation, text = read_change("set", given)
   return change(self, "set" .. text, rotation, scale, translation)
 end
 
@@ -165,8 +167,8 @@ class.__index = members("a bone", class, properties)
 
 function class:__newindex(name)
   of_bone(self, tostring(name))
-  error(("a bone cannot be changed by assignment to '%s': call bone:set {scale =, rotation =, translation =}")
-    :format(tostring(name)), 2)
+  raise(("a bone cannot be changed by assignment to '%s': call bone:set {scale =, rotation =, translation =}")
+    :format(tostring(name)))
 end
 
 edit_bone.class, edit_bone.properties = class, properties
@@ -178,12 +180,12 @@ end
 -- ---- several bones at once ---------------------------------------------------------------------------
 
 function edit_bone.set_pose(session, changes)
-  if type(changes) ~= "table" then error("pose: a table of bones expected", 3) end
+  if type(changes) ~= "table" then raise("pose: a table of bones expected") end
   local state = state_of(session)
   local pose, list = state.pose, {}
   for name, given in pairs(changes) do
     local bone = state.topology.skeleton:bone(name)
-    local rotation, scale, translation, text = read_change("pose: " .. bone.name, given, 3)
+    local rotation, scale, translation, text = read_change("pose: " .. bone.name, given)
     pose = edit_pose.with(pose, bone.index, rotation, scale, translation)
     list[#list + 1] = ("[%s] = %s"):format(edit_script.value(bone.name), text)
   end
@@ -243,26 +245,26 @@ local function end_of(skeleton, name)
   if contains(skeleton.bone_names, name) then return skeleton:bone(name).index, 1 end
   local known = skeleton.joint_names
   for _, bone in ipairs(skeleton.bone_names) do known[#known + 1] = bone end
-  error(("reach: there is no joint or bone '%s': did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), known)), 4)
+  raise(("reach: there is no joint or bone '%s': did you mean '%s'?"):format(tostring(name),
+    core.nearest(tostring(name), known)))
 end
 
 local function read_list(skeleton, list)
-  if #list == 0 then error("reach: a list of {joint =, at =} expected", 4) end
+  if #list == 0 then raise("reach: a list of {joint =, at =} expected") end
   local out = {}
   for i, given in ipairs(list) do
-    local wish = options.read("reach", given, target_rules, 4)
+    local wish = options.read("reach", given, target_rules)
     if (wish.joint == nil) == (wish.bone == nil) then
-      error(("reach: target %d: one of joint and bone expected"):format(i), 4)
+      raise(("reach: target %d: one of joint and bone expected"):format(i))
     end
     local bone, along
     if wish.joint ~= nil then
-      if wish.along then error("reach: 'along' belongs to a bone", 4) end
+      if wish.along then raise("reach: 'along' belongs to a bone") end
       bone, along = bone_at(skeleton, wish.joint)
     else
       bone, along = skeleton:bone(wish.bone).index, wish.along or 1
     end
-    out[i] = {bone = bone, along = along, at = edit_pose.read_vector("reach: at", wish.at, 4),
+    out[i] = {bone = bone, along = along, at = edit_pose.read_vector("reach: at", wish.at),
       weight = wish.weight, from = wish.from ~= nil and skeleton:bone(wish.from).index or nil}
   end
   return out
@@ -279,11 +281,11 @@ function edit_bone.reach(session, target, at, given)
     targets, arguments = read_list(skeleton, target), {edit_script.value(target)}
   else
     local bone, along = end_of(skeleton, target)
-    at = edit_pose.read_vector("reach: at", at, 3)
+    at = edit_pose.read_vector("reach: at", at)
     targets = {{bone = bone, along = along, at = at}}
     arguments = {edit_script.value(target), edit_script.vector(at)}
   end
-  local wish = options.read("reach", given, reach_rules, 3)
+  local wish = options.read("reach", given, reach_rules)
   if wish.tolerance then arguments[#arguments + 1] = edit_script.value(wish) end
   local rows
   if next(state.limits) then
@@ -308,13 +310,13 @@ local limit_rules = {
 
 local function read_limit(given)
   if given == nil then return nil end
-  local wish = options.read("limit", given, limit_rules, 4)
+  local wish = options.read("limit", given, limit_rules)
   if wish.twist then
     local low, high = wish.twist[1], wish.twist[2]
     local fits = #wish.twist == 2 and type(low) == "number" and type(high) == "number"
       and -math.huge < low and low <= high and high < math.huge
     if not fits then
-      error("limit: option 'twist': {lowest, highest} in degrees expected", 4)
+      raise("limit: option 'twist': {lowest, highest} in degrees expected")
     end
   end
   return {swing = wish.swing and math.rad(wish.swing),

@@ -2,6 +2,9 @@
 -- Poses of a skeleton as tables. A pose is a list of a row for every bone: the rotation (nine numbers
 -- by rows), the scale along the bone's axes (three), the translation of its head (three). Rows are
 -- never written to once they are in a pose: an edit copies what it changes.
+local core = require "barwright.core"
+
+local raise = core.raise
 local edit_pose = {}
 
 local identity = {1, 0, 0, 0, 1, 0, 0, 0, 1}
@@ -141,44 +144,44 @@ local function finite(value)
 end
 
 --- Three finite numbers, or an error of the function called `where`.
-function edit_pose.read_vector(where, value, level)
+function edit_pose.read_vector(where, value)
   if type(value) == "userdata" then value = {value[1], value[2], value[3]} end
   if type(value) == "table" and #value == 3 and finite(value[1]) and finite(value[2])
     and finite(value[3]) then
     return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0}
   end
-  error(("%s: three finite numbers {x, y, z} expected"):format(where), (level or 1) + 1)
+  raise(("%s: three finite numbers {x, y, z} expected"):format(where))
 end
 
 --- Three positive factors, or one for all.
-function edit_pose.read_scale(where, value, level)
+function edit_pose.read_scale(where, value)
   if finite(value) then value = {value, value, value} end
-  local scale = edit_pose.read_vector(where, value, (level or 1) + 1)
+  local scale = edit_pose.read_vector(where, value)
   for i = 1, 3 do
     if scale[i] <= 0 then
-      error(("%s: factors greater than 0 expected, got %g"):format(where, scale[i]), (level or 1) + 1)
+      raise(("%s: factors greater than 0 expected, got %g"):format(where, scale[i]))
     end
   end
   return scale
 end
 
-local function read_matrix(where, value, level)
+local function read_matrix(where, value)
   local out = {}
   for i = 1, 3 do
-    local r = edit_pose.read_vector(where .. ": a row", value[i], level + 1)
+    local r = edit_pose.read_vector(where .. ": a row", value[i])
     for j = 1, 3 do out[3 * (i - 1) + j] = r[j] end
   end
   for i = 0, 6, 3 do
     for j = 0, 6, 3 do
       local product = out[i + 1] * out[j + 1] + out[i + 2] * out[j + 2] + out[i + 3] * out[j + 3]
       if math.abs(product - (i == j and 1 or 0)) > 1e-6 then
-        error(("%s: a rotation expected: rows of length 1 at right angles"):format(where), level + 1)
+        raise(("%s: a rotation expected: rows of length 1 at right angles"):format(where))
       end
     end
   end
   local out2 = orthonormal(out)
   if out[7] * out2[7] + out[8] * out2[8] + out[9] * out2[9] < 0 then
-    error(("%s: a rotation expected, not a reflection"):format(where), level + 1)
+    raise(("%s: a rotation expected, not a reflection"):format(where))
   end
   return out2
 end
@@ -186,24 +189,23 @@ end
 local known_turns = {axis = true, degrees = true, radians = true, x = true, y = true, z = true}
 
 --- {axis =, degrees = | radians =}, {x =, y =, z =} in degrees, turned about x first, or three rows.
-function edit_pose.read_rotation(where, value, level)
-  level = (level or 1) + 1
-  if type(value) ~= "table" then error(where .. ": a table expected", level) end
-  if #value == 3 then return read_matrix(where, value, level) end
+function edit_pose.read_rotation(where, value)
+  if type(value) ~= "table" then raise(where .. ": a table expected") end
+  if #value == 3 then return read_matrix(where, value) end
   for key in pairs(value) do
     if not known_turns[key] then
-      error(("%s: unknown option '%s': {axis =, degrees =}, {x =, y =, z =} or three rows expected")
-        :format(where, tostring(key)), level)
+      raise(("%s: unknown option '%s': {axis =, degrees =}, {x =, y =, z =} or three rows expected")
+        :format(where, tostring(key)))
     end
   end
   if value.axis then
-    local axis = edit_pose.read_vector(where .. ": axis", value.axis, level)
+    local axis = edit_pose.read_vector(where .. ": axis", value.axis)
     if axis[1] == 0 and axis[2] == 0 and axis[3] == 0 then
-      error(where .. ": an axis of some length expected", level)
+      raise(where .. ": an axis of some length expected")
     end
     local angle = value.radians or value.degrees
     if not finite(angle) or value.radians and value.degrees or value.x or value.y or value.z then
-      error(where .. ": an axis and one of degrees, radians expected", level)
+      raise(where .. ": an axis and one of degrees, radians expected")
     end
     return edit_pose.about(axis, value.radians or math.rad(angle))
   end
@@ -211,12 +213,12 @@ function edit_pose.read_rotation(where, value, level)
   for k, axis in ipairs {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}} do
     local degrees = value[("xyz"):sub(k, k)]
     if degrees ~= nil then
-      if not finite(degrees) then error(where .. ": degrees expected", level) end
+      if not finite(degrees) then raise(where .. ": degrees expected") end
       out = edit_pose.multiply(edit_pose.about(axis, math.rad(degrees)), out)
     end
   end
   if value.degrees or value.radians or next(value) == nil then
-    error(where .. ": {axis =, degrees =}, {x =, y =, z =} or three rows expected", level)
+    raise(where .. ": {axis =, degrees =}, {x =, y =, z =} or three rows expected")
   end
   return out
 end

@@ -72,7 +72,7 @@ end
 
 --- Writes the report to a path. Options: title, manifest.
 function edit_report.write(session, state, result, path, given)
-  local wish = options.read("report", given, rules, 3)
+  local wish = options.read("report", given, rules)
   local data, message, details = data_of(session, state, result)
   if not data then return nil, message, details end
   return report.page(path, {

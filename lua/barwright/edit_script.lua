@@ -11,6 +11,8 @@
 -- they read back with the same bits.
 local core = require "barwright.core"
 
+local raise = core.raise
+
 local edit_script = {}
 
 -- ---- values ----------------------------------------------------------------------------------------
@@ -21,7 +23,7 @@ local function number(value)
     local text = ("%%.%dg"):format(digits):format(value)
     if tonumber(text) == value then return text end
   end
-  error("a finite number expected", 3)
+  raise("a finite number expected")
 end
 
 local function is_list(value)
@@ -197,8 +199,8 @@ function edit_script.begin(edit, asking, script, given)
     return given
   end
   if not script then
-    error("these edits name no script that makes their part: "
-      .. "replay them with bw.edit.load(path, session)", 3)
+    raise("these edits name no script that makes their part: "
+      .. "replay them with bw.edit.load(path, session)")
   end
   local part, options = dofile(find(script, asking))
   if getmetatable(part) == edit.class then
@@ -238,12 +240,12 @@ end
 --- Replays a script into a session, or into the one it begins. {resume = true} goes on with the file
 --- as the session's journal.
 function edit_script.load(edit, path, session, given)
-  if type(path) ~= "string" then error("edit.load: the path of a script expected", 3) end
+  if type(path) ~= "string" then raise("edit.load: the path of a script expected") end
   if session ~= nil and getmetatable(session) ~= edit.class then
-    error("edit.load: a session expected, to replay the edits into", 3)
+    raise("edit.load: a session expected, to replay the edits into")
   end
   local wish = require "barwright.options".read("edit.load", given,
-    {resume = {type = "boolean", default = false}}, 3)
+    {resume = {type = "boolean", default = false}})
   local text, cut, details = read_whole_lines(path)
   if not text then return nil, cut, details end
   local chunk, message = load(text, "@" .. path, "t")

@@ -2,6 +2,8 @@
 -- Methods of static results, modes and surfaces that put engine calls together: files and pictures.
 local core = require "barwright.core"
 
+local raise = core.raise
+
 local function copied(given)
   local wish = {}
   for key, value in pairs(given or {}) do wish[key] = value end
@@ -46,8 +48,8 @@ function static:picture(path, given)
     if not about then
       local names = {}
       for name in pairs(shown) do names[#names + 1] = name end
-      error(("picture: unknown field '%s': did you mean '%s'?"):format(field,
-        core.nearest(field, names)), 2)
+      raise(("picture: unknown field '%s': did you mean '%s'?"):format(field,
+        core.nearest(field, names)))
     end
     values = self[field]
     wish.unit, wish.scale = wish.unit or about[1], wish.scale or about[2]

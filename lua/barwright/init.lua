@@ -2,6 +2,9 @@
 -- barwright: what `require "barwright"` returns. Surfaces, meshes, materials, models and arrays come
 -- from the C module; the analyses that are loops over engine calls are Lua files beside this one.
 local core = require "barwright.core"
+core.library() -- errors of misuse name the first line outside of this file's folder
+
+local raise = core.raise
 
 local bw = {
   array = core.array,
@@ -57,7 +60,7 @@ return setmetatable(bw, {
   __index = function(_, name)
     local names = {}
     for known in pairs(bw) do names[#names + 1] = known end
-    error(("barwright has no '%s': did you mean '%s'?"):format(tostring(name),
-      core.nearest(tostring(name), names)), 2)
+    raise(("barwright has no '%s': did you mean '%s'?"):format(tostring(name),
+      core.nearest(tostring(name), names)))
   end,
 })

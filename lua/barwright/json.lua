@@ -2,6 +2,9 @@
 -- JSON, written the same way every time: keys sorted, numbers with the fewest digits that read back
 -- as the same number, NaN and infinities as null. Reading keeps integers and gives null as
 -- json.null.
+local core = require "barwright.core"
+
+local raise = core.raise
 local json = {}
 
 --- Stands for null in tables that are read or written.
@@ -111,7 +114,7 @@ end
 function json.encode(value, indent)
   local out = {}
   local fine, message = pcall(write, value, out, indent, 0, {})
-  if not fine then error(message, 2) end
+  if not fine then raise(message) end
   return table.concat(out)
 end
 
@@ -228,7 +231,7 @@ end
 
 --- The value of a text, or nil and a message with line and byte.
 function json.decode(text)
-  if type(text) ~= "string" then error("json.decode: a string expected", 2) end
+  if type(text) ~= "string" then raise("json.decode: a string expected") end
   local fine, value, position = pcall(read, text, skip(text, 1), 0)
   if fine then
     position = skip(text, position)

@@ -59,7 +59,7 @@ end
 
 --- Serves a session until Ctrl-C. Options: port, title, name, solve, von_mises, saved, ready.
 function live.run(session, given)
-  local wish = options.read("live", given, rules, 2)
+  local wish = options.read("live", given, rules)
   local html, script, details = page()
   if not html then return nil, script, details end
   local server, message

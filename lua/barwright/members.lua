@@ -3,6 +3,8 @@
 -- error that names the nearest known one.
 local core = require "barwright.core"
 
+local raise = core.raise
+
 return function(what, class, properties)
   return function(self, name)
     local method = class[name]
@@ -14,7 +16,7 @@ return function(what, class, properties)
     for key in pairs(class) do
       if not key:find "^__" then names[#names + 1] = key end
     end
-    error(("%s has no '%s': did you mean '%s'?"):format(what, tostring(name),
-      core.nearest(tostring(name), names)), 2)
+    raise(("%s has no '%s': did you mean '%s'?"):format(what, tostring(name),
+      core.nearest(tostring(name), names)))
   end
 end

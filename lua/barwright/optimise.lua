@@ -13,6 +13,8 @@ local steps = require "barwright.optimise_steps"
 local unknowns = require "barwright.optimise_unknowns"
 local worst_case = require "barwright.worst_case"
 
+local raise = core.raise
+
 local optimise = {}
 
 local rules = {
@@ -220,14 +222,14 @@ end
 --- Scales bones of a session until its part bears its loads: see the stubs for the options. One edit
 --- is made at the end. Returns a report, or nil, message, details with the best point found.
 function optimise.run(session, given)
-  local wish = options.read("optimise", given, rules, 3)
+  local wish = options.read("optimise", given, rules)
   local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
     motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
     radius = wish.step, price = 0, refills = 0, blocked = {}, limit = wish.von_mises * (1 - models.margin)}
   local parts = {}
   if wish.loads == "own" then parts[1] = session.source end
   for i, part in ipairs(wish.cases) do
-    options.object("optimise", ("cases[%d]"):format(i), part, "model", 3)
+    options.object("optimise", ("cases[%d]"):format(i), part, "model")
     parts[#parts + 1] = part
   end
   local skeleton = session.skeleton
@@ -235,12 +237,12 @@ function optimise.run(session, given)
   self.keep = unknowns.set(unknowns.bones(skeleton, wish.keep, "keep"))
   self.tied = unknowns.ties(skeleton, wish.ties)
   if wish.low > wish.high then
-    error(("optimise: option 'low' (%g) is above 'high' (%g)"):format(wish.low, wish.high), 3)
+    raise(("optimise: option 'low' (%g) is above 'high' (%g)"):format(wish.low, wish.high))
   end
   local relief = wish.inertia_relief
   if wish.loads == "worst" then
     if #session.source.supports > 0 then
-      error("optimise: loads = \"worst\" is for a part without supports", 3)
+      raise("optimise: loads = \"worst\" is for a part without supports")
     end
     if relief == nil then relief = true end
   end

@@ -5,6 +5,9 @@
 -- exactly.
 --
 -- A problem has groups, t, H and motions (of all nodes by each t), which only grow together.
+local core = require "barwright.core"
+
+local raise = core.raise
 local unknowns = {}
 
 --- The numbers of bones called by name.
@@ -12,7 +15,7 @@ function unknowns.bones(skeleton, names, where)
   local out = {}
   for i, name in ipairs(names) do out[i] = skeleton:bone(name).index end
   if #out == 0 and next(names) ~= nil then
-    error(("optimise: option '%s': a list of names of bones expected"):format(where), 4)
+    raise(("optimise: option '%s': a list of names of bones expected"):format(where))
   end
   return out
 end
@@ -28,13 +31,13 @@ function unknowns.ties(skeleton, ties)
   local tied = {}
   for _, names in ipairs(ties) do
     if type(names) ~= "table" then
-      error("optimise: option 'ties': lists of names of bones expected", 4)
+      raise("optimise: option 'ties': lists of names of bones expected")
     end
     local bones = unknowns.bones(skeleton, names, "ties")
     for _, bone in ipairs(bones) do
       if tied[bone] then
-        error(("optimise: option 'ties': bone '%s' is tied twice"):format(
-          skeleton:bone(bone).name), 4)
+        raise(("optimise: option 'ties': bone '%s' is tied twice"):format(
+          skeleton:bone(bone).name))
       end
       tied[bone] = bones
     end

@@ -2,10 +2,12 @@
 -- Tables of options of the functions written in Lua: known keys, types, ranges, defaults.
 local core = require "barwright.core"
 
+local raise = core.raise
+
 local options = {}
 
-local function fail(level, where, key, text)
-  error(("%s: option '%s': %s"):format(where, key, text), level + 1)
+local function fail(where, key, text)
+  raise(("%s: option '%s': %s"):format(where, key, text))
 end
 
 local function kind_of(value)
@@ -16,41 +18,40 @@ end
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,
 -- most =, one_of = {...}, above = }; type "any" is checked by the caller
-local function check(where, key, value, rule, level)
+local function check(where, key, value, rule)
   if rule.type == "any" then return end
   local kind = kind_of(value)
   if rule.type == "number" and kind == "integer" then kind = "number" end
   if kind ~= rule.type then
-    fail(level + 1, where, key, ("%s expected, got %s"):format(
+    fail(where, key, ("%s expected, got %s"):format(
       rule.type == "integer" and "a whole number" or "a " .. rule.type, kind))
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
-    fail(level + 1, where, key, "a finite number expected")
+    fail(where, key, "a finite number expected")
   end
   if rule.above and value <= rule.above then
-    fail(level + 1, where, key, ("greater than %g expected, got %g"):format(rule.above, value))
+    fail(where, key, ("greater than %g expected, got %g"):format(rule.above, value))
   end
   if rule.least and value < rule.least then
-    fail(level + 1, where, key, ("at least %g expected, got %g"):format(rule.least, value))
+    fail(where, key, ("at least %g expected, got %g"):format(rule.least, value))
   end
   if rule.most and value > rule.most then
-    fail(level + 1, where, key, ("at most %g expected, got %g"):format(rule.most, value))
+    fail(where, key, ("at most %g expected, got %g"):format(rule.most, value))
   end
   if rule.one_of then
     for _, word in ipairs(rule.one_of) do
       if word == value then return end
     end
-    fail(level + 1, where, key, ("'%s' is not known: did you mean '%s'?"):format(value,
+    fail(where, key, ("'%s' is not known: did you mean '%s'?"):format(value,
       core.nearest(value, rule.one_of)))
   end
 end
 
 --- The options with defaults filled in. Raises for unknown keys, naming the nearest known one.
-function options.read(where, given, rules, level)
-  level = (level or 1) + 1
+function options.read(where, given, rules)
   if given == nil then given = {} end
   if type(given) ~= "table" then
-    error(("%s: a table of options expected, got %s"):format(where, kind_of(given)), level)
+    raise(("%s: a table of options expected, got %s"):format(where, kind_of(given)))
   end
   local known = {}
   for key in pairs(rules) do known[#known + 1] = key end
@@ -59,17 +60,17 @@ function options.read(where, given, rules, level)
     local rule = rules[key]
     if not rule then
       if type(key) ~= "string" then
-        error(("%s: options are named: {name = value}"):format(where), level)
+        raise(("%s: options are named: {name = value}"):format(where))
       end
-      error(("%s: unknown option '%s': did you mean '%s'?"):format(where, key,
-        core.nearest(key, known)), level)
+      raise(("%s: unknown option '%s': did you mean '%s'?"):format(where, key,
+        core.nearest(key, known)))
     end
-    check(where, key, value, rule, level)
+    check(where, key, value, rule)
     out[key] = value
   end
   for key, rule in pairs(rules) do
     if out[key] == nil then
-      if rule.needed then fail(level, where, key, "is missing") end
+      if rule.needed then fail(where, key, "is missing") end
       out[key] = rule.default
     end
   end
@@ -77,10 +78,9 @@ function options.read(where, given, rules, level)
 end
 
 --- Raises unless the value is an open object of the class.
-function options.object(where, argument, value, class, level)
+function options.object(where, argument, value, class)
   if kind_of(value) ~= class then
-    error(("%s: %s: a %s expected, got %s"):format(where, argument, class, kind_of(value)),
-      (level or 1) + 1)
+    raise(("%s: %s: a %s expected, got %s"):format(where, argument, class, kind_of(value)))
   end
 end
 

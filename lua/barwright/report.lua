@@ -168,7 +168,7 @@ end
 
 --- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
 function report.write(worst, path, given)
-  local wish = options.read("report", given, rules, 3)
+  local wish = options.read("report", given, rules)
   local shown = chosen_regions(worst, wish.loads)
   local data, message, details = data_of(worst, wish, shown)
   if not data then return nil, message, details end

@@ -3,6 +3,8 @@
 local core = require "barwright.core"
 local options = require "barwright.options"
 
+local raise = core.raise
+
 local skeleton = {extract = core.skeleton.extract, read = core.skeleton.read}
 
 local rules = {
@@ -20,7 +22,7 @@ local function read_joints(given)
   table.sort(names)
   local joints, number = {}, {}
   if #names > 0 and #given > 0 then
-    error("skeleton.create: joints: either all named, or a list, expected", 3)
+    raise("skeleton.create: joints: either all named, or a list, expected")
   end
   for i, name in ipairs(names) do joints[i] = given[name] end
   for i, joint in ipairs(given) do
@@ -29,7 +31,7 @@ local function read_joints(given)
   end
   for i, joint in ipairs(joints) do
     if type(joint) ~= "table" or #joint ~= 3 then
-      error(("skeleton.create: joint %s: {x, y, z} expected"):format(names[i] or i), 3)
+      raise(("skeleton.create: joint %s: {x, y, z} expected"):format(names[i] or i))
     end
     if names[i] then number[names[i]] = i end
   end
@@ -42,30 +44,30 @@ local function joint_number(value, joints, names, number, where)
   local known = {}
   for _, name in ipairs(names) do known[#known + 1] = name or nil end
   if type(value) == "string" and #known > 0 then
-    error(("skeleton.create: %s: there is no joint '%s': did you mean '%s'?"):format(where, value,
-      core.nearest(value, known)), 4)
+    raise(("skeleton.create: %s: there is no joint '%s': did you mean '%s'?"):format(where, value,
+      core.nearest(value, known)))
   end
-  error(("skeleton.create: %s: the name or number of a joint expected, got %s"):format(where,
-    tostring(value)), 4)
+  raise(("skeleton.create: %s: the name or number of a joint expected, got %s"):format(where,
+    tostring(value)))
 end
 
 --- A skeleton from {joints = {name = {x, y, z}, ...}, bones = {{"hip", "knee", name = "thigh"}, ...},
 --- root = name}. Joints may also be a list, and be called by number.
 function skeleton.create(given)
-  local wish = options.read("skeleton.create", given, rules, 2)
+  local wish = options.read("skeleton.create", given, rules)
   local joints, names, number = read_joints(wish.joints)
   local bones, bone_names = {}, {}
   for i, bone in ipairs(wish.bones) do
     local where = ("bone %s"):format(type(bone) == "table" and bone.name or i)
     if type(bone) ~= "table" or #bone ~= 2 then
-      error(("skeleton.create: %s: two joints expected"):format(where), 2)
+      raise(("skeleton.create: %s: two joints expected"):format(where))
     end
     bones[i] = {joint_number(bone[1], joints, names, number, where),
       joint_number(bone[2], joints, names, number, where)}
     bone_names[i] = bone.name or false
   end
   if #joints == 0 or #bones == 0 then
-    error("skeleton.create: at least one bone with its two joints expected", 2)
+    raise("skeleton.create: at least one bone with its two joints expected")
   end
   local root = wish.root and joint_number(wish.root, joints, names, number, "root")
   return core.skeleton.make(joints, bones, names, bone_names, root)

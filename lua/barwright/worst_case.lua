@@ -4,6 +4,8 @@
 local core = require "barwright.core"
 local options = require "barwright.options"
 
+local raise = core.raise
+
 local worst_case = {}
 worst_case.__index = worst_case
 worst_case.__name = "barwright.worst_case"
@@ -84,8 +86,8 @@ end
 
 --- Where a part breaks whatever happens to it. Returns nil, message, details when it cannot tell.
 function worst_case.analyse(part, given)
-  options.object("worst_case", "part", part, "model", 2)
-  local wish = options.read("worst_case", given, rules, 2)
+  options.object("worst_case", "part", part, "model")
+  local wish = options.read("worst_case", given, rules)
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
   local clock = core.seconds
@@ -136,7 +138,7 @@ end
 local function check_region(self, i, where)
   i = i or self.region
   if math.type(i) ~= "integer" or i < 1 or i > #self.regions then
-    error(("%s: a region from 1 to %d expected, got %s"):format(where, #self.regions, tostring(i)), 3)
+    raise(("%s: a region from 1 to %d expected, got %s"):format(where, #self.regions, tostring(i)))
   end
   return i
 end

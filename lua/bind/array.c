@@ -10,7 +10,7 @@
 const bw_array *lbw_check_array(lua_State *L, int argument, const char *what) {
   const bw_array *array = (const bw_array *)lbw_test(L, argument, &lbw_array_class);
   if (!array)
-    luaL_argerror(
+    lbw_argument_error(
         L, argument,
         lua_pushfstring(L, "%s: an array expected, got %s", what, lbw_type_name(L, argument)));
   return array;
@@ -59,7 +59,7 @@ void lbw_push_number(lua_State *L, const bw_array *array, int64_t row, int64_t c
 static bw_type check_type(lua_State *L, int argument) {
   static const char *const names[] = {"f64", "i32", "i64", "u8", NULL};
   static const bw_type types[] = {BW_F64, BW_I32, BW_I64, BW_U8};
-  return types[luaL_checkoption(L, argument, "f64", names)];
+  return types[lbw_check_word(L, argument, names)];
 }
 
 const char *lbw_type_word(bw_type type) {
@@ -111,18 +111,18 @@ static void fill_from_table(lua_State *L, int index, const char *what, bw_type t
     int kind = lua_rawgeti(L, index, i + 1);
     if (!nested) {
       if (!store(L, data, type, i))
-        luaL_error(L, "%s: entry %I is not a number of type %s (%s)", what, (LUAI_UACINT)i + 1,
-                   lbw_type_word(type), luaL_tolstring(L, -1, NULL));
+        lbw_error(L, "%s: entry %I is not a number of type %s (%s)", what, (LUAI_UACINT)i + 1,
+                  lbw_type_word(type), luaL_tolstring(L, -1, NULL));
     } else {
       if (kind != LUA_TTABLE || (int64_t)lua_rawlen(L, -1) != columns)
-        luaL_error(L, "%s: row %I is not a table of %I numbers", what, (LUAI_UACINT)i + 1,
-                   (LUAI_UACINT)columns);
+        lbw_error(L, "%s: row %I is not a table of %I numbers", what, (LUAI_UACINT)i + 1,
+                  (LUAI_UACINT)columns);
       for (int64_t j = 0; j < columns; j++) {
         lua_rawgeti(L, -1, j + 1);
         if (!store(L, data, type, i * columns + j))
-          luaL_error(L, "%s: entry (%I, %I) is not a number of type %s (%s)", what,
-                     (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, lbw_type_word(type),
-                     luaL_tolstring(L, -1, NULL));
+          lbw_error(L, "%s: entry (%I, %I) is not a number of type %s (%s)", what,
+                    (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, lbw_type_word(type),
+                    luaL_tolstring(L, -1, NULL));
         lua_pop(L, 1);
       }
     }
@@ -138,7 +138,7 @@ static bool is_nested(lua_State *L, int index) {
 
 /* array.new(table, type) */
 static int array_new(lua_State *L) {
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   bw_type type = check_type(L, 2);
   int64_t rows, columns;
   table_shape(L, 1, &rows, &columns);
@@ -155,9 +155,9 @@ static int module_call(lua_State *L) {
 
 /* array.zeros(rows, columns, type) */
 static int array_zeros(lua_State *L) {
-  lua_Integer rows = luaL_checkinteger(L, 1), columns = luaL_optinteger(L, 2, 1);
-  luaL_argcheck(L, rows >= 0, 1, "a number of rows, 0 or more, expected");
-  luaL_argcheck(L, columns >= 1, 2, "a number of columns, 1 or more, expected");
+  lua_Integer rows = lbw_check_integer(L, 1), columns = lbw_integer_or(L, 2, 1);
+  lbw_argument_check(L, rows >= 0, 1, "a number of rows, 0 or more, expected");
+  lbw_argument_check(L, columns >= 1, 2, "a number of columns, 1 or more, expected");
   lbw_push_array(L, check_type(L, 3), rows, columns);
   return 1;
 }
@@ -166,9 +166,9 @@ static int array_zeros(lua_State *L) {
 static int array_range(lua_State *L) {
   double first = lbw_check_real(L, 1, "first"), last = lbw_check_real(L, 2, "last");
   double step = lua_isnoneornil(L, 3) ? 1 : lbw_check_real(L, 3, "step");
-  luaL_argcheck(L, step != 0, 3, "a step other than 0 expected");
+  lbw_argument_check(L, step != 0, 3, "a step other than 0 expected");
   double count = floor((last - first) / step * (1 + 1e-12)) + 1;
-  luaL_argcheck(L, count < 1e9, 3, "a range of more than a thousand million numbers");
+  lbw_argument_check(L, count < 1e9, 3, "a range of more than a thousand million numbers");
   int64_t rows = count > 0 ? (int64_t)count : 0;
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   for (int64_t i = 0; i < rows; i++)
@@ -185,7 +185,7 @@ typedef struct byte_format {
 } byte_format;
 
 static byte_format check_format(lua_State *L, int argument) {
-  const char *text = luaL_checkstring(L, argument);
+  const char *text = lbw_check_text(L, argument, NULL);
   byte_format format = {text[0] != '>', 0, 0};
   const char *at = text + (text[0] == '<' || text[0] == '>');
   if (at[0] && at[1] && !at[2]) {
@@ -195,8 +195,8 @@ static byte_format check_format(lua_State *L, int argument) {
   bool known = (format.kind == 'f' && (format.size == 4 || format.size == 8)) ||
                ((format.kind == 'i' || format.kind == 'u') &&
                 (format.size == 1 || format.size == 2 || format.size == 4 || format.size == 8));
-  luaL_argcheck(L, known, argument,
-                "a byte format expected: < or >, then f4 f8 i1 i2 i4 i8 u1 u2 u4 u8");
+  lbw_argument_check(L, known, argument,
+                     "a byte format expected: < or >, then f4 f8 i1 i2 i4 i8 u1 u2 u4 u8");
   return format;
 }
 
@@ -248,7 +248,7 @@ static bool fits(byte_format format, double value) {
 static int array_bytes(lua_State *L) {
   const bw_array *array = (const bw_array *)lbw_check(L, 1, &lbw_array_class);
   byte_format format = check_format(L, 2);
-  double offset = luaL_optnumber(L, 3, 0);
+  double offset = lbw_number_or(L, 3, 0);
   size_t count = (size_t)(array->rows * array->columns);
   luaL_Buffer buffer;
   unsigned char *out =
@@ -257,8 +257,8 @@ static int array_bytes(lua_State *L) {
     for (int64_t j = 0; j < array->columns; j++) {
       double value = bw_array_get(array, i, j) + offset;
       if (!fits(format, value))
-        return luaL_error(L, "tostring: entry (%I, %I) = %f does not fit the format %s",
-                          (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, value, lua_tostring(L, 2));
+        return lbw_error(L, "tostring: entry (%I, %I) = %f does not fit the format %s",
+                         (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, value, lua_tostring(L, 2));
       uint64_t bits = to_bits(format, value);
       for (int b = 0; b < format.size; b++)
         *out++ = (unsigned char)(bits >> 8 * (format.little ? b : format.size - 1 - b));
@@ -271,7 +271,7 @@ static int array_bytes(lua_State *L) {
 static int core_base64(lua_State *L) {
   static const char digit[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   size_t length;
-  const unsigned char *in = (const unsigned char *)luaL_checklstring(L, 1, &length);
+  const unsigned char *in = (const unsigned char *)lbw_check_text(L, 1, &length);
   size_t size = (length + 2) / 3 * 4;
   luaL_Buffer buffer;
   char *out = luaL_buffinitsize(L, &buffer, size + 1);
@@ -292,14 +292,14 @@ static int core_base64(lua_State *L) {
 static int array_from_string(lua_State *L) {
   byte_format format = check_format(L, 1);
   size_t length;
-  const unsigned char *in = (const unsigned char *)luaL_checklstring(L, 2, &length);
-  lua_Integer columns = luaL_optinteger(L, 3, 1);
-  luaL_argcheck(L, columns >= 1 && columns <= INT32_MAX, 3,
-                "a number of columns, 1 or more, expected");
+  const unsigned char *in = (const unsigned char *)lbw_check_text(L, 2, &length);
+  lua_Integer columns = lbw_integer_or(L, 3, 1);
+  lbw_argument_check(L, columns >= 1 && columns <= INT32_MAX, 3,
+                     "a number of columns, 1 or more, expected");
   size_t row = (size_t)columns * (size_t)format.size;
   if (length % row != 0)
-    return luaL_error(L, "from_string: %I bytes are no whole number of rows of %I bytes",
-                      (LUAI_UACINT)length, (LUAI_UACINT)row);
+    return lbw_error(L, "from_string: %I bytes are no whole number of rows of %I bytes",
+                     (LUAI_UACINT)length, (LUAI_UACINT)row);
   bw_type type = format.kind == 'f' || format.size == 8   ? BW_F64
                  : format.kind == 'u' && format.size == 1 ? BW_U8
                  : format.kind == 'u' && format.size == 4 ? BW_I64
@@ -374,9 +374,9 @@ static int array_length(lua_State *L) {
 /* first, last, step at argument 2..4 into a range of 0..count-1 */
 static void check_range(lua_State *L, int64_t count, int64_t *first, int64_t *number,
                         int64_t *step) {
-  lua_Integer from = luaL_optinteger(L, 2, 1), to = luaL_optinteger(L, 3, (lua_Integer)count);
-  *step = luaL_optinteger(L, 4, 1);
-  luaL_argcheck(L, *step != 0, 4, "a step other than 0 expected");
+  lua_Integer from = lbw_integer_or(L, 2, 1), to = lbw_integer_or(L, 3, (lua_Integer)count);
+  *step = lbw_integer_or(L, 4, 1);
+  lbw_argument_check(L, *step != 0, 4, "a step other than 0 expected");
   if (from < 0)
     from += count + 1;
   if (to < 0)
@@ -384,8 +384,8 @@ static void check_range(lua_State *L, int64_t count, int64_t *first, int64_t *nu
   int64_t n = *step > 0 ? (to >= from ? (to - from) / *step + 1 : 0)
                         : (from >= to ? (from - to) / -*step + 1 : 0);
   if (n > 0 && (from < 1 || from > count || to < 1 || to > count))
-    luaL_error(L, "rows or columns %I to %I: there are %I", (LUAI_UACINT)from, (LUAI_UACINT)to,
-               (LUAI_UACINT)count);
+    lbw_error(L, "rows or columns %I to %I: there are %I", (LUAI_UACINT)from, (LUAI_UACINT)to,
+              (LUAI_UACINT)count);
   *first = n > 0 ? from - 1 : 0;
   *number = n;
 }
@@ -415,7 +415,7 @@ static int array_column(lua_State *L) {
 /* array:totable(): numbers, or rows of numbers */
 static int array_totable(lua_State *L) {
   const bw_array *array = (const bw_array *)lbw_check(L, 1, &lbw_array_class);
-  luaL_argcheck(L, array->rows <= INT32_MAX, 1, "too many rows for a table");
+  lbw_argument_check(L, array->rows <= INT32_MAX, 1, "too many rows for a table");
   lua_createtable(L, (int)array->rows, 0);
   for (int64_t i = 0; i < array->rows; i++) {
     if (array->columns == 1)
@@ -482,11 +482,10 @@ static void *to_packed(lua_State *L, int index, const char *what, bw_type type, 
   } else if (lua_istable(L, index))
     table_shape(L, index, rows, &width);
   else
-    luaL_error(L, "%s: an array or a table of rows expected, got %s", what,
-               lbw_type_name(L, index));
+    lbw_error(L, "%s: an array or a table of rows expected, got %s", what, lbw_type_name(L, index));
   if (columns > 0 && width != columns && *rows > 0)
-    luaL_error(L, "%s: rows of %I numbers expected, got %I", what, (LUAI_UACINT)columns,
-               (LUAI_UACINT)width);
+    lbw_error(L, "%s: rows of %I numbers expected, got %I", what, (LUAI_UACINT)columns,
+              (LUAI_UACINT)width);
   void *data = lua_newuserdatauv(L, (size_t)(*rows * width) * bw_type_size(type) + 1, 0);
   if (!array) {
     fill_from_table(L, index, what, type, *rows, width, is_nested(L, index), data);
@@ -500,8 +499,8 @@ static void *to_packed(lua_State *L, int index, const char *what, bw_type type, 
       else if (value >= INT32_MIN && value <= INT32_MAX && value == floor(value))
         ((int32_t *)data)[i * width + j] = (int32_t)value;
       else
-        luaL_error(L, "%s: entry (%I, %I) = %f is not a whole number", what, (LUAI_UACINT)i + 1,
-                   (LUAI_UACINT)j + 1, value);
+        lbw_error(L, "%s: entry (%I, %I) = %f is not a whole number", what, (LUAI_UACINT)i + 1,
+                  (LUAI_UACINT)j + 1, value);
     }
   return data;
 }
@@ -515,7 +514,7 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
   int64_t count = (int64_t)(lua_rawlen(L, -1) / sizeof *data);
   for (int64_t i = 0; i < count; i++) {
     if (data[i] < 1)
-      luaL_error(L, "%s: numbers count from 1, got %d", what, (int)data[i]);
+      lbw_error(L, "%s: numbers count from 1, got %d", what, (int)data[i]);
     data[i]--;
   }
   return data;
@@ -524,10 +523,10 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count) {
   const bw_array *array = (const bw_array *)lbw_test(L, index, &lbw_array_class);
   if (!array || array->columns != 1)
-    luaL_error(L, "%s: an array of one column expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: an array of one column expected, got %s", what, lbw_type_name(L, index));
   else if (array->rows != count)
-    luaL_error(L, "%s: %I rows expected, got %I", what, (LUAI_UACINT)count,
-               (LUAI_UACINT)array->rows);
+    lbw_error(L, "%s: %I rows expected, got %I", what, (LUAI_UACINT)count,
+              (LUAI_UACINT)array->rows);
   uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)count + 1, 0);
   for (int64_t i = 0; i < count; i++)
     mask[i] = bw_array_get(array, i, 0) != 0;

@@ -91,7 +91,8 @@ static int array_sum(lua_State *L) {
 static const bw_array *check_weights(lua_State *L, int argument, const bw_array *array) {
   const bw_array *weight = lbw_check_array(L, argument, "weights");
   if (weight->rows != array->rows || weight->columns != 1 || array->columns != 1)
-    luaL_argerror(L, argument, "weights: one column with as many rows as the array's one column");
+    lbw_argument_error(L, argument,
+                       "weights: one column with as many rows as the array's one column");
   return weight;
 }
 
@@ -135,8 +136,8 @@ static int array_norm(lua_State *L) {
 
 static int array_dot(lua_State *L) {
   const bw_array *a = self(L), *b = lbw_check_array(L, 2, "other");
-  luaL_argcheck(L, a->rows == b->rows && a->columns == b->columns, 2,
-                "other: an array of the same shape expected");
+  lbw_argument_check(L, a->rows == b->rows && a->columns == b->columns, 2,
+                     "other: an array of the same shape expected");
   running_sum s = {0, 0};
   for (int64_t i = 0; i < a->rows; i++)
     for (int64_t j = 0; j < a->columns; j++)
@@ -148,7 +149,7 @@ static int array_dot(lua_State *L) {
 /* array:column_sums(): a table of one sum per column */
 static int array_column_sums(lua_State *L) {
   const bw_array *array = self(L);
-  luaL_argcheck(L, array->columns <= 100000, 1, "too many columns");
+  lbw_argument_check(L, array->columns <= 100000, 1, "too many columns");
   lua_createtable(L, (int)array->columns, 0);
   for (int64_t j = 0; j < array->columns; j++) {
     running_sum s = {0, 0};
@@ -166,7 +167,7 @@ static int compare_doubles(const void *a, const void *b) {
 }
 
 static double *packed_column(lua_State *L, const bw_array *array) {
-  luaL_argcheck(L, array->columns == 1, 1, "an array of one column expected");
+  lbw_argument_check(L, array->columns == 1, 1, "an array of one column expected");
   int64_t rows;
   return lbw_to_doubles(L, 1, "array", 1, &rows);
 }
@@ -175,7 +176,7 @@ static int array_sorted(lua_State *L) {
   const bw_array *array = self(L);
   double *data = packed_column(L, array);
   for (int64_t i = 0; i < array->rows; i++)
-    luaL_argcheck(L, data[i] == data[i], 1, "NaN has no place in an order");
+    lbw_argument_check(L, data[i] == data[i], 1, "NaN has no place in an order");
   double *out = (double *)lbw_push_array(L, BW_F64, array->rows, 1)->data;
   memcpy(out, data, (size_t)array->rows * sizeof *data);
   qsort(out, (size_t)array->rows, sizeof *out, compare_doubles);
@@ -196,11 +197,11 @@ static int compare_ranked(const void *a, const void *b) {
 /* array:order(): the rows' numbers in ascending order of the entries; equal ones stay in place */
 static int array_order(lua_State *L) {
   const bw_array *array = self(L);
-  luaL_argcheck(L, array->columns == 1, 1, "an array of one column expected");
+  lbw_argument_check(L, array->columns == 1, 1, "an array of one column expected");
   ranked *list = (ranked *)lua_newuserdatauv(L, (size_t)(array->rows + 1) * sizeof *list, 0);
   for (int64_t i = 0; i < array->rows; i++) {
     list[i] = (ranked){bw_array_get(array, i, 0), i};
-    luaL_argcheck(L, list[i].value == list[i].value, 1, "NaN has no place in an order");
+    lbw_argument_check(L, list[i].value == list[i].value, 1, "NaN has no place in an order");
   }
   qsort(list, (size_t)array->rows, sizeof *list, compare_ranked);
   int64_t *out = (int64_t *)lbw_push_array(L, BW_I64, array->rows, 1)->data;
@@ -215,7 +216,7 @@ static int array_quantile(lua_State *L) {
   const bw_array *array = self(L);
   lua_settop(L, 3);
   double p = lbw_check_real(L, 2, "p");
-  luaL_argcheck(L, p >= 0 && p <= 1, 2, "p: a fraction from 0 to 1 expected");
+  lbw_argument_check(L, p >= 0 && p <= 1, 2, "p: a fraction from 0 to 1 expected");
   double *data = packed_column(L, array);
   if (array->rows == 0) {
     lua_pushnil(L);
@@ -276,18 +277,18 @@ static int map(lua_State *L, int formula, int table, const bw_array *array) {
   lbw_variable variable[VARIABLES];
   double number[VARIABLES];
   int count = 0;
-  const char *text = luaL_checkstring(L, formula);
+  const char *text = lbw_check_text(L, formula, NULL);
   luaL_checkstack(L, 2 * VARIABLES, "too many variables");
   if (array)
     set_variable(&variable[count++], "a", array);
   if (!lua_isnoneornil(L, table)) {
-    luaL_checktype(L, table, LUA_TTABLE);
+    lbw_check_type(L, table, LUA_TTABLE);
     for (lua_pushnil(L); lua_next(L, table);) {
       if (lua_type(L, -2) != LUA_TSTRING)
-        return luaL_error(L, "map: variables are named: {name = array}");
+        return lbw_error(L, "map: variables are named: {name = array}");
       const char *name = lua_tostring(L, -2);
       if (count == VARIABLES)
-        return luaL_error(L, "map: more than %d variables", VARIABLES);
+        return lbw_error(L, "map: more than %d variables", VARIABLES);
       const bw_array *value = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
       if (value)
         set_variable(&variable[count], name, value);
@@ -296,8 +297,8 @@ static int map(lua_State *L, int formula, int table, const bw_array *array) {
         variable[count] = (lbw_variable){
             .name = name, .type = BW_F64, .rows = -1, .columns = 1, .data = &number[count]};
       } else
-        return luaL_error(L, "map: variable '%s': an array or a number expected, got %s", name,
-                          lbw_type_name(L, -1));
+        return lbw_error(L, "map: variable '%s': an array or a number expected, got %s", name,
+                         lbw_type_name(L, -1));
       count++;
       lua_pushvalue(L, -2); /* the value stays below, the key goes on */
       lua_remove(L, -3);
@@ -306,17 +307,17 @@ static int map(lua_State *L, int formula, int table, const bw_array *array) {
   int64_t rows = -1;
   for (int i = 0; i < count; i++) {
     if (rows >= 0 && variable[i].rows >= 0 && variable[i].rows != rows)
-      return luaL_error(L, "map: '%s' has %I rows, others %I", variable[i].name,
-                        (LUAI_UACINT)variable[i].rows, (LUAI_UACINT)rows);
+      return lbw_error(L, "map: '%s' has %I rows, others %I", variable[i].name,
+                       (LUAI_UACINT)variable[i].rows, (LUAI_UACINT)rows);
     if (variable[i].rows >= 0)
       rows = variable[i].rows;
   }
   if (rows < 0)
-    return luaL_error(L, "map: at least one variable must be an array");
+    return lbw_error(L, "map: at least one variable must be an array");
   lbw_expression expression;
   char error[256];
   if (!lbw_expression_compile(text, variable, count, &expression, error, sizeof error))
-    return luaL_error(L, "map: %s", error);
+    return lbw_error(L, "map: %s", error);
   return evaluate(L, &expression, rows);
 }
 
@@ -342,20 +343,20 @@ static int arithmetic(lua_State *L, const char *formula) {
     if (array) {
       set_variable(&variable[i], name, array);
       if (rows >= 0 && rows != array->rows)
-        return luaL_error(L, "arrays of %I and %I rows", (LUAI_UACINT)rows,
-                          (LUAI_UACINT)array->rows);
+        return lbw_error(L, "arrays of %I and %I rows", (LUAI_UACINT)rows,
+                         (LUAI_UACINT)array->rows);
       rows = array->rows;
     } else if (lua_type(L, i + 1) == LUA_TNUMBER) {
       number[i] = lua_tonumber(L, i + 1);
       variable[i] = (lbw_variable){
           .name = name, .type = BW_F64, .rows = -1, .columns = 1, .data = &number[i]};
     } else
-      return luaL_error(L, "arithmetic on an array and %s", lbw_type_name(L, i + 1));
+      return lbw_error(L, "arithmetic on an array and %s", lbw_type_name(L, i + 1));
   }
   lbw_expression expression;
   char error[256];
   if (!lbw_expression_compile(formula, variable, 2, &expression, error, sizeof error))
-    return luaL_error(L, "%s", error);
+    return lbw_error(L, "%s", error);
   return evaluate(L, &expression, rows);
 }
 
@@ -410,7 +411,7 @@ static int array_gather(lua_State *L) {
   bw_array *out = lbw_push_array(L, array->type, count, array->columns);
   for (int64_t i = 0; i < count; i++) {
     if (row[i] >= array->rows)
-      return luaL_error(L, "gather: row %d of %I", (int)row[i] + 1, (LUAI_UACINT)array->rows);
+      return lbw_error(L, "gather: row %d of %I", (int)row[i] + 1, (LUAI_UACINT)array->rows);
     copy_row(array, row[i], out, i);
   }
   return 1;
@@ -433,7 +434,7 @@ static int array_select(lua_State *L) {
 /* array:where(): the numbers of the rows whose entry is not 0 */
 static int array_where(lua_State *L) {
   const bw_array *array = self(L);
-  luaL_argcheck(L, array->columns == 1, 1, "an array of one column expected");
+  lbw_argument_check(L, array->columns == 1, 1, "an array of one column expected");
   int64_t count = 0;
   for (int64_t i = 0; i < array->rows; i++)
     count += bw_array_get(array, i, 0) != 0;
@@ -457,14 +458,14 @@ static int array_copy(lua_State *L) {
 static int array_scatter(lua_State *L) {
   const bw_array *array = self(L);
   int64_t given;
-  lua_Integer count = luaL_checkinteger(L, 3);
-  luaL_argcheck(L, count >= 0, 3, "a number of rows, 0 or more, expected");
+  lua_Integer count = lbw_check_integer(L, 3);
+  lbw_argument_check(L, count >= 0, 3, "a number of rows, 0 or more, expected");
   int32_t *row = lbw_to_indices(L, 2, "rows", 1, &given);
-  luaL_argcheck(L, given == array->rows, 2, "rows: one for every row of the array expected");
+  lbw_argument_check(L, given == array->rows, 2, "rows: one for every row of the array expected");
   bw_array *out = lbw_push_array(L, array->type, count, array->columns);
   for (int64_t i = 0; i < given; i++) {
     if (row[i] >= count)
-      return luaL_error(L, "scatter: row %d of %I", (int)row[i] + 1, (LUAI_UACINT)count);
+      return lbw_error(L, "scatter: row %d of %I", (int)row[i] + 1, (LUAI_UACINT)count);
     copy_row(array, i, out, row[i]);
   }
   return 1;

@@ -102,6 +102,23 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class;
 
+/* ---- misuse ---------------------------------------------------------------------------------- */
+
+/* Raise an error at the line of the script that is to blame, past the library's own Lua files: used
+ * instead of luaL_error, luaL_argerror, luaL_checkinteger and the like. */
+int lbw_error(lua_State *L, const char *format, ...);
+int lbw_argument_error(lua_State *L, int argument, const char *text);
+#define lbw_argument_check(L, condition, argument, text)                                           \
+  ((void)((condition) || lbw_argument_error(L, argument, text)))
+void lbw_check_type(lua_State *L, int argument, int type);
+const char *lbw_check_text(lua_State *L, int argument, size_t *length); /* length: may be NULL */
+lua_Integer lbw_check_integer(lua_State *L, int argument);
+lua_Integer lbw_integer_or(lua_State *L, int argument, lua_Integer otherwise);
+double lbw_check_number(lua_State *L, int argument);
+double lbw_number_or(lua_State *L, int argument, double otherwise);
+/* The place of a word in a list that ends with NULL; nil: the first. */
+int lbw_check_word(lua_State *L, int argument, const char *const words[]);
+
 /* ---- arguments ------------------------------------------------------------------------------- */
 
 /* {x, y, z}, or an array of three numbers. `what` names the argument in the message. */
@@ -191,6 +208,7 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
 /* ---- the parts ------------------------------------------------------------------------------- */
 
 /* Each adds its functions to the table on the top of the stack. */
+void lbw_open_raise(lua_State *L);
 void lbw_open_array(lua_State *L);
 void lbw_open_surface(lua_State *L);
 void lbw_open_mesh(lua_State *L);

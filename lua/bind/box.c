@@ -43,11 +43,11 @@ const void *lbw_test(lua_State *L, int index, const lbw_class *class) {
 lbw_box *lbw_check_box(lua_State *L, int argument, const lbw_class *class) {
   lbw_box *box = box_of(L, argument, class);
   if (!box)
-    luaL_argerror(
+    lbw_argument_error(
         L, argument,
         lua_pushfstring(L, "%s expected, got %s", class->name, lbw_type_name(L, argument)));
   else if (!box->object)
-    luaL_argerror(L, argument, lua_pushfstring(L, "this %s is closed", class->name));
+    lbw_argument_error(L, argument, lua_pushfstring(L, "this %s is closed", class->name));
   return box;
 }
 
@@ -108,7 +108,7 @@ void lbw_box_close(lua_State *L, lbw_box *box) {
 /* The metatable is open to scripts, so even its functions are called with anything. */
 static lbw_box *self_box(lua_State *L) {
   lbw_box *box = any_box(L, 1);
-  luaL_argcheck(L, box, 1, "an object of barwright expected");
+  lbw_argument_check(L, box, 1, "an object of barwright expected");
   return box;
 }
 
@@ -121,7 +121,7 @@ static int box_gc(lua_State *L) {
 static int box_close(lua_State *L) {
   lbw_box *box = self_box(L);
   if (lbw_state_of(L)->running)
-    return luaL_error(L, "the engine is busy: nothing may be closed by a function that it calls");
+    return lbw_error(L, "the engine is busy: nothing may be closed by a function that it calls");
   lbw_box_close(L, box);
   lua_pushnil(L);
   lua_setiuservalue(L, 1, 1);
@@ -158,12 +158,12 @@ static const char *const *names_in(lua_State *L, int methods, int properties, si
 
 static int unknown_field(lua_State *L, lbw_box *box) {
   if (lua_type(L, 2) != LUA_TSTRING)
-    return luaL_error(L, "a %s cannot be indexed with %s", box->class->name, lbw_type_name(L, 2));
+    return lbw_error(L, "a %s cannot be indexed with %s", box->class->name, lbw_type_name(L, 2));
   size_t count;
   const char *const *name = names_in(L, lua_upvalueindex(1), lua_upvalueindex(2), &count);
   const char *near = lbw_nearest(lua_tostring(L, 2), name, count);
-  return luaL_error(L, "a %s has no '%s': did you mean '%s'?", box->class->name, lua_tostring(L, 2),
-                    near ? near : "");
+  return lbw_error(L, "a %s has no '%s': did you mean '%s'?", box->class->name, lua_tostring(L, 2),
+                   near ? near : "");
 }
 
 /* upvalues: methods, properties, the class's own __index or nil */
@@ -177,7 +177,7 @@ static int box_index(lua_State *L) {
   lua_pushvalue(L, 2);
   if (lua_rawget(L, lua_upvalueindex(2)) != LUA_TNIL) {
     if (!box->object)
-      return luaL_error(L, "this %s is closed", box->class->name);
+      return lbw_error(L, "this %s is closed", box->class->name);
     lua_pushvalue(L, 1);
     lua_call(L, 1, 1);
     return 1;
@@ -194,7 +194,7 @@ static int box_index(lua_State *L) {
 
 static int box_newindex(lua_State *L) {
   lbw_box *box = self_box(L);
-  return luaL_error(L, "a %s cannot be changed by assignment", box->class->name);
+  return lbw_error(L, "a %s cannot be changed by assignment", box->class->name);
 }
 
 int lbw_cached(lua_State *L, const char *key, lua_CFunction compute) {

@@ -74,9 +74,9 @@ bool lbw_to_vector(lua_State *L, int index, double vector[3]) {
 
 void lbw_check_vector(lua_State *L, int argument, const char *what, double vector[3]) {
   if (!lbw_to_vector(L, argument, vector))
-    luaL_argerror(L, argument,
-                  lua_pushfstring(L, "%s: three finite numbers {x, y, z} expected, got %s", what,
-                                  lbw_type_name(L, argument)));
+    lbw_argument_error(L, argument,
+                       lua_pushfstring(L, "%s: three finite numbers {x, y, z} expected, got %s",
+                                       what, lbw_type_name(L, argument)));
 }
 
 void lbw_push_vector(lua_State *L, const double vector[3]) {
@@ -89,12 +89,12 @@ void lbw_push_vector(lua_State *L, const double vector[3]) {
 
 double lbw_check_real(lua_State *L, int argument, const char *what) {
   if (lua_type(L, argument) != LUA_TNUMBER)
-    luaL_argerror(
+    lbw_argument_error(
         L, argument,
         lua_pushfstring(L, "%s: a number expected, got %s", what, lbw_type_name(L, argument)));
   double value = lua_tonumber(L, argument);
   if (!isfinite(value))
-    luaL_argerror(L, argument, lua_pushfstring(L, "%s: a finite number expected", what));
+    lbw_argument_error(L, argument, lua_pushfstring(L, "%s: a finite number expected", what));
   return value;
 }
 
@@ -103,9 +103,9 @@ int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t co
   lua_Integer value =
       lua_type(L, argument) == LUA_TNUMBER ? lua_tointegerx(L, argument, &is_integer) : 0;
   if (!is_integer || value < 1 || value > count)
-    luaL_argerror(L, argument,
-                  lua_pushfstring(L, "%s: a number from 1 to %I expected, got %s", what,
-                                  (LUAI_UACINT)count, luaL_tolstring(L, argument, NULL)));
+    lbw_argument_error(L, argument,
+                       lua_pushfstring(L, "%s: a number from 1 to %I expected, got %s", what,
+                                       (LUAI_UACINT)count, luaL_tolstring(L, argument, NULL)));
   return value - 1;
 }
 
@@ -119,7 +119,7 @@ int lbw_check_axis(lua_State *L, int argument) {
     if (axis >= 1 && axis <= 3)
       return (int)axis - 1;
   }
-  return luaL_argerror(L, argument, "an axis expected: 1, 2, 3 or \"x\", \"y\", \"z\"");
+  return lbw_argument_error(L, argument, "an axis expected: 1, 2, 3 or \"x\", \"y\", \"z\"");
 }
 
 void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
@@ -133,23 +133,23 @@ void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, in
   } else if (lua_istable(L, argument) || lbw_test(L, argument, &lbw_array_class)) {
     data = lbw_to_doubles(L, argument, what, columns, &count);
   } else {
-    luaL_argerror(L, argument,
-                  lua_pushfstring(L, "%s: %d rows of %d numbers expected, got %s", what, rows,
-                                  columns, lbw_type_name(L, argument)));
+    lbw_argument_error(L, argument,
+                       lua_pushfstring(L, "%s: %d rows of %d numbers expected, got %s", what, rows,
+                                       columns, lbw_type_name(L, argument)));
   }
   if (count != rows)
-    luaL_error(L, "%s: %d rows of %d numbers expected", what, rows, columns);
+    lbw_error(L, "%s: %d rows of %d numbers expected", what, rows, columns);
   memcpy(matrix, data, sizeof *matrix * (size_t)(rows * columns));
   lua_pop(L, 1);
 }
 
 int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected) {
-  return luaL_error(L, "%s: option '%s': %s", function, key, expected);
+  return lbw_error(L, "%s: option '%s': %s", function, key, expected);
 }
 
 static void wrong_type(lua_State *L, const char *function, const char *key, const char *expected) {
-  luaL_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
-             lbw_type_name(L, -1));
+  lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
+            lbw_type_name(L, -1));
 }
 
 /* The value is on the top of the stack. */
@@ -194,15 +194,15 @@ static void read_option(lua_State *L, const char *function, const lbw_option *op
 
 static void unknown_option(lua_State *L, const char *function, const lbw_option *options) {
   if (lua_type(L, -2) != LUA_TSTRING)
-    luaL_error(L, "%s: options are named: {name = value}, found a value at %s", function,
-               luaL_tolstring(L, -2, NULL));
+    lbw_error(L, "%s: options are named: {name = value}, found a value at %s", function,
+              luaL_tolstring(L, -2, NULL));
   const char *name[64];
   size_t count = 0;
   for (const lbw_option *option = options; option->key && count < 64; option++)
     name[count++] = option->key;
   const char *near = lbw_nearest(lua_tostring(L, -2), name, count);
-  luaL_error(L, "%s: unknown option '%s': did you mean '%s'?", function, lua_tostring(L, -2),
-             near ? near : "");
+  lbw_error(L, "%s: unknown option '%s': did you mean '%s'?", function, lua_tostring(L, -2),
+            near ? near : "");
 }
 
 void lbw_options(lua_State *L, int index, const char *function, const lbw_option *options,
@@ -210,7 +210,7 @@ void lbw_options(lua_State *L, int index, const char *function, const lbw_option
   if (lua_isnoneornil(L, index))
     return;
   if (!lua_istable(L, index))
-    luaL_error(L, "%s: a table of options expected, got %s", function, lbw_type_name(L, index));
+    lbw_error(L, "%s: a table of options expected, got %s", function, lbw_type_name(L, index));
   index = lua_absindex(L, index);
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     const lbw_option *option = options;
@@ -243,9 +243,9 @@ int lbw_word_option(lua_State *L, int index, const char *function, const char *k
       if (type == LUA_TSTRING && strcmp(words[count], lua_tostring(L, -1)) == 0)
         found = (int)count;
     if (found < 0)
-      luaL_error(L, "%s: option '%s': '%s' is not known: did you mean '%s'?", function, key,
-                 luaL_tolstring(L, -1, NULL),
-                 lbw_nearest(luaL_tolstring(L, -1, NULL), words, count));
+      lbw_error(L, "%s: option '%s': '%s' is not known: did you mean '%s'?", function, key,
+                luaL_tolstring(L, -1, NULL),
+                lbw_nearest(luaL_tolstring(L, -1, NULL), words, count));
   }
   lua_pop(L, 1);
   return found;

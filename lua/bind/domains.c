@@ -44,7 +44,7 @@ static int core_domains(lua_State *L) {
   lua_settop(L, 4);
   int64_t rows;
   double *weight = lbw_to_doubles(L, 3, "weights", skeleton->bone_count, &rows);
-  luaL_argcheck(L, rows == mesh->node_count, 3, "weights: a row for every node expected");
+  lbw_argument_check(L, rows == mesh->node_count, 3, "weights: a row for every node expected");
   bw_domains_options options = {0};
   lbw_options(L, 4, "domains", list, &options);
   if (lbw_option_get(L, 4, "bone_threshold") != LUA_TNIL) {
@@ -66,15 +66,15 @@ static int core_domains_from_labels(lua_State *L) {
   int64_t domains, labels;
   lua_settop(L, 4);
   double *given = lbw_to_doubles(L, 3, "bones", 1, &domains);
-  luaL_argcheck(L, domains >= 1, 3, "bones: one for every domain expected");
+  lbw_argument_check(L, domains >= 1, 3, "bones: one for every domain expected");
   int32_t *bone_of = (int32_t *)lua_newuserdatauv(L, (size_t)domains * sizeof *bone_of, 0);
   for (int64_t i = 0; i < domains; i++) {
-    luaL_argcheck(L, given[i] >= 0 && given[i] <= skeleton->bone_count, 3,
-                  "bones: numbers of bones, 0 for a blended domain, expected");
+    lbw_argument_check(L, given[i] >= 0 && given[i] <= skeleton->bone_count, 3,
+                       "bones: numbers of bones, 0 for a blended domain, expected");
     bone_of[i] = (int32_t)given[i] - 1;
   }
   int32_t *label = lbw_to_indices(L, 4, "labels", 1, &labels);
-  luaL_argcheck(L, labels == mesh->element_count, 4, "labels: one for every element expected");
+  lbw_argument_check(L, labels == mesh->element_count, 4, "labels: one for every element expected");
   lbw_box *box = lbw_box_new(L, &lbw_domains_class);
   bw_domains *out = NULL;
   bw_status status =
@@ -99,13 +99,13 @@ static int domains_assign(lua_State *L) {
  * that is pushed. */
 static int32_t *origins(lua_State *L, int argument, const char *what, int64_t rows, int32_t most) {
   const bw_array *array = lbw_check_array(L, argument, what);
-  luaL_argcheck(L, array->rows == rows && array->columns == 1, argument,
-                "numbers as mesh:refill gives them expected");
+  lbw_argument_check(L, array->rows == rows && array->columns == 1, argument,
+                     "numbers as mesh:refill gives them expected");
   int32_t *from = (int32_t *)lua_newuserdatauv(L, ((size_t)rows + 1) * sizeof *from, 0);
   for (int64_t i = 0; i < rows; i++) {
     double value = bw_array_get(array, i, 0);
-    luaL_argcheck(L, value >= -INT32_MAX && value <= most, argument,
-                  "numbers as mesh:refill gives them expected");
+    lbw_argument_check(L, value >= -INT32_MAX && value <= most, argument,
+                       "numbers as mesh:refill gives them expected");
     from[i] = (int32_t)value;
   }
   return from;
@@ -118,7 +118,8 @@ static int domains_refilled(lua_State *L) {
   int64_t rows;
   lua_settop(L, 6);
   double *map = lbw_to_doubles(L, 2, "maps", 12, &rows);
-  luaL_argcheck(L, rows == domains->skeleton->bone_count, 2, "maps: a row for every bone expected");
+  lbw_argument_check(L, rows == domains->skeleton->bone_count, 2,
+                     "maps: a row for every bone expected");
   uint8_t *replace = lbw_to_mask(L, 3, "mask", old->element_count);
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 4, &lbw_mesh_class);
   int32_t *node_from = origins(L, 5, "node_from", mesh->node_count, old->node_count);
@@ -172,7 +173,7 @@ static int domains_index(lua_State *L) {
   const bw_domains *domains = self(L);
   if (lua_type(L, 2) != LUA_TNUMBER)
     return 0;
-  lua_Integer i = luaL_checkinteger(L, 2) - 1;
+  lua_Integer i = lbw_check_integer(L, 2) - 1;
   if (i < 0 || i >= domains->count)
     return 0; /* ends ipairs */
   const bw_name *name = domains->skeleton->bone_name;

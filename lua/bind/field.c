@@ -39,11 +39,11 @@ lbw_field *lbw_field_read(lua_State *L, int index, const char *what) {
   case LUA_TSTRING:
     if (!lbw_expression_compile(lua_tostring(L, index), coordinates, 3, &field->formula, error,
                                 sizeof error))
-      luaL_error(L, "%s: %s", what, error);
+      lbw_error(L, "%s: %s", what, error);
     break;
   default:
-    luaL_error(L, "%s: a function of x, y, z, a formula in them, or a number expected, got %s",
-               what, lbw_type_name(L, index));
+    lbw_error(L, "%s: a function of x, y, z, a formula in them, or a number expected, got %s", what,
+              lbw_type_name(L, index));
   }
   return field;
 }
@@ -106,8 +106,8 @@ double lbw_unit_option(lua_State *L, int options, const char *function, double o
         metres = units[i].metres;
     }
     if (metres == 0)
-      luaL_error(L, "%s: unknown unit '%s': did you mean '%s'? (m dm cm mm um km inch ft mil)",
-                 function, wanted, lbw_nearest(wanted, name, UNITS));
+      lbw_error(L, "%s: unknown unit '%s': did you mean '%s'? (m dm cm mm um km inch ft mil)",
+                function, wanted, lbw_nearest(wanted, name, UNITS));
     break;
   }
   default:
@@ -192,11 +192,11 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
   if (lua_isnoneornil(L, index))
     return field;
   if (!lua_istable(L, index))
-    luaL_error(L, "%s: fields: a table {name = array} expected, got %s", function,
-               lbw_type_name(L, index));
+    lbw_error(L, "%s: fields: a table {name = array} expected, got %s", function,
+              lbw_type_name(L, index));
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     if (lua_type(L, -2) != LUA_TSTRING)
-      luaL_error(L, "%s: fields are named: {name = array}", function);
+      lbw_error(L, "%s: fields are named: {name = array}", function);
     const char *name = lua_tostring(L, -2);
     int place = -1;
     int top = lua_gettop(L);
@@ -206,15 +206,15 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
     }
     const bw_array *array = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
     if (!array)
-      luaL_error(L, "%s: field '%s': an array expected, got %s", function, name,
-                 lbw_type_name(L, -1));
+      lbw_error(L, "%s: field '%s': an array expected, got %s", function, name,
+                lbw_type_name(L, -1));
     if (place < 0)
       place = array->rows == nodes ? 0 : 1;
     if (array->rows != (place ? elements : nodes))
-      luaL_error(L, "%s: field '%s' has %I rows; nodes: %I, elements: %I", function, name,
-                 (LUAI_UACINT)array->rows, (LUAI_UACINT)nodes, (LUAI_UACINT)elements);
+      lbw_error(L, "%s: field '%s' has %I rows; nodes: %I, elements: %I", function, name,
+                (LUAI_UACINT)array->rows, (LUAI_UACINT)nodes, (LUAI_UACINT)elements);
     if (*count == FIELDS)
-      luaL_error(L, "%s: more than %d fields", function, FIELDS);
+      lbw_error(L, "%s: more than %d fields", function, FIELDS);
     lua_settop(L, top);
     bw_field new = {name, place ? BW_ON_ELEMENTS : BW_ON_NODES, array};
     int at = (*count)++;

@@ -29,7 +29,7 @@ static int core_live_server(lua_State *L) {
   if (options.clients < 1 || options.clients > 64)
     return lbw_option_error(L, "live_server", "clients", "a number from 1 to 64 expected");
   if (options.message_bytes < 1 || options.queue_bytes < 1 || options.queue_messages < 1)
-    return luaL_error(L, "live_server: limits of at least 1 expected");
+    return lbw_error(L, "live_server: limits of at least 1 expected");
   lua_settop(L, 1);
   lbw_box *box = lbw_box_new(L, &lbw_live_server_class);
   lbw_live_server *server = NULL;
@@ -42,16 +42,16 @@ static int core_live_server(lua_State *L) {
 /* A text for a header or an address: what would need escaping there is refused. */
 static const char *check_plain(lua_State *L, int argument) {
   size_t length;
-  const char *text = luaL_checklstring(L, argument, &length);
+  const char *text = lbw_check_text(L, argument, &length);
   for (size_t i = 0; i < length; i++)
-    luaL_argcheck(L, text[i] >= ' ' && text[i] < 127 && text[i] != '"' && text[i] != '\\', argument,
-                  "plain text without quotes and control characters expected");
+    lbw_argument_check(L, text[i] >= ' ' && text[i] < 127 && text[i] != '"' && text[i] != '\\',
+                       argument, "plain text without quotes and control characters expected");
   return text;
 }
 
 static void no_memory(lua_State *L, bw_status status) {
   if (status != BW_OK)
-    luaL_error(L, "not enough memory");
+    lbw_error(L, "not enough memory");
 }
 
 /* server:serve(path, mime, bytes, download): what /TOKEN/path answers from now on */
@@ -59,7 +59,7 @@ static int server_serve(lua_State *L) {
   lbw_live_server *server = self(L);
   const char *path = check_plain(L, 2), *mime = check_plain(L, 3);
   size_t length;
-  const char *bytes = luaL_checklstring(L, 4, &length);
+  const char *bytes = lbw_check_text(L, 4, &length);
   const char *download = lua_isnoneornil(L, 5) ? NULL : check_plain(L, 5);
   no_memory(L, lbw_live_serve(NULL, server, path, mime, download, bytes, length));
   lua_settop(L, 1);
@@ -75,14 +75,14 @@ static int server_send(lua_State *L) {
                                     {"replace", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   lbw_live_server *server = self(L);
-  lua_Integer client = luaL_checkinteger(L, 2);
+  lua_Integer client = lbw_check_integer(L, 2);
   size_t length;
-  const char *bytes = luaL_checklstring(L, 3, &length);
+  const char *bytes = lbw_check_text(L, 3, &length);
   lua_settop(L, 4);
   lbw_options(L, 4, "send", list, &sending);
-  const char *key = lbw_option_get(L, 4, "replace") == LUA_TNIL ? NULL : luaL_checkstring(L, 5);
-  luaL_argcheck(L, !key || lua_rawlen(L, 5) < LBW_LIVE_KEY_BYTES, 4,
-                "replace: a shorter key expected");
+  const char *key = lbw_option_get(L, 4, "replace") == LUA_TNIL ? NULL : lbw_check_text(L, 5, NULL);
+  lbw_argument_check(L, !key || lua_rawlen(L, 5) < LBW_LIVE_KEY_BYTES, 4,
+                     "replace: a shorter key expected");
   bool sent;
   no_memory(L, lbw_live_send(NULL, server, client, bytes, length, sending.binary, key, &sent));
   lua_pushboolean(L, sent);
@@ -92,9 +92,10 @@ static int server_send(lua_State *L) {
 /* server:disconnect(client, code, reason) */
 static int server_disconnect(lua_State *L) {
   lbw_live_server *server = self(L);
-  lua_Integer client = luaL_checkinteger(L, 2), code = luaL_optinteger(L, 3, 1000);
-  luaL_argcheck(L, code >= 1000 && code < 5000, 3, "a code from 1000 to 4999 expected");
-  lbw_live_disconnect(server, client, (int)code, luaL_optstring(L, 4, ""));
+  lua_Integer client = lbw_check_integer(L, 2), code = lbw_integer_or(L, 3, 1000);
+  lbw_argument_check(L, code >= 1000 && code < 5000, 3, "a code from 1000 to 4999 expected");
+  lbw_live_disconnect(server, client, (int)code,
+                      lua_isnoneornil(L, 4) ? "" : lbw_check_text(L, 4, NULL));
   return 0;
 }
 
@@ -126,7 +127,7 @@ static int server_receive(lua_State *L) {
   static const double slice = 0.05; /* how long Ctrl-C may take */
   lbw_live_server *server = self(L);
   double seconds = lua_isnoneornil(L, 2) ? 0 : lbw_check_real(L, 2, "seconds");
-  luaL_argcheck(L, seconds >= 0 && seconds <= 1e6, 2, "seconds from 0 to 1e6 expected");
+  lbw_argument_check(L, seconds >= 0 && seconds <= 1e6, 2, "seconds from 0 to 1e6 expected");
   luaL_checkstack(L, 8, "too many values");
   if (lbw_state_of(L)->running || seconds == 0)
     return return_event(L, lbw_live_receive(server, 0));

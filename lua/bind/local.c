@@ -95,10 +95,10 @@ static int leave_with_reuse(lua_State *L, bw_status status, const bw_reuse *reus
 static int core_local_system(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_domains *domains = (const bw_domains *)lbw_check(L, 2, &lbw_domains_class);
-  luaL_argcheck(L,
-                domains->mesh->node_count == model->mesh->node_count &&
-                    domains->mesh->element_count == model->mesh->element_count,
-                2, "domains of the model's mesh expected");
+  lbw_argument_check(L,
+                     domains->mesh->node_count == model->mesh->node_count &&
+                         domains->mesh->element_count == model->mesh->element_count,
+                     2, "domains of the model's mesh expected");
   lbw_box *box = lbw_box_new(L, &lbw_local_system_class);
   bw_local_system *local = NULL;
   bw_edits edits = {domains->skeleton->bone_count, domains->piece_bone_start, domains->piece_bone};
@@ -116,8 +116,8 @@ static int local_update(lua_State *L) {
   lbw_box *box = lbw_check_box(L, 1, &lbw_local_system_class);
   bw_local_system *local = self(L);
   const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
-  luaL_argcheck(L, model->mesh->node_count == local->system->mesh->node_count, 2,
-                "a model of the same topology expected");
+  lbw_argument_check(L, model->mesh->node_count == local->system->mesh->node_count, 2,
+                     "a model of the same topology expected");
   bw_domain_motion *motion = lbw_read_motion(L, 3, piece_count(L));
   bw_reuse reuse;
   begin_reuse(L, 0, &reuse);
@@ -176,8 +176,8 @@ static int local_solve(lua_State *L) {
   lua_settop(L, 4);
   read_options(L, 3, "solve", &options, &statics);
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
-  luaL_argcheck(L, rows == local->system->mesh->node_count, 2,
-                "force: a row for every node expected");
+  lbw_argument_check(L, rows == local->system->mesh->node_count, 2,
+                     "force: a row for every node expected");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
   bw_reuse reuse;
   begin_reuse(L, 4, &reuse);

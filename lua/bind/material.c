@@ -37,7 +37,7 @@ static int material_isotropic(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   bw_isotropic constants;
   memset(&constants, 0, sizeof constants);
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, "material.isotropic", list, &constants);
   constants.name = name_option(L, "material.isotropic");
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
@@ -59,7 +59,7 @@ static int material_orthotropic(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   bw_orthotropic constants;
   memset(&constants, 0, sizeof constants);
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, "material.orthotropic", list, &constants);
   constants.name = name_option(L, "material.orthotropic");
   if (lbw_option_get(L, 1, "axes") != LUA_TNIL)
@@ -72,7 +72,7 @@ static int material_orthotropic(lua_State *L) {
 
 /* material.named(name); raises for an unknown name and names the nearest */
 static int material_named(lua_State *L) {
-  const char *name = luaL_checkstring(L, 1);
+  const char *name = lbw_check_text(L, 1, NULL);
   const char *known[64];
   size_t count = 0;
   bool found = false;
@@ -81,8 +81,8 @@ static int material_named(lua_State *L) {
     found = found || strcmp(known[count - 1], name) == 0;
   }
   if (!found)
-    return luaL_error(L, "there is no material '%s': did you mean '%s'?", name,
-                      lbw_nearest(name, known, count));
+    return lbw_error(L, "there is no material '%s': did you mean '%s'?", name,
+                     lbw_nearest(name, known, count));
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_named(lbw_enter(L), name, &out);

@@ -13,7 +13,7 @@ static const bw_mesh *check_mesh(lua_State *L) {
 static double *check_nodes(lua_State *L, int argument, const bw_mesh *mesh) {
   int64_t rows;
   double *node = lbw_to_doubles(L, argument, "nodes", 3, &rows);
-  luaL_argcheck(L, rows == mesh->node_count, argument, "nodes: a row for every node expected");
+  lbw_argument_check(L, rows == mesh->node_count, argument, "nodes: a row for every node expected");
   return node;
 }
 
@@ -133,14 +133,14 @@ static int model_transferred(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 2, &lbw_mesh_class);
   const bw_array *from = lbw_check_array(L, 3, "node_from");
-  luaL_argcheck(L, from->rows == mesh->node_count && from->columns == 1, 3,
-                "node_from: one for every node expected");
+  lbw_argument_check(L, from->rows == mesh->node_count && from->columns == 1, 3,
+                     "node_from: one for every node expected");
   int32_t *node_from =
       (int32_t *)lua_newuserdatauv(L, ((size_t)from->rows + 1) * sizeof *node_from, 0);
   for (int64_t i = 0; i < from->rows; i++) {
     double old = bw_array_get(from, i, 0);
-    luaL_argcheck(L, old >= 0 && old <= model->mesh->node_count, 3,
-                  "node_from: numbers of the model's nodes, 0 for new ones, expected");
+    lbw_argument_check(L, old >= 0 && old <= model->mesh->node_count, 3,
+                       "node_from: numbers of the model's nodes, 0 for new ones, expected");
     node_from[i] = (int32_t)old - 1;
   }
   lbw_box *box = lbw_box_new(L, &lbw_model_class);

@@ -40,7 +40,7 @@ static bw_size_point *read_size_points(lua_State *L, int index, int64_t *count) 
                                     {"length", LBW_REAL, offsetof(bw_size_point, length)},
                                     {NULL, LBW_OTHER, 0}};
   if (!lua_istable(L, index))
-    luaL_error(L, "mesh.fill: option 'near': a list of {at =, radius =, length =} expected");
+    lbw_error(L, "mesh.fill: option 'near': a list of {at =, radius =, length =} expected");
   *count = (int64_t)lua_rawlen(L, index);
   bw_size_point *point =
       (bw_size_point *)lua_newuserdatauv(L, (size_t)(*count + 1) * sizeof *point, 0);
@@ -50,7 +50,7 @@ static bw_size_point *read_size_points(lua_State *L, int index, int64_t *count) 
     lbw_options(L, -1, "mesh.fill: near", list, &point[i]);
     lua_pop(L, 1);
     if (!(point[i].length > 0))
-      luaL_error(L, "mesh.fill: near: point %d: a length greater than 0 expected", (int)i + 1);
+      lbw_error(L, "mesh.fill: near: point %d: a length greater than 0 expected", (int)i + 1);
   }
   return point;
 }
@@ -147,7 +147,7 @@ static bw_status scale_mesh(bw_context *context, const bw_mesh *mesh, double fac
 /* mesh.read(path, {unit}): mesh, what else the file holds */
 static int mesh_read(lua_State *L) {
   static const lbw_option list[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
-  const char *path = luaL_checkstring(L, 1);
+  const char *path = lbw_check_text(L, 1, NULL);
   lbw_options(L, 2, "mesh.read", list, NULL);
   double unit = lbw_unit_option(L, 2, "mesh.read", 1);
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
@@ -182,7 +182,7 @@ static int mesh_write(lua_State *L) {
                                     {"version", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   const bw_mesh *mesh = self(L);
-  const char *path = luaL_checkstring(L, 2);
+  const char *path = lbw_check_text(L, 2, NULL);
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, NULL);
   double unit = lbw_unit_option(L, 3, "write", 1);
@@ -212,7 +212,7 @@ static int mesh_new(lua_State *L) {
                                     {"regions", LBW_OTHER, 0},
                                     {"order", LBW_INT, 0},
                                     {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   int order = 1;
   lbw_options(L, 1, "mesh.new", list, &order);
@@ -227,7 +227,7 @@ static int mesh_new(lua_State *L) {
   if (lbw_option_get(L, 1, "regions") != LUA_TNIL) {
     region = lbw_to_indices(L, -1, "mesh.new: regions", 1, &regions);
     if (regions != elements)
-      return luaL_error(L, "mesh.new: regions: one for every element expected");
+      return lbw_error(L, "mesh.new: regions: one for every element expected");
   }
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
@@ -247,7 +247,7 @@ static int mesh_box_grid(lua_State *L) {
                                     {"cells", LBW_VECTOR, offsetof(struct grid, cells)},
                                     {"order", LBW_INT, offsetof(struct grid, order)},
                                     {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, "mesh.box", list, &grid);
   int cells[3];
   for (int i = 0; i < 3; i++) {
@@ -265,8 +265,8 @@ static int mesh_box_grid(lua_State *L) {
 
 static int mesh_with_order(lua_State *L) {
   const bw_mesh *mesh = self(L);
-  lua_Integer order = luaL_checkinteger(L, 2);
-  luaL_argcheck(L, order == 1 || order == 2, 2, "an order of 1 or 2 expected");
+  lua_Integer order = lbw_check_integer(L, 2);
+  lbw_argument_check(L, order == 1 || order == 2, 2, "an order of 1 or 2 expected");
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_with_order(lbw_enter(L), mesh, (int)order, &out);
@@ -277,7 +277,7 @@ static int mesh_moved(lua_State *L) {
   const bw_mesh *mesh = self(L);
   int64_t rows;
   double *node = lbw_to_doubles(L, 2, "nodes", 3, &rows);
-  luaL_argcheck(L, rows == mesh->node_count, 2, "nodes: a row for every node expected");
+  lbw_argument_check(L, rows == mesh->node_count, 2, "nodes: a row for every node expected");
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_moved(lbw_enter(L), mesh, node, &out);
@@ -383,9 +383,9 @@ static int mesh_to_nodes(lua_State *L) {
   static const char *const hows[] = {"mean", "max", NULL};
   const bw_mesh *mesh = self(L);
   const bw_array *value = lbw_check_array(L, 2, "values");
-  bool mean = luaL_checkoption(L, 3, "mean", hows) == 0;
-  luaL_argcheck(L, value->rows == mesh->element_count, 2,
-                "values: a row for every element expected");
+  bool mean = lbw_check_word(L, 3, hows) == 0;
+  lbw_argument_check(L, value->rows == mesh->element_count, 2,
+                     "values: a row for every element expected");
   double *weight = (double *)lua_newuserdatauv(L, (size_t)mesh->node_count * sizeof *weight + 1, 0);
   memset(weight, 0, (size_t)mesh->node_count * sizeof *weight);
   int64_t columns = value->columns;

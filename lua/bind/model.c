@@ -24,19 +24,19 @@ static const bw_selection *check_selection(lua_State *L, int argument) {
 static int model_new(lua_State *L) {
   static const lbw_option list[] = {
       {"mesh", LBW_OTHER, 0}, {"material", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "model", list, NULL);
   lbw_option_get(L, 1, "mesh");
   const bw_mesh *mesh = (const bw_mesh *)lbw_test(L, -1, &lbw_mesh_class);
   if (!mesh)
-    return luaL_error(L, "model: option 'mesh': an open mesh expected, got %s",
-                      lbw_type_name(L, -1));
+    return lbw_error(L, "model: option 'mesh': an open mesh expected, got %s",
+                     lbw_type_name(L, -1));
   lbw_option_get(L, 1, "material");
   const bw_material *material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
   if (!material)
-    return luaL_error(L, "model: option 'material': an open material expected, got %s",
-                      lbw_type_name(L, -1));
+    return lbw_error(L, "model: option 'material': an open material expected, got %s",
+                     lbw_type_name(L, -1));
   lbw_box *box = lbw_box_new(L, &lbw_model_class);
   bw_model *model = NULL;
   bw_status status = bw_model_create(lbw_enter(L), mesh, material, &model);
@@ -73,8 +73,8 @@ static int model_prescribe(lua_State *L) {
   double value[3] = {0, 0, 0};
   const bw_array *field = (const bw_array *)lbw_test(L, 3, &lbw_array_class);
   if (field) {
-    luaL_argcheck(L, field->rows == model->mesh->node_count && field->columns == 3, 3,
-                  "displacement: a row of three for every node of the mesh expected");
+    lbw_argument_check(L, field->rows == model->mesh->node_count && field->columns == 3, 3,
+                       "displacement: a row of three for every node of the mesh expected");
     return leave_self(L, bw_model_prescribe_field(lbw_enter(L), model, on, held, field));
   }
   bool fits = lua_istable(L, 3) && lua_rawlen(L, 3) == 3;
@@ -85,9 +85,10 @@ static int model_prescribe(lua_State *L) {
     fits = held[i] || (type == LUA_TBOOLEAN && !lua_toboolean(L, -1));
     lua_pop(L, 1);
   }
-  luaL_argcheck(L, fits, 3,
-                "displacement: {x, y, z} in metres expected, false where a direction is free, or "
-                "an array of a row for every node");
+  lbw_argument_check(
+      L, fits, 3,
+      "displacement: {x, y, z} in metres expected, false where a direction is free, or "
+      "an array of a row for every node");
   return leave_self(L, bw_model_prescribe(lbw_enter(L), model, on, held, value));
 }
 
@@ -131,7 +132,7 @@ static int model_load(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   static const char *const kinds[] = {"pressure", "force", "traction", "torque", "nodal", "about"};
   bw_model *model = self(L);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  lbw_check_type(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
   lbw_options(L, 2, "load", list, &load);
   int given = 0;
@@ -139,22 +140,21 @@ static int model_load(lua_State *L) {
     given |= option_present(L, kinds[i]) << i;
   int kind = given & ~ABOUT;
   if (kind == 0 || (kind & (kind - 1)))
-    return luaL_error(L, "load: one of force, traction, pressure, torque, nodal expected");
+    return lbw_error(L, "load: one of force, traction, pressure, torque, nodal expected");
   if ((given & ABOUT) && kind != TORQUE)
-    return luaL_error(L, "load: 'about' belongs to a torque");
+    return lbw_error(L, "load: 'about' belongs to a torque");
   if (kind == NODAL) {
     lbw_option_get(L, 2, "nodal");
     const bw_array *nodal = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
     if (!nodal || nodal->rows != model->mesh->node_count || nodal->columns != 3)
-      return luaL_error(L,
-                        "load: nodal: an array of a row of three forces for every node expected");
+      return lbw_error(L, "load: nodal: an array of a row of three forces for every node expected");
     return leave_self(L, bw_model_nodal_forces(lbw_enter(L), model, nodal));
   }
   lbw_option_get(L, 2, "on");
   const bw_selection *on = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
   if (!on)
-    return luaL_error(L, "load: option 'on': an open selection expected, got %s",
-                      lbw_type_name(L, -1));
+    return lbw_error(L, "load: option 'on': an open selection expected, got %s",
+                     lbw_type_name(L, -1));
   bw_context *context = lbw_enter(L);
   bw_status status;
   if (kind == PRESSURE)
@@ -181,8 +181,8 @@ static int model_temperature(lua_State *L) {
     lua_replace(L, 2);
   }
   const bw_array *change = lbw_check_array(L, 2, "change");
-  luaL_argcheck(L, change->rows == model->mesh->node_count && change->columns == 1, 2,
-                "change: a number, or an array of one for every node expected");
+  lbw_argument_check(L, change->rows == model->mesh->node_count && change->columns == 1, 2,
+                     "change: a number, or an array of one for every node expected");
   return leave_self(L, bw_model_temperature(lbw_enter(L), model, change, expansion));
 }
 
@@ -198,7 +198,7 @@ static int model_write_inp(lua_State *L) {
   int modes = 0;
   static const lbw_option list[] = {{"modes", LBW_INT, 0}, {NULL, LBW_OTHER, 0}};
   bw_model *model = self(L);
-  const char *path = luaL_checkstring(L, 2);
+  const char *path = lbw_check_text(L, 2, NULL);
   lbw_options(L, 3, "write_inp", list, &modes);
   bw_status status = bw_model_write_inp(lbw_enter(L), model, path, modes);
   lua_pushboolean(L, 1);

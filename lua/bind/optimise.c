@@ -47,12 +47,13 @@ static request check_request(lua_State *L, int options) {
   }
   int32_t nodes = r.model->mesh->node_count;
   int64_t rows;
-  luaL_argcheck(L, r.numbering->mesh->node_count == nodes, 2, "a system of the model expected");
+  lbw_argument_check(L, r.numbering->mesh->node_count == nodes, 2,
+                     "a system of the model expected");
   r.displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
-  luaL_argcheck(L, rows == nodes, 3, "displacement: a row for every node expected");
+  lbw_argument_check(L, rows == nodes, 3, "displacement: a row for every node expected");
   r.node = lbw_to_indices(L, 4, "nodes", 1, &r.count);
   for (int64_t i = 0; i < r.count; i++)
-    luaL_argcheck(L, r.node[i] < nodes, 4, "nodes: numbers of the mesh's nodes expected");
+    lbw_argument_check(L, r.node[i] < nodes, 4, "nodes: numbers of the mesh's nodes expected");
   return r;
 }
 
@@ -78,7 +79,7 @@ static int core_slopes(lua_State *L) {
   lua_settop(L, 6);
   request r = check_request(L, 6);
   int64_t all = 3 * (int64_t)r.model->mesh->node_count, rows;
-  luaL_checktype(L, 5, LUA_TTABLE);
+  lbw_check_type(L, 5, LUA_TTABLE);
   int motions = (int)lua_rawlen(L, 5);
   luaL_checkstack(L, motions + 10, "too many motions");
   const double **motion =
@@ -86,7 +87,7 @@ static int core_slopes(lua_State *L) {
   for (int m = 0; m < motions; m++) {
     lua_rawgeti(L, 5, m + 1);
     motion[m] = lbw_to_doubles(L, -1, "motions", 3, &rows);
-    luaL_argcheck(L, 3 * rows == all, 5, "motions: a row for every node expected");
+    lbw_argument_check(L, 3 * rows == all, 5, "motions: a row for every node expected");
     lua_remove(L, -2);
   }
   double *value = (double *)lbw_push_array(L, BW_F64, r.count, 1)->data;
@@ -163,13 +164,13 @@ static int core_programme(lua_State *L) {
   static const lbw_option list[] = {
       {"H", LBW_OTHER, 0},   {"g", LBW_OTHER, 0},    {"A", LBW_OTHER, 0}, {"b", LBW_OTHER, 0},
       {"low", LBW_OTHER, 0}, {"high", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   luaL_checkstack(L, 20, "too many values");
   lbw_options(L, 1, "quadratic_programme", list, NULL);
   int64_t n = length_of(L, "g"), m = length_of(L, "b");
-  luaL_argcheck(L, n >= 1 && n <= 1000 && m <= 10000, 1,
-                "1 to 1000 unknowns (g) and at most 10000 rows (b) expected");
+  lbw_argument_check(L, n >= 1 && n <= 1000 && m <= 10000, 1,
+                     "1 to 1000 unknowns (g) and at most 10000 rows (b) expected");
   double *H = numbers(L, "H", n, n, NAN), *g = numbers(L, "g", n, 1, NAN);
   double *A = numbers(L, "A", m, n, NAN), *b = numbers(L, "b", m, 1, NAN);
   double *low = numbers(L, "low", n, 1, -INFINITY), *high = numbers(L, "high", n, 1, INFINITY);

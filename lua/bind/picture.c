@@ -55,7 +55,7 @@ static bw_arrow *read_arrows(lua_State *L, int *count) {
 
 static int picture(lua_State *L) {
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
-  const char *path = luaL_checkstring(L, 2);
+  const char *path = lbw_check_text(L, 2, NULL);
   wish w;
   memset(&w, 0, sizeof w);
   bw_picture_options_default(&w.options);
@@ -73,13 +73,13 @@ static int picture(lua_State *L) {
     value = lbw_to_doubles(L, -1, "picture: values", 1, &rows);
     on_facets = rows == surface->triangle_count && rows != surface->point_count;
     if (!on_facets && rows != surface->point_count)
-      return luaL_error(L, "picture: values: %d points or %d facets, got %I rows",
-                        (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
+      return lbw_error(L, "picture: values: %d points or %d facets, got %I rows",
+                       (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
   }
   if (lbw_option_get(L, 3, "displacement") != LUA_TNIL) {
     w.options.displacement = lbw_to_doubles(L, -1, "picture: displacement", 3, &rows);
     if (rows != surface->point_count)
-      return luaL_error(L, "picture: displacement: a row for every point expected");
+      return lbw_error(L, "picture: displacement: a row for every point expected");
   }
   if (lbw_option_get(L, 3, "arrows") != LUA_TNIL)
     w.options.arrow = read_arrows(L, &w.options.arrow_count);

@@ -24,7 +24,7 @@ static double *bone_rows(lua_State *L, int argument, const char *what, int32_t b
   int64_t rows;
   double *data = lbw_to_doubles(L, argument, what, columns, &rows);
   if (rows != bones)
-    luaL_error(L, "%s: a row for every bone expected", what);
+    lbw_error(L, "%s: a row for every bone expected", what);
   return data;
 }
 
@@ -121,7 +121,7 @@ bw_domain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count) {
   int64_t rows;
   double *row = lbw_to_doubles(L, argument, "motion", MOTION, &rows);
   if (rows != count)
-    luaL_error(L, "motion: a row for every piece expected");
+    lbw_error(L, "motion: a row for every piece expected");
   bw_domain_motion *motion =
       (bw_domain_motion *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *motion, 0);
   for (int32_t d = 0; d < count; d++, row += MOTION) {
@@ -143,14 +143,14 @@ static bw_reach_target *read_targets(lua_State *L, int index, const bw_skeleton 
                                     {"along", LBW_REAL, offsetof(bw_reach_target, along)},
                                     {"weight", LBW_REAL, offsetof(bw_reach_target, weight)},
                                     {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, index, LUA_TTABLE);
+  lbw_check_type(L, index, LUA_TTABLE);
   size_t length = lua_rawlen(L, index);
-  luaL_argcheck(L, length >= 1 && length <= 10000, index, "a list of targets expected");
+  lbw_argument_check(L, length >= 1 && length <= 10000, index, "a list of targets expected");
   bw_reach_target *target = (bw_reach_target *)lua_newuserdatauv(L, length * sizeof *target, 0);
   for (size_t i = 0; i < length; i++) {
     target[i] = (bw_reach_target){.along = 1, .weight = 1, .chain_from = -1};
     lua_rawgeti(L, index, (lua_Integer)i + 1);
-    luaL_checktype(L, -1, LUA_TTABLE);
+    lbw_check_type(L, -1, LUA_TTABLE);
     int at = lua_gettop(L);
     lbw_options(L, at, "reach", list, &target[i]);
     lbw_option_get(L, at, "bone");
@@ -158,7 +158,7 @@ static bw_reach_target *read_targets(lua_State *L, int index, const bw_skeleton 
     if (lbw_option_get(L, at, "from") != LUA_TNIL)
       target[i].chain_from = lbw_check_bone(L, at + 2, skeleton);
     if (lbw_option_get(L, at, "at") == LUA_TNIL)
-      luaL_error(L, "reach: target %d: 'at' is missing", (int)i + 1);
+      lbw_error(L, "reach: target %d: 'at' is missing", (int)i + 1);
     lua_settop(L, at - 1);
   }
   *count = (int)length;
@@ -172,9 +172,9 @@ static bw_joint_limit *read_limits(lua_State *L, int index, const bw_skeleton *s
                                     {"twist_low", LBW_REAL, offsetof(bw_joint_limit, twist_low)},
                                     {"twist_high", LBW_REAL, offsetof(bw_joint_limit, twist_high)},
                                     {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, index, LUA_TTABLE);
-  luaL_argcheck(L, lua_rawlen(L, index) == (size_t)skeleton->bone_count, index,
-                "limits: one, or false, for every bone expected");
+  lbw_check_type(L, index, LUA_TTABLE);
+  lbw_argument_check(L, lua_rawlen(L, index) == (size_t)skeleton->bone_count, index,
+                     "limits: one, or false, for every bone expected");
   bw_joint_limit *limit =
       (bw_joint_limit *)lua_newuserdatauv(L, ((size_t)skeleton->bone_count + 1) * sizeof *limit, 0);
   for (int32_t b = 0; b < skeleton->bone_count; b++) {

@@ -182,8 +182,8 @@ static int select_nearest(lua_State *L) {
   const bw_selection *from = self(L);
   double point[3];
   lbw_check_vector(L, 2, "point", point);
-  lua_Integer count = luaL_optinteger(L, 3, 1);
-  luaL_argcheck(L, count >= 1 && count <= INT32_MAX, 3, "a count of 1 or more expected");
+  lua_Integer count = lbw_integer_or(L, 3, 1);
+  lbw_argument_check(L, count >= 1 && count <= INT32_MAX, 3, "a count of 1 or more expected");
   lua_settop(L, 3);
   const uint8_t *mask = is_all(from) ? NULL : nearest_mask(L, from, point, count);
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);
@@ -209,7 +209,7 @@ static uint8_t *mask_by_formula(lua_State *L, const bw_mesh *mesh, const char *t
   lbw_expression formula;
   char error[256];
   if (!lbw_expression_compile(text, variable, 3, &formula, error, sizeof error))
-    luaL_error(L, "where: %s", error);
+    lbw_error(L, "where: %s", error);
   uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)mesh->node_count + 1, 0);
   double block[LBW_BLOCK];
   for (int64_t first = 0; first < mesh->node_count; first += LBW_BLOCK) {
@@ -249,8 +249,8 @@ static int select_where(lua_State *L) {
     nodes = mask_by_function(L, mesh, 2);
   else {
     const bw_array *mask = (const bw_array *)lbw_test(L, 2, &lbw_array_class);
-    luaL_argcheck(L, mask, 2,
-                  "predicate: a formula, a mask over nodes or facets, or a function expected");
+    lbw_argument_check(L, mask, 2,
+                       "predicate: a formula, a mask over nodes or facets, or a function expected");
     if (mask->rows == mesh->facet_count && mask->rows != mesh->node_count)
       facets = lbw_to_mask(L, 2, "mask over facets", mesh->facet_count);
     else
@@ -269,7 +269,7 @@ static int select_where(lua_State *L) {
 static int combine(lua_State *L, bw_set_operation operation) {
   const bw_selection *a = self(L);
   const bw_selection *b = (const bw_selection *)lbw_check(L, 2, &lbw_selection_class);
-  luaL_argcheck(L, a->mesh == b->mesh, 2, "both selections must be of the same mesh");
+  lbw_argument_check(L, a->mesh == b->mesh, 2, "both selections must be of the same mesh");
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);
   bw_selection *out = NULL;
   bw_status status = bw_select_combine(lbw_enter(L), a, b, operation, &out);

@@ -29,8 +29,8 @@ static int32_t check_named(lua_State *L, int argument, const char *what, int32_t
       (const char **)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *candidate, 0);
   for (int32_t i = 0; i < count; i++)
     candidate[i] = name[i].text;
-  return luaL_error(L, "there is no %s '%s': did you mean '%s'?", what, wanted,
-                    lbw_nearest(wanted, candidate, (size_t)count));
+  return lbw_error(L, "there is no %s '%s': did you mean '%s'?", what, wanted,
+                   lbw_nearest(wanted, candidate, (size_t)count));
 }
 
 int32_t lbw_check_bone(lua_State *L, int argument, const bw_skeleton *skeleton) {
@@ -45,10 +45,10 @@ static void copy_name(lua_State *L, int index, const char *what, bw_name *name) 
   size_t length = 0;
   const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tolstring(L, index, &length) : NULL;
   if (!text)
-    luaL_error(L, "%s: a name expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: a name expected, got %s", what, lbw_type_name(L, index));
   if (length >= sizeof name->text || strlen(text) != length)
-    luaL_error(L, "%s: a name of at most %d bytes, without zeros, expected", what,
-               (int)sizeof name->text - 1);
+    lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected", what,
+              (int)sizeof name->text - 1);
   memset(name, 0, sizeof *name);
   memcpy(name->text, text, length);
 }
@@ -59,7 +59,7 @@ static bw_name *read_names(lua_State *L, int index, const char *what, int64_t co
     lua_pushnil(L);
     return NULL;
   }
-  luaL_checktype(L, index, LUA_TTABLE);
+  lbw_check_type(L, index, LUA_TTABLE);
   bw_name *name = (bw_name *)lua_newuserdatauv(L, (size_t)(count + 1) * sizeof *name, 0);
   memset(name, 0, (size_t)count * sizeof *name);
   for (int64_t i = 0; i < count; i++) {
@@ -110,7 +110,7 @@ static const lbw_option unit_option[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHE
 
 /* skeleton.read(path, {unit}) */
 static int skeleton_read(lua_State *L) {
-  const char *path = luaL_checkstring(L, 1);
+  const char *path = lbw_check_text(L, 1, NULL);
   lbw_options(L, 2, "skeleton.read", unit_option, NULL);
   double unit = lbw_unit_option(L, 2, "skeleton.read", 1e-3);
   lbw_box *box = lbw_box_new(L, &lbw_skeleton_class);
@@ -122,7 +122,7 @@ static int skeleton_read(lua_State *L) {
 /* skeleton:write(path, {unit}) */
 static int skeleton_write(lua_State *L) {
   const bw_skeleton *skeleton = self(L);
-  const char *path = luaL_checkstring(L, 2);
+  const char *path = lbw_check_text(L, 2, NULL);
   lbw_options(L, 3, "write", unit_option, NULL);
   double unit = lbw_unit_option(L, 3, "write", 1e-3);
   bw_status status = bw_skeleton_write_tgf(lbw_enter(L), skeleton, path, unit);

@@ -343,7 +343,8 @@ static int system_solve(lua_State *L) {
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   int64_t rows;
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
-  luaL_argcheck(L, rows == system->mesh->node_count, 2, "force: a row for every node expected");
+  lbw_argument_check(L, rows == system->mesh->node_count, 2,
+                     "force: a row for every node expected");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
   return lbw_leave(L, bw_system_solve(lbw_enter(L), system, 1, force, out), 1);
 }
@@ -395,7 +396,7 @@ static const bw_mesh *mesh_and_displacement(lua_State *L, const double **displac
   lbw_check(L, 2, &lbw_material_class);
   int64_t rows;
   *displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
-  luaL_argcheck(L, rows == mesh->node_count, 3, "displacement: a row for every node expected");
+  lbw_argument_check(L, rows == mesh->node_count, 3, "displacement: a row for every node expected");
   return mesh;
 }
 

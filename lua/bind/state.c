@@ -33,7 +33,7 @@ lbw_state *lbw_state_of(lua_State *L) {
   lua_setmetatable(L, -2);
   state->context = bw_context_create();
   if (!state->context)
-    luaL_error(L, "not enough memory for a context");
+    lbw_error(L, "not enough memory for a context");
   lua_rawsetp(L, LUA_REGISTRYINDEX, &state_key);
   return state;
 }
@@ -41,9 +41,9 @@ lbw_state *lbw_state_of(lua_State *L) {
 bw_context *lbw_enter(lua_State *L) {
   lbw_state *state = lbw_state_of(L);
   if (!state->context)
-    luaL_error(L, "the engine has been shut down");
+    lbw_error(L, "the engine has been shut down");
   if (state->running)
-    luaL_error(L, "the engine is busy: a function that it calls may not call it");
+    lbw_error(L, "the engine is busy: a function that it calls may not call it");
   luaL_checkstack(L, 12, "too many values");
   bw_clear_failure(state->context);
   state->caller = L;
@@ -102,7 +102,7 @@ int lbw_leave(lua_State *L, bw_status status, int results) {
   if (status == BW_OK)
     return results;
   if (status == BW_INVALID || status == BW_EMPTY)
-    return luaL_error(L, "%s", message_of(state->context, status));
+    return lbw_error(L, "%s", message_of(state->context, status));
   if (status == BW_CANCELLED)
     bw_clear_cancel(state->context);
   lua_pop(L, results);
@@ -118,7 +118,7 @@ void lbw_leave_or_raise(lua_State *L, bw_status status) {
   if (status == BW_CANCELLED)
     bw_clear_cancel(state->context);
   if (status != BW_OK)
-    luaL_error(L, "%s", message_of(state->context, status));
+    lbw_error(L, "%s", message_of(state->context, status));
 }
 
 /* ---- callbacks ------------------------------------------------------------------------------- */
@@ -180,7 +180,7 @@ static void on_progress(void *data, const char *stage, double fraction) {
 static int core_progress(lua_State *L) {
   lbw_state *state = lbw_state_of(L);
   if (!lua_isnoneornil(L, 1))
-    luaL_checktype(L, 1, LUA_TFUNCTION);
+    lbw_check_type(L, 1, LUA_TFUNCTION);
   lua_settop(L, 1);
   lua_rawgetp(L, LUA_REGISTRYINDEX, &progress_key);
   lua_insert(L, 1);
@@ -191,8 +191,8 @@ static int core_progress(lua_State *L) {
 
 static int core_report_progress(lua_State *L) {
   lbw_state *state = lbw_state_of(L);
-  const char *stage = luaL_checkstring(L, 1);
-  double fraction = luaL_checknumber(L, 2);
+  const char *stage = lbw_check_text(L, 1, NULL);
+  double fraction = lbw_check_number(L, 2);
   if (state->running)
     return 0;
   state->caller = L;
@@ -204,8 +204,8 @@ static int core_report_progress(lua_State *L) {
 
 static int core_threads(lua_State *L) {
   if (!lua_isnoneornil(L, 1)) {
-    lua_Integer n = luaL_checkinteger(L, 1);
-    luaL_argcheck(L, n >= 1 && n <= 64, 1, "a number of threads from 1 to 64 expected");
+    lua_Integer n = lbw_check_integer(L, 1);
+    lbw_argument_check(L, n >= 1 && n <= 64, 1, "a number of threads from 1 to 64 expected");
     lbw_leave_or_raise(L, bw_set_threads(lbw_enter(L), (int)n));
   }
   lua_pushinteger(L, bw_threads(lbw_state_of(L)->context));
@@ -234,7 +234,7 @@ static int core_seconds(lua_State *L) {
 }
 
 static int core_sha256(lua_State *L) {
-  const char *path = luaL_checkstring(L, 1);
+  const char *path = lbw_check_text(L, 1, NULL);
   char digest[65] = "";
   bw_status status = bw_sha256_file(lbw_enter(L), path, digest);
   lua_pushstring(L, digest);
@@ -243,9 +243,9 @@ static int core_sha256(lua_State *L) {
 
 /* write_file(path, text): beside the target, then renamed */
 static int core_write_file(lua_State *L) {
-  const char *path = luaL_checkstring(L, 1);
+  const char *path = lbw_check_text(L, 1, NULL);
   size_t length;
-  const char *text = luaL_checklstring(L, 2, &length);
+  const char *text = lbw_check_text(L, 2, &length);
   bw_writer *writer = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
@@ -267,18 +267,18 @@ static int core_external(lua_State *L) {
 
 /* fail_allocation(n, repeat): for tests */
 static int core_fail_allocation(lua_State *L) {
-  bw_fail_allocation((int64_t)luaL_checkinteger(L, 1), lua_toboolean(L, 2));
+  bw_fail_allocation((int64_t)lbw_check_integer(L, 1), lua_toboolean(L, 2));
   return 0;
 }
 
 static int core_nearest(lua_State *L) {
-  const char *word = luaL_checkstring(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  const char *word = lbw_check_text(L, 1, NULL);
+  lbw_check_type(L, 2, LUA_TTABLE);
   size_t count = lua_rawlen(L, 2);
   const char **candidate = (const char **)lua_newuserdatauv(L, (count + 1) * sizeof *candidate, 0);
   for (size_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, (lua_Integer)i + 1);
-    candidate[i] = luaL_checkstring(L, -1);
+    candidate[i] = lbw_check_text(L, -1, NULL);
     lua_pop(L, 1); /* the table keeps the string alive */
   }
   lua_pushstring(L, lbw_nearest(word, candidate, count));
@@ -332,6 +332,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   luaL_newmetatable(L, "barwright.surface_report");
   lua_setfield(L, -2, "surface_report");
   lua_setfield(L, -2, "tables");
+  lbw_open_raise(L);
   lbw_open_array(L);
   lbw_open_surface(L);
   lbw_open_mesh(L);

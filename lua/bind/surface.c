@@ -35,7 +35,7 @@ static void push_read_info(lua_State *L, const bw_read_info *info, double unit) 
 /* surface.read(path, {unit}) */
 static int surface_read(lua_State *L) {
   static const lbw_option options[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
-  const char *path = luaL_checkstring(L, 1);
+  const char *path = lbw_check_text(L, 1, NULL);
   lbw_options(L, 2, "surface.read", options, NULL);
   double unit = lbw_unit_option(L, 2, "surface.read", lbw_unit_of_path(path));
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
@@ -59,7 +59,7 @@ static int surface_write(lua_State *L) {
                                     {"ascii", LBW_BOOLEAN, 0},
                                     {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
-  const char *path = luaL_checkstring(L, 2);
+  const char *path = lbw_check_text(L, 2, NULL);
   bool ascii = false;
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, &ascii);
@@ -71,7 +71,7 @@ static int surface_write(lua_State *L) {
   size_t length = strlen(path);
   bool vtu = length > 4 && strcmp(path + length - 4, ".vtu") == 0;
   if (count > 0 && !vtu)
-    return luaL_error(L, "write: fields of a surface can only be written as .vtu");
+    return lbw_error(L, "write: fields of a surface can only be written as .vtu");
   bw_surface *scaled = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
@@ -94,7 +94,7 @@ static int surface_new(lua_State *L) {
                                        {"triangles", LBW_OTHER, 0},
                                        {"groups", LBW_OTHER, 0},
                                        {NULL, LBW_OTHER, 0}};
-  luaL_checktype(L, 1, LUA_TTABLE);
+  lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "surface.new", options, NULL);
   int64_t points, triangles, groups = 0;
@@ -106,7 +106,7 @@ static int surface_new(lua_State *L) {
   if (lbw_option_get(L, 1, "groups") != LUA_TNIL) {
     group = lbw_to_indices(L, -1, "surface.new: groups", 1, &groups);
     if (groups != triangles)
-      return luaL_error(L, "surface.new: groups: one for every triangle expected");
+      return lbw_error(L, "surface.new: groups: one for every triangle expected");
   }
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
@@ -122,7 +122,7 @@ typedef struct shape {
 
 static void need(lua_State *L, int index, const char *function, const char *key) {
   if (lbw_option_get(L, index, key) == LUA_TNIL)
-    luaL_error(L, "%s: option '%s' is missing", function, key);
+    lbw_error(L, "%s: option '%s' is missing", function, key);
   lua_pop(L, 1);
 }
 
@@ -239,7 +239,7 @@ static int surface_rotate(lua_State *L) {
   double angle = lbw_check_real(L, 3, "angle"), length = bw_norm(axis);
   if (!lua_isnoneornil(L, 4))
     lbw_check_vector(L, 4, "centre", centre);
-  luaL_argcheck(L, length > 0, 2, "axis: a vector of some length expected");
+  lbw_argument_check(L, length > 0, 2, "axis: a vector of some length expected");
   double c = cos(angle), s = sin(angle);
   for (int i = 0; i < 3; i++)
     axis[i] /= length;

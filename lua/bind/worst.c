@@ -53,7 +53,7 @@ static int single_regions(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   int64_t count = mesh->element_count;
   const int32_t *element = NULL;
-  double sign = luaL_optnumber(L, 3, 1);
+  double sign = lbw_number_or(L, 3, 1);
   if (!lua_isnoneornil(L, 2))
     element = lbw_to_indices(L, 2, "elements", 1, &count);
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
@@ -157,7 +157,8 @@ static int pressure_basis(lua_State *L) {
 static double *check_pressure(lua_State *L, const bw_pressure_basis *basis) {
   int64_t rows;
   double *pressure = lbw_to_doubles(L, 2, "pressure", 1, &rows);
-  luaL_argcheck(L, rows == basis->count, 2, "pressure: one for every node of the basis expected");
+  lbw_argument_check(L, rows == basis->count, 2,
+                     "pressure: one for every node of the basis expected");
   return pressure;
 }
 
@@ -173,7 +174,7 @@ static int basis_force(lua_State *L) {
 /* basis:arrows(pressure, radius): {{at, force, area}, ...}, largest first */
 static int basis_arrows(lua_State *L) {
   const bw_pressure_basis *basis = basis_self(L);
-  double radius = luaL_optnumber(L, 3, 0);
+  double radius = lbw_number_or(L, 3, 0);
   double *pressure = check_pressure(L, basis);
   int count = 0;
   bw_arrow *found = NULL;
@@ -213,7 +214,8 @@ static int basis_gradient(lua_State *L) {
   const bw_pressure_basis *basis = basis_self(L);
   int64_t rows;
   double *q = lbw_to_doubles(L, 2, "q", 3, &rows);
-  luaL_argcheck(L, rows == basis->mesh->node_count, 2, "q: a row for every mesh node expected");
+  lbw_argument_check(L, rows == basis->mesh->node_count, 2,
+                     "q: a row for every mesh node expected");
   bw_array *out = lbw_push_array(L, BW_F64, basis->count, 1);
   bw_pressure_gradient(basis, q, (double *)out->data);
   return 1;
@@ -230,13 +232,14 @@ static int basis_maximise(lua_State *L) {
       {NULL, LBW_OTHER, 0}};
   const bw_pressure_basis *basis = basis_self(L);
   const bw_system *system = (const bw_system *)lbw_check(L, 2, &lbw_system_class);
-  luaL_argcheck(L, system->mesh == basis->mesh, 2, "a system of the same mesh expected");
+  lbw_argument_check(L, system->mesh == basis->mesh, 2, "a system of the same mesh expected");
   memset(&options, 0, sizeof options);
   lua_settop(L, 4);
   lbw_options(L, 4, "maximise", list, &options);
   int64_t rows;
   double *objective = lbw_to_doubles(L, 3, "objective", 1, &rows), value = 0;
-  luaL_argcheck(L, rows == basis->count, 3, "objective: one for every node of the basis expected");
+  lbw_argument_check(L, rows == basis->count, 3,
+                     "objective: one for every node of the basis expected");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   bw_status status = bw_worst_loads(lbw_enter(L), basis, system->numbering, &options, 1, objective,
                                     out, &value, NULL);
@@ -377,8 +380,8 @@ static int worst_loads(lua_State *L) {
   lbw_options(L, 4, "worst_loads", list, &wish);
   wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
   const bw_mesh *mesh = system->mesh;
-  luaL_argcheck(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
-  luaL_argcheck(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
+  lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
+  lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
   lua_createtable(L, 0, 12);
   const int table = 5, count = regions->count;
   const bw_material *material = system->material;
@@ -473,10 +476,10 @@ static int rank_correlation(lua_State *L) {
   lua_settop(L, 3);
   double *a = lbw_to_doubles(L, 1, "a", 1, &count);
   double *b = lbw_to_doubles(L, 2, "b", 1, &other), *weight = NULL, rho = 0;
-  luaL_argcheck(L, other == count, 2, "b: as many numbers as in a expected");
+  lbw_argument_check(L, other == count, 2, "b: as many numbers as in a expected");
   if (!lua_isnoneornil(L, 3)) {
     weight = lbw_to_doubles(L, 3, "weights", 1, &other);
-    luaL_argcheck(L, other == count, 3, "weights: as many numbers as in a expected");
+    lbw_argument_check(L, other == count, 3, "weights: as many numbers as in a expected");
   }
   bw_context *context = lbw_enter(L);
   bw_status status = weight ? bw_weighted_rank_correlation(context, count, a, b, weight, &rho)

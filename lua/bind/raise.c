@@ -1,0 +1,133 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Errors of misuse, in C and (as core.raise) in the library's Lua files. Their message begins with
+ * the line of the script that went wrong: the first one on the way out that is neither in C nor in
+ * the library. Lua's own luaL_error and its relatives would name the library's line instead. */
+#include "bind.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+static const char library_key; /* registry: what the sources of the library's chunks begin with */
+
+static bool starts_with(const char *text, const char *beginning) {
+  return strncmp(text, beginning, strlen(beginning)) == 0;
+}
+
+/* Pushes "script.lua:12: "; "" where nothing but the library is on the way out. */
+static void push_position(lua_State *L) {
+  lua_Debug at;
+  const char *library =
+      lua_rawgetp(L, LUA_REGISTRYINDEX, &library_key) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
+  for (int level = 1; lua_getstack(L, level, &at); level++) {
+    lua_getinfo(L, "Sl", &at);
+    if (at.currentline > 0 && !(library && starts_with(at.source, library))) {
+      lua_pushfstring(L, "%s:%d: ", at.short_src, at.currentline);
+      lua_remove(L, -2);
+      return;
+    }
+  }
+  lua_pushliteral(L, "");
+  lua_remove(L, -2);
+}
+
+int lbw_error(lua_State *L, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  push_position(L);
+  lua_pushvfstring(L, format, arguments);
+  va_end(arguments);
+  lua_concat(L, 2);
+  return lua_error(L);
+}
+
+int lbw_argument_error(lua_State *L, int argument, const char *text) {
+  lua_Debug called;
+  if (!lua_getstack(L, 0, &called))
+    return lbw_error(L, "bad argument #%d (%s)", argument, text);
+  lua_getinfo(L, "n", &called);
+  const char *name = called.name ? called.name : "?";
+  if (strcmp(called.namewhat, "method") == 0 && --argument == 0)
+    return lbw_error(L, "calling '%s' on bad self (%s)", name, text);
+  return lbw_error(L, "bad argument #%d to '%s' (%s)", argument, name, text);
+}
+
+static int type_error(lua_State *L, int argument, const char *expected) {
+  return lbw_argument_error(
+      L, argument,
+      lua_pushfstring(L, "%s expected, got %s", expected,
+                      lua_isnone(L, argument) ? "no value" : lbw_type_name(L, argument)));
+}
+
+void lbw_check_type(lua_State *L, int argument, int type) {
+  if (lua_type(L, argument) != type)
+    type_error(L, argument, lua_typename(L, type));
+}
+
+const char *lbw_check_text(lua_State *L, int argument, size_t *length) {
+  const char *text = lua_tolstring(L, argument, length);
+  if (!text)
+    type_error(L, argument, lua_typename(L, LUA_TSTRING));
+  return text;
+}
+
+lua_Integer lbw_check_integer(lua_State *L, int argument) {
+  int is_integer;
+  lua_Integer value = lua_tointegerx(L, argument, &is_integer);
+  if (!is_integer)
+    type_error(L, argument, "a whole number");
+  return value;
+}
+
+lua_Integer lbw_integer_or(lua_State *L, int argument, lua_Integer otherwise) {
+  return lua_isnoneornil(L, argument) ? otherwise : lbw_check_integer(L, argument);
+}
+
+double lbw_check_number(lua_State *L, int argument) {
+  int is_number;
+  double value = lua_tonumberx(L, argument, &is_number);
+  if (!is_number)
+    type_error(L, argument, lua_typename(L, LUA_TNUMBER));
+  return value;
+}
+
+double lbw_number_or(lua_State *L, int argument, double otherwise) {
+  return lua_isnoneornil(L, argument) ? otherwise : lbw_check_number(L, argument);
+}
+
+int lbw_check_word(lua_State *L, int argument, const char *const words[]) {
+  if (lua_isnoneornil(L, argument))
+    return 0;
+  const char *word = lbw_check_text(L, argument, NULL);
+  int count = 0;
+  for (; words[count]; count++)
+    if (strcmp(words[count], word) == 0)
+      return count;
+  return lbw_argument_error(L, argument,
+                            lua_pushfstring(L, "'%s' is not known: did you mean '%s'?", word,
+                                            lbw_nearest(word, words, (size_t)count)));
+}
+
+/* raise(message) */
+static int core_raise(lua_State *L) {
+  return lbw_error(L, "%s", lbw_check_text(L, 1, NULL));
+}
+
+/* library(): the folder of the file that calls holds the library */
+static int core_library(lua_State *L) {
+  lua_Debug at;
+  if (!lua_getstack(L, 1, &at))
+    return 0;
+  lua_getinfo(L, "S", &at);
+  const char *end = at.source[0] == '@' ? strrchr(at.source, '/') : NULL;
+  if (end) {
+    lua_pushlstring(L, at.source, (size_t)(end - at.source) + 1);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &library_key);
+  }
+  return 0;
+}
+
+void lbw_open_raise(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"raise", core_raise}, {"library", core_library}, {NULL, NULL}};
+  luaL_setfuncs(L, functions, 0);
+}
