@@ -11,7 +11,8 @@ extern "C" {
 
 /* A segment runs from point[0] to point[3]; a line has control points -1. Segments of a loop follow
  * each other, each beginning at the point where the one before ends, the first where the last
- * ends; no point belongs to two loops. `tag` groups segments for conditions and handles. */
+ * ends. Every point is the start of one segment or one control point of one segment. `tag` groups
+ * segments for conditions and handles. */
 typedef struct bw_segment {
   int32_t point[4]; /* start, control, control, end */
   int32_t tag;      /* from 0; index into the outline's tag names */
@@ -27,20 +28,28 @@ typedef struct bw_loop {
   bw_name name;
 } bw_loop;
 
-/* Immutable; always valid: every loop closed and simple, loops disjoint and properly nested. */
+/* Immutable; always valid: every loop closed and simple, loops disjoint and properly nested.
+ * Segments that are not neighbours stay more than BW_OUTLINE_GAP times the size of the outline
+ * (the diagonal of its box, or the largest coordinate if that is larger) apart; neighbours meet in
+ * their common end only, and not at an angle of zero. */
+#define BW_OUTLINE_GAP 1e-9
 typedef struct bw_outline {
   bw_object object;
+  const struct bw_outline *origin; /* retained: whose topology this is; NULL: its own */
   int32_t point_count, segment_count, loop_count, region_count, tag_count;
-  double *point; /* point_count x 2: vertices and control points */
-  bw_segment *segment;
+  double *point;       /* point_count x 2: vertices and control points */
+  bw_segment *segment; /* these three arrays are shared by outlines of the same topology */
   bw_loop *loop;
   bw_name *tag;
 } bw_outline;
 
 /* From a description: points (checked to be finite), segments loop by loop in order, loops with
- * `first`, `count`, `region` and `name` (direction and parent are found; loops given clockwise are
- * turned). BW_GEOMETRY names loop, segment and place of a crossing, a doubled point, a loop that
- * lies outside of everything it should be in, or an empty area. */
+ * `first`, `count`, `region` and `name` (direction and parent are found). A loop that runs the
+ * wrong way is turned: its first segment stays the first, the others follow backwards, and point
+ * numbers stay. Loops without a name are called "loop N" (N from 1); no tags: one, "boundary".
+ * BW_GEOMETRY names loop, segment and place (segments counted from 1 through all loops; details
+ * "segment", "other_segment", "x", "y") of a crossing, a doubled point, a loop that lies outside of
+ * everything it should be in, or an empty area. */
 bw_status bw_outline_create(bw_context *context, int32_t points, const double *point,
                             int32_t segments, const bw_segment *segment, int32_t loops,
                             const bw_loop *loop, int32_t tags, const bw_name *tag,
@@ -50,10 +59,14 @@ bw_status bw_outline_create(bw_context *context, int32_t points, const double *p
  * stays as it is. */
 bw_status bw_outline_moved(bw_context *context, const bw_outline *outline, const double *point,
                            bw_outline **moved);
+/* Whether one was made from the other by moving points. */
+bool bw_outline_same_topology(const bw_outline *a, const bw_outline *b);
+int32_t bw_outline_find_loop(const bw_outline *outline, const char *name); /* -1: none */
+int32_t bw_outline_find_tag(const bw_outline *outline, const char *name);  /* -1: none */
 
 typedef enum bw_handle_kind {
   BW_HANDLE_VERTEX,  /* a point; the control points beside a vertex go with it */
-  BW_HANDLE_SEGMENT, /* both ends and the controls of an edge */
+  BW_HANDLE_SEGMENT, /* both ends and the controls of an edge, and the control points beside them */
   BW_HANDLE_LOOP     /* a whole loop with the loops inside it */
 } bw_handle_kind;
 /* Displacement of every outline point under a unit move of a handle: weight[i] in 0..1 for each

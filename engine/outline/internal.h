@@ -1,0 +1,72 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of outlines share. */
+#ifndef BWI_OUTLINE_INTERNAL_H
+#define BWI_OUTLINE_INTERNAL_H
+
+#include "barwright/outline.h"
+
+static inline bool bwi_is_line(const bw_segment *segment) {
+  return segment->point[1] < 0;
+}
+
+/* ---- curves (curve.c): a line with 2 or a cubic with 4 control points ------------------------ */
+
+typedef struct bwi_curve {
+  int count;
+  double point[4][2];
+} bwi_curve;
+bwi_curve bwi_curve_of(const double *point, const bw_segment *segment);
+void bwi_curve_at(const bwi_curve *curve, double t, double position[2], double derivative[2],
+                  double second[2]);
+/* de Casteljau. The common end is one point, and the outer ends are those of the whole, bit for
+ * bit. */
+void bwi_curve_split(const bwi_curve *curve, double t, bwi_curve *left, bwi_curve *right);
+/* A bound of the distance from the curve to its chord. */
+double bwi_curve_sag(const bwi_curve *curve);
+/* The box of the control points, or of the curve itself. */
+void bwi_curve_hull(const bwi_curve *curve, double low[2], double high[2]);
+void bwi_curve_box(const bwi_curve *curve, double low[2], double high[2]);
+
+/* ---- validity -------------------------------------------------------------------------------- */
+
+/* How close segments may come: BW_OUTLINE_GAP times the size of these points. */
+double bwi_outline_gap(int32_t count, const double *point);
+/* Segments against each other and themselves (crossing.c); names as in the outline's loops. */
+bw_status bwi_outline_check_crossings(bw_context *context, const double *point, double gap,
+                                      int32_t loops, const bw_loop *loop,
+                                      const bw_segment *segment);
+/* Which loop lies directly in which (nesting.c); -1: in none. The loops are simple and disjoint.
+ * area: of every loop, positive counter-clockwise. */
+bw_status bwi_outline_nesting(bw_context *context, const double *point, int32_t loops,
+                              const bw_loop *loop, const bw_segment *segment, double *area,
+                              int32_t *parent);
+/* How often a loop runs around a place that does not lie on it (counter-clockwise is positive). */
+int bwi_loop_winding(const double *point, const bw_loop *loop, const bw_segment *segment,
+                     const double at[2]);
+
+/* ---- measures (measure.c) -------------------------------------------------------------------- */
+
+/* Integrals over the inside of a closed loop relative to `origin`: 1, x, y, y^2, x^2, xy; negative
+ * for clockwise loops. */
+void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment *segment,
+                      const double origin[2], double moment[6]);
+/* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
+int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region);
+
+/* A loop's segments [first, first + count) in a circle. */
+static inline int32_t bwi_next_segment(const bw_loop *loop, int32_t segment) {
+  return segment + 1 < loop->first + loop->count ? segment + 1 : loop->first;
+}
+static inline int32_t bwi_previous_segment(const bw_loop *loop, int32_t segment) {
+  return segment > loop->first ? segment - 1 : loop->first + loop->count - 1;
+}
+/* The loop of a segment. */
+int32_t bwi_segment_loop(const bw_outline *outline, int32_t segment);
+
+bw_status bwi_check_loop(bw_context *context, const bw_outline *outline, int32_t loop);
+bw_status bwi_check_segment(bw_context *context, const bw_outline *outline, int32_t segment);
+/* A point at which a segment begins; that segment comes back. */
+bw_status bwi_check_vertex(bw_context *context, const bw_outline *outline, int32_t vertex,
+                           int32_t *segment);
+
+#endif
