@@ -112,16 +112,20 @@ static bw_status begin(iteration *it, int64_t first, int count) {
     memcpy(r, it->force + side * size, (size_t)size * sizeof *r);
     keep_unknowns(it, r);
     memset(it->solution + side * size, 0, (size_t)size * sizeof(double));
-    double load = sqrt(dot(r, r, size));
-    if (load > 0)
-      it->column[it->active++] = (column){.side = side, .load = load, .residual = 1};
+    double left = sqrt(dot(r, r, size)), load = it->problem->load ? it->problem->load[side] : left;
+    if (left > 0)
+      it->column[it->active++] = (column){.side = side, .load = load, .residual = left / load};
   }
   if (it->active == 0)
     return BW_OK;
   BW_TRY(precondition(it, 0, it->active));
   memcpy(it->p, it->z, (size_t)it->active * (size_t)size * sizeof(double));
-  for (int k = 0; k < it->active; k++)
-    it->column[k].rz = it->column[k].energy = dot(it->r + k * size, it->z + k * size, size);
+  for (int k = 0; k < it->active; k++) {
+    column *c = &it->column[k];
+    c->rz = c->energy = dot(it->r + k * size, it->z + k * size, size);
+    if (it->problem->energy)
+      c->energy = fmax(c->energy, it->problem->energy[c->side]);
+  }
 done:
   return status;
 }

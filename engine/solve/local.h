@@ -69,6 +69,9 @@ typedef struct bwi_conjugate {
   const bw_numbering *numbering;
   const bwi_factor *factor; /* the preconditioner */
   double tolerance;
+  /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every
+     right-hand side, which the tolerance is relative to. Or NULL. */
+  const double *load, *energy;
   int limit; /* on iterations */
   /* out */
   int iterations; /* of the right-hand side that took most */
@@ -78,6 +81,20 @@ typedef struct bwi_conjugate {
  * failure; `displacement` is then what was reached. The two may not be the same block. */
 bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
                               const double *force, double *displacement);
+
+/* ---- guess.c ------------------------------------------------------------------------------- */
+
+/* What is left to iterate where options->guess has fields near the solution. Without any, only the
+ * tolerance is set. Release with bwi_rest_clear. */
+typedef struct bwi_rest {
+  double *guess, *force; /* by right-hand side: where to begin, and f - K guess */
+  double *load, *energy; /* see bwi_conjugate */
+  double tolerance;      /* of the side that has farthest to go, relative to what is left of it */
+} bwi_rest;
+bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
+                        const bw_local_options *options, int64_t count, const double *force,
+                        bwi_rest *rest);
+void bwi_rest_clear(bwi_rest *rest);
 
 /* ---- local_check.c ------------------------------------------------------------------------- */
 

@@ -50,8 +50,8 @@ done:
 
 /* *converged is false when the limit was reached; `displacement` then still is the force. */
 static bw_status iterate(bw_context *context, bw_local_system *local, double tolerance, int limit,
-                         const bwi_local_cost *cost, int64_t count, double *displacement,
-                         int *iterations, bool *converged) {
+                         const bwi_local_cost *cost, const bwi_rest *left, int64_t count,
+                         double *displacement, int *iterations, bool *converged) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   const bw_system *system = local->system;
@@ -61,11 +61,14 @@ static bw_status iterate(bw_context *context, bw_local_system *local, double tol
                            .numbering = system->numbering,
                            .factor = inner->factor,
                            .tolerance = tolerance,
+                           .load = left->load,
+                           .energy = left->energy,
                            .limit = limit};
   double *solution = BW_NEW(context, double, size);
   if (!solution)
     return BW_MEMORY;
-  BW_TRY(bwi_conjugate_solve(context, &problem, count, displacement, solution));
+  BW_TRY(bwi_conjugate_solve(context, &problem, count, left->force ? left->force : displacement,
+                             solution));
   *iterations = problem.iterations;
   *converged = problem.converged;
   inner->spent += problem.iterations;
@@ -73,6 +76,8 @@ static bw_status iterate(bw_context *context, bw_local_system *local, double tol
     double seen = inner->experience * problem.iterations / cost->iterations;
     inner->experience = fmin(fmax(seen, 0.1), 10);
     memcpy(displacement, solution, size * sizeof(double));
+    for (size_t i = 0; left->guess && i < size; i++)
+      displacement[i] += left->guess[i];
     BW_TRY(bwi_steady_fields(context, system->numbering, count, displacement));
   }
 done:
@@ -113,6 +118,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   double start = bw_seconds(), *load = NULL;
   bw_local_options options;
   bool solved = false;
+  bwi_rest left = {.tolerance = 0};
   BW_TRY(options_of(context, given, &options));
   if (options.check) { /* the force may be overwritten */
     load = BW_NEW(context, double, size);
@@ -126,14 +132,18 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   if (bwi_local_usable(local) && !bwi_local_current(local)) {
     bwi_local_cost cost;
     int iterations = 0;
-    bwi_local_predict(local, options.tolerance, count, &cost);
+    if (options.method == BW_LOCAL_AUTO || options.method == BW_LOCAL_ITERATE)
+      BW_TRY(bwi_rest_make(context, local, &options, count, displacement, &left));
+    else
+      left.tolerance = options.tolerance;
+    bwi_local_predict(local, left.tolerance, count, &cost);
     if (reuse) {
       reuse->predicted_refactor = cost.refactor;
       reuse->predicted_iterate = cost.iterate;
     }
     int limit = iterations_worth(local, options.method, &cost);
     if (limit > 0)
-      BW_TRY(iterate(context, local, options.tolerance, limit, &cost, count, displacement,
+      BW_TRY(iterate(context, local, options.tolerance, limit, &cost, &left, count, displacement,
                      &iterations, &solved));
     if (limit > 0 && !solved && options.method == BW_LOCAL_ITERATE) {
       status = fail_convergence(context, iterations, options.tolerance);
@@ -159,6 +169,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   if (options.check)
     BW_TRY(bwi_local_check(context, local, count, load, displacement, reuse));
 done:
+  bwi_rest_clear(&left);
   bw_free(load);
   return status;
 }
@@ -184,14 +195,17 @@ done:
 
 typedef struct static_data {
   bw_local_system *local;
-  const bw_local_options *options;
+  bw_local_options options;
   bw_reuse *reuse;
 } static_data;
 
 static bw_status solve_one(bw_context *context, void *data, const double *force,
                            double *displacement) {
   static_data *d = data;
-  return bw_local_system_solve(context, d->local, d->options, 1, force, displacement, d->reuse);
+  bw_status status =
+      bw_local_system_solve(context, d->local, &d->options, 1, force, displacement, d->reuse);
+  d->options.guess_count = 0; /* what refines it is not near them */
+  return status;
 }
 
 bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw_model *model,
@@ -207,7 +221,7 @@ bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw
   BW_TRY(options_of(context, given, &options));
   const bw_system *system = local->system;
   BW_TRY(bwi_static_begin(context, model, statics, system->numbering, &result));
-  static_data data = {local, &options, reuse};
+  static_data data = {local, options, reuse};
   bwi_static_solver solver = {
       .solve = solve_one, .data = &data, .refine_to = fmax(bwi_refine_to, options.tolerance)};
   BW_TRY(bwi_static_solve(context, system->numbering, system->graph, system->stiffness, &solver,

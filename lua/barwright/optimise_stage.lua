@@ -11,8 +11,10 @@ local edit_shape = require "barwright.edit_shape"
 local stage = {}
 stage.__index = stage
 
-local near = 0.08 -- relative difference of factors up to which the last factorisation serves
-local precise, rough = 1e-8, 1e-5 -- relative residuals, of stresses and of their slopes
+-- Relative residuals, of stresses and of their slopes: stresses come out better by three digits, as
+-- what is left is spread over all elements.
+local precise, rough = 1e-5, 1e-4
+local displacements, adjoints = 4, 8 -- of each load case, that are kept to begin others with
 
 --- On the current state of a session. `parts`: load cases, on the session's original mesh.
 function stage.new(session, parts, inertia_relief)
@@ -20,8 +22,7 @@ function stage.new(session, parts, inertia_relief)
   local relaxed = state.shape and state.shape.how == "relaxed"
   return setmetatable({session = session, state = state, topology = state.topology, parts = parts,
     pose = state.pose, inertia_relief = inertia_relief, relaxing = relaxed or false,
-    factored = {},
-    counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
+    near = {}, counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
 end
 
 --- The factors of a bone at the start.
@@ -34,31 +35,39 @@ function stage:derivative(bone, axis)
   return self.topology.domains:pose_derivative(self.pose, bone, axis)
 end
 
--- How far the factors are from those of the last factorisation: the largest relative difference.
-local function distance(self, scales)
-  local most = 0
-  local function compare(bone, a, b)
-    a, b = a or self:factors(bone), b or self:factors(bone)
-    for i = 1, 3 do most = math.max(most, math.abs(a[i] / b[i] - 1)) end
-  end
-  for bone, scale in pairs(scales) do compare(bone, scale, self.factored[bone]) end
-  for bone, scale in pairs(self.factored) do
-    if not scales[bone] then compare(bone, nil, scale) end
-  end
-  return most
+-- Fields near the solutions of a load case: its last displacements, and the last adjoint displacements,
+-- the latest of each node.
+local function guess(self, i)
+  local near, list = self.near[i], {}
+  for k, field in ipairs(near.displacements) do list[k] = field end
+  for _, adjoint in ipairs(near.adjoints) do list[#list + 1] = adjoint.field end
+  return list
 end
 
--- Near the last factorisation the engine chooses between its factor as a preconditioner and a new one;
--- elsewhere a new one pays, as the adjoint solves need it too.
-local function solve(self, state, part, scales)
+local function remember_displacement(near, field)
+  table.insert(near.displacements, 1, field)
+  near.displacements[displacements + 1] = nil
+end
+
+local function remember_adjoint(near, node, field)
+  local list = near.adjoints
+  for k, adjoint in ipairs(list) do
+    if adjoint.node == node then table.remove(list, k) break end
+  end
+  table.insert(list, 1, {node = node, field = field})
+  list[adjoints + 1] = nil
+end
+
+local function solve(self, state, part, i)
   local record, message, details = edit_follow.bring(self.session, state, part)
   if not record then return nil, message, details end
+  self.near[i] = self.near[i] or {displacements = {}, adjoints = {}}
   local result, reuse
   result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
-    method = distance(self, scales) > near and "refactor" or "auto", tolerance = precise}, record.reuse)
+    method = "auto", tolerance = precise, guess = guess(self, i)}, record.reuse)
   if not result then return nil, reuse, details end
+  remember_displacement(self.near[i], result.displacement)
   if not record.reuse or reuse.method ~= "iterate" then
-    self.factored = scales
     local kept = record.reuse and reuse.factor_kept or 0
     if kept < 1 then self.counts.factorisations = self.counts.factorisations + 1 - kept end
   end
@@ -86,7 +95,7 @@ function stage:at(scales)
     cases = {}, max = 0}
   for i, part in ipairs(self.parts) do
     local case
-    case, message, details = solve(self, point.state, part, scales)
+    case, message, details = solve(self, point.state, part, i)
     if not case then return nil, message, details end
     point.cases[i] = case
     local max = case.von_mises:max()
@@ -105,9 +114,13 @@ function stage:slopes(point, i, nodes, motions)
     case.model, case.system, self.last = record.model, record.system, {point = point, case = i}
   end
   self.counts.adjoints = self.counts.adjoints + #nodes
-  local values, slopes, details = core.von_mises_slopes(case.model, case.system,
-    case.result.displacement, nodes, motions, {tolerance = rough})
-  if not values then return nil, slopes, details end
+  local values, slopes, fields = core.von_mises_slopes(case.model, case.system,
+    case.result.displacement, nodes, motions, {tolerance = rough, guess = guess(self, i)})
+  if not values then return nil, slopes, fields end
+  local count = case.model.mesh.node_count
+  for k, node in ipairs(nodes) do
+    remember_adjoint(self.near[i], node, fields:rows((k - 1) * count + 1, k * count))
+  end
   return slopes
 end
 
@@ -117,7 +130,7 @@ function stage:refill(scales)
   local pose = self:pose_of(scales)
   local shape = edit_shape.mended(self.topology, pose, self.session.wish)
   if not shape or shape.topology == self.topology then return false end
-  self.topology, self.relaxing, self.factored, self.last = shape.topology, true, {}, nil
+  self.topology, self.relaxing, self.near, self.last = shape.topology, true, {}, nil
   return true
 end
 

@@ -125,6 +125,30 @@ static int local_update(lua_State *L) {
   return leave_with_reuse(L, status, &reuse, box, 1);
 }
 
+void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes,
+                    bw_local_options *options) {
+  enum { MOST = 64 };
+  int type = lbw_option_get(L, index, "guess"), list = lua_gettop(L);
+  if (type == LUA_TNIL)
+    return;
+  lua_Integer count = type == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list) : MOST + 1;
+  if (count > MOST)
+    lbw_option_error(L, function, "guess", "a list of at most 64 fields expected");
+  luaL_checkstack(L, (int)count + 10, "too many values");
+  const double **field =
+      (const double **)lua_newuserdatauv(L, (size_t)(count + 1) * sizeof *field, 0);
+  for (lua_Integer k = 0; k < count; k++) {
+    int64_t rows;
+    lua_rawgeti(L, list, k + 1);
+    field[k] = lbw_to_doubles(L, -1, "guess", 3, &rows);
+    if (rows != nodes)
+      lbw_option_error(L, function, "guess", "fields with a row for every node expected");
+    lua_remove(L, -2);
+  }
+  options->guess_count = (int)count;
+  options->guess = field;
+}
+
 static void read_options(lua_State *L, int index, const char *function, bw_local_options *local,
                          bw_statics_options *statics) {
   struct wish {
@@ -135,6 +159,7 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
       {"method", LBW_OTHER, 0},
       {"tolerance", LBW_REAL, offsetof(struct wish, local.tolerance)},
       {"check", LBW_BOOLEAN, offsetof(struct wish, local.check)},
+      {"guess", LBW_OTHER, 0},
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
       {"balance_tolerance", LBW_REAL, offsetof(struct wish, statics.tolerance)},
       {NULL, LBW_OTHER, 0}};
@@ -143,6 +168,7 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
   lbw_options(L, index, function, list, &wish);
   wish.local.method = (bw_local_method)lbw_word_option(L, index, function, "method", methods_words,
                                                        (int)wish.local.method);
+  lbw_read_guess(L, index, function, self(L)->system->mesh->node_count, &wish.local);
   *local = wish.local;
   *statics = wish.statics;
 }

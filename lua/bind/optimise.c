@@ -12,14 +12,22 @@ typedef struct solver {
   bw_system *system;      /* either this */
   bw_local_system *local; /* or this */
   bw_local_options options;
+  double *adjoint; /* where the next ones go, or NULL */
 } solver;
 
 static bw_status solve(void *data, bw_context *context, int64_t count, const double *force,
                        double *displacement) {
   solver *s = (solver *)data;
-  if (s->system)
-    return bw_system_solve(context, s->system, count, force, displacement);
-  return bw_local_system_solve(context, s->local, &s->options, count, force, displacement, NULL);
+  bw_status status = s->system ? bw_system_solve(context, s->system, count, force, displacement)
+                               : bw_local_system_solve(context, s->local, &s->options, count, force,
+                                                       displacement, NULL);
+  const bw_mesh *mesh = s->system ? s->system->mesh : s->local->system->mesh;
+  if (s->adjoint && status == BW_OK) {
+    size_t size = (size_t)count * 3 * (size_t)mesh->node_count;
+    memcpy(s->adjoint, displacement, size * sizeof *displacement);
+    s->adjoint += size;
+  }
+  return status;
 }
 
 typedef struct request {
@@ -34,6 +42,7 @@ typedef struct request {
 /* The arguments model, system or local system, displacement, nodes; options at `options`. */
 static request check_request(lua_State *L, int options) {
   static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_local_options, tolerance)},
+                                    {"guess", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
   bw_local_options_default(&r.solver.options);
@@ -49,6 +58,7 @@ static request check_request(lua_State *L, int options) {
   int64_t rows;
   lbw_argument_check(L, r.numbering->mesh->node_count == nodes, 2,
                      "a system of the model expected");
+  lbw_read_guess(L, options, "von_mises_slopes", nodes, &r.solver.options);
   r.displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
   lbw_argument_check(L, rows == nodes, 3, "displacement: a row for every node expected");
   r.node = lbw_to_indices(L, 4, "nodes", 1, &r.count);
@@ -57,8 +67,9 @@ static request check_request(lua_State *L, int options) {
   return r;
 }
 
-/* von_mises_gradient(model, system, displacement, nodes, {tolerance}): the stress at the nodes; its
- * derivative by the position of every node, a block of node_count rows for each of the nodes */
+/* von_mises_gradient(model, system, displacement, nodes, {tolerance, guess}): the stress at the
+ * nodes; its derivative by the position of every node, a block of node_count rows for each of the
+ * nodes */
 static int core_gradient(lua_State *L) {
   lua_settop(L, 5);
   request r = check_request(L, 5);
@@ -71,9 +82,10 @@ static int core_gradient(lua_State *L) {
                    2);
 }
 
-/* von_mises_slopes(model, system, displacement, nodes, {motions}, {tolerance}): the stress at the
- * nodes; its change, a row for each of the nodes, a column for each of the motions (a row for every
- * node of the mesh) */
+/* von_mises_slopes(model, system, displacement, nodes, {motions}, {tolerance, guess}): the stress
+ * at the nodes; its change, a row for each of the nodes, a column for each of the motions (a row
+ * for every node of the mesh); the adjoint displacements, a block of node_count rows for each node
+ */
 static int core_slopes(lua_State *L) {
   enum { AT_ONCE = 8 };
   lua_settop(L, 6);
@@ -92,6 +104,7 @@ static int core_slopes(lua_State *L) {
   }
   double *value = (double *)lbw_push_array(L, BW_F64, r.count, 1)->data;
   double *slope = (double *)lbw_push_array(L, BW_F64, r.count, motions)->data;
+  r.solver.adjoint = (double *)lbw_push_array(L, BW_F64, r.count * all / 3, 3)->data;
   bw_status status = BW_OK;
   bw_context *context = lbw_enter(L);
   double *gradient = BW_NEW(context, double, all *(r.count < AT_ONCE ? r.count : AT_ONCE));
@@ -110,7 +123,7 @@ static int core_slopes(lua_State *L) {
       }
   }
   bw_free(gradient);
-  return lbw_leave(L, status, 2);
+  return lbw_leave(L, status, 3);
 }
 
 /* corner_nodes(mesh): their numbers, ascending */

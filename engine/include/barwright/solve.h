@@ -98,6 +98,10 @@ typedef struct bw_local_options {
   double tolerance; /* of conjugate gradients, relative residual; default 1e-10 */
   bool check;       /* compare stiffness and solution with those from scratch: BW_INTERNAL when they
                        differ (1e-12, 1e-8) */
+  /* Fields near the solutions (of shapes near this one; node_count x 3 each, borrowed): iterating
+     begins at the combination of them that is nearest in energy. A direct solution ignores them. */
+  int guess_count;
+  const double *const *guess;
 } bw_local_options;
 void bw_local_options_default(bw_local_options *options);
 

@@ -527,6 +527,69 @@ static void many_sides(void **state) {
   }
 }
 
+/* Fields to begin with: the same solution whatever they are; fewer iterations where they are near,
+ * hardly any where the solutions are combinations of them. */
+static void guesses(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIDES = 3, FIELDS = 7 };
+  for (int scene = 0; scene < 4; scene++) {
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    bw_local_system *local = local_of(context, &b);
+    int64_t size = 3 * (int64_t)b.mesh->node_count;
+    double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
+    double *field = numbers(FIELDS * size);
+    const double *guess[FIELDS];
+    random_field(5, SIDES * size, force);
+    bw_local_options options;
+    bw_local_options_default(&options);
+    options.method = BW_LOCAL_ITERATE;
+    options.check = true;
+    for (int step = 0; step < 2; step++) { /* two shapes; the solutions of the first are fields */
+      bw_reuse reuse = {0};
+      b.now.scale[2][2] = 1.06 + 0.004 * step;
+      bw_model *model = posed(context, &b);
+      check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
+      options.guess_count = 0;
+      check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, v, &reuse));
+      int without = reuse.iterations;
+      if (step == 1) {
+        for (int k = 0; k < FIELDS; k++)
+          guess[k] = field + k * size; /* the fourth is zero */
+        memcpy(field + 4 * size, field, (size_t)size * sizeof *field);
+        random_field(9, size, field + 5 * size);
+        field[6 * size] = NAN;
+        options.guess = guess;
+        options.guess_count = FIELDS;
+        reuse = (bw_reuse){0};
+        check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, &reuse));
+        assert_true(reuse.iterations < without);
+        for (int k = 0; k < SIDES; k++)
+          check_near(difference(u + k * size, v + k * size, size), 0, 1e-8);
+        for (int64_t i = 0; i < size; i++)
+          field[i] = v[i] + 2 * v[size + i];
+        memcpy(field + size, v + size, (size_t)(2 * size) * sizeof *field);
+        reuse = (bw_reuse){0};
+        options.tolerance = 1e-8;
+        check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, &reuse));
+        assert_true(reuse.iterations <= 1);
+        options.method = BW_LOCAL_REFACTOR; /* ignores them */
+        options.guess_count = FIELDS;
+        check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, NULL));
+      }
+      memcpy(field, v, (size_t)(SIDES * size) * sizeof *field);
+      bw_release(model);
+    }
+    bw_release(local);
+    free(force);
+    free(u);
+    free(v);
+    free(field);
+    bar_clear(&b);
+  }
+}
+
 /* The view of an up-to-date system is one: modes of the edited shape from it. Before that, it says
  * that it is not. */
 static void view_serves_modes(void **state) {
@@ -768,6 +831,11 @@ static void no_memory(void **state) {
   bw_local_system *local = local_of(context, &b);
   bw_local_options options;
   bw_local_options_default(&options);
+  double *field = numbers(3 * (int64_t)b.mesh->node_count);
+  const double *guess[1] = {field};
+  random_field(3, 3 * (int64_t)b.mesh->node_count, field);
+  options.guess = guess;
+  options.guess_count = 1;
   for (int method = BW_LOCAL_ITERATE; method >= BW_LOCAL_REFACTOR; method--) {
     options.method = (bw_local_method)method;
     bool updated = false;
@@ -789,6 +857,7 @@ static void no_memory(void **state) {
     bw_reuse reuse = {0};
     compare(context, local, model, BW_LOCAL_AUTO, &reuse);
   }
+  free(field);
   bw_release(local);
   bw_release(model);
   bw_release(rest);
@@ -825,12 +894,18 @@ static void threads_agree(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(random_sequences), check_test(reuse_is_said),
-      check_test(choice_by_cost),   check_test(too_hopeful),
-      check_test(many_sides),       check_test(view_serves_modes),
-      check_test(orthotropic),      check_test(failures_and_recovery),
-      check_test(no_convergence),   check_test(supports_become_others),
-      check_test(no_memory),        check_test(threads_agree)};
+  const struct CMUnitTest tests[] = {check_test(random_sequences),
+                                     check_test(reuse_is_said),
+                                     check_test(choice_by_cost),
+                                     check_test(too_hopeful),
+                                     check_test(many_sides),
+                                     check_test(guesses),
+                                     check_test(view_serves_modes),
+                                     check_test(orthotropic),
+                                     check_test(failures_and_recovery),
+                                     check_test(no_convergence),
+                                     check_test(supports_become_others),
+                                     check_test(no_memory),
+                                     check_test(threads_agree)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
