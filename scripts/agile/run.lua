@@ -10,6 +10,7 @@
 -- sideways at the end of a limb. DIR gets result.json, manifest.json, report.html, pictures, the edits as a
 -- script, and the shape as STL; with `all`, a folder for each scene. Exit status 0: the part ends
 -- below the limit (or --no-optimise). 2: refused, one sentence on standard error. 3: it does not.
+-- 130: interrupted. What ends early keeps what is done: result.json says "finished": false and why.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
@@ -111,27 +112,10 @@ local function remarks_into(list)
   for _, remark in ipairs(bw.remarks()) do list[#list + 1] = remark end
 end
 
--- Everything about one scene; returns its result, or nil, message, details.
-local function run(scene, wish, out)
-  local start = bw.seconds()
-  local limit = wish.limit or scenes.threshold
-  local results, message, details = bw.results.open(out, {script = "scripts/agile/run.lua",
-    inputs = scene.inputs or {}, options = wish, seed = bw.json.null})
-  if not results then return nil, message, details end
-  local mesh = scene.mesh
-  local result = {scene = scene.name, finished = false, elements = mesh.element_count,
-    nodes = mesh.node_count, limit_pa = limit, seconds_mesh = scene.seconds_mesh,
-    bones = scene.skeleton.bone_count, edits = bw.json.list {}, remarks = bw.json.list {},
-    paper = scene.paper and {elements = scene.paper.elements, bones = scene.paper.bones,
-      max_von_mises_pa = scene.paper.von_mises}}
-  print(("%s: %s"):format(scene.name, mesh))
-
-  local clock = bw.seconds()
-  local session
-  session, message, details = bw.edit(scene.part, scene.session)
-  if not session then return nil, message, details end
+-- The edits, one by one; into `result` and the folder of `results`. Returns nil, message, details when
+-- one cannot be solved.
+local function replay(session, scene, result, results)
   remarks_into(result.remarks)
-  result.seconds_session = bw.seconds() - clock
   result.domains = domain_counts(session.domains)
   print(("  %d bones, %d domains of type R with %d elements, %d of type F with %d"):format(result.bones,
     result.domains.type_r, result.domains.elements_r, result.domains.type_f, result.domains.elements_f))
@@ -147,9 +131,8 @@ local function run(scene, wish, out)
   take(row, static)
   picture(session, static, results:path "rest.png")
   for _, edit in ipairs(scene.edits) do
-    clock = bw.seconds()
-    local fine
-    fine, message = edit[2](session)
+    local clock = bw.seconds()
+    local fine, message = edit[2](session)
     local seconds = bw.seconds() - clock
     if bw.interrupted() then return nil, "interrupted", {status = "cancelled"} end
     if fine then
@@ -163,48 +146,87 @@ local function run(scene, wish, out)
     end
   end
   remarks_into(result.remarks)
-  static = assert(session:solve())
-  local before = static.von_mises:max()
-  result.before_max_von_mises_pa, result.before_error = before, static:error_estimate()
+  local message, details
+  static, message, details = session:solve()
+  if not static then return nil, message, details end
+  result.before_max_von_mises_pa, result.before_error = static.von_mises:max(), static:error_estimate()
   picture(session, static, results:path "before.png")
   assert(assert(session:surface()):write(results:path "before.stl"))
+  return true
+end
 
-  if not wish["no-optimise"] then
-    local report
-    report, message, details = session:optimise {von_mises = limit, ties = scene.ties}
-    local met = report ~= nil
-    report = report or details and details.best
-    if not report then return nil, message, details end
-    result.optimisation = {met = met, message = not met and message or nil,
-      max_von_mises_pa = report.von_mises, steps = report.iterations, unknowns = report.unknowns,
-      constrained_nodes = report.constrained, mean_move_m = report.mean_move, factors = report.factors,
-      seconds = report.seconds, solves = report.solves, factorisations = report.factorisations,
-      adjoints = report.adjoints}
-    print("  " .. tostring(report):gsub("\n", "\n  "))
-    if not met then
-      print("  " .. message)
-      local changes = {} -- the best point is shown all the same
-      for name, factors in pairs(report.factors) do changes[name] = {scale = factors} end
-      if next(changes) then session:pose(changes) end
-    end
-    static = assert(session:solve())
-    result.after_max_von_mises_pa, result.after_error = static.von_mises:max(), static:error_estimate()
-    picture(session, static, results:path "after.png", before)
-    assert(assert(session:surface()):write(results:path "after.stl"))
-    result.met = met
+-- Scaled until it bears its loads, or as near to that as it gets.
+local function strengthen(session, scene, result, results)
+  local report, message, details = session:optimise {von_mises = result.limit_pa, ties = scene.ties}
+  local met = report ~= nil
+  report = report or details and details.best
+  if not report then return nil, message, details end
+  result.optimisation = {met = met, message = not met and message or nil,
+    max_von_mises_pa = report.von_mises, steps = report.iterations, unknowns = report.unknowns,
+    constrained_nodes = report.constrained, mean_move_m = report.mean_move, factors = report.factors,
+    seconds = report.seconds, solves = report.solves, factorisations = report.factorisations,
+    adjoints = report.adjoints}
+  print("  " .. tostring(report):gsub("\n", "\n  "))
+  if not met then
+    print("  " .. message)
+    local changes = {} -- the best point is shown all the same
+    for name, factors in pairs(report.factors) do changes[name] = {scale = factors} end
+    if next(changes) then session:pose(changes) end
   end
+  local static
+  static, message, details = session:solve()
+  if not static then return nil, message, details end
+  result.after_max_von_mises_pa, result.after_error = static.von_mises:max(), static:error_estimate()
+  picture(session, static, results:path "after.png", result.before_max_von_mises_pa)
+  assert(assert(session:surface()):write(results:path "after.stl"))
+  result.met = met
+  return true
+end
+
+-- Everything about one scene; returns its result, or nil, message, details with what was done kept.
+local function run(scene, wish, out)
+  local start = bw.seconds()
+  local results, message, details = bw.results.open(out, {script = "scripts/agile/run.lua",
+    inputs = scene.inputs or {}, options = wish, seed = bw.json.null})
+  if not results then return nil, message, details end
+  local mesh = scene.mesh
+  local result = {scene = scene.name, finished = false, elements = mesh.element_count,
+    nodes = mesh.node_count, limit_pa = wish.limit or scenes.threshold,
+    seconds_mesh = scene.seconds_mesh, bones = scene.skeleton.bone_count, edits = bw.json.list {},
+    remarks = bw.json.list {}, paper = scene.paper and {elements = scene.paper.elements,
+      bones = scene.paper.bones, max_von_mises_pa = scene.paper.von_mises}}
+  print(("%s: %s"):format(scene.name, mesh))
+
+  local session
+  local function work()
+    local done, why, how
+    local clock = bw.seconds()
+    session, why, how = bw.edit(scene.part, scene.session)
+    if not session then return nil, why, how end
+    result.seconds_session = bw.seconds() - clock
+    done, why, how = replay(session, scene, result, results)
+    if done and not wish["no-optimise"] then done, why, how = strengthen(session, scene, result, results) end
+    return done, why, how
+  end
+  local fine, done
+  fine, done, message, details = xpcall(work, debug.traceback)
+  if not fine then message, details = done, {} end
+  if bw.interrupted() then message, details = "interrupted", {status = "cancelled"} end
+  result.finished = fine and done ~= nil and not bw.interrupted()
+  if not result.finished then result.message, result.status = message, details.status end
   remarks_into(result.remarks)
-  assert(session:save(results:path "edits.lua"))
+  if session then assert(session:save(results:path "edits.lua")) end
   result.seconds_total = bw.seconds() - start
   result.peak_memory_bytes = bw.results.peak_memory()
-  result.finished = true
   assert(results:write(result))
+  if not result.finished then return nil, message, details end
   assert(page.write(results:path "report.html", scene, result, results))
   session:close()
   return result
 end
 
 local function main()
+  io.stdout:setvbuf "line"
   local wish, model = read_arguments()
   if wish.threads then bw.threads(wish.threads) end
   local names = model and {model} or wish.scene == "all" and scenes.names or {wish.scene}

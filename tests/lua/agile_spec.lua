@@ -3,7 +3,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local RUN = "scripts/agile/run.lua "
+local RUN = "scripts/agile/run.lua"
 
 local function read(path)
   local file = assert(io.open(path, "rb"))
@@ -15,7 +15,7 @@ end
 describe("scripts/agile/run.lua", function()
   it("replays a scene, strengthens it and reports", function()
     local folder = check.folder()
-    local code, _, complaint = check.run(RUN .. "--scene opener --elements 3000 --out " .. folder)
+    local code, _, complaint = check.run(RUN .. " --scene opener --elements 3000 --out " .. folder)
     assert.message(complaint).are.equal(0, code)
     local result = bw.json.decode(read(folder .. "/result.json"))
     assert.is_true(result.finished and result.met)
@@ -31,6 +31,22 @@ describe("scripts/agile/run.lua", function()
     local page = read(folder .. "/report.html")
     assert.truthy(page:find("The limit is met", 1, true))
     assert.truthy(page:find("data:image/png;base64", 1, true))
+  end)
+
+  it("keeps what is done when it is interrupted", function()
+    local folder = check.folder()
+    local _, _, code = os.execute(([[{ BARWRIGHT_QUIET=1 '%s' %s --scene opener --elements 3000 --out '%s' \
+      >'%s/out' 2>'%s/err' & pid=$!
+      until grep -q 'wider ring' '%s/out' || ! kill -0 $pid; do sleep 0.02; done
+      kill -INT $pid; wait $pid; }]]):format(check.program, RUN, folder, folder, folder, folder))
+    assert.message(read(folder .. "/err")).are.equal(130, code)
+    assert.are.equal("agile: interrupted\n", read(folder .. "/err"))
+    local result = bw.json.decode(read(folder .. "/result.json"))
+    assert.is_false(result.finished)
+    assert.are.equal("cancelled", result.status)
+    assert.is_nil(result.after_max_von_mises_pa)
+    assert.is_true(#result.edits >= 3 and result.edits[3].max_von_mises_pa > 0)
+    assert.truthy(read(folder .. "/edits.lua"):find('session:bone("ring"):scale', 1, true))
   end)
 
   it("makes the same mesh every time, of about the number asked for", function()
@@ -56,7 +72,7 @@ describe("scripts/agile/run.lua", function()
       ["--scene opener --out x --elements many"] = "positive integer",
       ["no/such/file.stl --out x"] = "no/such/file.stl",
     } do
-      local code, _, complaint = check.run(RUN .. arguments)
+      local code, _, complaint = check.run(RUN .. " " .. arguments)
       assert.message(arguments).are.equal(2, code)
       assert.message(complaint).truthy(complaint:find(text, 1, true))
       assert.are.equal(1, select(2, complaint:gsub("\n", "\n")))
