@@ -174,8 +174,19 @@ end
 
 -- ---- replaying -----------------------------------------------------------------------------------------
 
--- The session that the script at hand began, for load: a journal does not return it.
-local begun
+-- Of the script at hand, for load: the session that it began (a journal does not return it), and the
+-- details of what failed in it.
+local begun, failure
+
+-- What a script runs in: all there is, and an assert that keeps the details.
+local function globals()
+  local function keeping(value, message, details, ...)
+    if value then return value, message, details, ... end
+    failure = details
+    error(message, 0)
+  end
+  return setmetatable({assert = keeping}, {__index = _G, __newindex = _G})
+end
 
 local function exists(path)
   local file = io.open(path, "rb")
@@ -210,8 +221,9 @@ function edit_script.begin(edit, asking, script, given)
   local wish = {}
   for key, value in pairs(options or {}) do wish[key] = value end
   wish.journal, wish.script = nil, wish.script or script
-  begun = assert(edit(part, wish))
-  return begun
+  local message
+  begun, message, failure = edit(part, wish)
+  return begun or raise(message)
 end
 
 -- The lines of a script; what stands after the last line end was cut off in the middle.
@@ -233,8 +245,21 @@ local function with_line(path)
       info = debug.getinfo(level, "Sl")
     end
     if not info then return message end
-    return ("line %d: %s"):format(info.currentline, (message:gsub("^[^\n]-%.lua:%d+: ", "")))
+    local position = ("%s:%d: "):format(info.short_src, info.currentline)
+    if message:sub(1, #position) == position then message = message:sub(#position + 1) end
+    return ("line %d: %s"):format(info.currentline, message)
   end
+end
+
+-- These are not the script's fault.
+local passed_on = {cancelled = true, memory = true, io = true}
+
+local function not_replayed(path, why, details, moved)
+  local status = core.interrupted() and "cancelled" or details and passed_on[details.status]
+    and details.status or "format"
+  return nil, ("%s %s: %s%s"):format(path, status == "cancelled" and "was interrupted while it was replayed"
+    or "could not be replayed", why, moved and "; the edits on the lines before are made" or ""),
+    {status = status, file = path}
 end
 
 --- Replays a script into a session, or into the one it begins. {resume = true} goes on with the file
@@ -248,18 +273,14 @@ function edit_script.load(edit, path, session, given)
     {resume = {type = "boolean", default = false}})
   local text, cut, details = read_whole_lines(path)
   if not text then return nil, cut, details end
-  local chunk, message = load(text, "@" .. path, "t")
+  local chunk, message = load(text, "@" .. path, "t", globals())
   if not chunk then return nil, message, {status = "format", file = path} end
-  begun = nil
+  begun, failure = nil, nil
   local before = session and session.position
   local fine, result = xpcall(chunk, with_line(path), session)
-  local made = begun
-  begun = nil
-  if not fine then
-    local moved = session and session.position ~= before
-    return nil, ("%s could not be replayed: %s%s"):format(path, result,
-      moved and "; the edits on the lines before are made" or ""), {status = "format", file = path}
-  end
+  local made, why = begun, failure
+  begun, failure = nil, nil
+  if not fine then return not_replayed(path, result, why, session and session.position ~= before) end
   session = getmetatable(result) == edit.class and result or made or session
   if not session then
     return nil, path .. ": not a script of an edit session", {status = "format", file = path}

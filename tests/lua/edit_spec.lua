@@ -763,6 +763,22 @@ return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.
     assert.truthy(out:find 'session:bone%("lower"%):rotate{y = 12.5}')
   end)
 
+  it("that is interrupted says so", function()
+    local folder = check.folder()
+    check.write(folder .. "/part.lua", [[
+local bw = require "barwright"
+local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {8, 1, 1}}
+return bw.model {mesh = mesh, material = bw.material.steel}, {skeleton = bw.skeleton.create {
+  joints = {{0, 0.05, 0.05}, {1, 0.05, 0.05}}, bones = {{1, 2}}, root = 1}}
+]])
+    check.write(folder .. "/edits.lua", 'local session = require("barwright").edit.begin("part.lua")\n')
+    local before = bw.progress(function() return false end)
+    check.fails("cancelled", "edits.lua was interrupted while it was replayed: line 1: ",
+      bw.edit.load(folder .. "/edits.lua"))
+    bw.progress(before)
+    assert(bw.edit.load(folder .. "/edits.lua"))
+  end)
+
   it("that cannot be replayed says where", function()
     local folder = check.folder()
     local path = folder .. "/edits.lua"

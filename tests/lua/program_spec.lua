@@ -131,6 +131,18 @@ describe("an interrupt", function()
     for name in io.popen("ls " .. folder):lines() do assert.is_nil(name:find "partial") end
   end)
 
+  it("ends the replay of edits as an interruption, not as a fault of theirs", function()
+    local status, out = interrupted [[
+      local bw = require "barwright"
+      local file <close> = io.open("edits.lua", "w")
+      file:write("io.open('ready', 'w'):close() while true do end\n"):flush()
+      local session, message, details = bw.edit.load "edits.lua"
+      print(session, message, details.status)
+    ]]
+    assert.equal(130, status)
+    assert.equal("nil\tedits.lua was interrupted while it was replayed: line 1: interrupted\tcancelled\n", out)
+  end)
+
   it("ends a script that goes on regardless, the second time", function()
     local status = interrupted([[
       io.open('ready', 'w'):close()
