@@ -37,8 +37,9 @@ typedef struct bw_plane_topology {
   int32_t *element;   /* x 3 or 6: corners counter-clockwise, then middles of 01, 12, 20 */
   int32_t *region;    /* element_count */
   int32_t *neighbour; /* element_count x 3: across edges 01, 12, 20; -1 at the boundary */
-  /* Edges that lie on segments, boundary and between regions, material (or the lower element
-     number) on the left: element_count of them is not bounded by it. */
+  /* Edges that lie on segments, boundary and between regions, in the order of segments and along
+     them: side k has the same nodes as long as the nodes live. Loops run so that material is on the
+     left of the boundary; left of a boundary between regions is the inner one. */
   int32_t side_count;
   int32_t *side;         /* x 2 or 3: start, end, middle */
   int32_t *side_element; /* x 2: left, right (-1: none) */
@@ -70,10 +71,27 @@ void bw_plane_options_default(bw_plane_options *options);
  * Deterministic. */
 bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
                         const bw_plane_options *options, bw_plane_mesh **mesh);
-/* From arrays (checked: indices, orientation, neighbours), for tests and bodies by formula. The
- * outline is made of the boundary edges, one segment each, tag "boundary". */
+/* From arrays (checked: indices, corners first, orientation, neighbours), for tests and bodies by
+ * formula; region NULL: all 0. The outline is made of the boundary edges, one segment each (with
+ * middles off the chord: the parabola through them), tag "boundary", region 0 inside. */
 bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, const double *point,
                              int32_t elements, const int32_t *element, const int32_t *region,
+                             bw_plane_mesh **mesh);
+/* The same on an outline given: each node's segment (-1: inside) and parameter, 0 <= parameter < 1.
+ * Every vertex of the outline must be a node. */
+bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int order, int32_t nodes,
+                           const double *point, const int32_t *segment, const double *parameter,
+                           int32_t elements, const int32_t *element, const int32_t *region,
+                           bw_plane_mesh **mesh);
+typedef enum bw_diagonal {
+  BW_DIAGONAL_RIGHT, /* from lower left to upper right */
+  BW_DIAGONAL_LEFT,
+  BW_DIAGONAL_UNION_JACK /* alternating: four squares make a star */
+} bw_diagonal;
+/* A rectangle of nx x ny squares cut in two. Corners are numbered row by row from below; the
+ * outline has four segments with the tags bottom, right, top, left. */
+bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2],
+                             const double high[2], int32_t nx, int32_t ny, bw_diagonal diagonal,
                              bw_plane_mesh **mesh);
 /* Other positions for the same topology: those of boundary nodes must be those of the outline.
  * BW_GEOMETRY names an inverted element. */
