@@ -28,12 +28,11 @@ static void turn_block(const bw_numbering *numbering, int32_t row, int32_t colum
 
 void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t pair, bool transpose,
                       int32_t row, int32_t column, double *block) {
-  if (components == 1)
-    block[0] = matrix->stiffness[pair];
-  else
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++)
-        block[3 * i + j] = matrix->stiffness[9 * pair + (transpose ? 3 * j + i : 3 * i + j)];
+  int square = components * components;
+  const double *entry = matrix->stiffness + square * pair;
+  for (int i = 0; i < components; i++)
+    for (int j = 0; j < components; j++)
+      block[components * i + j] = entry[transpose ? components * j + i : components * i + j];
   double mass = matrix->mass ? matrix->shift * matrix->mass[pair] : 0;
   for (int i = 0; i < components; i++)
     block[(components + 1) * i] += mass;

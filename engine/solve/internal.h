@@ -67,7 +67,7 @@ typedef struct bwi_plan {
 typedef struct bwi_symbolic {
   bw_object object;
   bwi_order *order; /* retained */
-  int components;   /* of the field: 1 or 3 */
+  int components;   /* of the field: 1 to 3 */
   int32_t unknowns;
   int32_t *first;              /* order->size + 1: first unknown at each position */
   int32_t *at;                 /* node_count x components: unknown in elimination order, or -1 */
@@ -113,6 +113,8 @@ typedef struct bwi_reach {
 } bwi_reach;
 bw_status bwi_reach_create(bw_context *context, bwi_symbolic *symbolic, const bw_mesh *mesh,
                            int32_t domain_count, const int32_t *element_domain, bwi_reach **reach);
+/* Of one domain that is everything: for factors made again as a whole, in place. */
+bw_status bwi_reach_create_whole(bw_context *context, bwi_symbolic *symbolic, bwi_reach **reach);
 /* wanted: super_count, 1 where the set meets touched_domain (domain_count). Returns the work. */
 double bwi_reach_supernodes(const bwi_reach *reach, const uint8_t *touched_domain, uint8_t *wanted);
 /* The work that refactoring for these domains would take. */

@@ -118,3 +118,23 @@ double bwi_reach_flops(const bwi_reach *reach, const uint8_t *touched_domain) {
       flops += bwi_front_flops(reach->symbolic, s);
   return flops;
 }
+
+bw_status bwi_reach_create_whole(bw_context *context, bwi_symbolic *symbolic, bwi_reach **out) {
+  int32_t supers = symbolic->order->super_count;
+  bwi_reach *reach = BW_NEW0(context, bwi_reach, 1);
+  if (!reach)
+    return BW_MEMORY;
+  bw_object_init(reach, &reach_kind);
+  reach->symbolic = bw_retain(symbolic);
+  reach->domain_count = reach->words = 1;
+  reach->set = BW_NEW(context, uint64_t, supers);
+  reach->keep = BW_NEW0(context, uint8_t, supers);
+  if (!reach->set || !reach->keep) {
+    bw_release(reach);
+    return BW_MEMORY;
+  }
+  for (int32_t s = 0; s < supers; s++)
+    reach->set[s] = 1;
+  *out = reach;
+  return BW_OK;
+}

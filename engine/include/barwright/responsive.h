@@ -41,9 +41,9 @@ bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, in
 /* y = A x */
 bw_status bw_plane_multiply(bw_context *context, const bw_plane_graph *graph, int components,
                             const double *values, const double *x, double *y);
-/* Prescribed unknowns (held[i] != 0, value x[i]): their rows and columns become those of the
- * identity times `scale` (0: a typical diagonal entry) and `rhs` follows, so that the number of
- * unknowns never changes. */
+/* Prescribed unknowns (held[i] != 0): their rows and columns become those of the identity times the
+ * mean size of the component's diagonal entries, and `rhs` (may be NULL) follows, so that the
+ * number of unknowns never changes. */
 bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, int components,
                              const uint8_t *held, const double *prescribed, double *values,
                              double *rhs);
@@ -81,11 +81,13 @@ typedef struct bw_kept {
 } bw_kept;
 
 typedef struct bw_stale bw_stale; /* mutable; one thread at a time */
+/* 1 to 4 components at a node, 1 to 3 where symmetric. */
 bw_status bw_stale_create(bw_context *context, bool symmetric, int components, bw_stale **stale);
 void bw_stale_free(bw_stale *stale);
-/* x: the first guess on entry, the solution on return. The factor is kept as long as the graph's
- * nodes are the same object, the analysis as long as its topology is. BW_SINGULAR, or
- * BW_CONVERGENCE with the residual reached; x is then as it was. `kept` is added to. */
+/* x: the first guess on entry, the solution on return. The factor and its elimination order are
+ * kept as long as the graph's nodes are the same object, the analysis as long as its topology is.
+ * BW_SINGULAR, or BW_CONVERGENCE with the residual reached; x is then as it was. `options` and
+ * `kept` may be NULL; `kept` is added to. */
 bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
                          const double *values, const double *rhs, double *x,
                          const bw_stale_options *options, bw_kept *kept);

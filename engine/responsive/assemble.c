@@ -1,0 +1,177 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Values of a matrix on a plane graph: gathered from element matrices, and changed where unknowns
+ * are prescribed. Each value is summed by one thread, its contributions in ascending order of
+ * elements. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/internal.h"
+
+static bw_status check_components(bw_context *context, int components) {
+  if (components < 1 || components > BWI_MOST_COMPONENTS)
+    return bw_fail(context, BW_INVALID, "%d components at a node; 1 to %d are possible", components,
+                   BWI_MOST_COMPONENTS);
+  return BW_OK;
+}
+
+/* ---- gathering ----------------------------------------------------------------------------- */
+
+typedef struct gathering {
+  const bw_plane_graph *graph;
+  const double *block;
+  double *values;
+  bw_element_matrix *element_matrix;
+  void *data;
+  int n, components;
+} gathering;
+
+/* C and N are constants wherever this is expanded. */
+static inline __attribute__((always_inline)) void gather_rows(const gathering *g, int64_t begin,
+                                                              int64_t end, int C, int N) {
+  const bw_plane_graph *graph = g->graph;
+  const int rows = N * C;
+  for (int64_t p = graph->start[begin]; p < graph->start[end]; p++) {
+    double sum[BWI_MOST_COMPONENTS * BWI_MOST_COMPONENTS] = {0};
+    for (int64_t k = graph->gather_start[p]; k < graph->gather_start[p + 1]; k++) {
+      int local = graph->gather_local[k], a = local / 6, b = local % 6;
+      const double *from =
+          g->block + (int64_t)graph->gather_element[k] * rows * rows + a * C * rows + b * C;
+      for (int r = 0; r < C; r++)
+        for (int c = 0; c < C; c++)
+          sum[C * r + c] += from[r * rows + c];
+    }
+    for (int k = 0; k < C * C; k++)
+      g->values[C * C * p + k] = sum[k];
+  }
+}
+
+static bw_status gather_body(void *data, int64_t begin, int64_t end, int worker) {
+  const gathering *g = data;
+  (void)worker;
+#define CASE(C, N)                                                                                 \
+  case 8 * C + N:                                                                                  \
+    gather_rows(g, begin, end, C, N);                                                              \
+    break;
+  switch (8 * g->components + g->n) {
+    CASE(1, 3)
+    CASE(2, 3)
+    CASE(3, 3)
+    CASE(4, 3)
+    CASE(1, 6)
+    CASE(2, 6)
+    CASE(3, 6)
+    CASE(4, 6)
+  }
+#undef CASE
+  return BW_OK;
+}
+
+bw_status bwi_plane_gather(bw_context *context, const bw_plane_graph *graph, int components,
+                           const double *block, double *values) {
+  gathering g = {.graph = graph,
+                 .block = block,
+                 .values = values,
+                 .n = bwi_nodes_per_element(graph->topology),
+                 .components = components};
+  return bw_parallel(context, graph->node_count, BWI_GRAIN_NODES, gather_body, &g);
+}
+
+static bw_status element_body(void *data, int64_t begin, int64_t end, int worker) {
+  const gathering *g = data;
+  (void)worker;
+  int64_t size = (int64_t)g->n * g->components * g->n * g->components;
+  for (int64_t e = begin; e < end; e++) {
+    bw_status status = g->element_matrix(g->data, (int32_t)e, (double *)g->block + e * size);
+    if (status != BW_OK)
+      return status;
+  }
+  return BW_OK;
+}
+
+bw_status bwi_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+                             bw_element_matrix *element_matrix, void *data, double *room,
+                             double *values) {
+  gathering g = {.graph = graph,
+                 .block = room,
+                 .element_matrix = element_matrix,
+                 .data = data,
+                 .n = bwi_nodes_per_element(graph->topology),
+                 .components = components};
+  bw_status status =
+      bw_parallel(context, graph->topology->element_count, BWI_GRAIN_ELEMENTS, element_body, &g);
+  return status != BW_OK ? status : bwi_plane_gather(context, graph, components, room, values);
+}
+
+bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+                            bw_element_matrix *element_matrix, void *data, double *values) {
+  bw_status status = check_components(context, components);
+  if (status != BW_OK)
+    return status;
+  double *room = BW_NEW(context, double, bwi_plane_room(graph, components));
+  status = room ? bwi_plane_assemble(context, graph, components, element_matrix, data, room, values)
+                : BW_MEMORY;
+  bw_free(room);
+  return status;
+}
+
+/* ---- prescribed unknowns ------------------------------------------------------------------- */
+
+typedef struct prescription {
+  const bw_plane_graph *graph;
+  int components;
+  const uint8_t *held;
+  const double *prescribed;
+  double *values, *rhs;
+  double scale[BWI_MOST_COMPONENTS]; /* diagonal entries of held rows */
+} prescription;
+
+static bw_status prescribe_rows(void *data, int64_t begin, int64_t end, int worker) {
+  const prescription *d = data;
+  const bw_plane_graph *graph = d->graph;
+  const int C = d->components;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    const uint8_t *held = d->held + i * C;
+    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
+      int64_t j = graph->column[p];
+      double *a = d->values + C * C * p;
+      for (int c = 0; c < C; c++) {
+        bool column_held = d->held[j * C + c] != 0;
+        for (int r = 0; r < C; r++) {
+          if (!column_held && !held[r])
+            continue;
+          if (column_held && !held[r] && d->rhs)
+            d->rhs[i * C + r] -= a[C * r + c] * d->prescribed[j * C + c];
+          a[C * r + c] = i == j && r == c ? d->scale[r] : 0;
+        }
+      }
+    }
+    if (d->rhs)
+      for (int r = 0; r < C; r++)
+        if (held[r])
+          d->rhs[i * C + r] = d->scale[r] * d->prescribed[i * C + r];
+  }
+  return BW_OK;
+}
+
+bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, int components,
+                             const uint8_t *held, const double *prescribed, double *values,
+                             double *rhs) {
+  bw_status status = check_components(context, components);
+  if (status != BW_OK)
+    return status;
+  prescription d = {.graph = graph,
+                    .components = components,
+                    .held = held,
+                    .prescribed = prescribed,
+                    .values = values,
+                    .rhs = rhs};
+  int square = components * components;
+  for (int c = 0; c < components; c++) {
+    double sum = 0;
+    for (int32_t i = 0; i < graph->node_count; i++)
+      sum += fabs(values[square * graph->diagonal[i] + (components + 1) * c]);
+    d.scale[c] = sum > 0 && isfinite(sum) ? sum / graph->node_count : 1;
+  }
+  return bw_parallel(context, graph->node_count, BWI_GRAIN_NODES, prescribe_rows, &d);
+}

@@ -1,0 +1,48 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Factors that outlive the matrix they were made of. Both kinds have the same face:
+ *
+ *   factor   make the factor of this matrix, keeping what still fits of order and analysis
+ *   apply    z = B r with the factor as it is, of whatever age
+ *   forget   drop everything
+ *
+ * What is kept depends on identity of objects alone: the elimination order belongs to the nodes,
+ * the analysis to the topology, the numbers to the matrix. */
+#ifndef BWI_RESPONSIVE_STALE_H
+#define BWI_RESPONSIVE_STALE_H
+
+#include "responsive/internal.h"
+
+/* What a factorisation would cost or did, counted. */
+typedef struct bwi_stale_work {
+  double flops;
+  double bytes;   /* of the factor */
+  bool analysed;  /* the analysis was made anew, */
+  bool reordered; /* and the order too */
+} bwi_stale_work;
+
+typedef struct bwi_stale_symmetric bwi_stale_symmetric;
+bw_status bwi_stale_symmetric_create(bw_context *context, int components,
+                                     bwi_stale_symmetric **out);
+void bwi_stale_symmetric_free(bwi_stale_symmetric *s);
+void bwi_stale_symmetric_forget(bwi_stale_symmetric *s);
+bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s,
+                                     const bw_plane_graph *graph, const double *values,
+                                     bwi_stale_work *work);
+bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, const double *r,
+                                    double *z);
+
+typedef struct bwi_stale_unsymmetric bwi_stale_unsymmetric;
+bw_status bwi_stale_unsymmetric_create(bw_context *context, int components,
+                                       bwi_stale_unsymmetric **out);
+void bwi_stale_unsymmetric_free(bwi_stale_unsymmetric *s);
+void bwi_stale_unsymmetric_forget(bwi_stale_unsymmetric *s);
+bw_status bwi_stale_unsymmetric_factor(bw_context *context, bwi_stale_unsymmetric *s,
+                                       const bw_plane_graph *graph, const double *values,
+                                       bwi_stale_work *work);
+bw_status bwi_stale_unsymmetric_apply(bw_context *context, bwi_stale_unsymmetric *s,
+                                      const double *r, double *z);
+
+/* An elimination order of the nodes, by METIS: permutation[k] = the node eliminated k-th. */
+bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, int32_t *permutation);
+
+#endif

@@ -1,0 +1,198 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Cholesky factors of symmetric positive definite matrices on plane graphs, by the engine's
+ * multifrontal factorisation (solve/).
+ *
+ * A reconnected mesh has the same nodes, and flips are few: the elimination order stays good, and
+ * only the analysis under it is made anew. Numbers are factored in place where the analysis is
+ * kept, since the first touch of new memory costs as much as the arithmetic. */
+#include <string.h>
+
+#include "responsive/stale.h"
+#include "solve/order.h"
+
+struct bwi_stale_symmetric {
+  int components;
+  const bw_plane_nodes *nodes; /* retained: what the order is of */
+  int32_t *permutation;
+  const bw_plane_topology *topology; /* retained: what symbolic is of */
+  bwi_symbolic *symbolic;
+  bwi_factor *factor; /* of this symbolic or, until the next factorisation, an older one */
+};
+
+bw_status bwi_stale_symmetric_create(bw_context *context, int components,
+                                     bwi_stale_symmetric **out) {
+  bwi_stale_symmetric *s = BW_NEW0(context, bwi_stale_symmetric, 1);
+  if (!s)
+    return BW_MEMORY;
+  s->components = components;
+  *out = s;
+  return BW_OK;
+}
+
+static void forget_analysis(bwi_stale_symmetric *s) {
+  bw_release(s->topology);
+  bw_release(s->symbolic);
+  s->topology = NULL;
+  s->symbolic = NULL;
+}
+
+void bwi_stale_symmetric_forget(bwi_stale_symmetric *s) {
+  forget_analysis(s);
+  bw_release(s->factor);
+  bw_release(s->nodes);
+  bw_free(s->permutation);
+  s->factor = NULL;
+  s->nodes = NULL;
+  s->permutation = NULL;
+}
+
+void bwi_stale_symmetric_free(bwi_stale_symmetric *s) {
+  if (!s)
+    return;
+  bwi_stale_symmetric_forget(s);
+  bw_free(s);
+}
+
+static bw_status adjacency(bw_context *context, const bw_plane_graph *graph, bwi_adjacency *near) {
+  int32_t nodes = graph->node_count;
+  int64_t entries = graph->pair_count - nodes;
+  *near = (bwi_adjacency){.size = nodes, .node_count = nodes};
+  if (entries > INT32_MAX)
+    return bw_fail(context, BW_LIMIT, "the mesh has %lld node pairs, more than the ordering takes",
+                   (long long)entries);
+  near->start = BW_NEW(context, idx_t, (size_t)nodes + 1);
+  near->neighbour = BW_NEW(context, idx_t, entries);
+  near->node_of = BW_NEW(context, int32_t, nodes);
+  near->compact = BW_NEW(context, int32_t, nodes);
+  if (!near->start || !near->neighbour || !near->node_of || !near->compact)
+    return BW_MEMORY;
+  idx_t count = 0;
+  for (int32_t i = 0; i < nodes; i++) {
+    near->start[i] = count;
+    near->node_of[i] = near->compact[i] = i;
+    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+      if (graph->column[p] != i)
+        near->neighbour[count++] = graph->column[p];
+  }
+  near->start[nodes] = count;
+  return BW_OK;
+}
+
+static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, int32_t *permutation) {
+  bw_status status = BW_OK;
+  idx_t *wide = BW_NEW(context, idx_t, near->size);
+  if (!wide)
+    return BW_MEMORY;
+  BW_TRY(bwi_dissect(context, near->size, near->start, near->neighbour, NULL, wide));
+  for (idx_t i = 0; i < near->size; i++)
+    permutation[i] = (int32_t)wide[i];
+done:
+  bw_free(wide);
+  return status;
+}
+
+bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, int32_t *permutation) {
+  bw_status status = BW_OK;
+  bwi_adjacency near = {0};
+  BW_TRY(adjacency(context, graph, &near));
+  BW_TRY(order_nodes(context, &near, permutation));
+done:
+  bwi_adjacency_clear(&near);
+  return status;
+}
+
+static bw_status analyse(bw_context *context, bwi_stale_symmetric *s, const bw_plane_graph *graph,
+                         bwi_stale_work *work) {
+  bw_status status = BW_OK;
+  bwi_adjacency near = {0};
+  bwi_order *order = NULL;
+  idx_t *wide = NULL;
+  int32_t *unknown = NULL;
+  if (s->topology == graph->topology)
+    return BW_OK;
+  forget_analysis(s);
+  work->analysed = true;
+  BW_TRY(adjacency(context, graph, &near));
+  if (s->nodes != graph->topology->nodes) {
+    bwi_stale_symmetric_forget(s);
+    work->reordered = true;
+    s->permutation = BW_NEW(context, int32_t, graph->node_count);
+    if (!s->permutation) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    BW_TRY(order_nodes(context, &near, s->permutation));
+    s->nodes = bw_retain(graph->topology->nodes);
+  }
+  wide = BW_NEW(context, idx_t, graph->node_count);
+  unknown = BW_NEW0(context, int32_t, (size_t)graph->node_count * (size_t)s->components);
+  if (!wide || !unknown) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t i = 0; i < graph->node_count; i++)
+    wide[i] = s->permutation[i];
+  BW_TRY(bwi_order_analyse(context, &near, wide, &order));
+  BW_TRY(bwi_symbolic_create(context, order, s->components, unknown, &s->symbolic));
+  s->topology = bw_retain(graph->topology);
+done:
+  bwi_adjacency_clear(&near);
+  bw_release(order);
+  bw_free(wide);
+  bw_free(unknown);
+  return status;
+}
+
+bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s,
+                                     const bw_plane_graph *graph, const double *values,
+                                     bwi_stale_work *work) {
+  bw_status status = BW_OK;
+  bwi_reach *reach = NULL;
+  bwi_factor *factor = NULL;
+  int32_t bad_node = -1;
+  *work = (bwi_stale_work){0};
+  /* The factorisation reads the pairs of a lower triangle and those above it; given whole rows as
+     the one and nothing as the other it finds each entry where it looks for it. */
+  bw_graph rows = {.node_count = graph->node_count,
+                   .pair_count = graph->pair_count,
+                   .start = graph->start,
+                   .column = graph->column};
+  bwi_matrix matrix = {.graph = &rows, .stiffness = values};
+  rows.upper_start = BW_NEW0(context, int64_t, (size_t)graph->node_count + 1);
+  if (!rows.upper_start)
+    return BW_MEMORY;
+  BW_TRY(analyse(context, s, graph, work));
+  if (s->factor && s->factor->symbolic == s->symbolic) {
+    status = bwi_factor_update(context, s->factor, &matrix, NULL, NULL, &bad_node);
+  } else {
+    BW_TRY(bwi_reach_create_whole(context, s->symbolic, &reach));
+    status = bwi_factor_create_kept(context, s->symbolic, &matrix, reach, &factor, &bad_node);
+    bw_release(s->factor);
+    s->factor = factor;
+  }
+  if (status == BW_SINGULAR) {
+    bw_fail(context, BW_SINGULAR,
+            "the matrix of %d nodes is not positive definite at node %d: something there can move "
+            "freely, or an element is inverted",
+            graph->node_count, bad_node + 1);
+    bw_detail_number(context, "node", bad_node + 1);
+  }
+  if (status != BW_OK) {
+    bw_release(s->factor);
+    s->factor = NULL;
+    goto done;
+  }
+  work->flops = s->symbolic->flops;
+  work->bytes = 8.0 * (double)s->symbolic->panel[s->symbolic->order->super_count];
+done:
+  bw_free(rows.upper_start);
+  bw_release(reach);
+  return status;
+}
+
+bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, const double *r,
+                                    double *z) {
+  if (!s->factor)
+    return bw_fail(context, BW_INTERNAL, "there is no factor to apply");
+  return bwi_solve_fields(context, s->factor, NULL, 1, r, z);
+}

@@ -1,0 +1,219 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* LU factors of unsymmetric matrices on plane graphs, by UMFPACK.
+ *
+ * UMFPACK takes compressed columns. Rows are what a graph has: the arrays hold the transposed
+ * matrix, and solves ask for the transposed system. Columns are ordered by nodes, with an order
+ * that is kept as long as the nodes are (stale_symmetric.c); UMFPACK may still choose pivots
+ * elsewhere where numbers ask for it. */
+#include <limits.h>
+#include <string.h>
+
+#include <umfpack.h>
+
+#include "responsive/stale.h"
+#include "solve/blas.h"
+
+struct bwi_stale_unsymmetric {
+  int components;
+  const bw_plane_nodes *nodes;       /* retained: what the order is of */
+  int32_t *order;                    /* unknowns as they are eliminated */
+  const bw_plane_topology *topology; /* retained: what the analysis is of */
+  int size;
+  int *start, *row;
+  double *value;
+  void *symbolic, *numeric;
+  int *room_index;
+  double *room;
+};
+
+bw_status bwi_stale_unsymmetric_create(bw_context *context, int components,
+                                       bwi_stale_unsymmetric **out) {
+  bwi_stale_unsymmetric *s = BW_NEW0(context, bwi_stale_unsymmetric, 1);
+  if (!s)
+    return BW_MEMORY;
+  s->components = components;
+  *out = s;
+  return BW_OK;
+}
+
+static void forget_analysis(bwi_stale_unsymmetric *s) {
+  if (s->symbolic)
+    umfpack_di_free_symbolic(&s->symbolic);
+  bw_release(s->topology);
+  bw_free(s->start);
+  bw_free(s->row);
+  bw_free(s->value);
+  s->symbolic = NULL;
+  s->topology = NULL;
+  s->start = s->row = NULL;
+  s->value = NULL;
+}
+
+void bwi_stale_unsymmetric_forget(bwi_stale_unsymmetric *s) {
+  forget_analysis(s);
+  if (s->numeric)
+    umfpack_di_free_numeric(&s->numeric);
+  bw_release(s->nodes);
+  bw_free(s->order);
+  bw_free(s->room_index);
+  bw_free(s->room);
+  *s = (bwi_stale_unsymmetric){.components = s->components};
+}
+
+void bwi_stale_unsymmetric_free(bwi_stale_unsymmetric *s) {
+  if (!s)
+    return;
+  bwi_stale_unsymmetric_forget(s);
+  bw_free(s);
+}
+
+/* Quiet, without iterative refinement, and for a pattern that is symmetric. */
+static void controls(double *control) {
+  umfpack_di_defaults(control);
+  control[UMFPACK_PRL] = 0;
+  control[UMFPACK_IRSTEP] = 0;
+  control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
+}
+
+static bw_status judge(bw_context *context, const bwi_stale_unsymmetric *s, int code,
+                       double smallest_pivot) {
+  if (code == UMFPACK_WARNING_singular_matrix || (code == UMFPACK_OK && !(smallest_pivot > 0))) {
+    bw_fail(context, BW_SINGULAR,
+            "the matrix of %d unknowns is singular (its smallest pivot is %.3g times the largest): "
+            "something is not held by any condition, or a coefficient is 0 or not finite",
+            s->size, smallest_pivot);
+    bw_detail_number(context, "pivot_ratio", smallest_pivot);
+    return BW_SINGULAR;
+  }
+  if (code == UMFPACK_ERROR_out_of_memory)
+    return bw_fail(context, BW_MEMORY, "no memory for the LU factor of %d unknowns", s->size);
+  if (code != UMFPACK_OK)
+    return bw_fail(context, BW_INTERNAL, "UMFPACK refused a matrix of %d unknowns (code %d)",
+                   s->size, code);
+  return BW_OK;
+}
+
+static bw_status order_unknowns(bw_context *context, bwi_stale_unsymmetric *s,
+                                const bw_plane_graph *graph) {
+  bw_status status = BW_OK;
+  int32_t *nodes = BW_NEW(context, int32_t, graph->node_count);
+  s->order = BW_NEW(context, int32_t, s->size);
+  s->room_index = BW_NEW(context, int, s->size);
+  s->room = BW_NEW(context, double, s->size);
+  if (!nodes || !s->order || !s->room_index || !s->room) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bwi_stale_order(context, graph, nodes));
+  for (int32_t i = 0; i < graph->node_count; i++)
+    for (int c = 0; c < s->components; c++)
+      s->order[i * s->components + c] = nodes[i] * s->components + c;
+  s->nodes = bw_retain(graph->topology->nodes);
+done:
+  bw_free(nodes);
+  return status;
+}
+
+static void fill_values(bwi_stale_unsymmetric *s, const bw_plane_graph *graph,
+                        const double *values) {
+  const int C = s->components;
+  int fill = 0;
+  for (int32_t i = 0; i < graph->node_count; i++)
+    for (int r = 0; r < C; r++)
+      for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+        for (int c = 0; c < C; c++)
+          s->value[fill++] = values[C * C * p + C * r + c];
+}
+
+static bw_status analyse(bw_context *context, bwi_stale_unsymmetric *s, const bw_plane_graph *graph,
+                         const double *values, bwi_stale_work *work) {
+  bw_status status = BW_OK;
+  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
+  const int C = s->components;
+  int64_t entries = graph->pair_count * C * C;
+  if (s->topology == graph->topology) {
+    fill_values(s, graph, values);
+    return BW_OK;
+  }
+  if (entries > INT_MAX)
+    return bw_fail(context, BW_LIMIT, "%lld matrix entries are more than UMFPACK takes",
+                   (long long)entries);
+  work->analysed = true;
+  forget_analysis(s);
+  if (s->nodes != graph->topology->nodes) {
+    bwi_stale_unsymmetric_forget(s);
+    work->reordered = true;
+  }
+  s->size = graph->node_count * C;
+  if (!s->nodes)
+    BW_TRY(order_unknowns(context, s, graph));
+  s->start = BW_NEW(context, int, (size_t)s->size + 1);
+  s->row = BW_NEW(context, int, entries);
+  s->value = BW_NEW(context, double, entries);
+  if (!s->start || !s->row || !s->value) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  int fill = 0;
+  for (int32_t i = 0; i < graph->node_count; i++)
+    for (int r = 0; r < C; r++) {
+      s->start[i * C + r] = fill;
+      for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+        for (int c = 0; c < C; c++)
+          s->row[fill++] = graph->column[p] * C + c;
+    }
+  s->start[s->size] = fill;
+  fill_values(s, graph, values);
+  controls(control);
+  BW_TRY(bw_check_cancel(context));
+  int code = umfpack_di_qsymbolic(s->size, s->size, s->start, s->row, s->value, s->order,
+                                  &s->symbolic, control, info);
+  BW_TRY(judge(context, s, code, 1));
+  s->topology = bw_retain(graph->topology);
+done:
+  if (status != BW_OK)
+    forget_analysis(s);
+  return status;
+}
+
+bw_status bwi_stale_unsymmetric_factor(bw_context *context, bwi_stale_unsymmetric *s,
+                                       const bw_plane_graph *graph, const double *values,
+                                       bwi_stale_work *work) {
+  bw_status status = BW_OK;
+  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
+  void *numeric = NULL;
+  *work = (bwi_stale_work){0};
+  BW_TRY(analyse(context, s, graph, values, work));
+  BW_TRY(bw_check_cancel(context));
+  controls(control);
+  bwi_blas_serial();
+  int code = umfpack_di_numeric(s->start, s->row, s->value, s->symbolic, &numeric, control, info);
+  status = judge(context, s, code, info[UMFPACK_RCOND]);
+  if (s->numeric)
+    umfpack_di_free_numeric(&s->numeric);
+  s->numeric = NULL;
+  if (status != BW_OK) {
+    if (numeric)
+      umfpack_di_free_numeric(&numeric);
+    goto done;
+  }
+  s->numeric = numeric;
+  work->flops = info[UMFPACK_FLOPS];
+  work->bytes = 12 * (info[UMFPACK_LNZ] + info[UMFPACK_UNZ]);
+done:
+  return status;
+}
+
+bw_status bwi_stale_unsymmetric_apply(bw_context *context, bwi_stale_unsymmetric *s,
+                                      const double *r, double *z) {
+  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
+  if (!s->numeric)
+    return bw_fail(context, BW_INTERNAL, "there is no factor to apply");
+  controls(control);
+  int code = umfpack_di_wsolve(UMFPACK_At, s->start, s->row, s->value, z, r, s->numeric, control,
+                               info, s->room_index, s->room);
+  if (code != UMFPACK_OK)
+    return bw_fail(context, BW_INTERNAL, "UMFPACK's solve of %d unknowns failed (code %d)", s->size,
+                   code);
+  return BW_OK;
+}

@@ -1,0 +1,284 @@
+/* Systems solved on factors of former matrices: the solution is that of the present matrix,
+ * whatever the factor is of; what is kept is kept and said; what cannot be solved is refused. */
+#include "grids.h"
+
+/* c (components) diffusing fields coupled to each other, on triangles of a unit grid whose
+ * coefficient varies from element to element by `roughness`; `wind` makes it unsymmetric. */
+typedef struct field {
+  const bw_plane_topology *topology;
+  int components;
+  double roughness, phase, wind, mass;
+} field;
+
+static bw_status field_matrix(void *data, int32_t element, double *matrix) {
+  const field *f = data;
+  int C = f->components, rows = 3 * C;
+  double k = 1 + f->roughness * sin(element + f->phase);
+  memset(matrix, 0, (size_t)(rows * rows) * sizeof *matrix);
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      for (int r = 0; r < C; r++)
+        for (int c = 0; c < C; c++)
+          matrix[(a * C + r) * rows + b * C + c] = (a == b ? 1.0 : -0.5) * k * (r == c ? 1 : 0.3) +
+                                                   (a == b && r == c ? f->mass : 0) +
+                                                   f->wind * (b > a   ? 0.2
+                                                              : b < a ? -0.3
+                                                                      : 0);
+  return BW_OK;
+}
+
+typedef struct fixture {
+  bw_context *context;
+  bw_plane_topology *topology;
+  bw_plane_graph *graph;
+  field field;
+  double *values, *rhs, *x, *y;
+  size_t size;
+} fixture;
+
+static fixture set_up(bw_context *context, int n, int components, double wind, unsigned flip,
+                      const bw_plane_topology *same) {
+  fixture f = {.context = context};
+  f.topology = grid_create(context, 1, n, flip, same);
+  check_ok(context, bw_plane_graph_create(context, f.topology, &f.graph));
+  f.size = (size_t)f.graph->node_count * (size_t)components;
+  f.values = BW_NEW(context, double, f.graph->pair_count *components *components);
+  f.rhs = BW_NEW(context, double, f.size);
+  f.x = BW_NEW0(context, double, f.size);
+  f.y = BW_NEW(context, double, f.size);
+  f.field = (field){f.topology, components, 0, 0, wind, 0.01};
+  return f;
+}
+
+static void assemble(fixture *f, double roughness, double phase) {
+  f->field.roughness = roughness;
+  f->field.phase = phase;
+  check_ok(f->context, bw_plane_assemble(f->context, f->graph, f->field.components, field_matrix,
+                                         &f->field, f->values));
+  for (size_t i = 0; i < f->size; i++)
+    f->rhs[i] = 1 + 0.1 * sin((double)i);
+}
+
+static double residual(fixture *f) {
+  double sum = 0, size = 0;
+  check_ok(f->context,
+           bw_plane_multiply(f->context, f->graph, f->field.components, f->values, f->x, f->y));
+  for (size_t i = 0; i < f->size; i++) {
+    sum += (f->rhs[i] - f->y[i]) * (f->rhs[i] - f->y[i]);
+    size += f->rhs[i] * f->rhs[i];
+  }
+  return sqrt(sum / size);
+}
+
+static void clear(fixture *f) {
+  bw_free(f->values);
+  bw_free(f->rhs);
+  bw_free(f->x);
+  bw_free(f->y);
+  bw_release(f->graph);
+  bw_release(f->topology);
+}
+
+static void follow_changes(bw_context *context, bool symmetric, int components) {
+  fixture f = set_up(context, 16, components, symmetric ? 0 : 1, 0, NULL);
+  fixture g = set_up(context, 16, components, symmetric ? 0 : 1, 0x14, f.topology);
+  bw_stale *stale;
+  bw_stale_options options;
+  bw_stale_options_default(&options);
+  check_ok(context, bw_stale_create(context, symmetric, components, &stale));
+
+  bw_kept kept = {0};
+  assemble(&f, 0.1, 0);
+  check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, &options, &kept));
+  assert_true(residual(&f) < 1.001e-8);
+  assert_int_equal(kept.factorisations, 1);
+  assert_int_equal(kept.analyses, 1);
+  assert_true(kept.iterations <= 2);
+  assert_false(kept.factor);
+
+  /* the values move: the factor is kept and iterated on */
+  options.method = BW_STALE_ITERATE;
+  kept = (bw_kept){0};
+  assemble(&f, 0.1, 0.3);
+  check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, &options, &kept));
+  assert_true(residual(&f) < 1.001e-8);
+  assert_true(kept.factor);
+  assert_int_equal(kept.factorisations, 0);
+  assert_in_range(kept.iterations, 1, 30);
+  check_near(kept.residual, residual(&f), 1e-12);
+
+  /* the topology moves: the factor is kept all the same */
+  kept = (bw_kept){0};
+  assemble(&g, 0.1, 0.3);
+  memcpy(g.x, f.x, f.size * sizeof *f.x);
+  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  assert_true(residual(&g) < 1.001e-8);
+  assert_true(kept.factor);
+  assert_int_equal(kept.factorisations, 0);
+
+  /* factored anew: the analysis is made for the new topology */
+  options.method = BW_STALE_REFACTOR;
+  kept = (bw_kept){0};
+  memset(g.x, 0, g.size * sizeof *g.x);
+  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  assert_true(residual(&g) < 1.001e-8);
+  assert_int_equal(kept.analyses, 1);
+  assert_int_equal(kept.factorisations, 1);
+  kept = (bw_kept){0};
+  assemble(&g, 0.4, 0.3);
+  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  assert_true(residual(&g) < 1.001e-8);
+  assert_int_equal(kept.analyses, 0);
+  assert_int_equal(kept.factorisations, 1);
+
+  /* too far for the iterations allowed: a new factor is made without being asked for */
+  options.method = BW_STALE_ITERATE;
+  options.iterations = 2;
+  kept = (bw_kept){0};
+  assemble(&g, 0.9, 2);
+  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  assert_true(residual(&g) < 1.001e-8);
+  assert_int_equal(kept.factorisations, 1);
+
+  /* another size */
+  fixture h = set_up(context, 9, components, symmetric ? 0 : 1, 0, NULL);
+  kept = (bw_kept){0};
+  bw_stale_options_default(&options);
+  assemble(&h, 0.4, 0.3);
+  check_ok(context, bw_stale_solve(context, stale, h.graph, h.values, h.rhs, h.x, &options, &kept));
+  assert_true(residual(&h) < 1.001e-8);
+  assert_int_equal(kept.analyses, 1);
+
+  bw_stale_forget(stale);
+  check_fails(context, BW_INTERNAL, "no factor", bw_stale_apply(context, stale, h.rhs, h.x));
+  bw_stale_free(stale);
+  clear(&f);
+  clear(&g);
+  clear(&h);
+}
+
+static void test_follow(void **state) {
+  for (int components = 1; components <= 3; components++) {
+    follow_changes(check_context(state), true, components);
+    follow_changes(check_context(state), false, components);
+  }
+  follow_changes(check_context(state), false, 4);
+}
+
+/* Small changes are iterated on, large ones factored, and the average over a drag is no worse, by
+ * the model's own count, than either alone. */
+static void test_choice(void **state) {
+  bw_context *context = check_context(state);
+  fixture f = set_up(context, 48, 2, 0, 0, NULL);
+  int factorisations[2];
+  for (int fast = 0; fast < 2; fast++) {
+    bw_stale *stale;
+    check_ok(context, bw_stale_create(context, true, 2, &stale));
+    bw_kept kept = {0};
+    for (int frame = 0; frame < 40; frame++) {
+      assemble(&f, 0.5, frame * (fast ? 0.8 : 1e-4));
+      check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, &kept));
+      assert_true(residual(&f) < 1.001e-8);
+    }
+    factorisations[fast] = kept.factorisations;
+    assert_int_equal(kept.analyses, 1);
+    bw_stale_free(stale);
+  }
+  assert_in_range(factorisations[0], 1, 8);
+  assert_in_range(factorisations[1], 15, 40);
+  clear(&f);
+}
+
+static void test_refused(void **state) {
+  bw_context *context = check_context(state);
+  for (int symmetric = 0; symmetric < 2; symmetric++) {
+    fixture f = set_up(context, 6, 1, 0, 0, NULL);
+    bw_stale *stale;
+    check_ok(context, bw_stale_create(context, symmetric, 1, &stale));
+    f.field.mass = 0; /* the constant field is free */
+    assemble(&f, 0.2, 0);
+    memset(f.values, 0, sizeof(double)); /* and one entry is nothing */
+    for (int64_t p = f.graph->start[20]; p < f.graph->start[21]; p++)
+      f.values[p] = f.values[f.graph->mirror[p]] = 0;
+    for (size_t i = 0; i < f.size; i++)
+      f.x[i] = 5;
+    check_fails(context, BW_SINGULAR, symmetric ? "not positive definite" : "singular",
+                bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    for (size_t i = 0; i < f.size; i++)
+      assert_true(f.x[i] == 5);
+    /* it can go on after that */
+    f.field.mass = 0.01;
+    assemble(&f, 0.2, 0);
+    check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    assert_true(residual(&f) < 1.001e-8);
+    f.rhs[3] = NAN;
+    check_fails(context, BW_INVALID, "not finite",
+                bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    memset(f.rhs, 0, f.size * sizeof *f.rhs);
+    check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    assert_true(f.x[0] == 0);
+    bw_stale_free(stale);
+    clear(&f);
+  }
+  bw_stale *stale;
+  check_fails(context, BW_INVALID, "5 components", bw_stale_create(context, false, 5, &stale));
+}
+
+static void test_threads(void **state) {
+  bw_context *context = check_context(state);
+  for (int symmetric = 0; symmetric < 2; symmetric++) {
+    double *first = NULL;
+    for (int threads = 1; threads <= 3; threads++) {
+      check_ok(context, bw_set_threads(context, threads));
+      fixture f = set_up(context, symmetric ? 96 : 40, 2, symmetric ? 0 : 1, 0, NULL);
+      bw_stale *stale;
+      bw_stale_options options;
+      bw_stale_options_default(&options);
+      check_ok(context, bw_stale_create(context, symmetric, 2, &stale));
+      for (int frame = 0; frame < 3; frame++) {
+        assemble(&f, 0.3, frame);
+        check_ok(context,
+                 bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, &options, NULL));
+        options.method = BW_STALE_ITERATE;
+      }
+      bw_stale_free(stale);
+      if (first)
+        assert_memory_equal(first, f.x, f.size * sizeof *f.x);
+      else {
+        first = f.x;
+        f.x = NULL;
+      }
+      clear(&f);
+    }
+    bw_free(first);
+  }
+}
+
+static void test_memory(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_set_threads(context, 1));
+  for (int symmetric = 0; symmetric < 2; symmetric++) {
+    fixture f = set_up(context, 5, 2, symmetric ? 0 : 1, 0, NULL);
+    assemble(&f, 0.3, 0);
+    bw_status status = BW_MEMORY;
+    for (int n = 1; status != BW_OK; n++) {
+      bw_stale *stale = NULL;
+      bw_fail_allocation(n, true);
+      status = bw_stale_create(context, symmetric, 2, &stale);
+      if (status == BW_OK)
+        status = bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL);
+      bw_fail_allocation(0, false);
+      assert_true(status == BW_OK || status == BW_MEMORY);
+      assert_true(n < 1000);
+      bw_stale_free(stale);
+    }
+    clear(&f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(test_follow), check_test(test_choice),
+                                     check_test(test_refused), check_test(test_threads),
+                                     check_test(test_memory)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
