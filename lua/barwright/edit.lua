@@ -8,6 +8,7 @@
 local core = require "barwright.core"
 local members = require "barwright.members"
 local options = require "barwright.options"
+local edit_assign = require "barwright.edit_assign"
 local edit_bone = require "barwright.edit_bone"
 local edit_follow = require "barwright.edit_follow"
 local edit_pose = require "barwright.edit_pose"
@@ -233,15 +234,12 @@ function class:limit(name, limit)
   return edit_bone.limit(self, name, limit)
 end
 
---- Gives elements to a bone's domain, or (without a bone) takes them out of those that follow one.
+--- Gives elements to a bone's domain, or (without a bone) takes them out of those that follow one. On
+--- a refilled mesh the domains change as they were before it, and the pose is mended anew.
 function class:assign(elements, bone)
   local state = current(self)
   if type(elements) == "userdata" then elements = elements:totable() end
-  if state.topology.node_from then
-    return nil, "elements cannot be assigned on a refilled mesh: undo to before it was refilled, or "
-      .. "begin another session on session.part", {status = "unsupported"}
-  end
-  local domains, message, details = state.topology.domains:assign(elements, bone)
+  local domains, message, details = edit_assign.domains(state.topology, elements, bone)
   if not domains then return nil, message, details end
   local fine
   fine, message, details = commit(self, {topology = edit_shape.topology(domains, state.topology.floor),

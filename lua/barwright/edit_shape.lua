@@ -9,7 +9,8 @@ local edit_pose = require "barwright.edit_pose"
 local edit_shape = {}
 
 --- A topology: domains, what is asked about them often, the quality below which elements are
---- mended, and the numbers that the nodes have in the part as it was given (nil: the same).
+--- mended, and the numbers that the nodes have in the part as it was given (nil: the same). A refilled
+--- one also has the topology before it (`former`), and where its elements were there.
 function edit_shape.topology(domains, floor, node_from)
   local skeleton, mesh = domains.skeleton, domains.mesh
   local number = {}
@@ -164,7 +165,9 @@ local function refill(topology, inverted)
   local domains, message, details = topology.domains:refilled(inverted.maps, mask, mesh, node_from,
     element_from)
   if not domains then return nil, message, details end
-  return edit_shape.topology(domains, topology.floor, compose(topology.node_from, node_from))
+  local other = edit_shape.topology(domains, topology.floor, compose(topology.node_from, node_from))
+  other.former, other.element_from = topology, element_from
+  return other
 end
 
 --- The shape of a pose, and where relaxing does not help, on a refilled mesh: then the topology of

@@ -1613,7 +1613,9 @@ function Session:reach(target, at, options) end
 ---@return bw.Session?
 function Session:limit(name, limit) end
 
----Gives elements to a bone's domain, or takes them out of those that follow a bone, as an edit.
+---Gives elements to a bone's domain, or takes them out of those that follow a bone, as an edit. On a
+---refilled mesh, of which `elements` are, the domains change as they were before it was refilled, and the
+---pose is mended anew: the mesh after it may be another one.
 ---@param elements bw.Array|integer[]
 ---@param bone? string|integer
 ---@return bw.Session?

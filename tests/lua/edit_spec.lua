@@ -379,7 +379,6 @@ describe("an edit that inverts elements", function()
     assert(session:bone("neck"):set {rotation = {x = degrees - 20}})
     surface_is_posed(session)
     compare(session, assert(session:solve()))
-    check.fails("unsupported", "refilled", session:assign({1}))
     -- back to the mesh as it was, and forth
     local last = session.mesh
     for _ = 1, 3 do assert(session:undo()) end
@@ -393,6 +392,48 @@ describe("an edit that inverts elements", function()
     local path = check.folder() .. "/edits.lua"
     assert(session:save(path))
     assert.is_true(same_nodes(last, assert(bw.edit.load(path, (body()))).mesh))
+  end)
+
+  it("has blended domains refilled, and still lets elements be assigned", function()
+    local session = body()
+    turn_until(session, "x", "refilled")
+    -- an element of the filling beside one that follows the neck, and one that follows the neck
+    local label, neighbours = session.domains.element_domain, session.mesh.neighbours
+    local neck = session.skeleton:bone("neck").index
+    local from = session.history[2].topology.element_from
+    local blended, following = {}, {}
+    for e = 1, session.mesh.element_count do
+      for k = 1, 4 do
+        local other = neighbours(e, k)
+        local beside = other > 0 and session.domains[label[other]].bones[1] == "neck"
+          and session.domains[label[other]].type == "R"
+        if beside and session.domains[label[e]].type == "F" then
+          following[#following + 1] = other
+          if from[e] < 0 then blended[#blended + 1] = e end
+        end
+      end
+    end
+    local before = session.domains[neck].elements
+    assert.truthy(#blended > 0 and #following > 0 and session.domains[neck].type == "R")
+    -- the first that leaves the neck's domain in one piece
+    local function assign_one(list, bone)
+      for _, e in ipairs(list) do
+        if pcall(session.assign, session, {e}, bone) then return true end
+      end
+    end
+    assert.is_true(assign_one(following))
+    assert.is_true(session.domains[neck].elements < before)
+    compare(session, assert(session:solve()))
+    assert(session:undo())
+    assert.is_true(assign_one(blended, "neck"))
+    assert.is_true(session.domains[neck].elements > before)
+    compare(session, assert(session:solve()))
+    local mesh, path = session.mesh, check.folder() .. "/edits.lua"
+    assert(session:save(path))
+    assert.is_true(same_nodes(mesh, assert(bw.edit.load(path, (body()))).mesh))
+    for _ = 1, 2 do assert(session:undo()) end
+    assert.is_true(same_nodes(session.rest, session.mesh))
+    check.raises("from 1 to", session.assign, session, {session.mesh.element_count + 1}, "neck")
   end)
 
   it("is refused where refilling would lose a load on an inner node", function()
