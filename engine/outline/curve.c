@@ -104,6 +104,27 @@ void bwi_curve_box(const bwi_curve *curve, double low[2], double high[2]) {
   }
 }
 
+static void direction_of(const bwi_curve *curve, int from, int step, double direction[2]) {
+  direction[0] = direction[1] = 0;
+  for (int i = from + step; i >= 0 && i < curve->count; i += step) {
+    double x = curve->point[i][0] - curve->point[from][0];
+    double y = curve->point[i][1] - curve->point[from][1], length = hypot(x, y);
+    if (length > 0) {
+      direction[0] = step * x / length;
+      direction[1] = step * y / length;
+      return;
+    }
+  }
+}
+
+void bwi_curve_leaves(const bwi_curve *curve, double direction[2]) {
+  direction_of(curve, 0, 1, direction);
+}
+
+void bwi_curve_arrives(const bwi_curve *curve, double direction[2]) {
+  direction_of(curve, curve->count - 1, -1, direction);
+}
+
 void bw_outline_evaluate(const bw_outline *outline, int32_t segment, double t, double position[2],
                          double derivative[2], double second[2]) {
   bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);

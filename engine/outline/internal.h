@@ -50,6 +50,7 @@ int bwi_loop_winding(const double *point, const bw_loop *loop, const bw_segment 
  * for clockwise loops. */
 void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment *segment,
                       const double origin[2], double moment[6]);
+double bwi_curve_length(const bwi_curve *curve);
 /* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
 int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region);
 
@@ -63,10 +64,43 @@ static inline int32_t bwi_previous_segment(const bw_loop *loop, int32_t segment)
 /* The loop of a segment. */
 int32_t bwi_segment_loop(const bw_outline *outline, int32_t segment);
 
+/* The direction in which a curve leaves its start or comes to its end: the unit vector towards the
+ * first control point that lies elsewhere. (curve.c) */
+void bwi_curve_leaves(const bwi_curve *curve, double direction[2]);
+void bwi_curve_arrives(const bwi_curve *curve, double direction[2]);
+
 bw_status bwi_check_loop(bw_context *context, const bw_outline *outline, int32_t loop);
 bw_status bwi_check_segment(bw_context *context, const bw_outline *outline, int32_t segment);
 /* A point at which a segment begins; that segment comes back. */
 bw_status bwi_check_vertex(bw_context *context, const bw_outline *outline, int32_t vertex,
                            int32_t *segment);
+
+/* ---- putting outlines together (draft.c) ------------------------------------------------------
+ */
+
+/* Loops added one after the other. The first failure of memory sticks and comes back at the end. */
+typedef struct bwi_draft {
+  bw_context *context;
+  double *point;
+  bw_segment *segment;
+  bw_loop *loop;
+  bw_name *tag;
+  size_t points, point_room, segments, segment_room, loops, loop_room, tags, tag_room;
+  bw_status status;
+} bwi_draft;
+void bwi_draft_init(bwi_draft *draft, bw_context *context);
+void bwi_draft_clear(bwi_draft *draft);
+int32_t bwi_draft_point(bwi_draft *draft, const double at[2]);
+void bwi_draft_segment(bwi_draft *draft, int32_t start, int32_t control1, int32_t control2,
+                       int32_t end, int32_t tag);
+/* The segments added from now on belong to a new loop. */
+bw_loop *bwi_draft_loop(bwi_draft *draft, const char *name, int32_t region);
+/* The number of the tag of this name (cut to what a name holds), added when it is new. */
+int32_t bwi_draft_tag(bwi_draft *draft, const char *name);
+/* A name, cut at the end of a character where it is too long. */
+bw_name bwi_name(const char *text, size_t length);
+/* All of an outline but the points. */
+void bwi_draft_copy(bwi_draft *draft, const bw_outline *outline);
+bw_status bwi_draft_finish(bwi_draft *draft, bw_outline **outline);
 
 #endif

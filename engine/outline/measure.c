@@ -67,15 +67,18 @@ static double gauss_length(const bwi_curve *curve) {
   return sum;
 }
 
-static double length(const bwi_curve *curve, double whole, int depth) {
-  if (curve->count == 2)
-    return whole;
+static double halved_length(const bwi_curve *curve, double whole, int depth) {
   bwi_curve left, right;
   bwi_curve_split(curve, 0.5, &left, &right);
   double a = gauss_length(&left), b = gauss_length(&right);
   if (depth == 0 || fabs(a + b - whole) <= 1e-13 * whole)
     return a + b;
-  return length(&left, a, depth - 1) + length(&right, b, depth - 1);
+  return halved_length(&left, a, depth - 1) + halved_length(&right, b, depth - 1);
+}
+
+double bwi_curve_length(const bwi_curve *curve) {
+  double whole = gauss_length(curve);
+  return curve->count == 2 ? whole : halved_length(curve, whole, 24);
 }
 
 /* ---- measures -------------------------------------------------------------------------------- */
@@ -107,7 +110,7 @@ bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int
         m.low[k] = fmin(m.low[k], low[k]);
         m.high[k] = fmax(m.high[k], high[k]);
       }
-      m.perimeter += length(&curve, gauss_length(&curve), 24);
+      m.perimeter += bwi_curve_length(&curve);
     }
   }
   for (int k = 0; k < 2; k++)

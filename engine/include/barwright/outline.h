@@ -96,25 +96,31 @@ bw_status bw_outline_area_gradient(bw_context *context, const bw_outline *outlin
                                    double *gradient);
 
 /* Laplacian smoothing of a loop's vertices and controls, `strength` in 0..1, `rounds` times;
- * vertices turned by more than `corner` radians are kept. */
+ * vertices at which the loop turns by more than `corner` radians are kept. */
 bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, int32_t loop,
                               double strength, int rounds, double corner, bw_outline **smoothed);
-/* A loop more (a hole or a region), its points and segments given from 0; or one fewer. */
+/* A loop more (a hole or a region), its points and segments given from 0, its tags those of the
+ * outline. Or one fewer, with the loops inside it: points behind those that go move up, and regions
+ * close up. */
 bw_status bw_outline_with_loop(bw_context *context, const bw_outline *outline, int32_t points,
                                const double *point, int32_t segments, const bw_segment *segment,
                                const bw_loop *loop, bw_outline **larger);
 bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline, int32_t loop,
                                   bw_outline **smaller);
 /* Push-pin pulling of a curve: the vertex goes to `to`, pinned vertices stay, the points of the
- * loop between (within `reach` along the curve; 0: up to the pins) follow as rigidly as possible.
- */
+ * loop between (up to the first vertex `reach` away along the curve; 0: up to the pins) follow as
+ * rigidly as possible. Without pins and reach the loop moves as a whole; about a single pin it
+ * turns. */
 bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int32_t vertex,
                             const double to[2], int32_t pins, const int32_t *pin, double reach,
                             bw_outline **pulled);
-/* A segment cut in two at t (de Casteljau), and a vertex merged away: for editors. */
+/* A segment cut in two at t in (0, 1) by de Casteljau: the second half is the next segment, and the
+ * new points are the last: first the vertex, then the second half's control points. */
 bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32_t segment,
                            double t, bw_outline **finer);
-/* A vertex between two segments taken out: one segment remains of the two. */
+/* A vertex between two segments taken out: one segment remains of the two, with the tag of the
+ * first; two lines give a line, else a cubic with the same directions at its ends, which undoes a
+ * split exactly. Points behind those that go move up. */
 bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int32_t vertex,
                             bw_outline **coarser);
 
