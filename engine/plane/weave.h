@@ -1,0 +1,38 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A plane mesh while edges are flipped and inner nodes moved. */
+#ifndef BARWRIGHT_PLANE_WEAVE_H
+#define BARWRIGHT_PLANE_WEAVE_H
+
+#include "plane/internal.h"
+
+/* Edge k of an element runs from its corner k to corner k + 1; `kept` edges are never flipped
+ * (sides and edges between regions). Points: of corners, and with order 2 of middles behind them.
+ */
+typedef struct bwi_weave {
+  int order;
+  int32_t corner_count, element_count;
+  int32_t *element;   /* x 3 or 6 */
+  int32_t *neighbour; /* x 3 */
+  uint8_t *kept;      /* x 3 */
+  uint8_t *held;      /* corners: may not move */
+  double *point;      /* x 2 */
+  int32_t *star;      /* corners: an element around; kept by flips */
+  int32_t *queue;     /* scratch of flips: x 3 */
+  uint8_t *queued;    /* scratch: x 3 */
+} bwi_weave;
+
+/* Of a mesh: topology, and points that are copied. Sides, edges between regions and their corners
+ * are kept and held. */
+bw_status bwi_weave_open(bw_context *context, const bw_plane_topology *topology,
+                         const double *point, bwi_weave *weave);
+void bwi_weave_clear(bwi_weave *weave); /* frees all of it */
+
+/* Flips until every edge that may be flipped is Delaunay (but for rounding, and where the new
+ * elements would be worse than flat or, curved, folded). Returns the number of flips. */
+int32_t bwi_weave_flip(bwi_weave *weave);
+/* One round over the nodes in order: each goes towards the middle of its star where that does not
+ * make the worst element around it worse than `enough`. Only nodes with an element worse than
+ * `below` around them. Returns the number of nodes moved. */
+int32_t bwi_weave_smooth(bwi_weave *weave, double below, double enough);
+
+#endif

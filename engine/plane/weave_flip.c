@@ -1,0 +1,223 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Flips of edges towards Delaunay. Nodes are kept, also those in the middle of edges: the middle of
+ * the edge that goes becomes the middle of the one that comes. */
+#include "plane/weave.h"
+
+#include <math.h>
+#include <string.h>
+
+bw_status bwi_weave_open(bw_context *context, const bw_plane_topology *topology,
+                         const double *point, bwi_weave *weave) {
+  const bw_plane_nodes *nodes = topology->nodes;
+  size_t width = (size_t)bwi_plane_width(nodes), elements = (size_t)topology->element_count;
+  *weave = (bwi_weave){.order = nodes->order,
+                       .corner_count = nodes->corner_count,
+                       .element_count = topology->element_count};
+  weave->element = BW_NEW(context, int32_t, width * elements);
+  weave->neighbour = BW_NEW(context, int32_t, 3 * elements);
+  weave->kept = BW_NEW0(context, uint8_t, 3 * elements);
+  weave->held = BW_NEW0(context, uint8_t, nodes->corner_count);
+  weave->point = BW_NEW(context, double, 2 * (size_t)nodes->node_count);
+  weave->star = BW_NEW(context, int32_t, nodes->corner_count);
+  weave->queue = BW_NEW(context, int32_t, 3 * elements);
+  weave->queued = BW_NEW0(context, uint8_t, 3 * elements);
+  if (!weave->element || !weave->neighbour || !weave->kept || !weave->held || !weave->point ||
+      !weave->star || !weave->queue || !weave->queued) {
+    bwi_weave_clear(weave);
+    return BW_MEMORY;
+  }
+  memcpy(weave->element, topology->element, width * elements * sizeof(int32_t));
+  memcpy(weave->neighbour, topology->neighbour, 3 * elements * sizeof(int32_t));
+  memcpy(weave->point, point, 2 * (size_t)nodes->node_count * sizeof(double));
+  for (size_t e = elements; e-- > 0;)
+    for (size_t k = 0; k < 3; k++) {
+      int32_t other = weave->neighbour[3 * e + k], corner = weave->element[width * e + k];
+      weave->star[corner] = (int32_t)e;
+      weave->held[corner] |= nodes->segment[corner] >= 0;
+      if (other >= 0 && topology->region[e] == topology->region[other])
+        continue;
+      weave->kept[3 * e + k] = 1;
+      weave->held[corner] = weave->held[weave->element[width * e + (k + 1) % 3]] = 1;
+    }
+  /* a loop between two parts of one region is an outline's as well */
+  for (int32_t s = 0; s < topology->side_count; s++)
+    for (int i = 0; i < 2; i++) {
+      int32_t e = topology->side_element[2 * s + i];
+      if (e < 0)
+        continue;
+      int32_t from = topology->side[(width == 6 ? 3 : 2) * (size_t)s + (size_t)i];
+      for (size_t k = 0; k < 3; k++)
+        if (weave->element[width * (size_t)e + k] == from)
+          weave->kept[3 * (size_t)e + k] = 1;
+    }
+  return BW_OK;
+}
+
+void bwi_weave_clear(bwi_weave *weave) {
+  bw_free(weave->element);
+  bw_free(weave->neighbour);
+  bw_free(weave->kept);
+  bw_free(weave->held);
+  bw_free(weave->point);
+  bw_free(weave->star);
+  bw_free(weave->queue);
+  bw_free(weave->queued);
+  memset(weave, 0, sizeof *weave);
+}
+
+/* The edge of an element that begins at a corner. */
+static int edge_with(const bwi_weave *weave, int32_t e, int32_t from) {
+  const int32_t *n = weave->element + (weave->order == 2 ? 6 : 3) * (size_t)e;
+  return n[0] == from ? 0 : n[1] == from ? 1 : 2;
+}
+
+/* Corners a, b of edge k of element e, c opposite in e, d opposite in its neighbour f, there edge
+ * m.
+ */
+typedef struct quad {
+  int32_t e, f;
+  int k, m;
+  int32_t a, b, c, d;
+} quad;
+
+static quad quad_of(const bwi_weave *weave, int32_t e, int k) {
+  size_t width = weave->order == 2 ? 6 : 3;
+  quad q = {.e = e, .k = k, .f = weave->neighbour[3 * (size_t)e + (size_t)k]};
+  const int32_t *n = weave->element + width * (size_t)e;
+  q.a = n[k];
+  q.b = n[(k + 1) % 3];
+  q.c = n[(k + 2) % 3];
+  q.m = edge_with(weave, q.f, q.b);
+  q.d = weave->element[width * (size_t)q.f + (size_t)((q.m + 2) % 3)];
+  return q;
+}
+
+/* The sine of the sum of the angles opposite to the edge is negative: not Delaunay. */
+static bool violates(const bwi_weave *weave, const quad *q) {
+  const double *a = weave->point + 2 * (size_t)q->a, *b = weave->point + 2 * (size_t)q->b;
+  const double *c = weave->point + 2 * (size_t)q->c, *d = weave->point + 2 * (size_t)q->d;
+  double ca[2] = {a[0] - c[0], a[1] - c[1]}, cb[2] = {b[0] - c[0], b[1] - c[1]};
+  double da[2] = {a[0] - d[0], a[1] - d[1]}, db[2] = {b[0] - d[0], b[1] - d[1]};
+  double cross_c = ca[0] * cb[1] - ca[1] * cb[0], dot_c = ca[0] * cb[0] + ca[1] * cb[1];
+  double cross_d = db[0] * da[1] - db[1] * da[0], dot_d = da[0] * db[0] + da[1] * db[1];
+  if (!(cross_c > 0 && cross_d > 0))
+    return false;
+  double size = sqrt((ca[0] * ca[0] + ca[1] * ca[1]) * (cb[0] * cb[0] + cb[1] * cb[1])) *
+                sqrt((da[0] * da[0] + da[1] * da[1]) * (db[0] * db[0] + db[1] * db[1]));
+  return cross_c * dot_d + dot_c * cross_d < -1e-9 * size;
+}
+
+/* What the two elements become: e = c d b, f = d c a with the new edge first; middles go along. */
+static void turned(const bwi_weave *weave, const quad *q, int32_t e[6], int32_t f[6]) {
+  e[0] = q->d;
+  e[1] = q->c;
+  e[2] = q->a;
+  f[0] = q->c;
+  f[1] = q->d;
+  f[2] = q->b;
+  if (weave->order == 1)
+    return;
+  const int32_t *en = weave->element + 6 * (size_t)q->e, *fn = weave->element + 6 * (size_t)q->f;
+  e[3] = f[3] = en[3 + q->k];
+  e[4] = en[3 + (q->k + 2) % 3]; /* c a */
+  e[5] = fn[3 + (q->m + 1) % 3]; /* a d */
+  f[4] = fn[3 + (q->m + 2) % 3]; /* d b */
+  f[5] = en[3 + (q->k + 1) % 3]; /* b c */
+}
+
+/* Both elements must come out right: convexity follows from the sum of the angles but for rounding,
+ * curved sides (order 2) may fold the new ones. The middle goes to its new place, or stays. */
+static bool comes_out_right(bwi_weave *weave, const int32_t e[6], const int32_t f[6],
+                            double floor) {
+  double *middle = NULL, before[2] = {0, 0};
+  if (weave->order == 2) {
+    middle = weave->point + 2 * (size_t)e[3];
+    const double *c = weave->point + 2 * (size_t)e[0], *d = weave->point + 2 * (size_t)e[1];
+    memcpy(before, middle, sizeof before);
+    for (int i = 0; i < 2; i++)
+      middle[i] = (c[i] + d[i]) / 2;
+  }
+  if (bwi_plane_quality(weave->point, e, weave->order) > floor &&
+      bwi_plane_quality(weave->point, f, weave->order) > floor)
+    return true;
+  if (middle)
+    memcpy(middle, before, sizeof before);
+  return false;
+}
+
+/* After element `at` got other edges: its neighbour across edge k learns who is there. */
+static void link(bwi_weave *weave, int32_t at, int k, int32_t other, int32_t was, uint8_t kept) {
+  weave->neighbour[3 * (size_t)at + (size_t)k] = other;
+  weave->kept[3 * (size_t)at + (size_t)k] = kept;
+  if (other >= 0 && was != at) {
+    /* the edge of `other` that begins where edge k of `at` ends */
+    size_t width = weave->order == 2 ? 6 : 3;
+    int32_t from = weave->element[width * (size_t)at + (size_t)((k + 1) % 3)];
+    weave->neighbour[3 * (size_t)other + (size_t)edge_with(weave, other, from)] = at;
+  }
+}
+
+static bool try_flip(bwi_weave *weave, int32_t e, int k) {
+  size_t width = weave->order == 2 ? 6 : 3;
+  quad q = quad_of(weave, e, k);
+  int32_t en[6], fn[6];
+  if (!violates(weave, &q))
+    return false;
+  double floor =
+      fmin(bwi_plane_quality(weave->point, weave->element + width * (size_t)q.e, weave->order),
+           bwi_plane_quality(weave->point, weave->element + width * (size_t)q.f, weave->order));
+  floor = weave->order == 2 ? fmax(fmin(floor, 0.3), 0) : 0;
+  turned(weave, &q, en, fn);
+  if (!comes_out_right(weave, en, fn, floor))
+    return false;
+  const int32_t *around_e = weave->neighbour + 3 * (size_t)q.e;
+  const int32_t *around_f = weave->neighbour + 3 * (size_t)q.f;
+  const uint8_t *kept_e = weave->kept + 3 * (size_t)q.e, *kept_f = weave->kept + 3 * (size_t)q.f;
+  int32_t ca = around_e[(k + 2) % 3], bc = around_e[(k + 1) % 3];
+  int32_t ad = around_f[(q.m + 1) % 3], db = around_f[(q.m + 2) % 3];
+  uint8_t kept_ca = kept_e[(k + 2) % 3], kept_bc = kept_e[(k + 1) % 3];
+  uint8_t kept_ad = kept_f[(q.m + 1) % 3], kept_db = kept_f[(q.m + 2) % 3];
+  memcpy(weave->element + width * (size_t)q.e, en, width * sizeof *en);
+  memcpy(weave->element + width * (size_t)q.f, fn, width * sizeof *fn);
+  link(weave, q.e, 1, ca, q.e, kept_ca);
+  link(weave, q.e, 2, ad, q.f, kept_ad);
+  link(weave, q.f, 1, db, q.f, kept_db);
+  link(weave, q.f, 2, bc, q.e, kept_bc);
+  weave->neighbour[3 * (size_t)q.e] = q.f;
+  weave->neighbour[3 * (size_t)q.f] = q.e;
+  weave->kept[3 * (size_t)q.e] = weave->kept[3 * (size_t)q.f] = 0;
+  weave->star[q.a] = weave->star[q.c] = q.e;
+  weave->star[q.b] = weave->star[q.d] = q.f;
+  return true;
+}
+
+int32_t bwi_weave_flip(bwi_weave *weave) {
+  int64_t edges = 3 * (int64_t)weave->element_count, head = 0, waiting = 0, flips = 0;
+  /* each edge once, then those around flips again: a queue of at most every edge */
+  for (int64_t h = 0; h < edges; h++) {
+    weave->queued[h] = !weave->kept[h] && weave->neighbour[h] > h / 3;
+    if (weave->queued[h])
+      weave->queue[waiting++] = (int32_t)h;
+  }
+  while (waiting > 0 && flips < 16 * edges) {
+    int32_t h = weave->queue[head];
+    head = head + 1 < edges ? head + 1 : 0;
+    waiting--;
+    weave->queued[h] = 0;
+    if (weave->kept[h] || weave->neighbour[h] < 0 || !try_flip(weave, h / 3, h % 3))
+      continue;
+    flips++;
+    int32_t pair[2] = {h / 3, 0};
+    pair[1] = weave->neighbour[3 * (size_t)pair[0]];
+    for (int i = 0; i < 2; i++)
+      for (int k = 1; k < 3; k++) {
+        int64_t other = 3 * (int64_t)pair[i] + k;
+        if (weave->kept[other] || weave->neighbour[other] < 0 || weave->queued[other])
+          continue;
+        weave->queued[other] = 1;
+        weave->queue[(head + waiting) % edges] = (int32_t)other;
+        waiting++;
+      }
+  }
+  return (int32_t)flips;
+}

@@ -1,0 +1,99 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Moving inner nodes towards the middle of their stars: Gauss-Seidel rounds in the order of the
+ * nodes, each move checked against the elements around. */
+#include "plane/weave.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_AROUND = 64 };
+
+/* The elements around an inner node, counter-clockwise. 0 when they do not close (or are too many
+ * to be worth while). */
+static int around(const bwi_weave *weave, int32_t node, int32_t element[MOST_AROUND],
+                  int corner[MOST_AROUND]) {
+  size_t width = weave->order == 2 ? 6 : 3;
+  int32_t first = weave->star[node], e = first;
+  int count = 0;
+  do {
+    const int32_t *n = weave->element + width * (size_t)e;
+    int k = n[0] == node ? 0 : n[1] == node ? 1 : 2;
+    if (count == MOST_AROUND)
+      return 0;
+    element[count] = e;
+    corner[count++] = k;
+    e = weave->neighbour[3 * (size_t)e + (size_t)((k + 2) % 3)];
+    if (e < 0)
+      return 0;
+  } while (e != first);
+  return count;
+}
+
+static double worst_of(const bwi_weave *weave, int count, const int32_t *element) {
+  size_t width = weave->order == 2 ? 6 : 3;
+  double worst = INFINITY;
+  for (int i = 0; i < count; i++)
+    worst = fmin(worst, bwi_plane_quality(weave->point, weave->element + width * (size_t)element[i],
+                                          weave->order));
+  return worst;
+}
+
+/* The node and, at order 2, the middles of the edges to it. */
+static void put(bwi_weave *weave, int32_t node, int count, const int32_t *element,
+                const int *corner, const double at[2]) {
+  memcpy(weave->point + 2 * (size_t)node, at, 2 * sizeof *at);
+  if (weave->order == 1)
+    return;
+  for (int i = 0; i < count; i++) {
+    const int32_t *n = weave->element + 6 * (size_t)element[i];
+    const double *other = weave->point + 2 * (size_t)n[(corner[i] + 1) % 3];
+    double *middle = weave->point + 2 * (size_t)n[3 + corner[i]];
+    for (int k = 0; k < 2; k++)
+      middle[k] = (at[k] + other[k]) / 2;
+  }
+}
+
+/* Mean of the centroids of the elements around, which is two thirds of the way to the mean of the
+ * ring: it keeps a grading that is there, as weights by area would not. */
+static void middle_of(const bwi_weave *weave, int count, const int32_t *element, const int *corner,
+                      double target[2]) {
+  size_t width = weave->order == 2 ? 6 : 3;
+  target[0] = target[1] = 0;
+  for (int i = 0; i < count; i++) {
+    const int32_t *n = weave->element + width * (size_t)element[i];
+    const double *a = weave->point + 2 * (size_t)n[(corner[i] + 1) % 3];
+    for (int k = 0; k < 2; k++)
+      target[k] += a[k] / count;
+  }
+}
+
+int32_t bwi_weave_smooth(bwi_weave *weave, double below, double enough) {
+  int32_t element[MOST_AROUND], moved = 0;
+  int corner[MOST_AROUND];
+  for (int32_t node = 0; node < weave->corner_count; node++) {
+    if (weave->held[node])
+      continue;
+    int count = around(weave, node, element, corner);
+    if (count < 3)
+      continue;
+    double before = worst_of(weave, count, element);
+    if (before >= below)
+      continue;
+    double old[2], target[2], part = 1;
+    memcpy(old, weave->point + 2 * (size_t)node, sizeof old);
+    middle_of(weave, count, element, corner, target);
+    int tries = 0;
+    for (; tries < 4; tries++, part /= 2) {
+      double at[2] = {old[0] + part * (target[0] - old[0]), old[1] + part * (target[1] - old[1])};
+      put(weave, node, count, element, corner, at);
+      double after = worst_of(weave, count, element);
+      if (after > before || after >= enough)
+        break;
+    }
+    if (tries == 4)
+      put(weave, node, count, element, corner, old);
+    else
+      moved++;
+  }
+  return moved;
+}
