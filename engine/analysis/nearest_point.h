@@ -19,7 +19,7 @@ bw_status bwi_nearest_point(const bwi_polyhedron *p, double *z, double *mu, bool
                             const char **word);
 
 /* Small dense algebra with n x n matrices, row by row. */
-double bwi_dot(int n, const double *a, const double *b);
+double bwi_row_dot(int n, const double *a, const double *b);
 /* The lower triangle becomes its Cholesky factor; false when a pivot is not above `least` of its
  * diagonal entry. */
 bool bwi_cholesky(int n, double *a, double least);

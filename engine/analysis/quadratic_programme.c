@@ -98,15 +98,15 @@ static bw_status transform(programme *q, const double *H, const double *g) {
     const double *given = q->a + i * n;
     memcpy(row, given, (size_t)n * sizeof *row);
     bwi_forward(n, q->l, row);
-    double norm = sqrt(bwi_dot(n, row, row));
+    double norm = sqrt(bwi_row_dot(n, row, row));
     if (norm > 0)
-      add_row(q, i, norm, row, q->b[i] - bwi_dot(n, given, q->centre));
+      add_row(q, i, norm, row, q->b[i] - bwi_row_dot(n, given, q->centre));
   }
   for (int j = 0; j < n; j++) {
     memset(row, 0, (size_t)n * sizeof *row);
     row[j] = 1;
     bwi_forward(n, q->l, row);
-    double norm = sqrt(bwi_dot(n, row, row));
+    double norm = sqrt(bwi_row_dot(n, row, row));
     if (q->high[j] < INFINITY)
       add_row(q, q->m + j, norm, row, q->high[j] - q->centre[j]);
     for (int k = 0; k < n; k++)
@@ -171,7 +171,7 @@ static bw_status least_violation(const programme *q, double unit, double *t) {
     BW_TRY(bw_check_cancel(q->context));
     centre[q->n] -= FAR;
     for (int i = 0; i < p.rows; i++)
-      p.beta[i] = whole[i] - bwi_dot(n, p.a + i * n, centre);
+      p.beta[i] = whole[i] - bwi_row_dot(n, p.a + i * n, centre);
     bool inside;
     BW_TRY(bwi_nearest_point(&p, z, mu, &inside, &word));
     if (!inside) {
@@ -247,7 +247,7 @@ bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, co
   }
   double reach = 0; /* |y| at c, below whose rounding no row is violated */
   for (int i = 0; i < n; i++)
-    reach += q.centre[i] * (bwi_dot(n, H + i * n, q.centre));
+    reach += q.centre[i] * (bwi_row_dot(n, H + i * n, q.centre));
   reach = sqrt(fmax(reach, 0));
   for (int i = 0; i < q.p.rows; i++)
     most = fmax(most, -q.p.beta[i]);
@@ -275,7 +275,7 @@ bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, co
   to_unknowns(&q, z, x);
   *violation = 0;
   for (int i = 0; i < m; i++)
-    *violation = fmax(*violation, bwi_dot(n, A + i * n, x) - b[i]);
+    *violation = fmax(*violation, bwi_row_dot(n, A + i * n, x) - b[i]);
   double rounding = 0;
   for (int i = 0; i < q.p.rows; i++)
     if (q.of[i] < m)

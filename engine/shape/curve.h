@@ -52,7 +52,7 @@ void bwi_curve_clear(bwi_curve *curve);
  * contract those between junctions that lie in each other's ball. With `most` > 0 go on with the
  * least that reach out until no more than so many branches are left. (curve_prune.c) */
 bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, int32_t most);
-double bwi_curve_length(const bwi_curve *curve);
+double bwi_branches_length(const bwi_curve *curve);
 
 /* Straight bones that stray at most `bend` local radii from the curve; with `wanted` > 0 just so
  * many, as far as there are no more branches than that. No bone where the curve has no branch.

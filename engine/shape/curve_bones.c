@@ -185,7 +185,7 @@ bw_status bwi_curve_bones(bw_context *context, const bwi_curve *curve, double be
   bw_status status = BW_OK;
   piece *list = NULL;
   size_t capacity = 0, count = 0;
-  double step = bwi_curve_length(curve) / SAMPLES;
+  double step = bwi_branches_length(curve) / SAMPLES;
   samples *along = BW_NEW0(context, samples, curve->branch_count);
   memset(sketch, 0, sizeof *sketch);
   if (!along)

@@ -20,7 +20,7 @@ static double way_length(const double *at, int32_t count) {
   return length;
 }
 
-double bwi_curve_length(const bwi_curve *curve) {
+double bwi_branches_length(const bwi_curve *curve) {
   double length = 0;
   for (int32_t b = 0; b < curve->branch_count; b++)
     if (curve->branch[b].at)

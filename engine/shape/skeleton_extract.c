@@ -275,7 +275,7 @@ bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
   BW_TRY(bwi_curve_create(context, &graph, &curve));
   BW_TRY(bwi_curve_prune(context, &curve, options.prune, options.bones));
   BW_TRY(bwi_curve_bones(context, &curve, options.bend, options.bones, &sketch));
-  if (sketch.bone_count == 0 || bwi_curve_length(&curve) < 0.02)
+  if (sketch.bone_count == 0 || bwi_branches_length(&curve) < 0.02)
     BW_TRY(bwi_sketch_one_bone(context, unit, &sketch));
   BW_TRY(bwi_sketch_settle(context, unit, &sketch));
   BW_TRY(finish(context, &sketch, &f, skeleton));
