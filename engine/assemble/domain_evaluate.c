@@ -1,37 +1,58 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Entries from coefficients: nine numbers in, nine numbers out, by one 9 x 9 map per domain that
- * holds its motion and its material together.
+/* Entries from coefficients: nine numbers in, nine numbers out, by one map per domain that holds
+ * its motion and its material together.
  *
  *   T' = det(A) A^-T T A^-1   and   K_ik = sum_jl C_ijkl T'_jl   give, with B = A^-1,
- *   K_ik = sum_pq T_pq M_pq,ik,     M_pq,ik = det(A) sum_jl C_ijkl B_pj B_ql. */
+ *   K_ik = sum_pq T_pq M_pq,ik,     M_pq,ik = det(A) sum_jl C_ijkl B_pj B_ql.
+ *
+ * As C_ijkl = C_klij, the transpose of T makes the transpose of K: the symmetric half of T makes
+ * that of K and the skew half that of K. So 36 + 9 numbers of M serve, and not 81. */
 #include "assemble/domain.h"
 
 #ifdef __FMA__
 #include <immintrin.h>
 #endif
 
-void bwi_domain_map(const double elasticity[81], const double linear[9], double map[81]) {
-  double inverse[9], half[81];
+/* Rows and columns of the coefficients, in their order: the symmetric half, then the skew one. */
+static const int upper[9][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2},
+                                {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+
+void bwi_domain_halves(double t[3][4], double *out) {
+  for (int m = 0; m < 9; m++) {
+    int p = upper[m][0], q = upper[m][1];
+    out[4 * m] = p == q ? t[p][p] : 0.5 * (m < 6 ? t[p][q] + t[q][p] : t[p][q] - t[q][p]);
+  }
+}
+
+void bwi_domain_map(const double elasticity[81], const double linear[9],
+                    double map[BWI_DOMAIN_MAP]) {
+  double inverse[9];
   double determinant = bw_inverse3(linear, inverse);
-  for (int ik = 0; ik < 9; ik++) { /* half: B_ql; map: B_pj */
-    const double *c = elasticity + 9 * ik;
+  for (int r = 0; r < 9; r++) {
+    const double *c = elasticity + 9 * (3 * upper[r][0] + upper[r][1]);
+    double half[3][3], full[3][3]; /* half: B_ql; full: B_pj too */
     for (int j = 0; j < 3; j++)
       for (int q = 0; q < 3; q++)
-        half[9 * ik + 3 * j + q] = c[3 * j] * inverse[3 * q] + c[3 * j + 1] * inverse[3 * q + 1] +
-                                   c[3 * j + 2] * inverse[3 * q + 2];
-    const double *h = half + 9 * ik;
+        half[j][q] = c[3 * j] * inverse[3 * q] + c[3 * j + 1] * inverse[3 * q + 1] +
+                     c[3 * j + 2] * inverse[3 * q + 2];
     for (int p = 0; p < 3; p++)
       for (int q = 0; q < 3; q++)
-        map[9 * (3 * p + q) + ik] =
-            determinant *
-            (h[q] * inverse[3 * p] + h[3 + q] * inverse[3 * p + 1] + h[6 + q] * inverse[3 * p + 2]);
+        full[p][q] = determinant * (half[0][q] * inverse[3 * p] + half[1][q] * inverse[3 * p + 1] +
+                                    half[2][q] * inverse[3 * p + 2]);
+    for (int m = r < 6 ? 0 : 6; m < (r < 6 ? 6 : 9); m++) {
+      int p = upper[m][0], q = upper[m][1];
+      if (r < 6)
+        map[6 * m + r] = p == q ? full[p][p] : full[p][q] + full[q][p];
+      else
+        map[36 + 3 * (m - 6) + r - 6] = full[p][q] - full[q][p];
+    }
   }
 }
 
 /* dT' = tr(G) T' - G^T T' - T' G with G = dA A^-1; so M is differentiated through C alone:
  * sum_jl C_ijkl dT'_jl = sum_jl D_ijkl T'_jl. */
 void bwi_domain_map_derivative(const double elasticity[81], const double linear[9],
-                               const double direction[9], double map[81]) {
+                               const double direction[9], double map[BWI_DOMAIN_MAP]) {
   double inverse[9], g[9], changed[81];
   bw_inverse3(linear, inverse);
   for (int r = 0; r < 3; r++)
@@ -82,8 +103,21 @@ void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double fr
   bwi_turn_elasticity(c->elasticity, rotation, elasticity);
 }
 
-/* The sums stay in registers only where everything is inlined. */
-#define INLINED __attribute__((always_inline)) static inline
+void bwi_domain_entries(const double *map, const double *tensor, double block[9]) {
+  double half[9] = {0};
+  for (int m = 0; m < 6; m++)
+    for (int r = 0; r < 6; r++)
+      half[r] += map[6 * m + r] * tensor[4 * m];
+  for (int m = 0; m < 3; m++)
+    for (int r = 0; r < 3; r++)
+      half[6 + r] += map[36 + 3 * m + r] * tensor[4 * (6 + m)];
+  for (int r = 0; r < 6; r++)
+    block[3 * upper[r][0] + upper[r][1]] = block[3 * upper[r][1] + upper[r][0]] = half[r];
+  for (int r = 6; r < 9; r++) {
+    block[3 * upper[r][0] + upper[r][1]] += half[r];
+    block[3 * upper[r][1] + upper[r][0]] -= half[r];
+  }
+}
 
 /* y += a * x, rounded once where the processor can. Through pointers: without AVX, vectors that are
  * passed or returned by value change the calling convention, which compilers warn of. */
@@ -107,93 +141,63 @@ static inline void transpose(const bwi_vector *in, bwi_vector out[4]) {
   out[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
-/* sum[0..8] and, of the four pairs after, sum[9..17] += map of the coefficients. Both share what is
- * read of the map: it is this, more than the sums, that would take the time. */
-INLINED void add_eight(const double *map, const double *tensor, bwi_vector sum[18]) {
-  for (int m = 0; m < 9; m++) {
-    bwi_vector t = *(const bwi_vector *)(tensor + 4 * m);
-    bwi_vector u = *(const bwi_vector *)(tensor + 36 + 4 * m);
-    for (int r = 0; r < 9; r++) {
-      add_product(map[9 * m + r], &t, &sum[r]);
-      add_product(map[9 * m + r], &u, &sum[9 + r]);
+/* The sums stay in registers only where everything is inlined. */
+#define INLINED __attribute__((always_inline)) static inline
+
+/* half += the halves of the entries of four pairs. */
+INLINED void add_four(const double *map, const double *tensor, bwi_vector half[9]) {
+  const bwi_vector *t = (const bwi_vector *)tensor;
+  for (int m = 0; m < 6; m++)
+    for (int r = 0; r < 6; r++)
+      add_product(map[6 * m + r], &t[m], &half[r]);
+  for (int m = 0; m < 3; m++)
+    for (int r = 0; r < 3; r++)
+      add_product(map[36 + 3 * m + r], &t[6 + m], &half[6 + r]);
+}
+
+/* The entries of `count` of four pairs, to their places. */
+INLINED void store(const bwi_vector half[9], const uint32_t *place, int count, double *out) {
+  bwi_vector k[8] = {half[0], half[1] + half[6], half[2] + half[7], half[1] - half[6],
+                     half[3], half[4] + half[8], half[2] - half[7], half[4] - half[8]};
+  bwi_vector low[4], high[4];
+  transpose(k, low);
+  transpose(k + 4, high);
+  for (int pair = 0; pair < count; pair++) {
+    double *block = out + 9 * (int64_t)(place[pair] >> 1);
+    *(bwi_vector *)block = low[pair];
+    *(bwi_vector *)(block + 4) = high[pair];
+    block[8] = half[5][pair];
+  }
+}
+
+/* The map of a piece's j-th domain, and T as it counts now. */
+static const double *map_of(const bwi_domain_coefficients *c, int32_t domain_count,
+                            const bwi_domain_piece *piece, int64_t j, const double **tensor) {
+  int32_t domain = c->block_domain[c->block_start[piece->section] + j];
+  *tensor = c->written[domain].reshaped && piece->section >= domain_count
+                ? bwi_domain_present(c, piece, j)
+                : bwi_domain_rest(c, piece, j);
+  return c->map + BWI_DOMAIN_MAP * (int64_t)domain;
+}
+
+void bwi_domain_evaluate(const bwi_domain_coefficients *c, int32_t domain_count,
+                         const bwi_domain_piece *piece, double *out) {
+  const uint32_t *place = c->place + piece->first;
+  int64_t domains = c->block_start[piece->section + 1] - c->block_start[piece->section];
+  int64_t k = 0, size = piece->size;
+  const double *tensor, *map = map_of(c, domain_count, piece, 0, &tensor);
+  if (domains == 1)
+    for (; k + 4 <= size; k += 4) {
+      bwi_vector half[9] = {{0}};
+      add_four(map, tensor + 9 * k, half);
+      store(half, place + k, 4, out);
     }
-  }
-}
-
-INLINED void add_four(const double *map, const double *tensor, bwi_vector sum[9]) {
-  for (int m = 0; m < 9; m++) {
-    bwi_vector t = *(const bwi_vector *)(tensor + 4 * m);
-    for (int r = 0; r < 9; r++)
-      add_product(map[9 * m + r], &t, &sum[r]);
-  }
-}
-
-INLINED void store(const bwi_vector sum[9], const uint32_t *place, int pairs, double *out) {
-  bwi_vector low[4], high[4], last = sum[8];
-  transpose(sum, low);
-  transpose(sum + 4, high);
-  for (int k = 0; k < pairs; k++) {
-    double *block = out + 9 * (int64_t)(place[k] >> 1);
-    *(bwi_vector *)block = low[k];
-    *(bwi_vector *)(block + 4) = high[k];
-    block[8] = last[k];
-    if (place[k] & 1)
-      bwi_make_symmetric(block);
-  }
-}
-
-/* A block's map, and its coefficients as they count now. */
-typedef struct present_block {
-  const double *map, *tensor;
-} present_block;
-
-static present_block block_of(const bwi_domain_coefficients *c, int32_t domain_count,
-                              int64_t block) {
-  int32_t domain = c->block_domain[block];
-  return (present_block){c->map + 81 * (int64_t)domain,
-                         c->written[domain].reshaped && block >= domain_count
-                             ? c->present +
-                                   9 * (c->block_first[block] - c->block_first[domain_count])
-                             : c->tensor + 9 * c->block_first[block]};
-}
-
-/* Pairs [k, end) that a fixed number of blocks contribute to, 1 or 2. */
-INLINED void evaluate(int blocks, present_block a, present_block b, const uint32_t *place,
-                      int64_t k, int64_t end, double *out) {
-  for (; k + 8 <= end; k += 8) {
-    bwi_vector sum[18] = {{0}};
-    add_eight(a.map, a.tensor + 9 * k, sum);
-    if (blocks == 2)
-      add_eight(b.map, b.tensor + 9 * k, sum);
-    store(sum, place + k, 4, out);
-    store(sum + 9, place + k + 4, 4, out);
-  }
-  for (; k < end; k += 4) {
-    bwi_vector sum[9] = {{0}};
-    add_four(a.map, a.tensor + 9 * k, sum);
-    if (blocks == 2)
-      add_four(b.map, b.tensor + 9 * k, sum);
-    store(sum, place + k, end - k < 4 ? (int)(end - k) : 4, out);
-  }
-}
-
-void bwi_domain_evaluate(const bwi_domain_coefficients *c, int32_t domain_count, int64_t section,
-                         int64_t first, int64_t size, double *out) {
-  const uint32_t *place = c->place + c->section_start[section];
-  int64_t low = c->block_start[section], high = c->block_start[section + 1];
-  int64_t k = first, end = first + size;
-  present_block a = block_of(c, domain_count, low);
-  if (high - low == 1)
-    evaluate(1, a, a, place, k, end, out);
-  else if (high - low == 2)
-    evaluate(2, a, block_of(c, domain_count, low + 1), place, k, end, out);
-  else
-    for (; k < end; k += 4) {
-      bwi_vector sum[9] = {{0}};
-      for (int64_t b = low; b < high; b++) {
-        a = block_of(c, domain_count, b);
-        add_four(a.map, a.tensor + 9 * k, sum);
-      }
-      store(sum, place + k, end - k < 4 ? (int)(end - k) : 4, out);
+  for (; k < size; k += 4) {
+    bwi_vector half[9] = {{0}};
+    for (int64_t j = 0; j < domains; j++) {
+      map = map_of(c, domain_count, piece, j, &tensor);
+      add_four(map, tensor + 9 * k, half);
     }
+    store(half, place + k, size - k < 4 ? (int)(size - k) : 4, out);
+  }
 }

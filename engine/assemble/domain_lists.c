@@ -2,11 +2,11 @@
 /* Which pairs each domain contributes to (domain.h), from topology alone. */
 #include "assemble/domain.h"
 
-enum { PAIRS_PER_CHECK = 1 << 16 };
+#include <stdlib.h>
 
-static int64_t next_four(int64_t n) {
-  return (n + 3) & ~(int64_t)3;
-}
+/* A tile is small enough for its entries to stay in the nearest cache while they are written, and
+ * large enough for pieces of many pairs. */
+enum { PAIRS_PER_TILE = 4096, PAIRS_PER_CHECK = 1 << 16 };
 
 /* Elements listed by domain, ascending. */
 static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
@@ -197,35 +197,92 @@ static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, 
   return count;
 }
 
-/* Sections and blocks from the sets, with room for what they hold; section_size is counted. */
-static bw_status make_sections(bw_context *context, int32_t domain_count, const set_table *sets,
-                               bwi_domain_coefficients *c) {
-  int64_t sections = c->section_count, pairs = 0, items = 0, block = 0;
-  int64_t blocks = domain_count + (sets->count ? sets->start[sets->count] : 0);
-  c->section_start = BW_NEW(context, int64_t, sections + 1);
-  c->block_start = BW_NEW(context, int64_t, sections + 1);
-  c->block_domain = BW_NEW(context, int32_t, blocks);
-  c->block_first = BW_NEW(context, int64_t, blocks + 1);
-  if (!c->section_start || !c->block_start || !c->block_domain || !c->block_first)
+/* The domains of each section. */
+static bw_status list_blocks(bw_context *context, int32_t domain_count, const set_table *sets,
+                             bwi_domain_coefficients *c) {
+  int64_t members = sets->count ? sets->start[sets->count] : 0;
+  c->block_start = BW_NEW(context, int64_t, c->section_count + 1);
+  c->block_domain = BW_NEW(context, int32_t, domain_count + members);
+  if (!c->block_start || !c->block_domain)
     return BW_MEMORY;
-  for (int64_t s = 0; s < sections; s++) {
-    int64_t set = s - domain_count, count = set < 0 ? 1 : sets->start[set + 1] - sets->start[set];
-    c->section_start[s] = pairs;
-    c->block_start[s] = block;
-    for (int64_t k = 0; k < count; k++, block++) {
-      c->block_domain[block] = set < 0 ? (int32_t)s : sets->member[sets->start[set] + k];
-      c->block_first[block] = items;
-      items += next_four(c->section_size[s]);
-    }
-    pairs += next_four(c->section_size[s]);
+  for (int32_t d = 0; d < domain_count; d++) {
+    c->block_start[d] = d;
+    c->block_domain[d] = d;
   }
-  c->section_start[sections] = pairs;
-  c->block_start[sections] = block;
-  c->block_first[block] = items;
-  c->place = BW_NEW0(context, uint32_t, pairs);
-  c->tensor = BW_NEW0(context, double, 9 * items);
-  c->present = BW_NEW0(context, double, 9 * (items - c->block_first[domain_count]));
-  return c->place && c->tensor && c->present ? BW_OK : BW_MEMORY;
+  for (int64_t set = 0; set < sets->count; set++)
+    c->block_start[domain_count + set] = domain_count + sets->start[set];
+  c->block_start[c->section_count] = domain_count + members;
+  if (members)
+    memcpy(c->block_domain + domain_count, sets->member, (size_t)members * sizeof *sets->member);
+  return BW_OK;
+}
+
+static int ascending(const void *a, const void *b) {
+  const bwi_domain_piece *p = (const bwi_domain_piece *)a, *q = (const bwi_domain_piece *)b;
+  return (p->section > q->section) - (p->section < q->section);
+}
+
+/* Pieces and what they hold, from the section of every pair. */
+static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t domain_count,
+                             const int32_t *section, bwi_domain_coefficients *c) {
+  bw_status status = BW_OK;
+  size_t capacity = 0;
+  int64_t pairs = graph->pair_count, *found = BW_NEW(context, int64_t, c->section_count);
+  if (!found) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t s = 0; s < c->section_count; s++)
+    found[s] = -1; /* its last piece */
+  for (int64_t first = 0; first < pairs; first += PAIRS_PER_TILE) {
+    int64_t before = c->piece_count, end = first + PAIRS_PER_TILE;
+    end = end < pairs ? end : pairs;
+    if (!bw_grow(context, (void **)&c->piece, &capacity, (size_t)before, PAIRS_PER_TILE,
+                 sizeof *c->piece)) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    for (int64_t pair = first; pair < end; pair++) {
+      int64_t s = section[pair];
+      if (found[s] < before) {
+        found[s] = c->piece_count++;
+        c->piece[found[s]] = (bwi_domain_piece){.section = s};
+      }
+      c->piece[found[s]].size++;
+    }
+    qsort(c->piece + before, (size_t)(c->piece_count - before), sizeof *c->piece, ascending);
+    for (int64_t p = before; p < c->piece_count; p++) {
+      bwi_domain_piece *piece = &c->piece[p];
+      int64_t size = bwi_next_four(piece->size);
+      int64_t all = size * (c->block_start[piece->section + 1] - c->block_start[piece->section]);
+      piece->first = c->place_count;
+      piece->item = c->item_count;
+      piece->present = c->present_count;
+      c->place_count += size;
+      c->item_count += all;
+      c->present_count += piece->section < domain_count ? 0 : all;
+      found[piece->section] = p;
+    }
+  }
+  c->place = BW_NEW0(context, uint32_t, c->place_count);
+  c->tensor = BW_NEW0(context, double, 9 * c->item_count);
+  c->present = BW_NEW0(context, double, 9 * c->present_count);
+  if (!c->place || !c->tensor || !c->present) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  bwi_domain_piece *piece = c->piece;
+  int64_t *next = found; /* where the next pair of a section is put */
+  for (int32_t i = 0; i < graph->node_count; i++)
+    for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++) {
+      if (pair % PAIRS_PER_TILE == 0)
+        for (int64_t in = 0; in < PAIRS_PER_TILE && in < pairs - pair; in += (piece++)->size)
+          next[piece->section] = piece->first;
+      c->place[next[section[pair]]++] = (uint32_t)pair << 1 | (pair == graph->start[i + 1] - 1);
+    }
+done:
+  bw_free(found);
+  return status;
 }
 
 static bw_status list_sections(bw_context *context, const bw_graph *graph, int32_t domain_count,
@@ -267,15 +324,8 @@ static bw_status list_sections(bw_context *context, const bw_graph *graph, int32
     section[pair] = (int32_t)number;
     c->section_size[number]++;
   }
-  BW_TRY(make_sections(context, domain_count, &sets, c));
-  for (int64_t s = 0; s < c->section_count; s++)
-    c->section_size[s] = 0; /* counted again while they are filled */
-  for (int32_t i = 0; i < graph->node_count; i++)
-    for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++) {
-      int64_t s = section[pair];
-      c->place[c->section_start[s] + c->section_size[s]++] =
-          (uint32_t)pair << 1 | (pair == graph->start[i + 1] - 1);
-    }
+  BW_TRY(list_blocks(context, domain_count, &sets, c));
+  BW_TRY(list_pieces(context, graph, domain_count, section, c));
 done:
   set_table_clear(&sets);
   bw_free(mark);

@@ -19,12 +19,11 @@ static void destroy(void *object) {
     bw_free(c->number);
     bw_free(c->node_start);
     bw_free(c->node);
-    bw_free(c->section_start);
     bw_free(c->section_size);
-    bw_free(c->place);
     bw_free(c->block_start);
     bw_free(c->block_domain);
-    bw_free(c->block_first);
+    bw_free(c->piece);
+    bw_free(c->place);
     bw_free(c->tensor);
     bw_free(c->present);
     bw_free(c->map);
@@ -49,18 +48,16 @@ static size_t bytes(const void *object) {
   const bwi_domain_coefficients *c = stiffness->coefficients;
   size_t domains = (size_t)stiffness->domain_count, sections = (size_t)c->section_count,
          elements = (size_t)stiffness->graph->mesh->element_count,
-         pairs = (size_t)stiffness->graph->pair_count, places = (size_t)c->section_start[sections],
-         blocks = (size_t)c->block_start[sections], items = (size_t)c->block_first[blocks],
-         shared = items - (size_t)c->block_first[domains], nodes = (size_t)c->node_start[domains],
-         frames = (size_t)c->frame_start[domains];
-  return sizeof *stiffness + sizeof *c + 72 * (pairs + items + shared) + places * sizeof *c->place +
-         sections * 3 * sizeof(int64_t) +
-         blocks * (sizeof *c->block_domain + sizeof *c->block_first) +
+         numbers = (size_t)(stiffness->graph->pair_count + c->item_count + c->present_count),
+         nodes = (size_t)c->node_start[domains], frames = (size_t)c->frame_start[domains];
+  return sizeof *stiffness + sizeof *c + 72 * numbers + (size_t)c->place_count * sizeof *c->place +
+         (size_t)c->piece_count * sizeof *c->piece + sections * 2 * sizeof(int64_t) +
+         (size_t)c->block_start[sections] * sizeof *c->block_domain +
          elements * 2 * sizeof(int32_t) +
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_domain + 9 * sizeof *c->reported_frame) +
          domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
-                    81 * sizeof *c->map + 1);
+                    BWI_DOMAIN_MAP * sizeof *c->map + 1);
 }
 
 static const bw_kind stiffness_kind = {"domain stiffness", destroy, bytes};
@@ -136,7 +133,7 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   int32_t frames = c->frame_start[domain_count];
   s->values = BW_NEW(context, double, 9 * graph->pair_count);
   s->changed = BW_NEW0(context, uint8_t, domain_count);
-  c->map = BW_NEW(context, double, 81 * (int64_t)domain_count);
+  c->map = BW_NEW(context, double, BWI_DOMAIN_MAP *(int64_t)domain_count);
   c->written = BW_NEW(context, bwi_domain_shape, domain_count);
   c->reported = BW_NEW(context, bwi_domain_shape, domain_count);
   c->written_position = BW_NEW(context, double, 3 * nodes);
@@ -158,10 +155,10 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
 
   BW_TRY(bwi_domain_work_create(context, s, &work));
   memset(work.action, BWI_DOMAIN_GATHER, (size_t)domain_count);
-  BW_TRY(bwi_domain_work_prepare(context, mesh, true, &work));
+  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
   BW_TRY(bwi_domain_gather_rest(context, &work));
   for (int32_t d = 0; d < domain_count; d++)
-    bwi_domain_map(c->elasticity, identity, c->map + 81 * (int64_t)d);
+    bwi_domain_map(c->elasticity, identity, c->map + BWI_DOMAIN_MAP * (int64_t)d);
   BW_TRY(bwi_domain_write(context, &work));
   *stiffness = s;
   s = NULL;
@@ -189,7 +186,7 @@ static int32_t row_of(const bw_graph *graph, int32_t from, int64_t pair) {
 }
 
 /* y += A x with A the map of a block's coefficients. */
-static void add_product(const bw_graph *graph, const double map[81], const double *tensor,
+static void add_product(const bw_graph *graph, const double *map, const double *tensor,
                         const uint32_t *place, int64_t size, const double *x, double *y) {
   int32_t row = 0;
   for (int64_t k = 0; k < size; k++) {
@@ -198,10 +195,8 @@ static void add_product(const bw_graph *graph, const double map[81], const doubl
     row = row_of(graph, row, pair);
     int32_t column = graph->column[pair];
     const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
-    double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9] = {0};
-    for (int m = 0; m < 9; m++)
-      for (int r = 0; r < 9; r++)
-        block[r] += map[9 * m + r] * t[4 * m];
+    double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9];
+    bwi_domain_entries(map, t, block);
     for (int r = 0; r < 3; r++)
       yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
     if (row != column)
@@ -223,13 +218,16 @@ bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_st
                    "domain %d is reshaped and has no map to differentiate by; differentiate by its "
                    "node positions",
                    domain);
-  double elasticity[81], map[81];
+  double elasticity[81], map[BWI_DOMAIN_MAP];
   bwi_domain_elasticity(stiffness, c->written[domain].frame, elasticity);
   bwi_domain_map_derivative(elasticity, c->written[domain].linear, direction, map);
-  for (int64_t s = 0; s < c->section_count; s++)
-    for (int64_t b = c->block_start[s]; b < c->block_start[s + 1]; b++)
+  for (int64_t p = 0; p < c->piece_count; p++) {
+    const bwi_domain_piece *piece = &c->piece[p];
+    int64_t first = c->block_start[piece->section];
+    for (int64_t b = first; b < c->block_start[piece->section + 1]; b++)
       if (c->block_domain[b] == domain)
-        add_product(graph, map, c->tensor + 9 * c->block_first[b], c->place + c->section_start[s],
-                    c->section_size[s], x, y);
+        add_product(graph, map, bwi_domain_rest(c, piece, b - first), c->place + piece->first,
+                    piece->size, x, y);
+  }
   return BW_OK;
 }

@@ -183,7 +183,7 @@ bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *s
     count.gathered += work.action[d] == BWI_DOMAIN_GATHER;
     count.evaluated += work.action[d] == BWI_DOMAIN_EVALUATE;
   }
-  BW_TRY(bwi_domain_work_prepare(context, mesh, false, &work));
+  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
 
   /* from here on nothing fails */
   for (int32_t d = 0; d < domains; d++) {
@@ -193,7 +193,7 @@ bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *s
     remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
     bwi_domain_elasticity(stiffness, motion[d].frame, elasticity);
     bwi_domain_map(elasticity, motion[d].reshaped ? identity : motion[d].linear,
-                   c->map + 81 * (int64_t)d);
+                   c->map + BWI_DOMAIN_MAP * (int64_t)d);
   }
   if (count.kept < domains) {
     BW_TRY(bwi_domain_write(context, &work));

@@ -3,7 +3,7 @@
  * done before anything is written. */
 #include "assemble/domain.h"
 
-enum { PAIRS_PER_TASK = 2048, ELEMENTS_PER_CHUNK = 1024 };
+enum { PIECES_PER_CHUNK = 16 };
 
 bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiffness,
                                  bwi_domain_work *work) {
@@ -12,52 +12,27 @@ bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiff
   work->stiffness = stiffness;
   work->action = BW_NEW0(context, uint8_t, domains);
   work->first_frame = BW_NEW(context, int64_t, domains + 1);
-  return work->action && work->first_frame ? BW_OK : BW_MEMORY;
+  work->touched = BW_NEW0(context, bool, stiffness->coefficients->section_count);
+  return work->action && work->first_frame && work->touched ? BW_OK : BW_MEMORY;
 }
 
 void bwi_domain_work_clear(bwi_domain_work *work) {
   bw_free(work->action);
   bw_free(work->first_frame);
-  bw_free(work->gather.task);
-  bw_free(work->write.task);
+  bw_free(work->touched);
   bw_free(work->frames.vector);
   memset(work, 0, sizeof *work);
 }
 
-/* Cut the pairs of a section, or of a block of it, into tasks. */
-static bool add_tasks(bw_context *context, bwi_domain_tasks *tasks, int64_t section, int64_t block,
-                      int64_t size) {
-  for (int64_t first = 0; first < size; first += PAIRS_PER_TASK) {
-    int64_t left = size - first;
-    if (!bw_grow(context, (void **)&tasks->task, &tasks->capacity, (size_t)tasks->count, 1,
-                 sizeof *tasks->task))
-      return false;
-    tasks->task[tasks->count++] =
-        (bwi_domain_task){section, block, first, left < PAIRS_PER_TASK ? left : PAIRS_PER_TASK};
-  }
-  return true;
-}
-
-/* The sections that a domain with an action has part in, and the blocks of sets among them whose
- * tensors are to be gathered; with `rest`, all blocks. */
-static bw_status list_tasks(bw_context *context, bool rest, bwi_domain_work *work) {
+/* The sections that a domain with an action has part in. */
+static void list_touched(bwi_domain_work *work) {
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
   for (int64_t s = 0; s < c->section_count; s++) {
-    bool touched = false;
-    for (int64_t b = c->block_start[s]; b < c->block_start[s + 1]; b++) {
-      uint8_t action = work->action[c->block_domain[b]];
-      touched = touched || action != BWI_DOMAIN_KEEP;
-      if (action == BWI_DOMAIN_GATHER && (rest || s >= work->stiffness->domain_count) &&
-          !add_tasks(context, &work->gather, s, b, c->section_size[s]))
-        return BW_MEMORY;
-    }
-    if (!touched)
-      continue;
-    if (!add_tasks(context, &work->write, s, c->block_start[s], c->section_size[s]))
-      return BW_MEMORY;
-    work->pairs += c->section_size[s];
+    for (int64_t b = c->block_start[s]; b < c->block_start[s + 1]; b++)
+      work->touched[s] = work->touched[s] || work->action[c->block_domain[b]] != BWI_DOMAIN_KEEP;
+    if (work->touched[s])
+      work->pairs += c->section_size[s];
   }
-  return BW_OK;
 }
 
 /* ---- frames of the domains to be gathered ---- */
@@ -112,8 +87,7 @@ static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
                  domain);
 }
 
-bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bool rest,
-                                  bwi_domain_work *work) {
+bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bwi_domain_work *work) {
   bw_status status = BW_OK;
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
   const bw_graph *graph = work->stiffness->graph;
@@ -124,7 +98,7 @@ bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bool
   bwi_product_table(mesh->order, work->source.table);
   work->frames.mesh = mesh;
   work->frames.vectors = mesh->order == 1 ? 4 : 10;
-  BW_TRY(list_tasks(context, rest, work));
+  list_touched(work);
   int64_t count = 0;
   for (int32_t d = 0; d < work->stiffness->domain_count; d++) {
     work->first_frame[d] = count;
@@ -161,58 +135,50 @@ static bwi_element_range range_of(const bwi_domain_work *work, int64_t domain) {
       work->frames.vector + work->first_frame[domain] * work->frames.vectors};
 }
 
-/* T of a block, at rest or now, to its place in `to`, where block `origin` comes first. */
-static void gather_block(const bwi_domain_work *work, const bwi_domain_task *task, double *to,
-                         int64_t origin) {
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  const uint32_t *place = c->place + c->section_start[task->section];
-  bwi_element_range range = range_of(work, c->block_domain[task->block]);
-  to += 9 * (c->block_first[task->block] - c->block_first[origin]);
-  for (int64_t k = task->first; k < task->first + task->size; k++) {
+/* T of a piece's j-th domain into `to`. */
+static void gather_tensors(const bwi_domain_work *work, const bwi_domain_piece *piece,
+                           int32_t domain, double *to) {
+  const uint32_t *place = work->stiffness->coefficients->place + piece->first;
+  bwi_element_range range = range_of(work, domain);
+  for (int64_t k = 0; k < piece->size; k++) {
     double t[3][4], *tensor = to + 9 * (k & ~(int64_t)3) + (k & 3);
     bool diagonal = place[k] & 1;
     bwi_sum_pair(&work->source, &range, place[k] >> 1, diagonal, t);
-    if (diagonal) { /* symmetric but for rounding */
-      t[1][0] = t[0][1];
-      t[2][0] = t[0][2];
-      t[2][1] = t[1][2];
-    }
-    for (int m = 0; m < 9; m++)
-      tensor[4 * m] = t[m / 3][m % 3];
+    bwi_domain_halves(t, tensor);
+    if (diagonal) /* symmetric but for rounding */
+      for (int m = 6; m < 9; m++)
+        tensor[4 * m] = 0;
   }
 }
 
 static bw_status gather_rest(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_domain_work *work = (const bwi_domain_work *)data;
+  const bwi_domain_coefficients *c = work->stiffness->coefficients;
   (void)worker;
-  for (int64_t k = begin; k < end; k++)
-    gather_block(work, &work->gather.task[k], work->stiffness->coefficients->tensor, 0);
-  return BW_OK;
-}
-
-static bw_status gather_present(void *data, int64_t begin, int64_t end, int worker) {
-  const bwi_domain_work *work = (const bwi_domain_work *)data;
-  (void)worker;
-  for (int64_t k = begin; k < end; k++)
-    gather_block(work, &work->gather.task[k], work->stiffness->coefficients->present,
-                 work->stiffness->domain_count);
+  for (const bwi_domain_piece *piece = c->piece + begin; piece < c->piece + end; piece++) {
+    int64_t first = c->block_start[piece->section];
+    for (int64_t b = first; b < c->block_start[piece->section + 1]; b++)
+      gather_tensors(work, piece, c->block_domain[b], bwi_domain_rest(c, piece, b - first));
+  }
   return BW_OK;
 }
 
 /* Entries inside a gathered domain, straight from its frames. */
-static void gather_inside(const bwi_domain_work *work, const bwi_domain_task *task) {
+static void gather_inside(const bwi_domain_work *work, const bwi_domain_piece *piece) {
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
   const bw_material *material = work->stiffness->material;
-  const uint32_t *place = c->place + c->section_start[task->section];
-  bwi_element_range range = range_of(work, task->section);
-  bwi_vector map[9][3];
-  for (int jl = 0; jl < 9; jl++)
-    for (int i = 0; i < 3; i++) {
-      map[jl][i][3] = 0;
-      for (int k = 0; k < 3; k++)
-        map[jl][i][k] = c->map[81 * task->section + 9 * jl + 3 * i + k];
-    }
-  for (int64_t k = task->first; k < task->first + task->size; k++) {
+  const uint32_t *place = c->place + piece->first;
+  bwi_element_range range = range_of(work, piece->section);
+  bwi_vector map[9][3] = {{{0}}};
+  if (!material->isotropic) {
+    double elasticity[81];
+    bwi_domain_elasticity(work->stiffness, c->written[piece->section].frame, elasticity);
+    for (int jl = 0; jl < 9; jl++)
+      for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+          map[jl][i][k] = elasticity[9 * (3 * i + k) + jl];
+  }
+  for (int64_t k = 0; k < piece->size; k++) {
     double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(place[k] >> 1);
     bool diagonal = place[k] & 1;
     bwi_sum_pair(&work->source, &range, place[k] >> 1, diagonal, t);
@@ -225,31 +191,36 @@ static void gather_inside(const bwi_domain_work *work, const bwi_domain_task *ta
   }
 }
 
-static bw_status write_sections(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status write_pieces(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_domain_work *work = (const bwi_domain_work *)data;
+  const bwi_domain_coefficients *c = work->stiffness->coefficients;
   int32_t domains = work->stiffness->domain_count;
   (void)worker;
-  for (const bwi_domain_task *task = work->write.task + begin; task < work->write.task + end;
-       task++)
-    if (task->section < domains && work->action[task->section] == BWI_DOMAIN_GATHER)
-      gather_inside(work, task);
-    else
-      bwi_domain_evaluate(work->stiffness->coefficients, domains, task->section, task->first,
-                          task->size, work->stiffness->values);
+  for (const bwi_domain_piece *piece = c->piece + begin; piece < c->piece + end; piece++) {
+    if (!work->touched[piece->section])
+      continue;
+    if (piece->section < domains && work->action[piece->section] == BWI_DOMAIN_GATHER) {
+      gather_inside(work, piece);
+      continue;
+    }
+    int64_t first = c->block_start[piece->section];
+    for (int64_t b = first; piece->section >= domains && b < c->block_start[piece->section + 1];
+         b++)
+      if (work->action[c->block_domain[b]] == BWI_DOMAIN_GATHER)
+        gather_tensors(work, piece, c->block_domain[b], bwi_domain_present(c, piece, b - first));
+    bwi_domain_evaluate(c, domains, piece, work->stiffness->values);
+  }
   return BW_OK;
 }
 
 bw_status bwi_domain_gather_rest(bw_context *context, bwi_domain_work *work) {
-  bw_status status = bw_parallel(context, work->gather.count, 1, gather_rest, work);
+  bw_status status = bw_parallel(context, work->stiffness->coefficients->piece_count,
+                                 PIECES_PER_CHUNK, gather_rest, work);
   memset(work->action, BWI_DOMAIN_EVALUATE, (size_t)work->stiffness->domain_count);
-  work->gather.count = 0;
   return status;
 }
 
 bw_status bwi_domain_write(bw_context *context, bwi_domain_work *work) {
-  bw_status status = BW_OK;
-  BW_TRY(bw_parallel(context, work->gather.count, 1, gather_present, work));
-  BW_TRY(bw_parallel(context, work->write.count, 1, write_sections, work));
-done:
-  return status;
+  return bw_parallel(context, work->stiffness->coefficients->piece_count, PIECES_PER_CHUNK,
+                     write_pieces, work);
 }

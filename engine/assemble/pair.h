@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The closed forms of one pair (gather.h), in the one place where they are written: for all pairs
- * of a mesh (gather.c) and for those of a domain (domain_gather.c). Inlined into their loops. */
+ * of a mesh (gather.c) and for those of a domain (domain_write.c). Inlined into their loops. */
 #ifndef BARWRIGHT_PAIR_H
 #define BARWRIGHT_PAIR_H
 

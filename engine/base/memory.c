@@ -4,6 +4,7 @@
 #include "barwright/base.h"
 
 #include <stdlib.h>
+#include <sys/mman.h>
 
 static int64_t live_blocks;
 static int64_t allocations;
@@ -49,10 +50,25 @@ static size_t at_least_one(size_t bytes) {
   return bytes > 0 ? bytes : 1;
 }
 
+/* Large blocks in large pages, where the system has them: what streams through memory would
+ * otherwise spend a third of its time on finding pages. Only advice: it may be refused. */
+static void *advised(void *block, size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  const uintptr_t large = (size_t)2 << 20;
+  uintptr_t begin = ((uintptr_t)block + large - 1) & ~(large - 1);
+  uintptr_t end = ((uintptr_t)block + bytes) & ~(large - 1);
+  if (block && bytes >= 4 * large && begin < end)
+    madvise((void *)begin, end - begin, MADV_HUGEPAGE);
+#else
+  (void)bytes;
+#endif
+  return block;
+}
+
 void *bw_alloc(bw_context *context, size_t count, size_t size) {
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *block = malloc(at_least_one(count * size));
+  void *block = advised(malloc(at_least_one(count * size)), count * size);
   if (!block)
     return no_memory(context, count, size);
   __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
@@ -62,7 +78,7 @@ void *bw_alloc(bw_context *context, size_t count, size_t size) {
 void *bw_calloc(bw_context *context, size_t count, size_t size) {
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *block = calloc(1, at_least_one(count * size));
+  void *block = advised(calloc(1, at_least_one(count * size)), count * size);
   if (!block)
     return no_memory(context, count, size);
   __atomic_add_fetch(&live_blocks, 1, __ATOMIC_RELAXED);
@@ -74,7 +90,7 @@ void *bw_resize(bw_context *context, void *block, size_t count, size_t size) {
     return bw_alloc(context, count, size);
   if (too_big(count, size) || refuse())
     return no_memory(context, count, size);
-  void *larger = realloc(block, at_least_one(count * size));
+  void *larger = advised(realloc(block, at_least_one(count * size)), count * size);
   return larger ? larger : no_memory(context, count, size);
 }
 
