@@ -1,0 +1,156 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Edits that invert elements: relaxed, refilled, refused.
+local bw = require "barwright"
+local core = require "barwright.core"
+local check = require "check"
+local edit_bodies = require "edit_bodies"
+
+local body, same_nodes, compare = edit_bodies.body, edit_bodies.same_nodes, edit_bodies.compare
+
+-- Turns the neck further and further about an axis until an edit ends as asked for.
+local function turn_until(session, axis, ending)
+  for degrees = 60, 175, 5 do
+    local fine, message, details = session:bone("neck"):set {rotation = {[axis] = degrees}}
+    if fine and session.edits[#session.edits].mesh == ending then return degrees end
+    if not fine and ending == "refused" then return degrees, message, details end
+    if fine then assert(session:undo()) end
+  end
+  error("no turn ended " .. ending)
+end
+
+-- The boundary's corner nodes are where the domains as they were at first put them.
+local function surface_is_posed(session)
+  local first = session.history[1].topology.domains
+  local want = assert(first:posed_nodes(assert(first.skeleton:pose_maps(session.current_pose))))
+  local _, rest_nodes = session.rest:surface()
+  local _, nodes = session.mesh:surface()
+  assert.truthy((want:gather(rest_nodes) - session.mesh.nodes:gather(nodes)):norm() < 1e-15)
+end
+
+describe("an edit that inverts elements", function()
+  it("has inner nodes relaxed, alike whatever came before", function()
+    local session = body()
+    local degrees = turn_until(session, "z", "relaxed")
+    compare(session, assert(session:solve()))
+    surface_is_posed(session)
+    local mesh = session.mesh
+    assert(session:bone("left_shin"):rotate {z = 10})
+    compare(session, assert(session:solve()))
+    assert(session:bone("left_shin"):reset())
+    assert.is_true(same_nodes(mesh, session.mesh))
+    assert(session:reset())
+    assert.is_true(same_nodes(session.rest, session.mesh))
+    compare(session, assert(session:solve()))
+    local strict = body {relax = false, refill = false}
+    local message, details
+    local fine = strict:bone("neck"):set {rotation = {z = degrees}}
+    if not fine then
+      fine, message, details = strict:bone("neck"):set {rotation = {z = degrees}}
+      check.fails("geometry", "the worst is element", fine, message, details)
+    end
+  end)
+
+  it("has blended domains refilled where that fails, and goes on", function()
+    local session = body()
+    local degrees = turn_until(session, "x", "refilled")
+    assert.truthy(session.mesh:shapes():min() > 0)
+    surface_is_posed(session)
+    local refilled = session.mesh
+    local result = assert(session:solve())
+    assert.truthy(tostring(result.reused):find "^pattern no, .*mesh refilled")
+    compare(session, result)
+    assert.truthy(session.part.supports[1].on.facet_count > 0)
+    -- further edits on the refilled mesh
+    assert(session:bone("left_shin"):scale {1, 1.2, 1.2})
+    result = assert(session:solve())
+    assert.is_true(result.reused.pattern)
+    compare(session, result)
+    surface_is_posed(session)
+    assert(session:bone("trunk"):rotate {x = 10, z = 20})
+    result = assert(session:solve())
+    compare(session, result)
+    assert.truthy(result.reused.pieces_touched < result.reused.pieces)
+    assert(session:bone("neck"):set {rotation = {x = degrees - 20}})
+    surface_is_posed(session)
+    compare(session, assert(session:solve()))
+    -- back to the mesh as it was, and forth
+    local last = session.mesh
+    for _ = 1, 3 do assert(session:undo()) end
+    assert.is_true(same_nodes(refilled, session.mesh))
+    assert(session:undo())
+    assert.is_true(same_nodes(session.rest, session.mesh))
+    compare(session, assert(session:solve()))
+    for _ = 1, 4 do assert(session:redo()) end
+    assert.is_true(same_nodes(last, session.mesh))
+    -- and by its script
+    local path = check.folder() .. "/edits.lua"
+    assert(session:save(path))
+    assert.is_true(same_nodes(last, assert(bw.edit.load(path, (body()))).mesh))
+  end)
+
+  it("has blended domains refilled, and still lets elements be assigned", function()
+    local session = body()
+    turn_until(session, "x", "refilled")
+    -- an element of the filling beside one that follows the neck, and one that follows the neck
+    local label, neighbours = session.domains.element_domain, session.mesh.neighbours
+    local neck = session.skeleton:bone("neck").index
+    local from = session.history[2].topology.element_from
+    local blended, following = {}, {}
+    for e = 1, session.mesh.element_count do
+      for k = 1, 4 do
+        local other = neighbours(e, k)
+        local beside = other > 0 and session.domains[label[other]].bones[1] == "neck"
+          and session.domains[label[other]].type == "R"
+        if beside and session.domains[label[e]].type == "F" then
+          following[#following + 1] = other
+          if from[e] < 0 then blended[#blended + 1] = e end
+        end
+      end
+    end
+    local before = session.domains[neck].elements
+    assert.truthy(#blended > 0 and #following > 0 and session.domains[neck].type == "R")
+    -- the first that leaves the neck's domain in one piece
+    local function assign_one(list, bone)
+      for _, e in ipairs(list) do
+        if pcall(session.assign, session, {e}, bone) then return true end
+      end
+    end
+    assert.is_true(assign_one(following))
+    assert.is_true(session.domains[neck].elements < before)
+    compare(session, assert(session:solve()))
+    assert(session:undo())
+    assert.is_true(assign_one(blended, "neck"))
+    assert.is_true(session.domains[neck].elements > before)
+    compare(session, assert(session:solve()))
+    local mesh, path = session.mesh, check.folder() .. "/edits.lua"
+    assert(session:save(path))
+    assert.is_true(same_nodes(mesh, assert(bw.edit.load(path, (body()))).mesh))
+    for _ = 1, 2 do assert(session:undo()) end
+    assert.is_true(same_nodes(session.rest, session.mesh))
+    check.raises("from 1 to", session.assign, session, {session.mesh.element_count + 1}, "neck")
+  end)
+
+  it("is refused where refilling would lose a load on an inner node", function()
+    local session, part = body()
+    local degrees = turn_until(session, "x", "refilled")
+    assert(session:undo())
+    part:load {nodal = core.array.map("a * 0 + 1e-3", {a = part.mesh.nodes})}
+    local fine, message, details = session:bone("neck"):set {rotation = {x = degrees}}
+    check.fails("unsupported", "node", fine, message, details)
+    assert.equal(0, #session.edits)
+  end)
+
+  it("is refused where nothing helps, and the session is as it was", function()
+    local session = body()
+    assert(session:bone("trunk"):scale {1, 1.1, 1.1})
+    local mesh = session.mesh
+    local _, message, details = turn_until(session, "y", "refused")
+    assert.equal("geometry", details.status)
+    assert.truthy(details.inverted > 0 and details.element > 0)
+    assert.truthy(message:find "the edit inverts %d+ elements?; the worst is element %d+ at %(")
+    assert.truthy(message:find("could not be filled in", 1, true))
+    assert.equal(1, #session.edits)
+    assert.is_true(same_nodes(mesh, session.mesh))
+    compare(session, assert(session:solve()))
+  end)
+end)

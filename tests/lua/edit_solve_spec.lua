@@ -1,0 +1,86 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A session's answer is that of a part made anew, and says what it reused.
+local bw = require "barwright"
+local check = require "check"
+local edit_bodies = require "edit_bodies"
+
+local mm = 1e-3
+local beam_skeleton, beam_part, beam = edit_bodies.beam_skeleton, edit_bodies.beam_part, edit_bodies.beam
+local body, same_nodes, compare = edit_bodies.body, edit_bodies.same_nodes, edit_bodies.compare
+
+describe("a solve", function()
+  it("is that of the part made anew, after every kind of edit, by every method", function()
+    local session = body()
+    local first = assert(session:solve())
+    compare(session, first)
+    assert.is_false(first.reused.pattern)
+    assert.truthy(first:error_estimate() > 0)
+    local edits = {
+      function() return session:bone("neck"):rotate {axis = {1, 0, 0}, degrees = 20} end,
+      function() return session:bone("trunk"):scale {1, 1.2, 1.3} end,
+      function()
+        local thick = {scale = {1, 1.3, 1.3}}
+        return session:pose {left_thigh = thick, right_thigh = thick}
+      end,
+      function() return session:reach("left_foot", {18 * mm, 1 * mm, -41 * mm}) end,
+      function() return session:undo() end,
+      function() return session:bone("trunk"):rotate {z = 40} end,
+    }
+    for i, edit in ipairs(edits) do
+      assert(edit())
+      local result = assert(session:solve {method = ({"auto", "refactor", "iterate", "scratch"})[i % 4 + 1]})
+      compare(session, result)
+      assert.is_true(result.reused.pattern)
+      assert.equal(session.domains.piece_count, result.reused.pieces)
+      assert.truthy(tostring(result.reused):find "^pattern yes, ordering yes, %d+ of %d+ pieces, ")
+    end
+    assert(session:solve {check = true})
+  end)
+
+  it("of a part turned as a whole keeps every domain and the factor", function()
+    local session = beam()
+    assert(session:bone("lower"):rotate {y = 20})
+    assert(session:solve())
+    assert(session:bone("upper"):rotate {x = 10, y = 20, z = 30})
+    local result = assert(session:solve())
+    compare(session, result)
+    assert.equal(0, result.reused.pieces_touched)
+    assert.equal(1, result.reused.factor_kept)
+  end)
+
+  it("knows of loads that were added later, and of other load cases", function()
+    local part = beam_part()
+    local session = assert(bw.edit(part, {skeleton = beam_skeleton()}))
+    local before = assert(session:solve()).displacement:norm()
+    part:load {on = part.mesh.boundary:above(1, 1), force = {0, 0, -1000}}
+    assert.truthy(assert(session:solve()).displacement:norm() > 2 * before)
+    assert(session:bone("lower"):scale {1, 1.1, 1.1})
+    compare(session, assert(session:solve()))
+    local other = bw.model {mesh = part.mesh, material = part.material}
+    other:load {on = part.mesh.boundary:above(1, 1), force = {0, 1, 0}}
+    other:fix(part.mesh.boundary:below(1, 0))
+    assert.equal(session.mesh, assert(session:moved(other)).mesh)
+    local sideways = assert(session:solve {part = other, method = "refactor"})
+    local fresh = assert(assert(session:moved(other)):solve())
+    assert.truthy((fresh.displacement - sideways.displacement):norm() < 1e-8 * fresh.displacement:norm())
+    assert.equal(1, sideways.reused.factor_kept)
+    compare(session, assert(session:solve()))
+    check.raises("a model expected, got mesh", session.solve, session, {part = part.mesh})
+  end)
+
+  it("writes fields and pictures of the shape as it is", function()
+    local session, folder = beam(), check.folder()
+    assert(session:bone("lower"):rotate {z = 30})
+    assert(session:write(folder .. "/now.vtu"))
+    assert(session:picture(folder .. "/now.png", {field = "von_mises"}))
+    local mesh, file = bw.mesh.read(folder .. "/now.vtu")
+    assert.is_true(same_nodes(mesh, session.mesh))
+    assert.truthy(file.fields.domain and file.fields.von_mises)
+    assert(assert(session:surface()):write(folder .. "/now.stl"))
+    assert.is_nil(assert(session:solve()).times)
+    assert(session:report(folder .. "/now.html", {title = "A bent beam"}))
+    local page = check.read(folder .. "/now.html")
+    assert.truthy(page:find("A bent beam", 1, true) and page:find("turned by 30 degrees", 1, true))
+    assert.truthy(page:find("session:bone(&quot;lower&quot;):rotate{z = 30}", 1, true))
+  end)
+end)
