@@ -18,7 +18,7 @@ enum { MOST_SAMPLES = 2048 };
 /* ---- the size field -----------------------------------------------------------------------------
  */
 
-double bwi_size_at(bwi_size_field *field, double x, double y) {
+double bwi_plane_size_at(bwi_size_field *field, double x, double y) {
   if (!field->function || field->failed)
     return field->size;
   double at[2] = {x, y}, value = field->function(field->data, at);
@@ -63,7 +63,7 @@ static void sample_segment(const bw_outline *outline, int32_t s, bwi_size_field 
     sample *p = &list[i];
     p->t = (double)i / count;
     bw_outline_evaluate(outline, s, p->t, at, d, dd);
-    p->h = bwi_size_at(field, at[0], at[1]);
+    p->h = bwi_plane_size_at(field, at[0], at[1]);
     if (curved) {
       double speed = hypot(d[0], d[1]), bend = fabs(d[0] * dd[1] - d[1] * dd[0]);
       double allowed = bend > 0 ? turn * speed * speed * speed / bend : INFINITY;

@@ -84,7 +84,7 @@ public:
       double other = square[0] + square[1] + square[2] - longest - shortest;
       double twice = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
       double wanted =
-          reach * bwi_size_at(field_, (x[0] + x[1] + x[2]) / 3, (y[0] + y[1] + y[2]) / 3);
+          reach * bwi_plane_size_at(field_, (x[0] + x[1] + x[2]) / 3, (y[0] + y[1] + y[2]) / 3);
       quality.size = longest / (wanted * wanted);
       quality.sine = longest * other > 0 ? twice * twice / (longest * other) : 0;
       return (*this)(quality);

@@ -17,7 +17,7 @@ typedef struct bwi_size_field {
   bool failed;
   double at[2], value; /* where and what, when failed */
 } bwi_size_field;
-double bwi_size_at(bwi_size_field *field, double x, double y);
+double bwi_plane_size_at(bwi_size_field *field, double x, double y);
 bw_status bwi_size_check(bw_context *context, const bwi_size_field *field);
 
 /* Nodes along the outline, loop by loop (fill_boundary.c). */
