@@ -16,8 +16,8 @@ static inline int bwi_nodes_per_element(const bw_plane_topology *topology) {
   return topology->nodes->order == 1 ? 3 : 6;
 }
 
-/* values[pair] = sum of the contributions in `block`: square numbers each, those of element e at
- * block + e * stride, local pair (a, b) as a row-by-row matrix of n x components unknowns. */
+/* values[pair] = sum of the contributions in `block`: element matrices one after the other, n x
+ * components unknowns each, row by row. */
 bw_status bwi_plane_gather(bw_context *context, const bw_plane_graph *graph, int components,
                            const double *block, double *values);
 
@@ -30,5 +30,21 @@ static inline size_t bwi_plane_room(const bw_plane_graph *graph, int components)
   size_t rows = (size_t)bwi_nodes_per_element(graph->topology) * (size_t)components;
   return (size_t)graph->topology->element_count * rows * rows;
 }
+
+/* ---- conditions (conditions.c) ------------------------------------------------------------- */
+
+/* BW_INVALID for components, tags and values that are none, BW_EMPTY for tags without a segment. */
+bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, int components,
+                               int32_t count, const bw_condition *condition);
+/* Shape functions of a side of 2 or 3 nodes (start, end, middle) at t in 0..1, and by t; the place
+ * there and its derivative by t. */
+void bwi_side_shape(int width, double t, double n[3], double d[3]);
+void bwi_side_place(const bw_plane_mesh *mesh, const int32_t *node, int width, const double *n,
+                    const double *d, double at[2], double along[2]);
+/* Add to gradient (node_count x 2) what sum_i weight_i force_i changes by with the nodes; the
+ * values of functions go with the nodes. */
+bw_status bwi_conditions_force_gradient(bw_context *context, const bw_plane_mesh *mesh,
+                                        int32_t count, const bw_condition *condition, double time,
+                                        double thickness, const double *weight, double *gradient);
 
 #endif

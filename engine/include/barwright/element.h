@@ -1,4 +1,4 @@
-/* element: shape functions and quadrature of tet4, tet10 and their facets. */
+/* element: shape functions and quadrature of tet4, tet10 and their facets, tri3 and tri6. */
 #ifndef BARWRIGHT_ELEMENT_H
 #define BARWRIGHT_ELEMENT_H
 
@@ -30,6 +30,15 @@ double bw_tet_barycentric_gradient(const double *x0, const double *x1, const dou
 /* True when all middle nodes lie on the middles of their edges (relative 1e-9): closed forms
  * hold. */
 bool bw_tet_is_straight(const double (*x)[3]);
+
+/* The same for triangles of the plane: values are bw_facet_shape. */
+void bw_triangle_shape_gradient(int order, const double barycentric[3], double (*gradient)[3]);
+/* Gradients in the plane; returns the Jacobian determinant (twice the area for straight sides),
+ * negative for clockwise triangles. */
+double bw_triangle_gradient(int order, const double (*x)[2], const double barycentric[3],
+                            double (*gradient)[2]);
+/* x: six nodes. */
+bool bw_triangle_is_straight(const double (*x)[2]);
 
 #ifdef __cplusplus
 }

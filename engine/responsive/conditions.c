@@ -1,0 +1,190 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Conditions by tag: sides of the mesh know their segment, segments of the outline their tag. The
+ * functions of conditions may be anything a caller gives (a script's, say): they are called on the
+ * caller's thread, in a fixed order. */
+#include <math.h>
+
+#include "responsive/internal.h"
+
+static bool applies(const bw_plane_mesh *mesh, const bw_condition *condition, int32_t side) {
+  int32_t segment = mesh->topology->side_segment[side];
+  return condition->tag < 0 || mesh->outline->segment[segment].tag == condition->tag;
+}
+
+bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, int components,
+                               int32_t count, const bw_condition *condition) {
+  for (int32_t k = 0; k < count; k++) {
+    const bw_condition *c = &condition[k];
+    bool found = false;
+    if (c->kind != BW_PRESCRIBED && c->kind != BW_TRACTION && c->kind != BW_PRESSURE)
+      return bw_fail(context, BW_INVALID, "condition %d is of no known kind", k + 1);
+    if (c->kind != BW_PRESSURE && (c->component < 0 || c->component >= components))
+      return bw_fail(context, BW_INVALID, "condition %d is on component %d; there are %d", k + 1,
+                     c->component + 1, components);
+    if (!c->function && !isfinite(c->value))
+      return bw_fail(context, BW_INVALID, "the value of condition %d is not a finite number",
+                     k + 1);
+    if (c->tag >= mesh->outline->tag_count)
+      return bw_fail(context, BW_INVALID, "condition %d is on tag %d; the outline has %d", k + 1,
+                     c->tag + 1, mesh->outline->tag_count);
+    for (int32_t s = 0; s < mesh->topology->side_count && !found; s++)
+      found = applies(mesh, c, s);
+    if (!found)
+      return bw_fail(context, BW_EMPTY, "condition %d is on tag '%s', which no segment has", k + 1,
+                     c->tag < 0 ? "" : mesh->outline->tag[c->tag].text);
+  }
+  return BW_OK;
+}
+
+static bw_status value_at(bw_context *context, const bw_condition *condition, const double at[2],
+                          double time, double *value) {
+  *value = condition->function ? condition->function(condition->data, at, time) : condition->value;
+  if (!isfinite(*value))
+    return bw_fail(context, BW_INVALID,
+                   "a condition's function gives %g at (%g, %g) at time %g; a finite number is "
+                   "needed",
+                   *value, at[0], at[1], time);
+  return BW_OK;
+}
+
+bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
+                                  int32_t count, const bw_condition *condition, double time,
+                                  uint8_t *held, double *prescribed) {
+  const bw_plane_topology *topology = mesh->topology;
+  int width = topology->nodes->order + 1;
+  size_t size = (size_t)topology->nodes->node_count * (size_t)components;
+  for (size_t i = 0; i < size; i++) {
+    held[i] = 0;
+    prescribed[i] = 0;
+  }
+  for (int32_t k = 0; k < count; k++) {
+    const bw_condition *c = &condition[k];
+    if (c->kind != BW_PRESCRIBED || c->component >= components)
+      continue;
+    int32_t before = -1; /* the node that the last side ended with has been asked already */
+    for (int32_t s = 0; s < topology->side_count; s++) {
+      if (!applies(mesh, c, s))
+        continue;
+      const int32_t *node = topology->side + (int64_t)s * width;
+      for (int a = 0; a < width; a++) {
+        size_t i = (size_t)node[a] * (size_t)components + (size_t)c->component;
+        if (node[a] == before)
+          continue;
+        held[i] = 1;
+        bw_status status =
+            value_at(context, c, mesh->point + 2 * (size_t)node[a], time, &prescribed[i]);
+        if (status != BW_OK)
+          return status;
+      }
+      before = node[1];
+    }
+  }
+  return BW_OK;
+}
+
+/* Gauss points on 0..1, exact to degree 5. */
+static const double gauss_at[3] = {0.11270166537925831148, 0.5, 0.88729833462074168852};
+static const double gauss_weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+
+bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
+                              int32_t count, const bw_condition *condition, double time,
+                              double thickness, double *force) {
+  const bw_plane_topology *topology = mesh->topology;
+  int width = topology->nodes->order + 1;
+  for (size_t i = 0; i < (size_t)topology->nodes->node_count * (size_t)components; i++)
+    force[i] = 0;
+  for (int32_t k = 0; k < count; k++) {
+    const bw_condition *c = &condition[k];
+    if (c->kind == BW_PRESCRIBED || (c->kind == BW_TRACTION && c->component >= components) ||
+        (c->kind == BW_PRESSURE && components < 2))
+      continue;
+    for (int32_t s = 0; s < topology->side_count; s++) {
+      if (!applies(mesh, c, s))
+        continue;
+      const int32_t *node = topology->side + (int64_t)s * width;
+      for (int q = 0; q < 3; q++) {
+        double n[3], d[3], at[2], along[2], value;
+        bwi_side_shape(width, gauss_at[q], n, d);
+        bwi_side_place(mesh, node, width, n, d, at, along);
+        bw_status status = value_at(context, c, at, time, &value);
+        if (status != BW_OK)
+          return status;
+        value *= thickness * gauss_weight[q];
+        double length = hypot(along[0], along[1]);
+        for (int a = 0; a < width; a++) {
+          double *f = force + (size_t)node[a] * (size_t)components;
+          if (c->kind == BW_TRACTION)
+            f[c->component] += value * length * n[a];
+          else { /* the inner normal: the side turned to the left */
+            f[0] -= value * along[1] * n[a];
+            f[1] += value * along[0] * n[a];
+          }
+        }
+      }
+    }
+  }
+  return BW_OK;
+}
+
+void bwi_side_shape(int width, double t, double n[3], double d[3]) {
+  if (width == 2) {
+    n[0] = 1 - t, n[1] = t;
+    d[0] = -1, d[1] = 1;
+    return;
+  }
+  n[0] = (1 - t) * (1 - 2 * t), n[1] = t * (2 * t - 1), n[2] = 4 * t * (1 - t);
+  d[0] = 4 * t - 3, d[1] = 4 * t - 1, d[2] = 4 - 8 * t;
+}
+
+void bwi_side_place(const bw_plane_mesh *mesh, const int32_t *node, int width, const double *n,
+                    const double *d, double at[2], double along[2]) {
+  for (int i = 0; i < 2; i++) {
+    at[i] = along[i] = 0;
+    for (int a = 0; a < width; a++) {
+      at[i] += n[a] * mesh->point[2 * (size_t)node[a] + (size_t)i];
+      along[i] += d[a] * mesh->point[2 * (size_t)node[a] + (size_t)i];
+    }
+  }
+}
+
+/* dJ/dx of J = sum_i weight_i force_i, values of functions going with the nodes */
+bw_status bwi_conditions_force_gradient(bw_context *context, const bw_plane_mesh *mesh,
+                                        int32_t count, const bw_condition *condition, double time,
+                                        double thickness, const double *weight, double *gradient) {
+  const bw_plane_topology *topology = mesh->topology;
+  int width = topology->nodes->order + 1;
+  for (int32_t k = 0; k < count; k++) {
+    const bw_condition *c = &condition[k];
+    if (c->kind == BW_PRESCRIBED)
+      continue;
+    for (int32_t s = 0; s < topology->side_count; s++) {
+      if (!applies(mesh, c, s))
+        continue;
+      const int32_t *node = topology->side + (int64_t)s * width;
+      for (int q = 0; q < 3; q++) {
+        double n[3], d[3], at[2], along[2], value, by_along[2], w[2] = {0, 0};
+        bwi_side_shape(width, gauss_at[q], n, d);
+        bwi_side_place(mesh, node, width, n, d, at, along);
+        bw_status status = value_at(context, c, at, time, &value);
+        if (status != BW_OK)
+          return status;
+        value *= thickness * gauss_weight[q];
+        for (int a = 0; a < width; a++)
+          for (int i = 0; i < 2; i++)
+            w[i] += n[a] * weight[2 * (size_t)node[a] + (size_t)i];
+        double length = hypot(along[0], along[1]);
+        if (c->kind == BW_TRACTION)
+          for (int i = 0; i < 2; i++)
+            by_along[i] = length > 0 ? value * w[c->component] * along[i] / length : 0;
+        else {
+          by_along[0] = value * w[1];
+          by_along[1] = -value * w[0];
+        }
+        for (int a = 0; a < width; a++)
+          for (int i = 0; i < 2; i++)
+            gradient[2 * (size_t)node[a] + (size_t)i] += by_along[i] * d[a];
+      }
+    }
+  }
+  return BW_OK;
+}

@@ -1,0 +1,148 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Elastic sheets: making, linear statics. What belongs to a topology or to the nodes is made when
+ * it is first needed and dropped when they change (sheet_follow.c). */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/sheet.h"
+
+static void sheet_destroy(void *object) {
+  bw_sheet *sheet = object;
+  struct bwi_sheet *inner = sheet->inner;
+  if (inner) {
+    for (int32_t k = 0; k < inner->section_count && inner->material; k++)
+      bw_release(inner->material[k]);
+    bw_free(inner->material);
+    bw_free(inner->section);
+    bw_free(inner->condition);
+    bw_stale_free(inner->stale);
+    bw_release(inner->graph);
+    bw_free(inner->stiffness);
+    bw_free(inner->matrix);
+    bw_free(inner->mass);
+    bw_free(inner->room);
+    bw_free(inner->held);
+    bw_free(inner->prescribed);
+    bw_free(inner->force);
+    bw_free(inner->rhs);
+    bw_free(inner->work);
+    bw_free(inner);
+  }
+  bw_release(sheet->mesh);
+  bw_free(sheet->displacement);
+  bw_free(sheet->velocity);
+  bw_free(sheet->acceleration);
+  bw_free(sheet);
+}
+
+static size_t sheet_bytes(const void *object) {
+  const bw_sheet *sheet = object;
+  const struct bwi_sheet *inner = sheet->inner;
+  size_t bytes = sizeof *sheet + sizeof *inner;
+  size_t nodes = (size_t)sheet->mesh->topology->nodes->node_count;
+  bytes += nodes * 8 * (inner->prescribed ? 14 : 2);
+  if (inner->graph)
+    bytes += bw_bytes(inner->graph) +
+             8 * (9 * (size_t)inner->graph->pair_count + bwi_plane_room(inner->graph, 2));
+  return bytes;
+}
+
+static const bw_kind kind = {"sheet", sheet_destroy, sheet_bytes};
+
+static bw_status copy_description(bw_context *context, struct bwi_sheet *inner,
+                                  const bw_sheet_description *d) {
+  inner->section = BW_NEW0(context, bwi_section, d->section_count);
+  inner->material = BW_NEW0(context, const bw_material *, d->section_count);
+  inner->condition = BW_NEW(context, bw_condition, d->condition_count);
+  if (!inner->section || !inner->material || !inner->condition)
+    return BW_MEMORY;
+  inner->section_count = d->section_count;
+  for (int32_t k = 0; k < d->section_count; k++) {
+    bw_status status = bwi_section_create(context, &d->section[k], &inner->section[k]);
+    if (status != BW_OK)
+      return status;
+    inner->material[k] = bw_retain(d->section[k].material);
+    if (d->section[k].thickness != d->section[0].thickness && d->condition_count > 0)
+      for (int32_t c = 0; c < d->condition_count; c++)
+        if (d->condition[c].kind != BW_PRESCRIBED)
+          return bw_fail(context, BW_UNSUPPORTED,
+                         "tractions and pressures on a sheet of several thicknesses (%g m and %g "
+                         "m): use one thickness",
+                         d->section[0].thickness, d->section[k].thickness);
+  }
+  if (d->condition_count > 0)
+    memcpy(inner->condition, d->condition, (size_t)d->condition_count * sizeof *d->condition);
+  inner->condition_count = d->condition_count;
+  memcpy(inner->gravity, d->gravity, sizeof inner->gravity);
+  return BW_OK;
+}
+
+bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
+                          const bw_sheet_description *description, bw_sheet **out) {
+  bw_status status = BW_OK;
+  const bw_plane_topology *topology = mesh->topology;
+  int32_t regions = 0;
+  for (int32_t e = 0; e < topology->element_count; e++)
+    if (topology->region[e] + 1 > regions)
+      regions = topology->region[e] + 1;
+  if (description->section_count != 1 && description->section_count < regions)
+    return bw_fail(context, BW_INVALID, "%d sections for %d regions; one, or one per region",
+                   description->section_count, regions);
+  if (!isfinite(description->gravity[0]) || !isfinite(description->gravity[1]))
+    return bw_fail(context, BW_INVALID, "gravity is not finite");
+  bw_sheet *sheet = BW_NEW0(context, bw_sheet, 1);
+  if (!sheet)
+    return BW_MEMORY;
+  bw_object_init(sheet, &kind);
+  sheet->mesh = bw_retain(mesh);
+  sheet->inner = BW_NEW0(context, struct bwi_sheet, 1);
+  sheet->displacement = BW_NEW0(context, double, 2 * (size_t)topology->nodes->node_count);
+  if (!sheet->inner || !sheet->displacement) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(copy_description(context, sheet->inner, description));
+  BW_TRY(
+      bwi_conditions_check(context, mesh, 2, description->condition_count, description->condition));
+  BW_TRY(bw_stale_create(context, true, 2, &sheet->inner->stale));
+done:
+  if (status == BW_OK)
+    *out = sheet;
+  else
+    bw_release(sheet);
+  return status;
+}
+
+bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
+                          bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  bw_kept ignored = {0};
+  bool made;
+  kept = kept ? kept : &ignored;
+  double start = bw_seconds();
+  BW_TRY(bwi_sheet_prepare(context, sheet, &made));
+  size_t size = 2 * (size_t)inner->graph->node_count;
+  kept->pattern = !made;
+  kept->solution = inner->solved;
+  BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
+  BW_TRY(bwi_sheet_check_free(context, sheet));
+  BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
+  BW_TRY(bwi_sheet_stiffness(context, sheet));
+  memcpy(inner->matrix, inner->stiffness, 4 * (size_t)inner->graph->pair_count * sizeof(double));
+  inner->matrix_step[0] = 0;
+  memcpy(inner->rhs, inner->force, size * sizeof(double));
+  BW_TRY(bw_plane_prescribe(context, inner->graph, 2, inner->held, inner->prescribed, inner->matrix,
+                            inner->rhs));
+  for (size_t i = 0; i < size; i++)
+    inner->work[i] = inner->held[i] ? inner->prescribed[i] : sheet->displacement[i];
+  kept->seconds_assemble += bw_seconds() - start;
+  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
+                        options, kept));
+  memcpy(sheet->displacement, inner->work, size * sizeof(double));
+  inner->solved = true;
+  inner->large = inner->moving = false;
+  sheet->object.revision++;
+done:
+  return status;
+}

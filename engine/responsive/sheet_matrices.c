@@ -1,0 +1,268 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Stiffness, mass and forces of a sheet. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/sheet.h"
+
+typedef struct loop {
+  const bw_sheet *sheet;
+  bwi_rule rule;
+} loop;
+
+static bw_status inverted(bw_context *context, int32_t element) {
+  bw_fail(context, BW_GEOMETRY,
+          "element %d of the plane mesh is inverted or flat: its corners have to run "
+          "counter-clockwise",
+          element + 1);
+  bw_detail_number(context, "element", element + 1);
+  return BW_GEOMETRY;
+}
+
+/* K_ab = integral of B_a^T D B_b t, where B_a is the matrix that makes strains of the displacement
+ * of node a: rows (x 0), (0 y), (y x) of its gradient. */
+static inline __attribute__((always_inline)) bw_status element_stiffness(const loop *l, int32_t e,
+                                                                         int N, double *k) {
+  const bwi_section *section = bwi_section_of(l->sheet, e);
+  double x[6][2], g[6][2];
+  bwi_element_points(l->sheet->mesh, e, N, x);
+  memset(k, 0, (size_t)(4 * N * N) * sizeof *k);
+  for (int q = 0; q < l->rule.count; q++) {
+    double determinant = bwi_rule_gradient(&l->rule, q, N, x, g), d[9];
+    if (!(determinant > 0))
+      return BW_GEOMETRY;
+    double scale = determinant * l->rule.weight[q] * section->thickness;
+    for (int i = 0; i < 9; i++)
+      d[i] = scale * section->elasticity[i];
+    for (int a = 0; a < N; a++) {
+      double gx = g[a][0], gy = g[a][1], row[2][3];
+      for (int i = 0; i < 3; i++) {
+        row[0][i] = gx * d[i] + gy * d[6 + i];
+        row[1][i] = gy * d[3 + i] + gx * d[6 + i];
+      }
+      for (int b = 0; b < N; b++)
+        for (int r = 0; r < 2; r++) {
+          k[(2 * a + r) * 2 * N + 2 * b] += row[r][0] * g[b][0] + row[r][2] * g[b][1];
+          k[(2 * a + r) * 2 * N + 2 * b + 1] += row[r][1] * g[b][1] + row[r][2] * g[b][0];
+        }
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status stiffness3(void *data, int32_t e, double *k) {
+  return element_stiffness(data, e, 3, k);
+}
+static bw_status stiffness6(void *data, int32_t e, double *k) {
+  return element_stiffness(data, e, 6, k);
+}
+
+static bw_status element_mass(void *data, int32_t e, double *m) {
+  const loop *l = data;
+  int n = l->rule.n;
+  const bwi_section *section = bwi_section_of(l->sheet, e);
+  double x[6][2], g[6][2];
+  bwi_element_points(l->sheet->mesh, e, n, x);
+  memset(m, 0, (size_t)(n * n) * sizeof *m);
+  for (int q = 0; q < l->rule.count; q++) {
+    double scale = bwi_rule_gradient(&l->rule, q, n, x, g) * l->rule.weight[q] *
+                   section->thickness * section->density;
+    for (int a = 0; a < n; a++)
+      for (int b = 0; b < n; b++)
+        m[a * n + b] += scale * l->rule.value[q][a] * l->rule.value[q][b];
+  }
+  return BW_OK;
+}
+
+/* Room for one array per topology, when it is not there yet. */
+static bw_status room(bw_context *context, double **block, size_t size) {
+  if (!*block)
+    *block = BW_NEW(context, double, size);
+  return *block ? BW_OK : BW_MEMORY;
+}
+
+bw_status bwi_sheet_prepare(bw_context *context, bw_sheet *sheet, bool *made) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  *made = !inner->graph;
+  if (!inner->graph) {
+    inner->stiffness_current = false;
+    BW_TRY(bw_plane_graph_create(context, sheet->mesh->topology, &inner->graph));
+  }
+  size_t pairs = (size_t)inner->graph->pair_count, size = 2 * (size_t)inner->graph->node_count;
+  BW_TRY(room(context, &inner->stiffness, 4 * pairs));
+  BW_TRY(room(context, &inner->matrix, 4 * pairs));
+  BW_TRY(room(context, &inner->room, bwi_plane_room(inner->graph, 2)));
+  BW_TRY(room(context, &inner->prescribed, size));
+  BW_TRY(room(context, &inner->force, size));
+  BW_TRY(room(context, &inner->rhs, size));
+  BW_TRY(room(context, &inner->work, size));
+  if (!inner->held && !(inner->held = BW_NEW(context, uint8_t, size)))
+    status = BW_MEMORY;
+done:
+  return status;
+}
+
+bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet) {
+  struct bwi_sheet *inner = sheet->inner;
+  if (inner->stiffness_current)
+    return BW_OK;
+  loop l = {.sheet = sheet};
+  int order = sheet->mesh->topology->nodes->order;
+  bwi_rule_create(order, order == 1 ? 1 : 2, &l.rule);
+  bw_status status =
+      bwi_plane_assemble(context, inner->graph, 2, order == 1 ? stiffness3 : stiffness6, &l,
+                         inner->room, inner->stiffness);
+  if (status == BW_GEOMETRY)
+    for (int32_t e = 0; e < sheet->mesh->topology->element_count; e++)
+      if (!(bw_plane_element_quality(sheet->mesh, e) > 0))
+        return inverted(context, e);
+  inner->stiffness_current = status == BW_OK;
+  inner->matrix_step[0] = 0;
+  bw_free(inner->mass);
+  inner->mass = NULL;
+  return status;
+}
+
+bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
+  struct bwi_sheet *inner = sheet->inner;
+  if (inner->mass)
+    return BW_OK;
+  for (int32_t k = 0; k < inner->section_count; k++)
+    if (!(inner->section[k].density > 0))
+      return bw_fail(context, BW_INVALID, "material '%s' has no density: motion needs one (kg/m3)",
+                     inner->material[k]->name);
+  loop l = {.sheet = sheet};
+  int order = sheet->mesh->topology->nodes->order;
+  bwi_rule_create(order, 2 * order, &l.rule);
+  double *mass = BW_NEW(context, double, inner->graph->pair_count);
+  if (!mass)
+    return BW_MEMORY;
+  bw_status status =
+      bwi_plane_assemble(context, inner->graph, 1, element_mass, &l, inner->room, mass);
+  if (status == BW_OK)
+    inner->mass = mass;
+  else
+    bw_free(mass);
+  return status;
+}
+
+bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
+  struct bwi_sheet *inner = sheet->inner;
+  const bw_plane_mesh *mesh = sheet->mesh;
+  const bw_plane_topology *topology = mesh->topology;
+  /* Tractions and pressures act on a boundary of one thickness, or of the section beside it. */
+  bw_status status = bw_conditions_force(context, mesh, 2, inner->condition_count, inner->condition,
+                                         time, inner->section[0].thickness, inner->force);
+  if (status != BW_OK || (inner->gravity[0] == 0 && inner->gravity[1] == 0))
+    return status;
+  bwi_rule rule;
+  bwi_rule_create(topology->nodes->order, topology->nodes->order, &rule);
+  for (int32_t e = 0; e < topology->element_count; e++) {
+    const bwi_section *section = bwi_section_of(sheet, e);
+    const int32_t *node = topology->element + (int64_t)e * rule.n;
+    double x[6][2], g[6][2];
+    if (!(section->density > 0))
+      return bw_fail(context, BW_INVALID, "gravity acts on a material without density (kg/m3)");
+    bwi_element_points(mesh, e, rule.n, x);
+    for (int q = 0; q < rule.count; q++) {
+      double scale = bwi_rule_gradient(&rule, q, rule.n, x, g) * rule.weight[q] *
+                     section->thickness * section->density;
+      for (int a = 0; a < rule.n; a++)
+        for (int i = 0; i < 2; i++)
+          inner->force[2 * (int64_t)node[a] + i] += scale * rule.value[q][a] * inner->gravity[i];
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time) {
+  struct bwi_sheet *inner = sheet->inner;
+  return bw_conditions_prescribe(context, sheet->mesh, 2, inner->condition_count, inner->condition,
+                                 time, inner->held, inner->prescribed);
+}
+
+/* ---- free rigid motions -------------------------------------------------------------------- */
+
+static int32_t root_of(int32_t *parent, int32_t i) {
+  while (parent[i] != i)
+    i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/* Held components restrain the motions (1, 0), (0, 1) and (-y, x)/size of the piece they are on. A
+ * motion is free when no held component resists it: a zero eigenvalue of the 3x3 sum of their
+ * squares. */
+bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
+  bw_status status = BW_OK;
+  const bw_plane_mesh *mesh = sheet->mesh;
+  const bw_plane_topology *topology = mesh->topology;
+  const uint8_t *held = sheet->inner->held;
+  int32_t nodes = topology->nodes->node_count, n = topology->nodes->order == 1 ? 3 : 6;
+  int32_t *parent = BW_NEW(context, int32_t, nodes);
+  double *sum = BW_NEW0(context, double, 10 * (size_t)nodes); /* 6 of the matrix, centre, count */
+  if (!parent || !sum) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t i = 0; i < nodes; i++)
+    parent[i] = i;
+  for (int32_t e = 0; e < topology->element_count; e++) {
+    const int32_t *node = topology->element + (int64_t)e * n;
+    int32_t first = root_of(parent, node[0]);
+    for (int a = 1; a < n; a++)
+      parent[root_of(parent, node[a])] = first;
+  }
+  for (int32_t i = 0; i < nodes; i++) {
+    double *s = sum + 10 * (int64_t)root_of(parent, i);
+    s[6] += mesh->point[2 * i];
+    s[7] += mesh->point[2 * i + 1];
+    s[8] += 1;
+  }
+  for (int32_t i = 0; i < nodes; i++) {
+    double *s = sum + 10 * (int64_t)root_of(parent, i);
+    double x = mesh->point[2 * i] - s[6] / s[8], y = mesh->point[2 * i + 1] - s[7] / s[8];
+    s[9] = fmax(s[9], hypot(x, y));
+  }
+  for (int32_t i = 0; i < nodes; i++) {
+    double *s = sum + 10 * (int64_t)root_of(parent, i);
+    double x = mesh->point[2 * i] - s[6] / s[8], y = mesh->point[2 * i + 1] - s[7] / s[8];
+    if (held[2 * i]) {
+      s[0] += 1;
+      s[4] += -y / s[9];
+      s[2] += y * y / (s[9] * s[9]);
+    }
+    if (held[2 * i + 1]) {
+      s[1] += 1;
+      s[3] += x / s[9];
+      s[2] += x * x / (s[9] * s[9]);
+    }
+  }
+  for (int32_t i = 0; i < nodes; i++) {
+    if (parent[i] != i)
+      continue;
+    const double *s = sum + 10 * (int64_t)i;
+    /* xx yy zz yz zx xy of the motions along x, along y and about the centre */
+    double tensor[6] = {s[0], s[1], s[2], s[3], s[4], 0}, value[3], vector[9];
+    bw_eigen3(tensor, value, vector);
+    if (value[2] > 1e-9 * value[0] && value[0] > 0)
+      continue;
+    const double *free = vector + 6;
+    int most = fabs(free[0]) > fabs(free[1]) ? 0 : 1;
+    most = fabs(free[2]) > fabs(free[most]) ? 2 : most;
+    status = bw_fail(context, BW_FREE,
+                     "the sheet's piece around (%.6g, %.6g) is free to %s: hold it by more "
+                     "conditions",
+                     s[6] / s[8], s[7] / s[8],
+                     most == 0   ? "move along x"
+                     : most == 1 ? "move along y"
+                                 : "turn");
+    bw_detail_number(context, "x", s[6] / s[8]);
+    bw_detail_number(context, "y", s[7] / s[8]);
+    goto done;
+  }
+done:
+  bw_free(parent);
+  bw_free(sum);
+  return status;
+}

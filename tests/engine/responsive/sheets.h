@@ -1,0 +1,97 @@
+/* Plane meshes and materials for the tests of sheets. */
+#ifndef SHEETS_H
+#define SHEETS_H
+
+#include "check.h"
+
+static inline bw_material *isotropic(bw_context *context, double young, double poisson,
+                                     double density) {
+  bw_material *material;
+  bw_isotropic constants = {"test", young, poisson, density, 0};
+  check_ok(context, bw_material_isotropic(context, &constants, &material));
+  return material;
+}
+
+/* The rectangle with the tags bottom, right, top, left. */
+static inline bw_plane_mesh *rectangle(bw_context *context, int order, double width, double height,
+                                       int nx, int ny) {
+  bw_plane_mesh *mesh;
+  double low[2] = {0, 0}, high[2] = {width, height};
+  check_ok(context,
+           bw_plane_rectangle(context, order, low, high, nx, ny, BW_DIAGONAL_UNION_JACK, &mesh));
+  return mesh;
+}
+
+/* The same mesh with all inner corners moved about, sides straight. */
+static inline bw_plane_mesh *jittered(bw_context *context, bw_plane_mesh *mesh, double by) {
+  const bw_plane_nodes *nodes = mesh->topology->nodes;
+  bw_plane_mesh *moved;
+  bw_random random;
+  bw_random_seed(&random, 3);
+  double *point = BW_NEW(context, double, 2 * nodes->node_count);
+  memcpy(point, mesh->point, 2 * (size_t)nodes->node_count * sizeof *point);
+  for (int32_t i = 0; i < nodes->corner_count; i++)
+    for (int k = 0; k < 2; k++) {
+      double off = by * (2 * bw_random_uniform(&random) - 1);
+      if (nodes->segment[i] < 0)
+        point[2 * i + k] += off;
+    }
+  if (nodes->order == 2)
+    for (int32_t e = 0; e < mesh->topology->element_count; e++)
+      for (int a = 0; a < 3; a++) {
+        const int32_t *node = mesh->topology->element + 6 * e;
+        for (int k = 0; k < 2; k++)
+          point[2 * node[3 + a] + k] =
+              0.5 * (point[2 * node[a] + k] + point[2 * node[(a + 1) % 3] + k]);
+      }
+  check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
+  bw_free(point);
+  bw_release(mesh);
+  return moved;
+}
+
+/* Nodes taken to other places by a map. */
+static inline bw_plane_mesh *mapped(bw_context *context, bw_plane_mesh *mesh,
+                                    void (*map)(double point[2])) {
+  const bw_plane_topology *topology = mesh->topology;
+  int32_t nodes = topology->nodes->node_count;
+  double *point = BW_NEW(context, double, 2 * nodes);
+  bw_plane_mesh *copy;
+  for (int32_t i = 0; i < nodes; i++) {
+    point[2 * i] = mesh->point[2 * i];
+    point[2 * i + 1] = mesh->point[2 * i + 1];
+    map(point + 2 * i);
+  }
+  check_ok(context, bw_plane_mesh_copy(context, topology->nodes->order, nodes, point,
+                                       topology->element_count, topology->element, NULL, &copy));
+  bw_free(point);
+  bw_release(mesh);
+  return copy;
+}
+
+static inline bw_sheet *sheet_on(bw_context *context, const bw_plane_mesh *mesh,
+                                 const bw_material *material, double thickness, bool plane_strain,
+                                 int32_t count, const bw_condition *condition) {
+  bw_sheet *sheet;
+  bw_sheet_section section = {material, thickness, plane_strain};
+  bw_sheet_description description = {
+      .section_count = 1, .section = &section, .condition_count = count, .condition = condition};
+  check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
+  return sheet;
+}
+
+/* The node nearest to a place. */
+static inline int32_t node_at(const bw_plane_mesh *mesh, double x, double y) {
+  int32_t best = 0;
+  double least = INFINITY;
+  for (int32_t i = 0; i < mesh->topology->nodes->node_count; i++) {
+    double d = hypot(mesh->point[2 * i] - x, mesh->point[2 * i + 1] - y);
+    if (d < least)
+      least = d, best = i;
+  }
+  return best;
+}
+
+enum { BOTTOM, RIGHT, TOP, LEFT };
+
+#endif
