@@ -135,8 +135,8 @@ typedef enum bw_level {
 } bw_level;
 typedef enum bw_relocation {
   BW_RELOCATE_HARMONIC, /* inner nodes take the harmonic extension of the boundary's displacement
-                           since the topology was new (one factor per topology, linear, exact):
-                           the default */
+                           since the topology was new, stiffer near the boundary (one factor per
+                           topology; linear in the outline's points): the default */
   BW_RELOCATE_SPRINGS   /* the paper's: springs of rest length zero, `sweeps` Jacobi rounds */
 } bw_relocation;
 typedef struct bw_follow_options {
