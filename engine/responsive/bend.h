@@ -1,0 +1,26 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Energy, force and tangent of St. Venant-Kirchhoff sheets, element by element. */
+#ifndef BWI_RESPONSIVE_BEND_H
+#define BWI_RESPONSIVE_BEND_H
+
+#include "responsive/sheet.h"
+
+typedef struct bwi_bend {
+  const bw_sheet *sheet;
+  bwi_rule rule, corners; /* quadrature; the nodes, where inversion is looked for too */
+  const double *u;        /* displacement */
+  bool convex;            /* leave the negative part of stresses out of the tangent */
+  double *energy;         /* element_count; < 0: inverted */
+  double *force;          /* element_count x n x 2 */
+  int32_t inverted;       /* the first element found inverted last, -1: none */
+} bwi_bend;
+bw_status bwi_bend_prepare(bw_context *context, const bw_sheet *sheet, bwi_bend *bend);
+void bwi_bend_clear(bwi_bend *bend);
+/* Sum of the elements' energies at u; INFINITY where one is inverted. */
+bw_status bwi_bend_energy(bw_context *context, bwi_bend *bend, double *energy);
+/* Its gradient (node_count x 2) and second derivative (4 per pair; room for element matrices). */
+bw_status bwi_bend_force(bw_context *context, bwi_bend *bend, double *force);
+bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_graph *graph,
+                           double *room, double *values);
+
+#endif

@@ -1,0 +1,293 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Newmark's method for sheets on shaking ground.
+ *
+ * With u* = u + h v + (1/2 - beta) h^2 a and v* = v + (1 - gamma) h a, the new acceleration and
+ * velocity are a = (u - u*) / (beta h^2) and v = v* + gamma h a, and the new displacement solves
+ *
+ *   (M / (beta h^2) + C gamma / (beta h) + K) u = f + M u* / (beta h^2)
+ *                                                 + C (gamma / (beta h) u* - v*),
+ *   C = am M + ak K.
+ *
+ * Where the ground moves, displacement, velocity and acceleration are those of the ground itself:
+ * taken by Newmark's formulas they would swing about the truth undamped. The mass is consistent and
+ * couples held to free nodes, so these accelerations are part of the load. The matrix depends on
+ * the mesh and the step only: while the drag rests, its factor is exact. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/sheet.h"
+#include "responsive/vectors.h"
+
+void bw_newmark_default(bw_newmark *newmark) {
+  *newmark = (bw_newmark){.step = 1e-3, .beta = 0.25, .gamma = 0.5};
+}
+
+/* out = M mass_of + K stiffness_of, in one pass over both. */
+typedef struct products {
+  const bw_plane_graph *graph;
+  const double *mass, *stiffness, *mass_of, *stiffness_of;
+  double *out;
+} products;
+
+static bw_status product_rows(void *data, int64_t begin, int64_t end, int worker) {
+  const products *d = data;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    double x = 0, y = 0;
+    for (int64_t p = d->graph->start[i]; p < d->graph->start[i + 1]; p++) {
+      int64_t j = d->graph->column[p];
+      const double *k = d->stiffness + 4 * p, *w = d->stiffness_of + 2 * j;
+      double m = d->mass[p];
+      x += m * d->mass_of[2 * j] + k[0] * w[0] + k[1] * w[1];
+      y += m * d->mass_of[2 * j + 1] + k[2] * w[0] + k[3] * w[1];
+    }
+    d->out[2 * i] = x;
+    d->out[2 * i + 1] = y;
+  }
+  return BW_OK;
+}
+
+static bw_status multiply(bw_context *context, const struct bwi_sheet *inner, const double *mass_of,
+                          const double *stiffness_of, double *out) {
+  products d = {inner->graph, inner->mass, inner->stiffness, mass_of, stiffness_of, out};
+  return bw_parallel(context, inner->graph->node_count, BWI_GRAIN_NODES, product_rows, &d);
+}
+
+/* K (1 + k_of_k) + M m: the matrix of a step. */
+typedef struct blend {
+  const bw_plane_graph *graph;
+  const double *mass, *stiffness;
+  double of_mass, of_stiffness;
+  double *out;
+} blend;
+
+static bw_status blend_rows(void *data, int64_t begin, int64_t end, int worker) {
+  const blend *d = data;
+  (void)worker;
+  for (int64_t p = d->graph->start[begin]; p < d->graph->start[end]; p++) {
+    const double *k = d->stiffness + 4 * p;
+    double m = d->of_mass * d->mass[p];
+    d->out[4 * p] = d->of_stiffness * k[0] + m;
+    d->out[4 * p + 1] = d->of_stiffness * k[1];
+    d->out[4 * p + 2] = d->of_stiffness * k[2];
+    d->out[4 * p + 3] = d->of_stiffness * k[3] + m;
+  }
+  return BW_OK;
+}
+
+/* The ground at a time: displacement into inner->prescribed, velocity and acceleration by central
+ * differences, so close that their error is far below that of the step. Rooms of 2 node_count. */
+static bw_status ground(bw_context *context, bw_sheet *sheet, double time, double step,
+                        double *velocity, double *acceleration, double *room) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  size_t size = 2 * (size_t)inner->graph->node_count;
+  bool moves = false;
+  for (int32_t k = 0; k < inner->condition_count; k++)
+    moves = moves || (inner->condition[k].kind == BW_PRESCRIBED && inner->condition[k].function);
+  memset(velocity, 0, size * sizeof *velocity);
+  memset(acceleration, 0, size * sizeof *acceleration);
+  if (moves) {
+    double h = 0.01 * step;
+    BW_TRY(bwi_sheet_hold(context, sheet, time - h));
+    memcpy(room, inner->prescribed, size * sizeof *room);
+    BW_TRY(bwi_sheet_hold(context, sheet, time + h));
+    memcpy(velocity, inner->prescribed, size * sizeof *velocity);
+    BW_TRY(bwi_sheet_hold(context, sheet, time));
+    for (size_t i = 0; i < size; i++)
+      if (inner->held[i]) {
+        double before = room[i], after = velocity[i], now = inner->prescribed[i];
+        velocity[i] = (after - before) / (2 * h);
+        acceleration[i] = (after - 2 * now + before) / (h * h);
+      } else
+        velocity[i] = 0;
+  } else
+    BW_TRY(bwi_sheet_hold(context, sheet, time));
+done:
+  return status;
+}
+
+/* M a = f - C v - K u at free unknowns, by conjugate gradients with the diagonal: a mass matrix is
+ * well conditioned whatever the mesh. */
+static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                                    const double *velocity, const double *displacement,
+                                    double *acceleration) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  const bw_plane_graph *graph = inner->graph;
+  size_t n = 2 * (size_t)graph->node_count;
+  double *room = BW_NEW(context, double, 5 * n);
+  double *r = room, *z = room + n, *p = z + n, *q = p + n, *zero = q + n, size = 0;
+  if (!room)
+    return BW_MEMORY;
+  memset(zero, 0, n * sizeof *zero);
+  for (size_t i = 0; i < n; i++) {
+    z[i] = newmark->damping_mass * velocity[i] + acceleration[i];
+    q[i] = newmark->damping_stiffness * velocity[i] + displacement[i];
+  }
+  BW_TRY(multiply(context, inner, z, q, r));
+  for (size_t i = 0; i < n; i++) {
+    r[i] = inner->held[i] ? 0 : inner->force[i] - r[i];
+    size += r[i] * r[i];
+  }
+  double rho = 0, square = size;
+  for (int i = 0; i < 500 && square > 1e-24 * size; i++) {
+    double next, curvature;
+    for (size_t k = 0; k < n; k++)
+      z[k] = r[k] / inner->mass[graph->diagonal[k / 2]];
+    BW_TRY(bwi_dot(context, n, r, z, &next));
+    BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
+    rho = next;
+    BW_TRY(multiply(context, inner, p, zero, q));
+    for (size_t k = 0; k < n; k++)
+      if (inner->held[k])
+        q[k] = 0;
+    BW_TRY(bwi_dot(context, n, p, q, &curvature));
+    if (!(curvature > 0))
+      break;
+    BW_TRY(bwi_step(context, n, rho / curvature, p, q, acceleration, r, &square));
+  }
+done:
+  bw_free(room);
+  return status;
+}
+
+static bw_status check(bw_context *context, const bw_newmark *newmark) {
+  if (!(newmark->step > 0) || !isfinite(newmark->step))
+    return bw_fail(context, BW_INVALID, "a time step of %g s; it has to be positive",
+                   newmark->step);
+  if (!(newmark->gamma >= 0.5) || !(newmark->beta >= 0.5 * newmark->gamma))
+    return bw_fail(
+        context, BW_INVALID,
+        "beta %g and gamma %g; 2 beta >= gamma >= 1/2 is what stays stable with any step",
+        newmark->beta, newmark->gamma);
+  if (!(newmark->damping_mass >= 0) || !(newmark->damping_stiffness >= 0) ||
+      !isfinite(newmark->damping_mass + newmark->damping_stiffness))
+    return bw_fail(context, BW_INVALID, "damping of %g and %g; both have to be 0 or more",
+                   newmark->damping_mass, newmark->damping_stiffness);
+  return BW_OK;
+}
+
+/* From rest where there was no motion yet. */
+static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                       double *room) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  size_t size = 2 * (size_t)inner->graph->node_count;
+  double *velocity = room, *acceleration = room + size, *displacement = room + 2 * size;
+  BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
+  BW_TRY(ground(context, sheet, sheet->time, newmark->step, velocity, acceleration, displacement));
+  for (size_t i = 0; i < size; i++) {
+    displacement[i] = inner->held[i] ? inner->prescribed[i] : sheet->displacement[i];
+    if (!inner->held[i])
+      velocity[i] = sheet->velocity ? sheet->velocity[i] : 0;
+  }
+  BW_TRY(first_acceleration(context, sheet, newmark, velocity, displacement, acceleration));
+  if (!sheet->velocity)
+    sheet->velocity = BW_NEW(context, double, size);
+  if (!sheet->acceleration)
+    sheet->acceleration = BW_NEW(context, double, size);
+  if (!sheet->velocity || !sheet->acceleration) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memcpy(sheet->velocity, velocity, size * sizeof(double));
+  memcpy(sheet->acceleration, acceleration, size * sizeof(double));
+  memcpy(sheet->displacement, displacement, size * sizeof(double));
+  inner->moving = true;
+  inner->solved = true;
+done:
+  if (status != BW_OK && !inner->moving) { /* both or none */
+    bw_free(sheet->velocity);
+    bw_free(sheet->acceleration);
+    sheet->velocity = sheet->acceleration = NULL;
+  }
+  return status;
+}
+
+bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                         const bw_stale_options *options, bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  bw_newmark defaults;
+  bw_kept ignored = {0};
+  double *room = NULL;
+  bool made;
+  bw_newmark_default(&defaults);
+  newmark = newmark ? newmark : &defaults;
+  kept = kept ? kept : &ignored;
+  double start = bw_seconds();
+  BW_TRY(check(context, newmark));
+  BW_TRY(bwi_sheet_prepare(context, sheet, &made));
+  kept->pattern = !made;
+  kept->solution = inner->solved;
+  size_t size = 2 * (size_t)inner->graph->node_count;
+  BW_TRY(bwi_sheet_stiffness(context, sheet));
+  BW_TRY(bwi_sheet_mass(context, sheet));
+  room = BW_NEW(context, double, 4 * size);
+  if (!room) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (!inner->moving)
+    BW_TRY(begin(context, sheet, newmark, room));
+
+  double h = newmark->step, beta = newmark->beta, gamma = newmark->gamma;
+  double am = newmark->damping_mass, ak = newmark->damping_stiffness;
+  double by_mass = 1 / (beta * h * h), by_damping = gamma / (beta * h), time = sheet->time + h;
+  double *u = room, *v = room + size, *a = v + size, *w = a + size;
+  BW_TRY(bwi_sheet_force(context, sheet, time));
+  BW_TRY(ground(context, sheet, time, h, v, a, w));
+  /* What multiplies M, C and K in the load: at held unknowns the ground's own, at free ones the
+     part of Newmark's formulas that is known already. v and a take the latter over. */
+  for (size_t i = 0; i < size; i++) {
+    if (inner->held[i]) {
+      u[i] = inner->prescribed[i];
+    } else {
+      double before = sheet->displacement[i] + h * sheet->velocity[i] +
+                      (0.5 - beta) * h * h * sheet->acceleration[i];
+      a[i] = -by_mass * before;
+      v[i] = sheet->velocity[i] + (1 - gamma) * h * sheet->acceleration[i] - by_damping * before;
+      u[i] = 0;
+    }
+    w[i] = u[i] + ak * v[i];
+    inner->work[i] = a[i] + am * v[i];
+  }
+  BW_TRY(multiply(context, inner, inner->work, w, inner->rhs));
+  for (size_t i = 0; i < size; i++)
+    inner->rhs[i] = inner->force[i] - inner->rhs[i];
+  double step[4] = {h, beta, am * by_damping, ak * by_damping};
+  if (memcmp(step, inner->matrix_step, sizeof step) != 0) {
+    blend d = {inner->graph,        inner->mass,  inner->stiffness, by_mass + am * by_damping,
+               1 + ak * by_damping, inner->matrix};
+    BW_TRY(bw_parallel(context, inner->graph->node_count, BWI_GRAIN_NODES, blend_rows, &d));
+    BW_TRY(bw_plane_prescribe(context, inner->graph, 2, inner->held, inner->prescribed,
+                              inner->matrix, NULL));
+    memcpy(inner->matrix_step, step, sizeof step);
+  }
+  for (size_t i = 0; i < size; i++)
+    if (inner->held[i]) {
+      int64_t p = inner->graph->diagonal[i / 2];
+      inner->rhs[i] = inner->matrix[4 * p + (i % 2 ? 3 : 0)] * inner->prescribed[i];
+      inner->work[i] = inner->prescribed[i];
+    } else /* a first guess: the acceleration stays */
+      inner->work[i] =
+          sheet->displacement[i] + h * sheet->velocity[i] + 0.5 * h * h * sheet->acceleration[i];
+  kept->seconds_assemble += bw_seconds() - start;
+  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
+                        options, kept));
+  /* v and a hold what is known of the new ones */
+  for (size_t i = 0; i < size; i++) {
+    bool held = inner->held[i];
+    sheet->acceleration[i] = held ? a[i] : a[i] + by_mass * inner->work[i];
+    sheet->velocity[i] = held ? v[i] : v[i] + by_damping * inner->work[i];
+    sheet->displacement[i] = inner->work[i];
+  }
+  sheet->time = time;
+  inner->solved = true;
+  inner->large = false;
+  sheet->object.revision++;
+done:
+  bw_free(room);
+  return status;
+}
