@@ -54,12 +54,13 @@ bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scr
 
 /* What the two ways to solve would cost, in seconds of the model's machine. */
 typedef struct bwi_local_cost {
-  double refactor, iterate; /* for all right-hand sides */
-  double one_iteration;     /* of all right-hand sides together */
+  double refactor, iterate; /* for all right-hand sides, and those still to come */
+  double one_iteration;     /* of all right-hand sides together, without those to come */
   double iterations;        /* predicted */
+  double factor;            /* what the bound was multiplied by: experience or hope */
 } bwi_local_cost;
-void bwi_local_predict(bw_local_system *local, double tolerance, int64_t count,
-                       bwi_local_cost *cost);
+void bwi_local_predict(bw_local_system *local, const bw_local_options *options, double tolerance,
+                       int64_t count, bwi_local_cost *cost);
 
 /* ---- conjugate.c --------------------------------------------------------------------------- */
 

@@ -61,23 +61,26 @@ static double largest_change(const bw_local_system *local) {
   return sqrt(most);
 }
 
-void bwi_local_predict(bw_local_system *local, double tolerance, int64_t count,
-                       bwi_local_cost *cost) {
+void bwi_local_predict(bw_local_system *local, const bw_local_options *options, double tolerance,
+                       int64_t count, bwi_local_cost *cost) {
   bwi_local *inner = local->inner;
   const bwi_symbolic *symbolic = inner->factor->symbolic;
   double factor_bytes = 8.0 * (double)symbolic->panel[symbolic->order->super_count];
   double stiffness_bytes = 72.0 * (double)local->system->graph->pair_count;
   double passes = (double)((count + SIDES - 1) / SIDES);
+  double later = options->further > 0 ? (options->further + SIDES - 1) / SIDES : 0;
   double solve = 2 * factor_bytes / BYTES_PER_SECOND;
   double flops = bwi_reach_flops(inner->reach, inner->touched);
   double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
-  cost->refactor =
-      flops / FLOPS_PER_SECOND + 2 * part * factor_bytes / BYTES_PER_SECOND + passes * solve;
-  cost->one_iteration = passes * (solve + stiffness_bytes / BYTES_PER_SECOND);
+  cost->refactor = flops / FLOPS_PER_SECOND + 2 * part * factor_bytes / BYTES_PER_SECOND +
+                   (passes + later) * solve;
+  double pass = solve + stiffness_bytes / BYTES_PER_SECOND;
+  cost->one_iteration = passes * pass;
   if (inner->change < 0)
     inner->change = largest_change(local);
   double spread = SPREAD * inner->change;
+  cost->factor = options->hope > 0 ? fmin(inner->experience, options->hope) : inner->experience;
   cost->iterations =
-      1 + (spread > 0 ? inner->experience * log(2 / tolerance) / log((2 + spread) / spread) : 0);
-  cost->iterate = cost->iterations * cost->one_iteration;
+      1 + (spread > 0 ? cost->factor * log(2 / tolerance) / log((2 + spread) / spread) : 0);
+  cost->iterate = cost->iterations * (passes + later) * pass;
 }

@@ -73,7 +73,7 @@ static bw_status iterate(bw_context *context, bw_local_system *local, double tol
   *converged = problem.converged;
   inner->spent += problem.iterations;
   if (problem.converged) {
-    double seen = inner->experience * problem.iterations / cost->iterations;
+    double seen = cost->factor * problem.iterations / cost->iterations;
     inner->experience = fmin(fmax(seen, 0.1), 10);
     memcpy(displacement, solution, size * sizeof(double));
     for (size_t i = 0; left->guess && i < size; i++)
@@ -136,7 +136,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
       BW_TRY(bwi_rest_make(context, local, &options, count, displacement, &left));
     else
       left.tolerance = options.tolerance;
-    bwi_local_predict(local, left.tolerance, count, &cost);
+    bwi_local_predict(local, &options, left.tolerance, count, &cost);
     if (reuse) {
       reuse->predicted_refactor = cost.refactor;
       reuse->predicted_iterate = cost.iterate;

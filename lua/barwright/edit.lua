@@ -308,7 +308,7 @@ function class:solve(given)
   end
   local result, message, details = edit_follow.solve(self, state, wish or given, part)
   if not result then return nil, message, details end
-  if not part then self.last = {state = state, result = result} end
+  if not part then self.last = {state = state, result = result, plain = given == nil} end
   return result
 end
 

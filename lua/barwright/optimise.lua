@@ -78,6 +78,7 @@ local function descend(self, point)
     local fine, message, details = unknowns.choose(self, point)
     if not fine then return nil, message, details end
     local new = models.constrain_peaks(self, point)
+    if point.current then models.watch(self, point) end
     local entry = note(self, point, self.t)
     self.point = point
     local met = point.max <= self.wish.von_mises
@@ -225,7 +226,7 @@ function optimise.run(session, given)
   local wish = options.read("optimise", given, rules)
   local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
     motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
-    radius = wish.step, price = 0, refills = 0, blocked = {}, limit = wish.von_mises * (1 - models.margin)}
+    radius = wish.step, price = 0, spare = 0, refills = 0, blocked = {}, limit = wish.von_mises * (1 - models.margin)}
   local parts = {}
   if wish.loads == "own" then parts[1] = session.source end
   for i, part in ipairs(wish.cases) do

@@ -9,7 +9,10 @@ local models = {margin = 1e-6} -- of the limit: aimed at lower by this fraction,
 local considered = 0.5 -- stresses below this part of the limit are not modelled
 local power = 3
 local keep_exponents = 0.02 -- relative change of the factors up to which exponents are kept
+local nearly = 0.98 -- part of the limit from which a constraint counts as one that may hold
 local peaks_at_once = 4 -- of a load case
+local watched = 0.9 -- part of the limit from which nodes are modelled before they exceed it
+local watched_at_once, apart = 8, 0.4 -- of a load case; element sizes between them
 local margin = models.margin
 
 -- ---- the constrained nodes -----------------------------------------------------------------------
@@ -46,6 +49,43 @@ function models.constrain_peaks(self, point)
   return new
 end
 
+-- Nodes above a level, the highest first, none nearer than `distance` to a higher one or to those of
+-- `list`; at most `count` with those.
+local function spread(stresses, nodes, level, distance, list, count)
+  local high = stresses:above(level):where()
+  if #high == 0 then return list end
+  local rank, at = stresses:gather(high):order(), nodes:gather(high)
+  local places = {}
+  for i, node in ipairs(list) do places[i] = {nodes(node, 1), nodes(node, 2), nodes(node, 3)} end
+  for k = #high, 1, -1 do
+    if #list >= count then break end
+    local i = rank[k]
+    local x, y, z, free = at(i, 1), at(i, 2), at(i, 3), true
+    for _, p in ipairs(places) do
+      if (x - p[1]) ^ 2 + (y - p[2]) ^ 2 + (z - p[3]) ^ 2 < distance ^ 2 then free = false break end
+    end
+    if free then
+      list[#list + 1], places[#places + 1] = math.tointeger(high[i]), {x, y, z}
+    end
+  end
+  return list
+end
+
+--- Constrains nodes that are not yet above the limit, or are not the highest of their domain: what a
+--- step would bring up next. For points whose adjoint solutions are cheap.
+function models.watch(self, point)
+  local mesh = point.state.shape.mesh
+  local distance = apart * (mesh.volume / mesh.element_count) ^ (1 / 3)
+  for i, case in ipairs(point.cases) do
+    local list = {}
+    for _, constraint in ipairs(self.constraints) do
+      if constraint.case == i then list[#list + 1] = constraint.node end
+    end
+    spread(case.von_mises, mesh.nodes, watched * self.limit, distance, list, watched_at_once)
+    for _, node in ipairs(list) do constrain(self, i, node) end
+  end
+end
+
 --- Constrains the highest node under each load, above the limit or not.
 function models.constrain_highest(self, point)
   for i, case in ipairs(point.cases) do constrain(self, i, case.von_mises:argmax()) end
@@ -67,13 +107,28 @@ function models.shortfall(self, point)
 end
 
 -- Exponents are kept for small steps.
-local function exponents_hold(self, constraint)
+local function exponents_hold(constraint, to)
   local at = constraint.at
-  if not at or #at < #self.t then return false end
-  for i, t in ipairs(self.t) do
+  if not at or #at < #to then return false end
+  for i, t in ipairs(to) do
     if math.abs(t / at[i] - 1) > keep_exponents then return false end
   end
   return true
+end
+
+--- How many exponents will be computed anew at other factors.
+function models.stale(list, to)
+  local count = 0
+  for _, model in ipairs(list) do
+    if model.active and not exponents_hold(model, to) then count = count + 1 end
+  end
+  return count
+end
+
+-- Whether a model matters too little for its exponents to be computed anew.
+local function slack(self, constraint, stress)
+  return constraint.at and #constraint.at == #self.t and not constraint.active
+    and stress < nearly * self.limit
 end
 
 -- Those that are kept are turned so that they explain the last change of h (Broyden).
@@ -93,6 +148,29 @@ function models.foretell(model, to)
   local h = model.h
   for i = 1, #to do h = h * (to[i] / model.t[i]) ^ model[i] end
   return h
+end
+
+--- Which models were at their limit in a step. Where the curvature E foretold that they would do worse
+--- at its end than they do, less of it is kept.
+function models.judge(self, list, multipliers, to, point)
+  local foretold, seen = 0, 0
+  for i, row in ipairs(self.E) do
+    for j = 1, #row do
+      foretold = foretold + (to[i] - self.t[i]) * row[j] * (to[j] - self.t[j]) / 2
+    end
+  end
+  for k, model in ipairs(list) do
+    model.active = multipliers[k] > 0
+    if model.active then
+      seen = seen + multipliers[k] * (models.foretell(model, to) - height(self, point, model))
+    end
+  end
+  if foretold > 0 and seen < foretold then
+    local part = math.max(0, seen / foretold)
+    for _, row in ipairs(self.E) do
+      for j = 1, #row do row[j] = part * row[j] end
+    end
+  end
 end
 
 --- What a step leaves behind for `learn`: the models that were at their limit, as they were.
@@ -154,7 +232,7 @@ function models.update(self, point)
     for _, constraint in ipairs(self.constraints) do
       local h, stress = height(self, point, constraint)
       if constraint.case == i and stress > considered * self.limit then
-        local holds = exponents_hold(self, constraint)
+        local holds = exponents_hold(constraint, self.t) or slack(self, constraint, stress)
         if holds then correct(self, constraint, h) end
         constraint.h, constraint.t, constraint.fresh = h, self.t, not holds
         known[#known + 1] = constraint

@@ -14,6 +14,7 @@ stage.__index = stage
 -- Relative residuals, of stresses and of their slopes: stresses come out better by three digits, as
 -- what is left is spread over all elements.
 local precise, rough = 1e-5, 1e-4
+local hope = 0.3 -- of the iterations predicted, which the slenderest of parts would need
 local displacements, adjoints = 4, 8 -- of each load case, that are kept to begin others with
 
 --- On the current state of a session. `parts`: load cases, on the session's original mesh.
@@ -22,7 +23,7 @@ function stage.new(session, parts, inertia_relief)
   local relaxed = state.shape and state.shape.how == "relaxed"
   return setmetatable({session = session, state = state, topology = state.topology, parts = parts,
     pose = state.pose, inertia_relief = inertia_relief, relaxing = relaxed or false,
-    near = {}, counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
+    near = {}, hope = hope, counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
 end
 
 --- The factors of a bone at the start.
@@ -58,21 +59,25 @@ local function remember_adjoint(near, node, field)
   list[adjoints + 1] = nil
 end
 
-local function solve(self, state, part, i)
+-- `further`: how many adjoint solutions will be asked for there.
+local function solve(self, state, part, i, further)
   local record, message, details = edit_follow.bring(self.session, state, part)
   if not record then return nil, message, details end
   self.near[i] = self.near[i] or {displacements = {}, adjoints = {}}
   local result, reuse
   result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
-    method = "auto", tolerance = precise, guess = guess(self, i)}, record.reuse)
+    tolerance = precise, guess = guess(self, i), further = further, hope = self.hope}, record.reuse)
   if not result then return nil, reuse, details end
+  if reuse.method ~= "iterate" and reuse.iterations > 0 then self.hope = nil end -- in vain
   remember_displacement(self.near[i], result.displacement)
-  if not record.reuse or reuse.method ~= "iterate" then
+  local current = not record.reuse or reuse.method ~= "iterate"
+  if current then
     local kept = record.reuse and reuse.factor_kept or 0
     if kept < 1 then self.counts.factorisations = self.counts.factorisations + 1 - kept end
   end
   self.counts.solves = self.counts.solves + 1
-  return {result = result, model = record.model, system = record.system, von_mises = result.von_mises}
+  return {result = result, model = record.model, system = record.system, von_mises = result.von_mises,
+    current = current}
 end
 
 --- The pose with these factors: scales[bone] = {x, y, z} for bones that differ from the start.
@@ -82,8 +87,22 @@ function stage:pose_of(scales)
   return pose
 end
 
---- The point with these factors.
-function stage:at(scales)
+-- The point where the session is, from its last solution.
+local function present(self, part, i)
+  local last = self.session.last
+  if i > 1 or not last or not last.plain or last.state ~= self.state or part ~= self.session.source
+    or self.inertia_relief then
+    return nil
+  end
+  local record = edit_follow.bring(self.session, self.state, part)
+  if not record then return nil end
+  self.near[i] = {displacements = {last.result.displacement}, adjoints = {}}
+  return {result = last.result, model = record.model, system = record.system,
+    von_mises = last.result.von_mises, current = true}
+end
+
+--- The point with these factors. `further`: how many slopes of stresses will be asked for there.
+function stage:at(scales, further)
   local pose = self:pose_of(scales)
   local shape, message, details = edit_shape.of(self.topology, pose, self.session.wish)
   if not shape then return nil, message, details end
@@ -94,10 +113,13 @@ function stage:at(scales)
   local point = {state = {topology = self.topology, pose = pose, shape = shape, limits = {}},
     cases = {}, max = 0}
   for i, part in ipairs(self.parts) do
-    local case
-    case, message, details = solve(self, point.state, part, i)
-    if not case then return nil, message, details end
+    local case = not next(scales) and present(self, part, i) or nil
+    if not case then
+      case, message, details = solve(self, point.state, part, i, further)
+      if not case then return nil, message, details end
+    end
     point.cases[i] = case
+    point.current = case.current -- of the last case: the factor is that of this shape
     local max = case.von_mises:max()
     if max > point.max then point.max, point.node, point.case = max, case.von_mises:argmax(), i end
     self.last = {point = point, case = i}
@@ -115,7 +137,7 @@ function stage:slopes(point, i, nodes, motions)
   end
   self.counts.adjoints = self.counts.adjoints + #nodes
   local values, slopes, fields = core.von_mises_slopes(case.model, case.system,
-    case.result.displacement, nodes, motions, {tolerance = rough, guess = guess(self, i)})
+    case.result.displacement, nodes, motions, {tolerance = rough, guess = guess(self, i), hope = self.hope})
   if not values then return nil, slopes, fields end
   local count = case.model.mesh.node_count
   for k, node in ipairs(nodes) do

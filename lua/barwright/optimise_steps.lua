@@ -10,6 +10,7 @@ local steps = {}
 local foretell, objective = models.foretell, unknowns.objective
 local programmes = 50 -- of one step, at most
 local least_radius = 0.005 -- of the trust region, where the mesh stops steps
+local spared = 0.2 -- of what the objective may be off by at the end, that a margin in h may cost
 
 -- Adds the curvature of -h of a model, times a multiplier: h (D - v v^T) with D = q_i / t_i^2 and
 -- v = q_i / t_i. `convex`: only what is surely positive semidefinite of it, positive exponents, and v
@@ -73,7 +74,7 @@ local function programme(self, at, list, multipliers, low, high)
   local B, g, A, b = hessian(self, at, list, multipliers), {}, {}, {}
   for k, model in ipairs(list) do
     local h = foretell(model, at)
-    local right = h - 1
+    local right = h - 1 - self.spare
     A[k] = {}
     for i = 1, n do
       A[k][i] = -h * model[i] / at[i]
@@ -132,6 +133,9 @@ local function solve_models(self, t, list, radius)
   end
   step.price = 0
   for _, multiplier in ipairs(step.multipliers) do step.price = step.price + multiplier end
+  if step.violation == 0 and step.price > 0 then
+    self.spare = math.min(1e-3, spared * self.wish.tolerance * objective(self, step.t) / step.price)
+  end
   return step
 end
 
@@ -151,7 +155,8 @@ function steps.take(self, point, t, list, met)
       return {t = t, point = point, step = step, still = true}
     end
     local trial
-    trial, message, details = self.stage:at(unknowns.scales(self, step.t))
+    trial, message, details = self.stage:at(unknowns.scales(self, step.t),
+      models.stale(list, step.t))
     if trial then
       if step.violation == 0 then self.price = math.max(self.price, 1.5 * step.price) end
       local price, shape = self.price, now - objective(self, step.t)
@@ -160,6 +165,7 @@ function steps.take(self, point, t, list, met)
       local got = shape + price * (short - models.shortfall(self, trial))
       if got >= 0.1 * hoped - 1e-9 * (now + price) then
         if got > 0.7 * hoped and not inside then self.radius = math.min(2 * self.radius, 4) end
+        models.judge(self, list, step.multipliers, step.t, trial)
         if step.violation == 0 then models.remember(self, list, step.multipliers) end
         return {t = step.t, point = trial, step = step, still = step.violation > 0
           and hoped < 1e-7 and inside}

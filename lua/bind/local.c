@@ -160,6 +160,8 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
       {"tolerance", LBW_REAL, offsetof(struct wish, local.tolerance)},
       {"check", LBW_BOOLEAN, offsetof(struct wish, local.check)},
       {"guess", LBW_OTHER, 0},
+      {"further", LBW_INT, offsetof(struct wish, local.further)},
+      {"hope", LBW_REAL, offsetof(struct wish, local.hope)},
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
       {"balance_tolerance", LBW_REAL, offsetof(struct wish, statics.tolerance)},
       {NULL, LBW_OTHER, 0}};

@@ -43,6 +43,7 @@ typedef struct request {
 static request check_request(lua_State *L, int options) {
   static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_local_options, tolerance)},
                                     {"guess", LBW_OTHER, 0},
+                                    {"hope", LBW_REAL, offsetof(bw_local_options, hope)},
                                     {NULL, LBW_OTHER, 0}};
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
   bw_local_options_default(&r.solver.options);

@@ -102,6 +102,10 @@ typedef struct bw_local_options {
      begins at the combination of them that is nearest in energy. A direct solution ignores them. */
   int guess_count;
   const double *const *guess;
+  /* For the choice by cost: right-hand sides still to come for the same shape; and iterations needed
+     over predicted that may be hoped for (0: as experienced). */
+  int further;
+  double hope;
 } bw_local_options;
 void bw_local_options_default(bw_local_options *options);
 
