@@ -48,6 +48,9 @@ double bwi_plane_quality(const double *point, const int32_t *element, int order)
 /* The worst quality of all elements, *which is the first with it. */
 double bwi_plane_worst(const bw_plane_topology *topology, const double *point, int32_t *which);
 
+/* Shape functions of tri6 and their derivatives at (r, s): corners at (0,0), (1,0), (0,1). */
+void bwi_tri6(double r, double s, double f[6], double fr[6], double fs[6]);
+
 static inline double bwi_cross2(const double a[2], const double b[2], const double c[2]) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }

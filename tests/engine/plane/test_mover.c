@@ -204,7 +204,8 @@ static void the_papers_drag(void **state) {
              "(%.2f ms); worst quality %.3f; the paper: 117, 39, 3\n",
              order, springs ? "springs" : "harmonic", levels[1],
              1e3 * seconds[1] / fmax(levels[1], 1), levels[2],
-             1e3 * seconds[2] / fmax(levels[2], 1), levels[3], 1e3 * seconds[3] / levels[3], worst);
+             1e3 * seconds[2] / fmax(levels[2], 1), levels[3],
+             1e3 * seconds[3] / fmax(levels[3], 1), worst);
       assert_int_equal(levels[0], 0);
       if (!springs)
         assert_true(levels[1] > 110 && levels[3] <= 3 && worst > 0.15);
