@@ -140,6 +140,7 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_o
   BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
                         options, kept));
   memcpy(sheet->displacement, inner->work, size * sizeof(double));
+  inner->matrix_step[0] = -1;
   inner->solved = true;
   inner->large = inner->moving = false;
   sheet->object.revision++;

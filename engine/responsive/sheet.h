@@ -79,11 +79,11 @@ struct bwi_sheet {
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */
 
   bool stiffness_current; /* of the mesh as it is; so also mass */
-  double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: of nothing */
+  double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: nothing that
+                             lasts, -1: the statics of the mesh as it is */
   bool solved;            /* displacement is a solution of some mesh */
   bool large;             /* by bw_sheet_bend */
   bool moving;            /* acceleration fits displacement and velocity */
-  uint8_t free_checked;   /* rigid motions were looked for on this topology */
 };
 
 static inline const bwi_section *bwi_section_of(const bw_sheet *sheet, int32_t element) {

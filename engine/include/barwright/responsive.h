@@ -190,8 +190,10 @@ bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *st
                           double *von_mises);
 /* Zienkiewicz-Zhu estimate of the relative error in energy. */
 bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *relative);
-/* J = p-norm of von Mises over the area and dJ / d node positions (node_count x 2), by one adjoint
- * solve on the current factor: for shape optimisation. */
+/* J = (integral of von Mises^p / area)^(1/p), which tends to the largest stress from below as p
+ * grows (1 to 1000), and dJ / d node positions (node_count x 2; NULL: J alone), exact, by one
+ * adjoint solve on the current factor: for shape optimisation. After bw_sheet_static on the same
+ * mesh. Values of conditions that are functions of place are taken to go with their nodes. */
 bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p, double *norm,
                                    double *gradient);
 
