@@ -98,8 +98,8 @@ static bw_status check_loops(bw_context *context, int32_t loops, const bw_loop *
 static bw_status use_point(bw_context *context, int32_t points, uint8_t *used, int32_t point,
                            int32_t segment) {
   if (point < 0 || point >= points)
-    return bw_fail(context, BW_INVALID, "segment %d names point %d; there are %d", segment + 1,
-                   point + 1, points);
+    return bw_fail(context, BW_INVALID, "segment %d names point %lld; there are %d", segment + 1,
+                   (long long)point + 1, points);
   if (used[point])
     return bw_fail(context, BW_INVALID,
                    "segment %d uses point %d, which another uses: a point starts one segment or "
@@ -127,9 +127,9 @@ static bw_status check_segments(bw_context *context, int32_t points, int32_t loo
       int32_t next = bwi_next_segment(&loop[l], s);
       if (p[3] != segment[next].point[0])
         BW_TRY(bw_fail(context, BW_INVALID,
-                       "segment %d ends at point %d and the next one of its loop begins at point "
-                       "%d: they must be the same",
-                       s + 1, p[3] + 1, segment[next].point[0] + 1));
+                       "segment %d ends at point %lld and the next one of its loop begins at point "
+                       "%lld: they must be the same",
+                       s + 1, (long long)p[3] + 1, (long long)segment[next].point[0] + 1));
       if (segment[s].tag < 0 || segment[s].tag >= tags)
         BW_TRY(bw_fail(context, BW_INVALID, "segment %d has tag %d; there are %d", s + 1,
                        segment[s].tag, tags));
@@ -405,21 +405,21 @@ int32_t bwi_segment_loop(const bw_outline *outline, int32_t segment) {
 bw_status bwi_check_loop(bw_context *context, const bw_outline *outline, int32_t loop) {
   if (loop >= 0 && loop < outline->loop_count)
     return BW_OK;
-  return bw_fail(context, BW_INVALID, "loop %d of an outline with %d", loop + 1,
+  return bw_fail(context, BW_INVALID, "loop %lld of an outline with %d", (long long)loop + 1,
                  outline->loop_count);
 }
 
 bw_status bwi_check_segment(bw_context *context, const bw_outline *outline, int32_t segment) {
   if (segment >= 0 && segment < outline->segment_count)
     return BW_OK;
-  return bw_fail(context, BW_INVALID, "segment %d of an outline with %d", segment + 1,
+  return bw_fail(context, BW_INVALID, "segment %lld of an outline with %d", (long long)segment + 1,
                  outline->segment_count);
 }
 
 bw_status bwi_check_vertex(bw_context *context, const bw_outline *outline, int32_t vertex,
                            int32_t *segment) {
   if (vertex < 0 || vertex >= outline->point_count)
-    return bw_fail(context, BW_INVALID, "point %d of an outline with %d", vertex + 1,
+    return bw_fail(context, BW_INVALID, "point %lld of an outline with %d", (long long)vertex + 1,
                    outline->point_count);
   for (int32_t s = 0; s < outline->segment_count; s++)
     if (outline->segment[s].point[0] == vertex) {
