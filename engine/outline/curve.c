@@ -144,3 +144,13 @@ void bw_outline_basis(const bw_outline *outline, int32_t segment, double t, doub
     weight[3] = t * t * t;
   }
 }
+
+void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2], double high[2]) {
+  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  bwi_curve_box(&curve, low, high);
+}
+
+double bw_segment_length(const bw_outline *outline, int32_t segment) {
+  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  return bwi_curve_length(&curve);
+}

@@ -41,7 +41,7 @@ bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_h
         take_vertex(outline, &outline->loop[l], outline->loop[l].first + s, weight);
     return BW_OK;
   }
-  const bw_loop *loop = &outline->loop[bwi_segment_loop(outline, segment)];
+  const bw_loop *loop = &outline->loop[bw_segment_loop(outline, segment)];
   take_vertex(outline, loop, segment, weight);
   if (kind == BW_HANDLE_SEGMENT)
     take_vertex(outline, loop, bwi_next_segment(loop, segment), weight);

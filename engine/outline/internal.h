@@ -61,8 +61,6 @@ static inline int32_t bwi_next_segment(const bw_loop *loop, int32_t segment) {
 static inline int32_t bwi_previous_segment(const bw_loop *loop, int32_t segment) {
   return segment > loop->first ? segment - 1 : loop->first + loop->count - 1;
 }
-/* The loop of a segment. */
-int32_t bwi_segment_loop(const bw_outline *outline, int32_t segment);
 
 /* The direction in which a curve leaves its start or comes to its end: the unit vector towards the
  * first control point that lies elsewhere. (curve.c) */
@@ -75,8 +73,7 @@ bw_status bwi_check_segment(bw_context *context, const bw_outline *outline, int3
 bw_status bwi_check_vertex(bw_context *context, const bw_outline *outline, int32_t vertex,
                            int32_t *segment);
 
-/* ---- putting outlines together (draft.c) ------------------------------------------------------
- */
+/* ---- putting outlines together (draft.c) ----------------------------------------------------- */
 
 /* Loops added one after the other. The first failure of memory sticks and comes back at the end. */
 typedef struct bwi_draft {

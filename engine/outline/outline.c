@@ -46,8 +46,7 @@ static size_t outline_bytes(const void *object) {
 
 static const bw_kind outline_kind = {"outline", outline_destroy, outline_bytes};
 
-/* ---- the description --------------------------------------------------------------------------
- */
+/* ---- the description ------------------------------------------------------------------------- */
 
 static bw_status check_points(bw_context *context, int32_t count, const double *point) {
   for (int64_t i = 0; i < 2 * (int64_t)count; i++)
@@ -142,8 +141,7 @@ done:
   return status;
 }
 
-/* ---- names ------------------------------------------------------------------------------------
- */
+/* ---- names ----------------------------------------------------------------------------------- */
 
 static bool name_ends(const bw_name *name) {
   return memchr(name->text, 0, sizeof name->text) != NULL;
@@ -200,13 +198,12 @@ static bw_status copy_tags(bw_context *context, int32_t count, const bw_name *ta
   return BW_OK;
 }
 
-/* ---- direction and nesting --------------------------------------------------------------------
- */
+/* ---- direction and nesting ------------------------------------------------------------------- */
 
-/* Backwards, the first segment staying the first. */
+/* Backwards, beginning at the same point. */
 static void turn_loop(const bw_loop *loop, bw_segment *segment) {
   bw_segment *s = segment + loop->first;
-  for (int32_t i = 1, j = loop->count - 1; i < j; i++, j--) {
+  for (int32_t i = 0, j = loop->count - 1; i < j; i++, j--) {
     bw_segment kept = s[i];
     s[i] = s[j];
     s[j] = kept;
@@ -259,8 +256,7 @@ done:
   return status;
 }
 
-/* ---- making ------------------------------------------------------------------------------------
- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 static bw_status outline_new(bw_context *context, int32_t points, const double *point,
                              bw_outline **outline) {
@@ -372,8 +368,7 @@ done:
   return status;
 }
 
-/* ---- looking things up ------------------------------------------------------------------------
- */
+/* ---- looking things up ----------------------------------------------------------------------- */
 
 bool bw_outline_same_topology(const bw_outline *a, const bw_outline *b) {
   return a->segment == b->segment;
@@ -390,7 +385,7 @@ int32_t bw_outline_find_tag(const bw_outline *outline, const char *name) {
   return -1;
 }
 
-int32_t bwi_segment_loop(const bw_outline *outline, int32_t segment) {
+int32_t bw_segment_loop(const bw_outline *outline, int32_t segment) {
   int32_t low = 0, high = outline->loop_count - 1;
   while (low < high) {
     int32_t middle = low + (high - low + 1) / 2;

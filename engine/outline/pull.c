@@ -38,8 +38,7 @@ typedef struct chain {
   double *length;
 } chain;
 
-/* ---- which points follow -----------------------------------------------------------------------
- */
+/* ---- which points follow --------------------------------------------------------------------- */
 
 static bool is_pin(int32_t pins, const int32_t *pin, int32_t point) {
   for (int32_t i = 0; i < pins; i++)
@@ -116,8 +115,7 @@ static void clear_chain(chain *c) {
   bw_free(c->length);
 }
 
-/* ---- step one ----------------------------------------------------------------------------------
- */
+/* ---- step one -------------------------------------------------------------------------------- */
 
 /* Factor a symmetric tridiagonal matrix in place: `diagonal` becomes pivots, `off` multipliers. */
 static void factor_tridiagonal(int32_t n, double *diagonal, double *off) {
@@ -192,8 +190,7 @@ static void even_factors(const chain *c, const complex2 extra[2], complex2 *z, c
   }
 }
 
-/* ---- step two ----------------------------------------------------------------------------------
- */
+/* ---- step two -------------------------------------------------------------------------------- */
 
 /* Points of edges [from, to) laid out from `start`, ending at `end`. */
 static void lay_out(const chain *c, const complex2 *z, int32_t from, int32_t to, complex2 start,
@@ -272,7 +269,7 @@ bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int3
     goto done;
   }
   memcpy(point, outline->point, 2 * (size_t)outline->point_count * sizeof *point);
-  int32_t l = bwi_segment_loop(outline, segment);
+  int32_t l = bw_segment_loop(outline, segment);
   const bw_loop *loop = &outline->loop[l];
   int32_t left = count_side(outline, loop, segment, false, pins, pin, reach);
   int32_t right = count_side(outline, loop, segment, true, pins, pin, reach);

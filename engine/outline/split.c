@@ -94,7 +94,7 @@ bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int3
   bw_status status = bwi_check_vertex(context, outline, vertex, &after);
   if (status != BW_OK)
     return status;
-  const bw_loop *around = &outline->loop[bwi_segment_loop(outline, after)];
+  const bw_loop *around = &outline->loop[bw_segment_loop(outline, after)];
   if (around->count == 1)
     return bw_fail(context, BW_INVALID, "point %d is the only vertex of loop '%s'", vertex + 1,
                    around->name.text);

@@ -349,5 +349,6 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_local(L);
   lbw_open_optimise(L);
   lbw_open_live(L);
+  lbw_open_outline(L);
   return 1;
 }

@@ -45,11 +45,11 @@ typedef struct bw_outline {
 
 /* From a description: points (checked to be finite), segments loop by loop in order, loops with
  * `first`, `count`, `region` and `name` (direction and parent are found). A loop that runs the
- * wrong way is turned: its first segment stays the first, the others follow backwards, and point
- * numbers stay. Loops without a name are called "loop N" (N from 1); no tags: one, "boundary".
- * BW_GEOMETRY names loop, segment and place (segments counted from 1 through all loops; details
- * "segment", "other_segment", "x", "y") of a crossing, a doubled point, a loop that lies outside of
- * everything it should be in, or an empty area. */
+ * wrong way is turned: it begins at the same point and runs backwards; point numbers stay. Loops
+ * without a name are called "loop N" (N from 1); no tags: one, "boundary". BW_GEOMETRY names loop,
+ * segment and place (segments counted from 1 through all loops; details "segment", "other_segment",
+ * "x", "y") of a crossing, a doubled point, a loop that lies outside of everything it should be in,
+ * or an empty area. */
 bw_status bw_outline_create(bw_context *context, int32_t points, const double *point,
                             int32_t segments, const bw_segment *segment, int32_t loops,
                             const bw_loop *loop, int32_t tags, const bw_name *tag,
@@ -123,6 +123,24 @@ bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32
  * split exactly. Points behind those that go move up. */
 bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int32_t vertex,
                             bw_outline **coarser);
+
+/* The same with another tag on some segments; the tag is added when it is new. */
+bw_status bw_outline_tagged(bw_context *context, const bw_outline *outline, int32_t segments,
+                            const int32_t *segment, const char *tag, bw_outline **tagged);
+
+/* The place on the outline nearest to a point: segment, parameter, distance. */
+typedef struct bw_outline_place {
+  int32_t segment;
+  double t, distance;
+} bw_outline_place;
+bw_outline_place bw_outline_nearest(const bw_outline *outline, const double at[2]);
+/* The same for one segment. */
+bw_outline_place bw_segment_nearest(const bw_outline *outline, int32_t segment, const double at[2]);
+/* Length and box (of the curve, not of its control points) of a segment. */
+double bw_segment_length(const bw_outline *outline, int32_t segment);
+void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2], double high[2]);
+/* The loop of a segment. */
+int32_t bw_segment_loop(const bw_outline *outline, int32_t segment);
 
 /* Points along the curves no farther than `tolerance` from them, loop by loop (as polygons without
  * the closing point): for pictures, cutting files, tests. */

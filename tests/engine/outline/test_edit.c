@@ -23,8 +23,7 @@ static double area(bw_context *context, const bw_outline *o) {
   return m.area;
 }
 
-/* ---- loops --------------------------------------------------------------------------------------
- */
+/* ---- loops ----------------------------------------------------------------------------------- */
 
 static void a_loop_more_and_fewer(void **state) {
   bw_context *context = check_context(state);
@@ -69,8 +68,7 @@ static void a_loop_more_and_fewer(void **state) {
   bw_release(o);
 }
 
-/* ---- splits and joins
- * ---------------------------------------------------------------------------- */
+/* ---- splits and joins ------------------------------------------------------------------------ */
 
 static void a_join_undoes_a_split(void **state) {
   bw_context *context = check_context(state);
@@ -132,8 +130,7 @@ static void a_join_undoes_a_split(void **state) {
   bw_release(o);
 }
 
-/* ---- smoothing
- * ----------------------------------------------------------------------------------- */
+/* ---- smoothing ------------------------------------------------------------------------------- */
 
 static void smoothing_evens_a_wave_and_keeps_corners(void **state) {
   bw_context *context = check_context(state);
@@ -176,8 +173,7 @@ static void smoothing_evens_a_wave_and_keeps_corners(void **state) {
   bw_release(o);
 }
 
-/* ---- pulling
- * ------------------------------------------------------------------------------------- */
+/* ---- pulling --------------------------------------------------------------------------------- */
 
 static bw_outline *ring(bw_context *context, int32_t count) {
   draft d = {0};
@@ -297,8 +293,57 @@ static void random_pulls_stay_valid(void **state) {
   bw_release(o);
 }
 
-/* ---- polygons
- * ------------------------------------------------------------------------------------ */
+/* ---- tags and places -------------------------------------------------------------------- */
+
+static void tags_change(void **state) {
+  bw_context *context = check_context(state);
+  bw_outline *o = plate(context), *tagged = NULL, *none = NULL;
+  const int32_t segment[2] = {0, 9}, wrong = 99;
+  check_ok(context, bw_outline_tagged(context, o, 2, segment, "wall", &tagged));
+  check_outline(context, tagged);
+  assert_int_equal(tagged->tag_count, 3);
+  for (int32_t s = 0; s < o->segment_count; s++)
+    assert_int_equal(tagged->segment[s].tag, s == 0 || s == 9 ? 2 : o->segment[s].tag);
+  assert_false(bw_outline_same_topology(o, tagged));
+  check_fails(context, BW_INVALID, "segment 100",
+              bw_outline_tagged(context, o, 1, &wrong, "wall", &none));
+  check_fails(context, BW_INVALID, "1 to 47 bytes",
+              bw_outline_tagged(context, o, 1, segment, "", &none));
+  bw_release(tagged);
+  bw_release(o);
+}
+
+static void the_nearest_place(void **state) {
+  bw_context *context = check_context(state);
+  bw_outline *o = plate(context);
+  bw_random random;
+  bw_random_seed(&random, 3);
+  bw_outline_place place = bw_outline_nearest(o, (double[]){3, -1});
+  assert_int_equal(place.segment, 0);
+  check_near(place.t, 0.5, 1e-15);
+  check_near(place.distance, 1, 1e-15);
+  for (int round = 0; round < 200; round++) { /* against samples */
+    double at[2] = {8 * bw_random_uniform(&random) - 1, 6 * bw_random_uniform(&random) - 1};
+    double least = 100;
+    for (int32_t s = 0; s < o->segment_count; s++)
+      for (int k = 0; k <= 2000; k++) {
+        double p[2];
+        bw_outline_evaluate(o, s, k / 2000.0, p, NULL, NULL);
+        least = fmin(least, hypot(p[0] - at[0], p[1] - at[1]));
+      }
+    place = bw_outline_nearest(o, at);
+    assert_true(place.distance <= least + 1e-15);
+    check_near(place.distance, least, 2e-3);
+    check_near(bw_segment_nearest(o, place.segment, at).distance, place.distance, 0);
+  }
+  check_near(bw_segment_length(o, 1), 4, 1e-14);
+  assert_int_equal(bw_segment_loop(o, 3), 0);
+  assert_int_equal(bw_segment_loop(o, 4), 1);
+  assert_int_equal(bw_segment_loop(o, 15), 3);
+  bw_release(o);
+}
+
+/* ---- polygons -------------------------------------------------------------------------------- */
 
 static void polygons_keep_their_tolerance(void **state) {
   bw_context *context = check_context(state);
@@ -321,8 +366,7 @@ static void polygons_keep_their_tolerance(void **state) {
   bw_release(o);
 }
 
-/* ---- memory
- * -------------------------------------------------------------------------------------- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
 static bw_status everything(bw_context *context, const bw_outline *o) {
   bw_status status = BW_OK;
@@ -341,6 +385,9 @@ static bw_status everything(bw_context *context, const bw_outline *o) {
   made[4] = NULL;
   BW_TRY(bw_outline_smoothed(context, o, 1, 0.1, 1, 2, &made[4]));
   BW_TRY(bw_outline_flatten(context, o, 0.01, &p));
+  bw_release(made[3]);
+  made[3] = NULL;
+  BW_TRY(bw_outline_tagged(context, o, 1, pin, "wall", &made[3]));
 done:
   bw_polygons_clear(&p);
   for (int i = 0; i < 5; i++)
@@ -375,6 +422,8 @@ int main(void) {
       check_test(pulling_without_strain_is_rigid),
       check_test(pulling_bends_what_lies_between_pins),
       check_test(random_pulls_stay_valid),
+      check_test(tags_change),
+      check_test(the_nearest_place),
       check_test(polygons_keep_their_tolerance),
       check_test(memory_failures_lose_nothing),
   };

@@ -25,13 +25,14 @@ static void loops_are_turned_and_nested(void **state) {
   assert_int_equal(o->loop[2].parent, 0);
   assert_int_equal(o->loop[3].parent, 1);
   assert_string_equal(o->loop[3].name.text, "loop 4");
-  /* the first segment stays the first, the other way round */
-  assert_int_equal(o->segment[4].tag, 1);
-  assert_int_equal(o->segment[4].point[0], 13);
-  assert_int_equal(o->segment[4].point[3], 12);
-  assert_int_equal(o->segment[5].tag, 0);
-  assert_int_equal(o->segment[0].point[0], 3);
-  assert_int_equal(o->segment[0].point[1], 2);
+  /* it begins at the same point and runs backwards */
+  assert_int_equal(o->segment[7].tag, 1);
+  assert_int_equal(o->segment[7].point[0], 13);
+  assert_int_equal(o->segment[7].point[3], 12);
+  assert_int_equal(o->segment[4].point[0], 12);
+  assert_int_equal(o->segment[4].tag, 0);
+  assert_int_equal(o->segment[0].point[0], 0);
+  assert_int_equal(o->segment[0].point[1], 11);
   assert_int_equal(bw_outline_find_tag(o, "fixed"), 1);
   assert_int_equal(bw_outline_find_tag(o, "nothing"), -1);
   bw_release(o);
@@ -55,8 +56,7 @@ static void one_or_two_segments_make_a_loop(void **state) {
   bw_release(o);
 }
 
-/* ---- refusals ----------------------------------------------------------------------------------
- */
+/* ---- refusals -------------------------------------------------------------------------------- */
 
 static void refused(bw_context *context, const draft *d, bw_status status, const char *text) {
   bw_outline *o = NULL;
@@ -205,8 +205,7 @@ static void nesting_is_checked(void **state) {
   refused(context, &d, BW_GEOMETRY, "directly in another hole");
 }
 
-/* ---- moving -------------------------------------------------------------------------------------
- */
+/* ---- moving ---------------------------------------------------------------------------------- */
 
 static void moving_keeps_the_topology(void **state) {
   bw_context *context = check_context(state);
@@ -272,8 +271,7 @@ static void handles_take_their_control_points(void **state) {
   bw_release(o);
 }
 
-/* ---- crossings against sampling ----------------------------------------------------------------
- */
+/* ---- crossings against sampling -------------------------------------------------------------- */
 
 enum { SAMPLES = 400 };
 
@@ -337,8 +335,7 @@ static void crossings_agree_with_sampling(void **state) {
   assert_in_range(crossed, rounds / 5, 4 * rounds / 5);
 }
 
-/* ---- memory ------------------------------------------------------------------------------------
- */
+/* ---- memory ---------------------------------------------------------------------------------- */
 
 static void memory_failures_lose_nothing(void **state) {
   bw_context *context = check_context(state);
