@@ -37,6 +37,7 @@ local bw = {
   skeleton = require "barwright.skeleton",
   skinning_weights = core.skinning_weights,
   domains = core.domains,
+  outline = require "barwright.outline",
   edit = require "barwright.edit",
   live = require("barwright.live").run,
   von_mises_gradient = core.von_mises_gradient,

@@ -25,6 +25,7 @@
 ---@field surface bw.SurfaceModule
 ---@field skeleton bw.SkeletonModule
 ---@field edit bw.EditModule
+---@field outline bw.OutlineModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
@@ -1299,6 +1300,252 @@ function DropTest:write(path) end
 ---@param options? bw.PictureOptions
 ---@return true?
 function DropTest:picture(path, options) end
+
+-- ---- outlines in the plane ----------------------------------------------------------------------
+
+---Outlines. Called: `bw.outline{points = loop, holes = {loops}, regions = {loops}}`, or with a loop
+---alone. A loop is a list: {x, y} is a vertex that a line leads to, {{x, y}, {x, y}, {x, y}} one that
+---a cubic Bézier curve leads to, with its two control points first; the first entry's line or curve
+---comes from the last vertex. Beside its entries a loop may have `name`, `tag` (of its edges; default:
+---its name, else "boundary"), `tags` ({name = edge numbers}) and `region` (a number from 1). A hole or
+---a region may also be an outline of one loop. Edge n leads from vertex n to the next one; edges and
+---vertices are numbered through all loops. Outer loops run counter-clockwise and holes clockwise: a
+---list given the other way is turned, and begins at the same point.
+---Whatever makes an outline returns nil, message, details when it would cross or touch itself
+---(details: segment, other_segment, x, y), and the outline that was there stays as it was.
+---@class bw.OutlineModule
+local outline_module = {}
+
+---Edges: 1 below, 2 right, 3 above, 4 left; with rounded corners each arc is two edges of its own.
+---@param options {low?: number[], high?: number[], width?: number, height?: number, centre?: number[], radius?: number, name?: string, tag?: string, tags?: table, holes?: table, regions?: table}
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function outline_module.rectangle(options) end
+
+---Eight curves, off the circle by 4e-6 radii at most.
+---@param options {radius: number, centre?: number[], name?: string, tag?: string, tags?: table, holes?: table, regions?: table}
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function outline_module.circle(options) end
+
+---@param options {radii: number[], centre?: number[], angle?: number, name?: string, tag?: string, tags?: table, holes?: table, regions?: table} angle in degrees
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function outline_module.ellipse(options) end
+
+---@param options table {points = {{x, y}, ...}, name, tag, tags, holes, regions}, or the list of points
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function outline_module.polygon(options) end
+
+---A polygon whose corners are arcs. Edges are numbered as they come: the arc of corner 1, the edge
+---behind it, the arc of corner 2, ...
+---@param options table {points = {{x, y}, ...}, radius = one, or a list of one for each corner, name, tag, tags, holes, regions}
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function outline_module.rounded(options) end
+
+---A shape in the plane with holes and regions, bounded by lines and cubic curves; never changed: what
+---changes it gives a new one, or nil, message, details.
+---@class bw.Outline
+---@field area number m2, of the material: without holes
+---@field perimeter number m, of the material; boundaries between regions not counted
+---@field centroid number[]
+---@field second_moment table {xx = integral of y^2, yy = of x^2, xy} about the centroid, m4
+---@field box table {low, high}
+---@field area_gradient bw.Array of every point: how the area grows with x and y
+---@field points bw.Array x, y of vertices and control points, m
+---@field vertices bw.Array x, y of the vertices in the order of their edges
+---@field segments bw.Array of every edge: start, first control, second control, end (rows of points; controls 0 for a line), tag
+---@field loops table[] {name, hole, region, first, count, parent}: `first` is its first edge
+---@field tags string[]
+---@field edge_count integer
+---@field region_count integer
+local Outline = {}
+
+---Moves a handle: {vertex = n} (with the control points beside it), {edge = n}, or {loop = name} with
+---the loops inside it. With a loop beside them, vertex and edge count from that loop's first.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:moved(handle, by) end
+
+---How far each point goes with a handle, 0 to 1.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@return bw.Array
+function Outline:weights(handle) end
+
+---The same edges with other points, rows as in `points`.
+---@param points bw.Array|table
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:with_points(points) end
+
+---Whether one was made from the other by moving points.
+---@param other bw.Outline
+---@return boolean
+function Outline:same_topology(other) end
+
+---A hole more.
+---@param loop table|bw.Outline a loop as a list, or an outline of one loop
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:hole(loop) end
+
+---A region more: a new one, or that of the loop's `region`.
+---@param loop table|bw.Outline
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:region(loop) end
+
+---A loop more, as the engine takes it: points, rows of `segments` from 1, {count, region (0: a hole), name}.
+---@param points table|bw.Array
+---@param segments table|bw.Array
+---@param loop {count: integer, region: integer, name?: string}
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:with_loop(points, segments, loop) end
+
+---Without a loop and all that lies in it.
+---@param loop string|integer
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:without(loop) end
+
+---Laplacian smoothing of one loop or all: every point goes `strength` (0.5) of the way to the middle
+---of its neighbours, `rounds` (1) times. Corners of more than `corner` (30) degrees stay.
+---@param options? {loop?: string|integer, strength?: number, rounds?: integer, corner?: number}
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:smooth(options) end
+
+---Pulls a vertex to a place. Pinned vertices stay, and the curve between, up to the first vertex
+---`reach` away along it, follows as rigidly as possible (Igarashi 2005). Without pins and reach the
+---loop moves as a whole; about a single pin it turns.
+---@param vertex integer
+---@param to number[]
+---@param options? {pins?: integer[], reach?: number}
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:pull(vertex, to, options) end
+
+---An edge cut in two at t, 0 to 1.
+---@param edge integer
+---@param t? number default 0.5
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:split(edge, t) end
+
+---A vertex taken out: one edge remains of the two.
+---@param vertex integer
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:join(vertex) end
+
+---The numbers of edges: {edges = numbers}, {near = {x, y}, radius = r} (without a radius: the nearest),
+---{box = {{x, y}, {x, y}}} (wholly inside), {loop = name}, a number, or a list. None raises.
+---@param which table|integer
+---@return integer[]
+function Outline:edges(which) end
+
+---A tag on the edges that `edges` finds.
+---@param name string
+---@param which table|integer
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:tag(name, which) end
+
+---A tag on edges by number.
+---@param name string
+---@param edges integer[]
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:with_tag(name, edges) end
+
+---Moved as a whole.
+---@param by number[]
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:shifted(by) end
+
+---Turned by degrees, counter-clockwise, about a point, left out: the centroid.
+---@param degrees number
+---@param about? number[]
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:turned(degrees, about) end
+
+---Scaled by a factor, or by {fx, fy}, about a point, left out: the centroid.
+---@param factor number|number[]
+---@param about? number[]
+---@return bw.Outline?
+---@return string? message
+---@return table? details
+function Outline:scaled(factor, about) end
+
+---{area, perimeter, centroid, second_moment, box} of a region, left out: of all the material. The
+---perimeter of a region counts its boundaries with others.
+---@param region? integer
+---@return table
+function Outline:measure(region) end
+
+---A loop as a list that bw.outline takes, with name, region (none: a hole) and tags.
+---@param loop string|integer
+---@return table
+function Outline:loop(loop) end
+
+---{tag, loop, from, to, control (of a curve), length, box}.
+---@param edge integer
+---@return table
+function Outline:edge(edge) end
+
+---The place at t, 0 to 1, of an edge, and its derivative by t.
+---@param edge integer
+---@param t number
+---@return number[] place
+---@return number[] derivative
+function Outline:at(edge, t) end
+
+---The nearest place: {edge, t, distance, at, loop, vertex (the nearer end of the edge)}.
+---@param at number[]
+---@return table
+function Outline:nearest(at) end
+
+---How far an edge is from a point.
+---@param edge integer
+---@param at number[]
+---@return number
+function Outline:edge_distance(edge, at) end
+
+---The loops as polygons, one array of points each, nowhere farther than the tolerance from the curves.
+---@param tolerance? number default: 1e-4 of the size
+---@return bw.Array[]?
+---@return string? message
+---@return table? details
+function Outline:polygons(tolerance) end
+
+---Releases it at once.
+function Outline:close() end
 
 -- ---- skeletons and poses ------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ end
 local spoken = {
   ["bw"] = "bw", ["bw.ArrayModule"] = "bw.array", ["bw.SurfaceModule"] = "bw.surface",
   ["bw.MeshModule"] = "bw.mesh", ["bw.MaterialModule"] = "bw.material", ["bw.JsonModule"] = "bw.json",
-  ["bw.ResultsModule"] = "bw.results",
+  ["bw.ResultsModule"] = "bw.results", ["bw.OutlineModule"] = "bw.outline",
 }
 
 local function title(class)
