@@ -38,14 +38,19 @@ local rules = {
 
 -- ---- the loop ------------------------------------------------------------------------------------
 
+-- The best point is one that meets the limit, with the least change of shape; before there is one,
+-- that of the lowest stress.
+local function better(limit, a, b)
+  if a.point.max <= limit and b.point.max <= limit then return a.change < b.change end
+  return a.point.max < b.point.max
+end
+
 local function note(self, point, t)
   local entry = {max = point.max, change = unknowns.objective(self, t), node = point.node,
     case = point.case, constrained = #self.constraints, unknowns = #self.groups}
   self.history[#self.history + 1] = entry
-  local best = self.best
-  if not best or point.max < best.point.max then
-    self.best = {point = point, t = table.move(t, 1, #t, 1, {})}
-  end
+  local this = {point = point, change = entry.change, t = table.move(t, 1, #t, 1, {})}
+  if not self.best or better(self.wish.von_mises, this, self.best) then self.best = this end
   return entry
 end
 
@@ -116,14 +121,17 @@ end
 -- Rounds of finding the worst load of the shape as it is, taking it in as a load case, and scaling,
 -- until the load found is one that the shape bears.
 local function descend_with_worst(self)
-  local point, message, details = self.stage:at {}
-  if not point then return nil, message, details end
+  local point, message, details
   for round = 1, self.wish.rounds do
-    local part = core.model {mesh = point.state.shape.mesh, material = self.session.source.material}
-    local worst
-    worst, message, details = worst_case(part, self.wish.worst)
+    local view, part, worst
+    view, part, details = self.stage:view(unknowns.scales(self, self.t))
+    if not view then return nil, part, details end
+    self.passing_on = true -- of the progress of the analysis
+    worst, message, details = worst_case.class.analyse(part, self.wish.worst, view)
+    self.passing_on = false
     if not worst then return nil, message, details end
     self.stage:add_forces(worst:force())
+    view:close()
     local entry = {max_principal = worst.max_principal, mode = worst.mode, at = worst.at}
     worst:close()
     self.rounds[round] = entry
@@ -187,12 +195,13 @@ local reasons = {
   infeasible = "no factors within the bounds meet the limit of %.4g MPa: the best has %.4g MPa at node %d",
   stuck = "no step from where it is brings the stresses nearer to the limit of %.4g MPa: the best has"
     .. " %.4g MPa at node %d",
+  cancelled = "stopped on the way to the limit of %.4g MPa: the best has %.4g MPa at node %d",
   slow = "the limit of %.4g MPa was not met in time: the best has %.4g MPa at node %d",
   rounds = "the worst load went on changing; under the last one the limit of %.4g MPa was met up to"
     .. " %.4g MPa at node %d",
 }
 local statuses = {infeasible = "infeasible", stuck = "convergence", slow = "convergence",
-  rounds = "convergence"}
+  rounds = "convergence", cancelled = "cancelled"}
 
 local function refuse(self, word)
   local best = self.best
@@ -209,7 +218,9 @@ local function refuse(self, word)
       end
     end
   end
-  if #self.groups == 0 then
+  if word == "cancelled" then
+    text = text .. " (details.best); the session is as it was"
+  elseif #self.groups == 0 then
     text = text .. "; no bone near the high stresses may change"
   elseif #active > 0 then
     text = text .. "; at their bounds are " .. table.concat(active, ", ")
@@ -218,6 +229,42 @@ local function refuse(self, word)
       .. "domains, by a higher 'threshold' of the session, fold later)"
   end
   return nil, text, {status = statuses[word], best = found, von_mises = best.point.max}
+end
+
+-- ---- progress ------------------------------------------------------------------------------------
+
+-- How many steps may be left: as many as the excess over the limit takes to fall to what is met, at the
+-- rate at which it fell last.
+local function steps_left(self)
+  local history, limit = self.history, self.wish.von_mises
+  local function excess(entry) return math.max(entry.max / limit - 1, models.margin) end
+  if #history < 2 then return 4 end
+  local now, before = excess(history[#history]), excess(history[#history - 1])
+  local rate = math.max(0.02, math.min(0.5, now / before))
+  return 1 + math.ceil(math.log(models.margin / now) / math.log(rate))
+end
+
+-- The whole work as one stage: what the engine tells is a part of a step.
+local function told(self, fraction)
+  local done = #self.history
+  local part = (done + 0.9 * math.max(0, math.min(1, fraction))) / (done + steps_left(self))
+  if #self.rounds > 0 then part = (#self.rounds - 1 + part) / (#self.rounds + 1) end
+  self.fraction = math.max(self.fraction or 0, math.min(part, 0.99))
+  return self.fraction
+end
+
+-- Calls `work` with the progress function in force replaced by one that tells of the optimisation.
+local function with_progress(self, work)
+  local before
+  before = core.progress(function(stage, fraction)
+    if not self.passing_on then stage, fraction = "optimise", told(self, fraction) end
+    if before then return before(stage, fraction) end
+    core.report_progress(stage, fraction)
+  end)
+  local fine, word, message, details = pcall(work, self)
+  core.progress(before)
+  if not fine then error(word, 0) end
+  return word, message, details
 end
 
 --- Scales bones of a session until its part bears its loads: see the stubs for the options. One edit
@@ -253,15 +300,13 @@ function optimise.run(session, given)
       .. "on the edited part", {status = "unsupported"}
   end
   self.corners = core.corner_nodes(self.stage.topology.mesh)
-  local word, message, details
-  if wish.loads == "worst" then
-    word, message, details = descend_with_worst(self)
-  else
-    local point
-    point, message, details = self.stage:at {}
-    if not point then return nil, message, details end
-    word, message, details = descend(self, point)
-  end
+  local word, message, details = with_progress(self, function()
+    if wish.loads == "worst" then return descend_with_worst(self) end
+    local point, why, about = self.stage:at {}
+    if not point then return nil, why, about end
+    return descend(self, point)
+  end)
+  if not word and details.status == "cancelled" and self.best then word = "cancelled" end
   if not word then return nil, message, details end
   if word ~= "met" then return refuse(self, word) end
   local found = answer(self, self.point, self.t, true)

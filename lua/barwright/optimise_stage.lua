@@ -168,6 +168,24 @@ function stage:commit(scales)
     script = ("session:pose {%s}"):format(table.concat(list, ", "))}
 end
 
+--- The equations of a point that bears no loads but its own inertia, factored, to find its worst load
+--- with: those of the session, so that only what changed since is factored.
+function stage:view(scales)
+  local pose = self:pose_of(scales)
+  local shape, message, details = edit_shape.of(self.topology, pose, self.session.wish)
+  if not shape then return nil, message, details end
+  local source = self.session.source
+  local record
+  record, message, details = edit_follow.bring(self.session, {topology = self.topology, pose = pose,
+    shape = shape, limits = {}}, core.model {mesh = source.mesh, material = source.material})
+  if not record then return nil, message, details end
+  self.last = nil
+  local view
+  view, message, details = record.system:view()
+  if not view then return nil, message, details end
+  return view, record.model
+end
+
 --- Another load case: forces at the nodes of the original mesh.
 function stage:add_forces(forces)
   local source = self.session.source

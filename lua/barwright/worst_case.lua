@@ -85,7 +85,8 @@ local function summarise(self, weak, loads)
 end
 
 --- Where a part breaks whatever happens to it. Returns nil, message, details when it cannot tell.
-function worst_case.analyse(part, given)
+--- `view`: its equations, where they are at hand (those that a session follows edits with).
+function worst_case.analyse(part, given, view)
   options.object("worst_case", "part", part, "model")
   local wish = options.read("worst_case", given, rules)
   local mesh, material = part.mesh, part.material
@@ -95,8 +96,11 @@ function worst_case.analyse(part, given)
   self.seconds = seconds
 
   local start = clock()
-  local system, message, details = part:system()
-  if not system then return nil, message, details end
+  local system, message, details = view, nil, nil
+  if not system then
+    system, message, details = part:system()
+    if not system then return nil, message, details end
+  end
   self.system = system
   local times = system.times
   seconds.assemble = times.graph + times.stiffness
@@ -105,8 +109,13 @@ function worst_case.analyse(part, given)
 
   start = clock()
   local modes
-  modes, message, details = part:modes {count = wish.modes, tolerance = wish.tolerance,
-    seed = wish.seed, laplacian = wish.laplacian, sturm = wish.sturm}
+  local ask = {count = wish.modes, tolerance = wish.tolerance, seed = wish.seed, sturm = wish.sturm}
+  if view and not wish.laplacian then
+    modes, message, details = view:modes(ask)
+  else
+    ask.laplacian = wish.laplacian
+    modes, message, details = part:modes(ask)
+  end
   if not modes then return nil, message, details end
   self.modes = modes
   seconds.modes = clock() - start

@@ -26,6 +26,7 @@ typedef struct lbw_state {
   lua_State *caller;              /* of the engine call that runs */
   volatile sig_atomic_t running;  /* 1 while the engine works; read by a signal handler */
   volatile sig_atomic_t stopping; /* set when an interrupt was asked for */
+  bool reporting;                 /* the script's progress function runs */
   bool callback_failed;           /* its error value is kept in the registry */
   bool echo;                      /* print remarks on standard error as they come */
   bw_progress_function *progress; /* what shows progress when the script sets no function */

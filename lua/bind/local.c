@@ -223,6 +223,18 @@ static int local_refactor(lua_State *L) {
   return leave_with_reuse(L, status, &reuse, own, 1);
 }
 
+/* local:view(): its equations as a system, the factor brought up to date. Of no use after the next
+ * update. */
+static int local_view(lua_State *L) {
+  lbw_box *own = lbw_check_box(L, 1, &lbw_local_system_class);
+  bw_local_system *local = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_system_class);
+  bw_status status = bw_local_system_refactor(lbw_enter(L), local, NULL);
+  lbw_box_fill(L, box, status == BW_OK ? bw_retain(local->system) : NULL);
+  lbw_box_account(L, own);
+  return lbw_leave(L, status, 1);
+}
+
 /* ---- views ----------------------------------------------------------------------------------- */
 
 /* local:memory(): bytes of the factor, of the update matrices, of the domains' coefficients */
@@ -279,13 +291,10 @@ static int local_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"update", local_update},
-                                   {"solve", local_solve},
-                                   {"statics", local_statics},
-                                   {"refactor", local_refactor},
-                                   {"memory", local_memory},
-                                   {"baseline", local_baseline},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {{"update", local_update},     {"solve", local_solve},
+                                   {"statics", local_statics},   {"refactor", local_refactor},
+                                   {"view", local_view},         {"memory", local_memory},
+                                   {"baseline", local_baseline}, {NULL, NULL}};
 static const luaL_Reg properties[] = {
     {"unknown_count", local_unknown_count}, {"piece_count", local_piece_count}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", local_tostring}, {NULL, NULL}};

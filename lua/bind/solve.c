@@ -381,7 +381,26 @@ static int system_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg system_methods[] = {{"solve", system_solve}, {NULL, NULL}};
+/* system:modes{count, tolerance, sturm, seed} */
+static int system_modes(lua_State *L) {
+  static const lbw_option list[] = {{"count", LBW_INT, offsetof(bw_modes_options, count)},
+                                    {"tolerance", LBW_REAL, offsetof(bw_modes_options, tolerance)},
+                                    {"sturm", LBW_BOOLEAN, offsetof(bw_modes_options, sturm)},
+                                    {"seed", LBW_SEED, offsetof(bw_modes_options, seed)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  lbw_options(L, 2, "modes", list, &options);
+  lbw_box *box = lbw_box_new(L, &lbw_modes_class);
+  bw_modes *modes = NULL;
+  bw_status status = bw_modes_elastic(lbw_enter(L), system, &options, &modes);
+  lbw_box_fill(L, box, modes);
+  return lbw_leave(L, status, 1);
+}
+
+static const luaL_Reg system_methods[] = {
+    {"solve", system_solve}, {"modes", system_modes}, {NULL, NULL}};
 static const luaL_Reg system_properties[] = {{"times", system_times},
                                              {"unknown_count", system_unknown_count},
                                              {"motion_count", system_motion_count},

@@ -166,7 +166,10 @@ static void on_progress(void *data, const char *stage, double fraction) {
   }
   lua_pushstring(L, stage);
   lua_pushnumber(L, fraction);
-  if (lua_pcall(L, 2, 1, 0) != LUA_OK) {
+  state->reporting = true;
+  int failure = lua_pcall(L, 2, 1, 0);
+  state->reporting = false;
+  if (failure != LUA_OK) {
     keep_error(state);
     return;
   }
@@ -189,11 +192,15 @@ static int core_progress(lua_State *L) {
   return 1;
 }
 
+/* report_progress(stage, fraction): of work in Lua. Inside of a progress function: to the program's
+ * line, so that a function can show what the engine tells in other words. */
 static int core_report_progress(lua_State *L) {
   lbw_state *state = lbw_state_of(L);
   const char *stage = lbw_check_text(L, 1, NULL);
   double fraction = lbw_check_number(L, 2);
-  if (state->running)
+  if (state->reporting && state->progress)
+    state->progress(state->progress_data, stage, fraction);
+  if (state->running || state->reporting)
     return 0;
   state->caller = L;
   state->callback_failed = false;

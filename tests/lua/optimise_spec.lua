@@ -243,6 +243,62 @@ describe("the scaling optimisation", function()
     final:close()
   end)
 
+  it("tells how far it is, and leaves the best point when it is stopped", function()
+    local session = bar(3, {load = tip {0, 40, -100}})
+    local before = max_of(session)
+    local told, last, rising = 0, 0, true
+    local old = bw.progress(function(stage, fraction)
+      if stage == "optimise" then
+        rising, last, told = rising and fraction >= last, fraction, told + 1
+      end
+    end)
+    assert(session:optimise {von_mises = 0.6 * before})
+    assert.truthy(told > 1 and rising and last > 0 and last < 1)
+    assert.truthy(session:undo())
+    local calls = 0
+    bw.progress(function() calls = calls + 1 return calls < told end) -- near the end
+    local none, message, details = session:optimise {von_mises = 0.6 * before}
+    bw.progress(old)
+    assert.is_nil(none)
+    assert.equal("cancelled", details.status)
+    assert.truthy(message:find "stopped" and details.best.von_mises <= before)
+    assert.equal(0, #session.edits)
+    check.near(before, max_of(session), 1e-9) -- and it can be used
+  end)
+
+  it("works in a fork, from which its answer can be taken over", function()
+    local session = bar(2, {load = tip {0, 40, -100}})
+    local before = max_of(session)
+    local fork = session:fork()
+    local found = assert(fork:optimise {von_mises = 0.6 * before})
+    check.near(before, max_of(session), 1e-9)
+    assert(session:adopt(fork))
+    check.near(found.von_mises, max_of(session), 1e-6)
+    assert.equal(1, #session.edits)
+    fork:close()
+  end)
+
+  -- The slopes that steps are made with, solved roughly with the factor of a former shape.
+  it("has slopes within 1e-5 of central differences, with a factor left behind too", function()
+    local session = bar(2, {load = tip {0, 40, -100}, cells = {16, 2, 2}})
+    assert(session:solve())
+    local function at(y)
+      local fork = session:fork()
+      assert(fork:pose {["bone 1"] = {scale = {1, y, 1.02}}})
+      return fork
+    end
+    local fork = at(1.03)
+    local system, model = fork:synchronise()
+    local result = assert(system:statics(model, {method = "iterate", tolerance = 1e-10}))
+    local node = result.von_mises:argmax()
+    local motion = session.domains:pose_derivative(fork.current_pose, "bone 1", 2)
+    local _, slopes = assert(core.von_mises_slopes(model, system, result.displacement, {node}, {motion},
+      {tolerance = 1e-4, guess = {result.displacement}}))
+    local h, ends = 1e-3, {}
+    for k, y in ipairs {1.03 - h, 1.03 + h} do ends[k] = assert(at(y).part:solve()).von_mises[node] end
+    check.near((ends[2] - ends[1]) / (2 * h), slopes(1, 1), 1e-5)
+  end)
+
   it("refuses misuse", function()
     local session = bar(1, {load = tip {0, 0, -1}, cells = {6, 1, 1}})
     check.raises("von_mises", session.optimise, session)
