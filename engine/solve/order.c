@@ -90,8 +90,16 @@ void bwi_adjacency_clear(bwi_adjacency *near) {
   *near = (bwi_adjacency){0};
 }
 
+/* How many separators a trial lets METIS choose from. */
+enum { SEPARATORS = 4 };
+
 bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
                       idx_t *weight, idx_t *permutation) {
+  return bwi_dissect_trial(context, size, start, neighbour, weight, 0, permutation);
+}
+
+bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
+                            idx_t *weight, int trial, idx_t *permutation) {
   if (size < 8 || start[size] == 0) {
     for (idx_t i = 0; i < size; i++)
       permutation[i] = i;
@@ -103,7 +111,9 @@ bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neig
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_NUMBERING] = 0;
-  options[METIS_OPTION_SEED] = 1;
+  options[METIS_OPTION_SEED] = trial > 0 ? trial : 1;
+  if (trial > 0)
+    options[METIS_OPTION_NSEPS] = SEPARATORS;
   options[METIS_OPTION_COMPRESS] = 0; /* nodes are compressed already */
   pthread_mutex_lock(&metis_mutex);
   int done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);

@@ -9,8 +9,11 @@
  * Interfaces everywhere would make the whole factor several times dearer: a chunky domain between
  * large interfaces has fronts as long as those. So domains are first put together into groups
  * across their largest interfaces; inside a group METIS rules. How far to go is decided by trying:
- * candidates with fewer and fewer groups, and METIS alone, are analysed, and the one with the
- * lowest predicted cost is taken. */
+ * candidates with fewer and fewer groups are analysed, and so is METIS alone, several times over:
+ * in thick bodies, where separators across the trunk are large wherever they lie, those that happen
+ * to be small and out of the way of most edits are worth more than interfaces at the top. The order
+ * with the lowest predicted cost is taken. The prediction is what sessions then measure: which
+ * supernodes an edit touches is known exactly. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,6 +24,9 @@
 /* More domains than this are ordered as if there were none: what is counted here grows with their
  * square. */
 enum { MOST_DOMAINS = 512 };
+
+/* How often METIS is tried for the body as a whole. */
+enum { TRIALS = 3 };
 
 /* ---- what domains share -------------------------------------------------------------------- */
 
@@ -268,9 +274,26 @@ done:
   return status;
 }
 
+/* METIS alone. */
+static bw_status search_whole(search *s) {
+  bw_status status = BW_OK;
+  bw_context *context = s->context;
+  const bwi_adjacency *near = s->near;
+  double cost;
+  for (int trial = 1; trial <= TRIALS; trial++) {
+    bw_progress(context, "order", 0.5 * (trial - 1) / TRIALS);
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bwi_dissect_trial(context, near->size, near->start, near->neighbour, NULL, trial,
+                             s->permutation));
+    BW_TRY(consider(s, &cost));
+  }
+done:
+  return status;
+}
+
 /* A few numbers of groups, then those half-way between the best of them and its neighbours. */
 static bw_status search_groups(search *s) {
-  static const double share[] = {0.8, 0.6, 0.4, 0.25, 0.12};
+  static const double share[] = {0.4, 0.25, 0.12};
   enum { SHARES = sizeof share / sizeof *share };
   bw_status status = BW_OK;
   bw_context *context = s->context;
@@ -290,7 +313,7 @@ static bw_status search_groups(search *s) {
     if (count > 0 && groups == wanted[count - 1])
       continue;
     wanted[count] = groups;
-    bw_progress(context, "order", (k + 1) / (SHARES + 3.0));
+    bw_progress(context, "order", 0.5 + 0.5 * k / (SHARES + 2));
     BW_TRY(consider_groups(s, &of_domains, groups, &cost[count]));
     if (cost[count] < cost[best])
       best = count;
@@ -330,9 +353,7 @@ bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, c
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, NULL, s.permutation));
-  double cost;
-  BW_TRY(consider(&s, &cost));
+  BW_TRY(search_whole(&s));
   BW_TRY(search_groups(&s));
   *order = s.best;
   s.best = NULL;
