@@ -25,6 +25,10 @@
  * square. */
 enum { MOST_DOMAINS = 512 };
 
+/* Of more domains than this nearly every second one is joined to another at least: interfaces of
+ * all make the factor several times dearer. */
+enum { FEW_DOMAINS = 16 };
+
 /* How often METIS is tried for the body as a whole. */
 enum { TRIALS = 3 };
 
@@ -293,7 +297,7 @@ done:
 
 /* A few numbers of groups, then those half-way between the best of them and its neighbours. */
 static bw_status search_groups(search *s) {
-  static const double share[] = {0.4, 0.25, 0.12};
+  static const double share[] = {0.8, 0.4, 0.25, 0.12};
   enum { SHARES = sizeof share / sizeof *share };
   bw_status status = BW_OK;
   bw_context *context = s->context;
@@ -310,7 +314,7 @@ static bw_status search_groups(search *s) {
   for (int k = 0; k < SHARES; k++) {
     int32_t groups = (int32_t)ceil(share[k] * s->domain_count);
     groups = groups < 2 ? 2 : groups;
-    if (count > 0 && groups == wanted[count - 1])
+    if ((k == 0 && s->domain_count > FEW_DOMAINS) || (count > 0 && groups == wanted[count - 1]))
       continue;
     wanted[count] = groups;
     bw_progress(context, "order", 0.5 + 0.5 * k / (SHARES + 2));

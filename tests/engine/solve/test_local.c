@@ -759,7 +759,7 @@ static void no_convergence(void **state) {
   bar_make(context, 2, 2, &b);
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
-  b.now.scale[1][1] = b.now.scale[1][2] = 2e-3;
+  b.now.scale[1][1] = b.now.scale[1][2] = 5e-3;
   follow(&b);
   bw_mesh *mesh = NULL;
   bw_model *model = NULL;
