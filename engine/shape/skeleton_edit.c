@@ -14,6 +14,7 @@ typedef struct draft {
   bw_name *joint_name;
   int32_t *bone;
   bw_name *bone_name;
+  uint8_t *drop, *cut; /* joints and bones to be left out: draft_drop */
 } draft;
 
 /* A copy with room for one more joint and bone. */
@@ -24,7 +25,9 @@ static bw_status draft_create(bw_context *context, const bw_skeleton *s, draft *
   d->joint_name = BW_NEW0(context, bw_name, joints + 1);
   d->bone = BW_NEW(context, int32_t, 2 * (bones + 1));
   d->bone_name = BW_NEW0(context, bw_name, bones + 1);
-  if (!d->joint || !d->joint_name || !d->bone || !d->bone_name)
+  d->drop = BW_NEW0(context, uint8_t, joints);
+  d->cut = BW_NEW0(context, uint8_t, bones);
+  if (!d->joint || !d->joint_name || !d->bone || !d->bone_name || !d->drop || !d->cut)
     return BW_MEMORY;
   memcpy(d->joint, s->joint, 3 * joints * sizeof *d->joint);
   memcpy(d->joint_name, s->joint_name, joints * sizeof *d->joint_name);
@@ -38,6 +41,8 @@ static void draft_clear(draft *d) {
   bw_free(d->joint_name);
   bw_free(d->bone);
   bw_free(d->bone_name);
+  bw_free(d->drop);
+  bw_free(d->cut);
 }
 
 static bw_status draft_finish(bw_context *context, const draft *d, bw_skeleton **out) {
@@ -47,17 +52,20 @@ static bw_status draft_finish(bw_context *context, const draft *d, bw_skeleton *
 
 /* Leave out joints with drop[j] and bones with cut[b] (which must hold all bones at such joints).
  */
-static void draft_drop(draft *d, const uint8_t *drop, const uint8_t *cut, int32_t *to) {
+static bw_status draft_drop(bw_context *context, draft *d) {
   int32_t joints = 0, bones = 0;
+  int32_t *to = BW_NEW(context, int32_t, d->joints);
+  if (!to)
+    return BW_MEMORY;
   for (int32_t j = 0; j < d->joints; j++) {
-    to[j] = drop[j] ? -1 : joints;
-    if (drop[j])
+    to[j] = d->drop[j] ? -1 : joints;
+    if (d->drop[j])
       continue;
     memmove(d->joint + 3 * (size_t)joints, d->joint + 3 * (size_t)j, 3 * sizeof *d->joint);
     d->joint_name[joints++] = d->joint_name[j];
   }
   for (int32_t b = 0; b < d->bones; b++) {
-    if (cut[b])
+    if (d->cut[b])
       continue;
     d->bone[2 * (size_t)bones] = to[d->bone[2 * (size_t)b]];
     d->bone[2 * (size_t)bones + 1] = to[d->bone[2 * (size_t)b + 1]];
@@ -66,6 +74,8 @@ static void draft_drop(draft *d, const uint8_t *drop, const uint8_t *cut, int32_
   d->joints = joints;
   d->bones = bones;
   d->root = to[d->root];
+  bw_free(to);
+  return BW_OK;
 }
 
 static bool is_taken(const bw_name *list, int32_t count, const char *name) {
@@ -171,8 +181,7 @@ bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skelet
                                   int32_t b, bw_skeleton **out) {
   bw_status status = BW_OK;
   draft d = {0};
-  uint8_t *drop = NULL, *cut = NULL;
-  int32_t *to = NULL, meeting = 0;
+  int32_t meeting = 0;
   BW_TRY(check_bone(context, skeleton, a));
   BW_TRY(check_bone(context, skeleton, b));
   int32_t joint = a == b ? -1 : common_joint(skeleton, a, b);
@@ -194,27 +203,17 @@ bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skelet
     goto done;
   }
   BW_TRY(draft_create(context, skeleton, &d));
-  drop = BW_NEW0(context, uint8_t, d.joints);
-  cut = BW_NEW0(context, uint8_t, d.bones);
-  to = BW_NEW(context, int32_t, d.joints);
-  if (!drop || !cut || !to) {
-    status = BW_MEMORY;
-    goto done;
-  }
   int32_t far_a = other_end(skeleton, a, joint);
   d.bone[2 * (size_t)a] = far_a;
   d.bone[2 * (size_t)a + 1] = other_end(skeleton, b, joint);
   if (d.root == joint)
     d.root = far_a;
-  drop[joint] = 1;
-  cut[b] = 1;
-  draft_drop(&d, drop, cut, to);
+  d.drop[joint] = 1;
+  d.cut[b] = 1;
+  BW_TRY(draft_drop(context, &d));
   BW_TRY(draft_finish(context, &d, out));
 done:
   draft_clear(&d);
-  bw_free(drop);
-  bw_free(cut);
-  bw_free(to);
   return status;
 }
 
@@ -222,22 +221,14 @@ bw_status bw_skeleton_remove_bone(bw_context *context, const bw_skeleton *skelet
                                   bw_skeleton **out) {
   bw_status status = BW_OK;
   draft d = {0};
-  uint8_t *drop = NULL, *cut = NULL;
-  int32_t *to = NULL, left = 0;
+  int32_t left = 0;
   BW_TRY(check_bone(context, skeleton, bone));
   BW_TRY(draft_create(context, skeleton, &d));
-  drop = BW_NEW0(context, uint8_t, d.joints);
-  cut = BW_NEW0(context, uint8_t, d.bones);
-  to = BW_NEW(context, int32_t, d.joints);
-  if (!drop || !cut || !to) {
-    status = BW_MEMORY;
-    goto done;
-  }
   for (int32_t b = 0; b < d.bones; b++) {
     int32_t parent = skeleton->parent[b];
-    cut[b] = b == bone || (parent >= 0 && cut[parent]);
-    drop[skeleton->bone[2 * (size_t)b + 1]] = cut[b];
-    left += !cut[b];
+    d.cut[b] = b == bone || (parent >= 0 && d.cut[parent]);
+    d.drop[skeleton->bone[2 * (size_t)b + 1]] = d.cut[b];
+    left += !d.cut[b];
   }
   if (left == 0) {
     status =
@@ -246,13 +237,10 @@ bw_status bw_skeleton_remove_bone(bw_context *context, const bw_skeleton *skelet
     bw_detail_number(context, "bone", bone);
     goto done;
   }
-  draft_drop(&d, drop, cut, to);
+  BW_TRY(draft_drop(context, &d));
   BW_TRY(draft_finish(context, &d, out));
 done:
   draft_clear(&d);
-  bw_free(drop);
-  bw_free(cut);
-  bw_free(to);
   return status;
 }
 

@@ -61,7 +61,8 @@ end
 
 bodies.list = {
   {name = "bar of three bones, tet10", make = function() return bar(2, bw.material.pla) end},
-  {name = "figure of eight bones, tet10", make = function() return figure(2, bw.material.zp150) end},
+  {name = "figure of eight bones, tet10", heat = 1, -- wide joints: few elements stand wide turns
+    make = function() return figure(2, bw.material.zp150) end},
   {name = "bar of three bones, orthotropic, tet4", make = function() return bar(1, wood()) end},
 }
 
@@ -69,7 +70,7 @@ bodies.list = {
 function bodies.session(body, wish)
   local part, skeleton = body.make()
   wish = wish or {}
-  wish.skeleton = skeleton
+  wish.skeleton, wish.heat = skeleton, wish.heat or body.heat
   return assert(bw.edit(part, wish))
 end
 
