@@ -107,7 +107,7 @@ void bw_stale_free(bw_stale *stale) {
 }
 
 bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z) {
-  return stale->symmetric ? bwi_stale_symmetric_apply(context, stale->cholesky, r, z)
+  return stale->symmetric ? bwi_stale_symmetric_apply(context, stale->cholesky, false, r, z)
                           : bwi_stale_unsymmetric_apply(context, stale->lu, r, z);
 }
 
@@ -179,6 +179,7 @@ typedef struct iteration {
   double residual; /* |b - A x| / |b| */
   double tolerance;
   int count; /* iterations done */
+  bool old;  /* the factor is of another matrix */
 } iteration;
 
 static bw_status multiply(const iteration *it, const double *x, double *y) {
@@ -205,7 +206,7 @@ static bw_status conjugate_gradients(iteration *it, int limit) {
   for (int i = 0; i < limit && it->residual > it->tolerance; i++) {
     double next, curvature, square;
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bw_stale_apply(context, it->stale, r, z));
+    BW_TRY(bwi_stale_symmetric_apply(context, it->stale->cholesky, it->old, r, z));
     BW_TRY(bwi_dot(context, n, r, z, &next));
     BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
     rho = next;
@@ -363,7 +364,9 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   }
   if (!fresh) {
     kept->factor = true;
+    it.old = true;
     BW_TRY(iterate(&it, limit, kept));
+    it.old = false;
     stale->solves++;
     stale->last = it.count;
     stale->spent += it.count * one;

@@ -28,8 +28,9 @@ void bwi_stale_symmetric_forget(bwi_stale_symmetric *s);
 bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s,
                                      const bw_plane_graph *graph, const double *values,
                                      bwi_stale_work *work);
-bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, const double *r,
-                                    double *z);
+/* `old`: for preconditioning, in single precision; else to all digits that the factor has. */
+bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, bool old,
+                                    const double *r, double *z);
 
 typedef struct bwi_stale_unsymmetric bwi_stale_unsymmetric;
 bw_status bwi_stale_unsymmetric_create(bw_context *context, int components,

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "responsive/stale.h"
+#include "responsive/sweep.h"
 #include "solve/order.h"
 
 struct bwi_stale_symmetric {
@@ -17,6 +18,7 @@ struct bwi_stale_symmetric {
   const bw_plane_topology *topology; /* retained: what symbolic is of */
   bwi_symbolic *symbolic;
   bwi_factor *factor; /* of this symbolic or, until the next factorisation, an older one */
+  bwi_sweep *sweep;   /* of it; NULL until it is worth making */
 };
 
 bw_status bwi_stale_symmetric_create(bw_context *context, int components,
@@ -38,6 +40,8 @@ static void forget_analysis(bwi_stale_symmetric *s) {
 
 void bwi_stale_symmetric_forget(bwi_stale_symmetric *s) {
   forget_analysis(s);
+  bwi_sweep_free(s->sweep);
+  s->sweep = NULL;
   bw_release(s->factor);
   bw_release(s->nodes);
   bw_free(s->permutation);
@@ -162,6 +166,8 @@ bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s
   if (!rows.upper_start)
     return BW_MEMORY;
   BW_TRY(analyse(context, s, graph, work));
+  bwi_sweep_free(s->sweep);
+  s->sweep = NULL;
   if (s->factor && s->factor->symbolic == s->symbolic) {
     status = bwi_factor_update(context, s->factor, &matrix, NULL, NULL, &bad_node);
   } else {
@@ -190,9 +196,16 @@ done:
   return status;
 }
 
-bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, const double *r,
-                                    double *z) {
+bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, bool old,
+                                    const double *r, double *z) {
+  bw_status status = BW_OK;
   if (!s->factor)
     return bw_fail(context, BW_INTERNAL, "there is no factor to apply");
-  return bwi_solve_fields(context, s->factor, NULL, 1, r, z);
+  if (!old)
+    return bwi_solve_fields(context, s->factor, NULL, 1, r, z);
+  if (!s->sweep)
+    BW_TRY(bwi_sweep_create(context, s->factor, &s->sweep));
+  bwi_sweep_apply(s->sweep, r, z);
+done:
+  return status;
 }

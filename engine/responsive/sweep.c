@@ -1,0 +1,230 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Triangular solves in single precision (sweep.h).
+ *
+ * A supernode is stored as its triangle, column by column with the diagonal inverted, and then the
+ * rows below, a column-major matrix with rows filled up to a multiple of WIDE by zeros. Vectors go
+ * in elimination order, so that a supernode's own part is contiguous; the part below is gathered
+ * into a block, and scattered from it, node by node. The factor is divided by its largest diagonal
+ * entry and right-hand sides by their largest number, so that no unit of measure overflows. */
+#include "responsive/sweep.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { WIDE = 8 };
+typedef float wide __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
+
+struct bwi_sweep {
+  const bwi_symbolic *symbolic; /* retained */
+  float *entry;
+  int64_t *start; /* super_count + 1 */
+  float *x, *below;
+  double scale; /* of the factor, squared */
+};
+
+static int64_t padded(int64_t rows) {
+  return (rows + WIDE - 1) / WIDE * WIDE;
+}
+
+void bwi_sweep_free(bwi_sweep *sweep) {
+  if (!sweep)
+    return;
+  bw_release(sweep->symbolic);
+  bw_free(sweep->entry);
+  bw_free(sweep->start);
+  bw_free(sweep->x);
+  bw_free(sweep->below);
+  bw_free(sweep);
+}
+
+double bwi_sweep_bytes(const bwi_sweep *sweep) {
+  return 8.0 * (double)sweep->start[sweep->symbolic->order->super_count];
+}
+
+typedef struct copy {
+  const bwi_factor *factor;
+  bwi_sweep *sweep;
+  double scale;
+} copy;
+
+static bw_status copy_supernodes(void *data, int64_t begin, int64_t end, int worker) {
+  const copy *c = data;
+  const bwi_symbolic *symbolic = c->factor->symbolic;
+  (void)worker;
+  for (int64_t s = begin; s < end; s++) {
+    int32_t n = bwi_pivots(symbolic, (int32_t)s), rows = symbolic->rows[s], m = rows - n;
+    const double *panel = c->factor->value + symbolic->panel[s];
+    float *to = c->sweep->entry + c->sweep->start[s];
+    for (int32_t j = 0; j < n; j++) {
+      const double *column = panel + (int64_t)j * rows;
+      *to++ = (float)(1 / (c->scale * column[j]));
+      for (int32_t i = j + 1; i < n; i++)
+        *to++ = (float)(c->scale * column[i]);
+    }
+    int64_t ld = padded(m);
+    for (int32_t j = 0; j < n; j++, to += ld) {
+      const double *column = panel + (int64_t)j * rows + n;
+      for (int32_t i = 0; i < m; i++)
+        to[i] = (float)(c->scale * column[i]);
+      for (int64_t i = m; i < ld; i++)
+        to[i] = 0;
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bwi_sweep_create(bw_context *context, const bwi_factor *factor, bwi_sweep **out) {
+  bw_status status = BW_OK;
+  const bwi_symbolic *symbolic = factor->symbolic;
+  int32_t supers = symbolic->order->super_count;
+  int64_t most = 0;
+  double largest = 0;
+  bwi_sweep *sweep = BW_NEW0(context, bwi_sweep, 1);
+  if (!sweep)
+    return BW_MEMORY;
+  sweep->symbolic = bw_retain(symbolic);
+  sweep->start = BW_NEW(context, int64_t, (size_t)supers + 1);
+  if (!sweep->start) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  sweep->start[0] = 0;
+  for (int32_t s = 0; s < supers; s++) {
+    int64_t n = bwi_pivots(symbolic, s), rows = symbolic->rows[s], below = padded(rows - n);
+    sweep->start[s + 1] = sweep->start[s] + n * (n + 1) / 2 + n * below;
+    most = below > most ? below : most;
+    for (int64_t j = 0; j < n; j++)
+      largest = fmax(largest, factor->value[symbolic->panel[s] + j * rows + j]);
+  }
+  sweep->entry = BW_NEW(context, float, sweep->start[supers]);
+  sweep->x = BW_NEW(context, float, symbolic->unknowns);
+  sweep->below = BW_NEW0(context, float, most);
+  if (!sweep->entry || !sweep->x || !sweep->below) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  copy c = {factor, sweep, largest > 0 ? 1 / largest : 1};
+  sweep->scale = c.scale * c.scale;
+  BW_TRY(bw_parallel(context, supers, 1024, copy_supernodes, &c));
+done:
+  if (status == BW_OK)
+    *out = sweep;
+  else
+    bwi_sweep_free(sweep);
+  return status;
+}
+
+/* ---- one supernode ------------------------------------------------------------------------- */
+
+static void forward(const float *entry, int32_t n, int64_t ld, float *x, float *y) {
+  for (int32_t j = 0; j < n; j++) {
+    float v = x[j] *= *entry++;
+    for (int32_t i = j + 1; i < n; i++)
+      x[i] -= v * *entry++;
+  }
+  int32_t j = 0;
+  for (; j + 4 <= n; j += 4, entry += 4 * ld) {
+    float x0 = x[j], x1 = x[j + 1], x2 = x[j + 2], x3 = x[j + 3];
+    for (int64_t i = 0; i < ld; i += WIDE) {
+      const float *l = entry + i;
+      wide sum = *(wide *)(y + i);
+      sum += *(const wide *)l * x0 + *(const wide *)(l + ld) * x1;
+      sum += *(const wide *)(l + 2 * ld) * x2 + *(const wide *)(l + 3 * ld) * x3;
+      *(wide *)(y + i) = sum;
+    }
+  }
+  for (; j < n; j++, entry += ld)
+    for (int64_t i = 0; i < ld; i += WIDE)
+      *(wide *)(y + i) += *(const wide *)(entry + i) * x[j];
+}
+
+static float total(wide v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+}
+
+static void backward(const float *entry, int32_t n, int64_t ld, float *x, const float *y) {
+  const float *triangle = entry + (int64_t)n * (n + 1) / 2;
+  const float *l = triangle;
+  int32_t j = 0;
+  for (; j + 4 <= n; j += 4, l += 4 * ld) {
+    wide s0 = {0}, s1 = {0}, s2 = {0}, s3 = {0};
+    for (int64_t i = 0; i < ld; i += WIDE) {
+      wide v = *(const wide *)(y + i);
+      s0 += *(const wide *)(l + i) * v;
+      s1 += *(const wide *)(l + ld + i) * v;
+      s2 += *(const wide *)(l + 2 * ld + i) * v;
+      s3 += *(const wide *)(l + 3 * ld + i) * v;
+    }
+    x[j] -= total(s0);
+    x[j + 1] -= total(s1);
+    x[j + 2] -= total(s2);
+    x[j + 3] -= total(s3);
+  }
+  for (; j < n; j++, l += ld) {
+    wide s = {0};
+    for (int64_t i = 0; i < ld; i += WIDE)
+      s += *(const wide *)(l + i) * *(const wide *)(y + i);
+    x[j] -= total(s);
+  }
+  for (j = n - 1; j >= 0; j--) {
+    triangle -= n - j;
+    float sum = x[j];
+    for (int32_t i = j + 1; i < n; i++)
+      sum -= triangle[i - j] * x[i];
+    x[j] = sum * triangle[0];
+  }
+}
+
+/* ---- both sweeps --------------------------------------------------------------------------- */
+
+static inline __attribute__((always_inline)) void sweep_both(bwi_sweep *sweep, int C) {
+  const bwi_order *order = sweep->symbolic->order;
+  float *x = sweep->x, *y = sweep->below;
+  for (int32_t s = 0; s < order->super_count; s++) {
+    int32_t first = order->super[s], nodes = order->super[s + 1] - first;
+    const int32_t *row = order->row + order->row_start[s] + nodes;
+    int64_t below = order->row_start[s + 1] - order->row_start[s] - nodes, ld = padded(below * C);
+    memset(y, 0, (size_t)ld * sizeof *y);
+    forward(sweep->entry + sweep->start[s], nodes * C, ld, x + (int64_t)first * C, y);
+    for (int64_t k = 0; k < below; k++)
+      for (int c = 0; c < C; c++)
+        x[(int64_t)row[k] * C + c] -= y[k * C + c];
+  }
+  for (int32_t s = order->super_count - 1; s >= 0; s--) {
+    int32_t first = order->super[s], nodes = order->super[s + 1] - first;
+    const int32_t *row = order->row + order->row_start[s] + nodes;
+    int64_t below = order->row_start[s + 1] - order->row_start[s] - nodes, ld = padded(below * C);
+    for (int64_t k = 0; k < below; k++)
+      for (int c = 0; c < C; c++)
+        y[k * C + c] = x[(int64_t)row[k] * C + c];
+    for (int64_t k = below * C; k < ld; k++)
+      y[k] = 0;
+    backward(sweep->entry + sweep->start[s], nodes * C, ld, x + (int64_t)first * C, y);
+  }
+}
+
+void bwi_sweep_apply(bwi_sweep *sweep, const double *r, double *z) {
+  const bwi_order *order = sweep->symbolic->order;
+  int C = sweep->symbolic->components;
+  int64_t size = sweep->symbolic->unknowns;
+  double largest = 0;
+  for (int64_t i = 0; i < size; i++)
+    largest = fmax(largest, fabs(r[i]));
+  double scale = largest > 0 ? 1 / largest : 0, back = largest * sweep->scale;
+  for (int32_t p = 0; p < order->size; p++)
+    for (int c = 0; c < C; c++)
+      sweep->x[(int64_t)p * C + c] = (float)(scale * r[(int64_t)order->node_at[p] * C + c]);
+  switch (C) {
+  case 1:
+    sweep_both(sweep, 1);
+    break;
+  case 2:
+    sweep_both(sweep, 2);
+    break;
+  default:
+    sweep_both(sweep, 3);
+  }
+  for (int32_t p = 0; p < order->size; p++)
+    for (int c = 0; c < C; c++)
+      z[(int64_t)order->node_at[p] * C + c] = back * (double)sweep->x[(int64_t)p * C + c];
+}
