@@ -18,12 +18,12 @@
 
 /* The model's machine: of the factorisation, operations and passes over the factor (fronts are
  * small, adding them up is memory traffic); of an iteration, reading. */
-#define FLOPS_PER_SECOND 20e9
-#define FACTOR_BYTES_PER_SECOND 3e9
-#define BYTES_PER_SECOND 8e9
+#define FLOPS_PER_SECOND 25e9
+#define FACTOR_BYTES_PER_SECOND 6e9
+#define BYTES_PER_SECOND 16e9
 #define UMFPACK_FLOPS_PER_SECOND 1.5e9
 /* Per node: analysis under a given order, and finding an order. */
-#define ANALYSIS_SECONDS 4e-7
+#define ANALYSIS_SECONDS 2e-7
 #define ORDER_SECONDS 3e-6
 /* Iterations expected of the first solve with an old factor: before there is experience, few, so
  * that it is made; and less by this share each time that the expectation ruled it out, since drags
@@ -113,12 +113,20 @@ bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, 
 
 /* ---- the model's costs --------------------------------------------------------------------- */
 
-static double iteration_seconds(const bw_stale *stale, const bw_plane_graph *graph) {
+/* An old Cholesky factor is read twice in single precision, a new one twice in double; UMFPACK's
+ * once for each of two solves. */
+static double iteration_seconds(const bw_stale *stale, const bw_plane_graph *graph, bool old) {
   double square = stale->components * stale->components;
   double matrix = (8 * square + 4) * (double)graph->pair_count;
   double vectors = 12 * 8.0 * (double)graph->node_count * stale->components;
-  double factor = stale->symmetric ? 2 * stale->work.bytes : stale->work.bytes;
+  double factor = stale->symmetric && !old ? 2 * stale->work.bytes : stale->work.bytes;
   return (stale->symmetric ? 1 : 2) * (factor + matrix + vectors) / BYTES_PER_SECOND;
+}
+
+/* Copying a Cholesky factor to single precision, before it is first used as an old one. */
+static double copy_seconds(const bw_stale *stale) {
+  return stale->symmetric && stale->solves == 0 ? 1.5 * stale->work.bytes / FACTOR_BYTES_PER_SECOND
+                                                : 0;
 }
 
 /* With the analysis made anew where the topology is another than the factor's. */
@@ -346,17 +354,18 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   bool flipped = fits && stale->topology != graph->topology;
   bool fresh = !fits || options->method == BW_STALE_REFACTOR || options->method == BW_STALE_SCRATCH;
   int limit = options->iterations;
-  double one = 0, anew = 0;
+  double one = 0, old = 0, anew = 0;
   if (fits) {
-    one = iteration_seconds(stale, graph);
-    anew = factor_seconds(stale, graph, flipped) + one;
-    kept->predicted_iterate += expected_iterations(stale) * one;
+    one = iteration_seconds(stale, graph, true);
+    anew = factor_seconds(stale, graph, flipped) + iteration_seconds(stale, graph, false);
+    old = copy_seconds(stale) + expected_iterations(stale) * one;
+    kept->predicted_iterate += old;
     kept->predicted_factor += anew;
   }
   if (!fresh && options->method == BW_STALE_AUTO) {
     double average = stale->spent / (stale->solves + 1); /* the first was with the factor new */
     double worth = average < anew ? average : anew;
-    fresh = expected_iterations(stale) * one > worth;
+    fresh = old > worth;
     if (fresh && stale->solves == 0)
       stale->first *= FORGETTING;
     /* No more than half as much again as a new factor would have cost. */
@@ -367,9 +376,9 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
     it.old = true;
     BW_TRY(iterate(&it, limit, kept));
     it.old = false;
+    stale->spent += copy_seconds(stale) + it.count * one;
     stale->solves++;
     stale->last = it.count;
-    stale->spent += it.count * one;
     if (stale->solves == 1)
       stale->first = it.count > 0 ? it.count : 1;
     fresh = !(it.residual <= it.tolerance);
@@ -379,7 +388,7 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   if (fresh) {
     BW_TRY(factor(context, stale, graph, values, options->method, kept));
     BW_TRY(iterate(&it, options->iterations, kept));
-    stale->spent += it.count * iteration_seconds(stale, graph);
+    stale->spent += it.count * iteration_seconds(stale, graph, false);
   }
   if (!(it.residual <= kept->residual))
     kept->residual = it.residual;

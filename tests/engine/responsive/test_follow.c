@@ -1,0 +1,274 @@
+/* Sheets that follow a dragged outline: after every drag the answer with everything reused is that
+ * of a sheet made anew on the same mesh, for statics, shaking and large bending; and curved
+ * outlines: NAFEMS LE1, Kirsch's hole. */
+#include "outline/shapes.h"
+#include "sheets.h"
+
+enum { DRAGS = 24 };
+
+/* A plate 2 x 1, held at the left, with a round hole. */
+static bw_outline *plate(bw_context *context, double x, double y, double r) {
+  static draft d;
+  memset(&d, 0, sizeof d);
+  draft_rectangle(&d, "plate", 0, 0, 0, 2, 1);
+  draft_circle(&d, "hole", -1, x, y, r);
+  for (int i = 0; i < 4; i++)
+    d.segment[i].tag = i;
+  for (int i = 4; i < 8; i++)
+    d.segment[i].tag = 4;
+  d.tags = 5;
+  static const char *const name[] = {"bottom", "right", "top", "left", "hole"};
+  for (int i = 0; i < 5; i++)
+    strcpy(d.tag[i].text, name[i]);
+  return draft_make(context, &d);
+}
+
+static bw_outline *hole_at(bw_context *context, const bw_outline *outline, double dx, double dy) {
+  bw_outline *moved;
+  double *weight = BW_NEW(context, double, outline->point_count);
+  double *point = BW_NEW(context, double, 2 * outline->point_count);
+  check_ok(context, bw_outline_handle(context, outline, BW_HANDLE_LOOP, 1, weight));
+  for (int32_t i = 0; i < outline->point_count; i++) {
+    point[2 * i] = outline->point[2 * i] + weight[i] * dx;
+    point[2 * i + 1] = outline->point[2 * i + 1] + weight[i] * dy;
+  }
+  check_ok(context, bw_outline_moved(context, outline, point, &moved));
+  bw_free(weight);
+  bw_free(point);
+  return moved;
+}
+
+typedef enum kind { STATIC, SHAKEN, BENT } kind;
+
+static double shaking(void *data, const double at[2], double time) {
+  (void)data, (void)at;
+  return 0.01 * sin(30 * time);
+}
+
+static bw_sheet *make(bw_context *context, const bw_plane_mesh *mesh, const bw_material *material,
+                      kind what) {
+  bw_condition conditions[3] = {
+      {.tag = LEFT, .component = 0},
+      {.tag = LEFT, .component = 1, .function = what == SHAKEN ? shaking : NULL},
+      {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = what == BENT ? -15 : -10}};
+  bw_sheet_section section = {material, 1, false};
+  bw_sheet_description description = {.section_count = 1,
+                                      .section = &section,
+                                      .condition_count = 3,
+                                      .condition = conditions,
+                                      .gravity = {0, -1}};
+  bw_sheet *sheet;
+  check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
+  return sheet;
+}
+
+static void step(bw_context *context, bw_sheet *sheet, kind what, bw_stale_method method,
+                 bw_kept *kept) {
+  bw_stale_options options;
+  bw_newton_options newton;
+  bw_newmark newmark;
+  bw_stale_options_default(&options);
+  bw_newton_options_default(&newton);
+  bw_newmark_default(&newmark);
+  newmark.step = 5e-3;
+  options.method = newton.linear.method = method;
+  if (what == STATIC)
+    check_ok(context, bw_sheet_static(context, sheet, &options, kept));
+  else if (what == SHAKEN)
+    check_ok(context, bw_sheet_shake(context, sheet, &newmark, &options, kept));
+  else
+    check_ok(context, bw_sheet_bend(context, sheet, &newton, NULL, kept));
+}
+
+static void drag(bw_context *context, kind what, int order) {
+  bw_material *material = isotropic(context, 1e4, 0.3, 1);
+  bw_outline *outline = plate(context, 0.6, 0.5, 0.2);
+  bw_plane_options fill;
+  bw_plane_mesh *mesh;
+  bw_mover *mover;
+  bw_follow_options follow;
+  bw_plane_options_default(&fill);
+  fill.order = order;
+  fill.elements = 300;
+  bw_follow_options_default(&follow);
+  follow.fill = fill;
+  check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
+  check_ok(context, bw_mover_create(context, mesh, &follow, &mover));
+  bw_sheet *reused = make(context, mesh, material, what);
+  bw_sheet *anew = make(context, mesh, material, what); /* for SHAKEN: history needed */
+  bw_random random;
+  bw_random_seed(&random, 9 + (uint64_t)what);
+  double x = 0.6, y = 0.5;
+  int seen[4] = {0}, stale = 0;
+  for (int k = 0; k < DRAGS; k++) {
+    double to_x = 0.4 + 1.2 * bw_random_uniform(&random),
+           to_y = 0.4 + 0.2 * bw_random_uniform(&random);
+    double share = k % 3 == 0 ? 1 : 0.05;
+    double dx = share * (to_x - x), dy = share * (to_y - y);
+    bw_outline *moved = hole_at(context, outline, dx, dy);
+    bw_follow_report report;
+    bw_kept kept = {0};
+    check_ok(context, bw_mover_follow(context, mover, moved, &report));
+    x += dx;
+    y += dy;
+    check_ok(context, bw_sheet_follow(context, reused, mover->mesh, &kept));
+    assert_int_equal(kept.level, report.level);
+    seen[report.level]++;
+    step(context, reused, what, BW_STALE_AUTO, &kept);
+    stale += kept.factor;
+    if (k > 0)
+      assert_true(kept.pattern == (report.level < BW_LEVEL_RECONNECTING));
+    if (what == SHAKEN)
+      check_ok(context, bw_sheet_follow(context, anew, mover->mesh, NULL));
+    else {
+      bw_release(anew);
+      anew = make(context, mover->mesh, material, what);
+    }
+    step(context, anew, what, BW_STALE_SCRATCH, NULL);
+    double most = 0, off = 0;
+    for (int32_t i = 0; i < 2 * mover->mesh->topology->nodes->node_count; i++) {
+      most = fmax(most, fabs(anew->displacement[i]));
+      off = fmax(off, fabs(anew->displacement[i] - reused->displacement[i]));
+    }
+    assert_true(most > 0 && off <= 1e-6 * most);
+    bw_release(outline);
+    outline = moved;
+  }
+  assert_true(seen[BW_LEVEL_RELOCATION] > 0);
+  assert_true(seen[BW_LEVEL_RECONNECTING] + seen[BW_LEVEL_RECONSTRUCTION] > 0);
+  assert_true(stale > 0 || what == SHAKEN); /* on so few nodes a new factor is soon as cheap */
+  bw_release(reused);
+  bw_release(anew);
+  bw_release(mover);
+  bw_release(mesh);
+  bw_release(outline);
+  bw_release(material);
+}
+
+static void test_static(void **state) {
+  drag(check_context(state), STATIC, 1);
+  drag(check_context(state), STATIC, 2);
+}
+static void test_shaken(void **state) {
+  drag(check_context(state), SHAKEN, 1);
+  drag(check_context(state), SHAKEN, 2);
+}
+static void test_bent(void **state) {
+  drag(check_context(state), BENT, 1);
+  drag(check_context(state), BENT, 2);
+}
+
+/* ---- curved outlines ------------------------------------------------------------------------- */
+
+/* A quarter of an ellipse from (a, 0) to (0, b), or backwards. */
+static void quarter(double a, double b, bool back, double p[8]) {
+  const double k = 0.5522847498307936;
+  double q[8] = {a, 0, a, k * b, k * a, b, 0, b};
+  for (int i = 0; i < 4; i++)
+    for (int c = 0; c < 2; c++)
+      p[2 * i + c] = q[2 * (back ? 3 - i : i) + c];
+}
+
+static double near_d(void *data, const double at[2]) {
+  const double *d = data;
+  return d[2] + 0.15 * hypot(at[0] - d[0], at[1] - d[1]);
+}
+
+/* The quarter between two ellipses; tags: bottom, outside, left, inside. */
+static bw_plane_mesh *between(bw_context *context, double a, double b, double outer_a,
+                              double outer_b, bool box, double smallest) {
+  static draft d;
+  memset(&d, 0, sizeof d);
+  double arc[8];
+  bw_loop *loop = draft_loop(&d, "body", 0, box ? 5 : 4);
+  int32_t inside = 0, s = loop->first;
+  quarter(outer_a, outer_b, false, arc);
+  draft_point(&d, a, 0);
+  draft_point(&d, outer_a, 0);
+  if (box) {
+    draft_point(&d, outer_a, outer_b);
+    draft_point(&d, 0, outer_b);
+    d.segment[s++] = (bw_segment){{0, -1, -1, 1}, 0};
+    d.segment[s++] = (bw_segment){{1, -1, -1, 2}, 1};
+    d.segment[s++] = (bw_segment){{2, -1, -1, 3}, 4};
+    inside = 3;
+  } else {
+    for (int i = 1; i < 4; i++)
+      draft_point(&d, arc[2 * i], arc[2 * i + 1]);
+    d.segment[s++] = (bw_segment){{0, -1, -1, 1}, 0};
+    d.segment[s++] = (bw_segment){{1, 2, 3, 4}, 1};
+    inside = 4;
+  }
+  int32_t start = draft_point(&d, 0, b);
+  d.segment[s++] = (bw_segment){{inside, -1, -1, start}, 2};
+  quarter(a, b, true, arc);
+  int32_t control = draft_point(&d, arc[2], arc[3]);
+  draft_point(&d, arc[4], arc[5]);
+  d.segment[s++] = (bw_segment){{start, control, control + 1, 0}, 3};
+  d.tags = 5;
+  for (int i = 0; i < 5; i++)
+    snprintf(d.tag[i].text, sizeof d.tag[i].text, "t%d", i);
+  bw_outline *outline = draft_make(context, &d);
+  bw_plane_options fill;
+  bw_plane_mesh *mesh;
+  double field[3] = {box ? 0 : a, box ? b : 0, smallest};
+  bw_plane_options_default(&fill);
+  fill.order = 2;
+  fill.field = near_d;
+  fill.field_data = field;
+  check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
+  bw_release(outline);
+  return mesh;
+}
+
+static double stress_at(bw_context *context, const bw_sheet *sheet, double x, double y, int part) {
+  double *stress = BW_NEW(context, double, 4 * sheet->mesh->topology->nodes->node_count);
+  check_ok(context, bw_sheet_stress(context, sheet, stress, NULL));
+  double value = stress[4 * node_at(sheet->mesh, x, y) + part];
+  bw_free(stress);
+  return value;
+}
+
+/* 92.7 MPa at (2, 0) and the displacement there. */
+static void test_le1(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *material = isotropic(context, 210e9, 0.3, 0);
+  bw_plane_mesh *mesh = between(context, 2, 1, 3.25, 2.75, false, 0.02);
+  bw_condition conditions[3] = {{.tag = 2, .component = 0},
+                                {.tag = 0, .component = 1},
+                                {.tag = 1, .kind = BW_PRESSURE, .value = -10e6}};
+  bw_sheet *sheet = sheet_on(context, mesh, material, 0.1, false, 3, conditions);
+  double error;
+  check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
+  check_near(stress_at(context, sheet, 2, 0, 1), 92.7e6, 0.01 * 92.7e6);
+  check_near(sheet->displacement[2 * node_at(mesh, 2, 0)], -0.000102208, 0.005 * 0.000102208);
+  check_ok(context, bw_sheet_error(context, sheet, &error));
+  assert_in_range((int)(error * 1e6), 1, 50000);
+  bw_release(sheet);
+  bw_release(mesh);
+  bw_release(material);
+}
+
+/* Three times the tension beside the hole, its negative on the axis: half width 20 radii. */
+static void test_kirsch(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *material = isotropic(context, 1e9, 0.3, 0);
+  bw_plane_mesh *mesh = between(context, 1, 1, 20, 20, true, 0.06);
+  bw_condition conditions[3] = {{.tag = 2, .component = 0},
+                                {.tag = 0, .component = 1},
+                                {.tag = 1, .kind = BW_TRACTION, .component = 0, .value = 1e3}};
+  bw_sheet *sheet = sheet_on(context, mesh, material, 1, true, 3, conditions);
+  check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
+  check_near(stress_at(context, sheet, 0, 1, 0), 3e3, 0.02 * 3e3);
+  check_near(stress_at(context, sheet, 1, 0, 1), -1e3, 0.06 * 1e3);
+  bw_release(sheet);
+  bw_release(mesh);
+  bw_release(material);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(test_static), check_test(test_shaken),
+                                     check_test(test_bent), check_test(test_le1),
+                                     check_test(test_kirsch)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
