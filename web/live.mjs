@@ -3,6 +3,7 @@
 // does. The page keeps nothing of its own but what is looked at: windows agree because all of them
 // show the session.
 import * as THREE from "three";
+import { Arrows } from "./arrows.mjs";
 import { colourMap } from "./colour.mjs";
 import { Bones } from "./live_bones.mjs";
 import { Handles } from "./live_handles.mjs";
@@ -13,6 +14,7 @@ const byId = (id) => document.getElementById(id);
 const view = byId("view");
 const stage = makeStage(view, () => {});
 const bones = new Bones(stage.scene);
+const arrows = new Arrows(stage.scene);
 const worst = new THREE.Mesh(new THREE.SphereGeometry(1, 16, 12),
   new THREE.MeshBasicMaterial({ color: 0xc62828, depthTest: false, transparent: true, opacity: 0.85 }));
 worst.renderOrder = 2;
@@ -25,10 +27,12 @@ let state = null;
 let body = null;
 let colour = null;
 let bone = 0;
+let joint = -1; // chosen in place of the bone
 let connected = false;
 let busy = false;
 let arrivals = [];
 const touched = { limit: false };
+const heardOf = { states: 0, shapes: 0 };
 
 // ---- saying ----------------------------------------------------------------------------------------
 
@@ -79,6 +83,7 @@ const heard = {
     worst.scale.setScalar(0.008 * scene.size);
     bone = Math.min(bone, scene.bones.length - 1);
     listBones();
+    joint = -1;
     if (first) {
       const thick = scene.bones.findIndex((b) => b.follows);
       bone = Math.max(0, thick);
@@ -89,27 +94,30 @@ const heard = {
     if (!scene || message.scene !== scene.scene) return;
     const aimed = state || body;
     state = message;
+    heardOf.states++;
     arrivals = [...arrivals.slice(-9), performance.now()];
     setBody();
     if (!aimed) fit();
     recolour();
     bones.place(state.joints);
-    pick(bone);
+    chooseAgain();
     readouts();
     const drag = state.drag;
     if (drag && drag.client === me) handles.handled(drag.seq);
     if (kept > 0 && !state.trouble) kept--;
-    else say(state.trouble || (drag && drag.client !== me ? `another window drags ${drag.bone}` : ""),
+    else say(state.trouble || (drag && drag.client !== me ? `another window drags ${drag.bone || drag.joint}` : ""),
       !!state.trouble);
   },
 
   // The stresses of a larger body come later than its shape.
   shape(message) {
     if (!state || message.scene !== state.scene) return;
+    heardOf.shapes++;
+    if (message.drag && message.drag.client === me) handles.handled(message.drag.seq);
     Object.assign(state, { positions: message.positions, joints: message.joints, axes: message.axes });
     setBody();
     bones.place(state.joints);
-    pick(bone);
+    chooseAgain();
     if (kept === 0) say("computing …");
   },
 
@@ -126,7 +134,7 @@ const heard = {
   progress(message) {
     setBusy(true);
     byId("progress").value = message.fraction;
-    say(`optimising: ${message.stage}`);
+    say(message.stage);
   },
 
   optimised(message) {
@@ -171,6 +179,7 @@ function deform() {
     for (let i = 0; i < u.length; i++) position.array[i] = state.positions[i] + factor * u[i];
   } else position.array.set(state.positions);
   position.needsUpdate = true;
+  arrows.place(position.array);
   body.geometry.computeBoundingBox();
   body.geometry.computeBoundingSphere();
   byId("times").textContent = factor > 0 ? number(factor) : "0";
@@ -183,6 +192,8 @@ function recolour() {
   byId("high").textContent = `${byLimit ? "≥ " : ""}${number(high / 1e6)}`;
   worst.visible = !!state.at;
   if (state.at) worst.position.set(...state.at);
+  arrows.show(state.loads.arrows || [], state.positions, scene.size);
+  arrows.place(body.geometry.getAttribute("position").array);
 }
 
 function fit() {
@@ -212,6 +223,8 @@ function readouts() {
   const rate = arrivals.length > 2 && span < 3000 ? (1000 * (arrivals.length - 1)) / span : 0;
   byId("time").textContent = `${Math.round(1000 * state.seconds)} ms${rate ? `, ${rate.toFixed(1)} a second` : ""}`;
   if (!touched.limit && state.limit) byId("limit").value = Number((state.limit / 1e6).toPrecision(6));
+  showLoads();
+  showTies();
   byId("script").replaceChildren(...state.script.map((line) => {
     const item = document.createElement("li");
     item.textContent = line.replace(/^session:/, "")
@@ -225,7 +238,8 @@ function enable() {
   const idle = connected && !busy && !!state && !state.drag;
   byId("undo").disabled = !(idle && state.can_undo);
   byId("redo").disabled = !(idle && state.can_redo);
-  for (const id of ["reset", "optimise", "stl", "lua"]) byId(id).disabled = !idle;
+  for (const id of ["reset", "optimise", "stl", "lua", "loads", "again", "swing", "twist_low", "twist_high"])
+    byId(id).disabled = !idle;
 }
 
 function setBusy(on) {
@@ -233,6 +247,45 @@ function setBusy(on) {
   byId("progress").hidden = !on;
   byId("stop").hidden = !on;
   enable();
+}
+
+function showLoads() {
+  const { loads } = state;
+  byId("loads").value = loads.kind;
+  byId("worst").hidden = loads.kind === "own";
+  if (loads.kind === "own") return;
+  byId("worst_words").textContent = `${number(loads.force)} N in all, spread as it hurts most` +
+    (loads.aged ? "; found for an earlier shape." : ".");
+  byId("again").hidden = !loads.aged;
+}
+
+// Bones that the optimiser changes alike: those of the chosen bone can be added to, all be undone.
+function showTies() {
+  const name = scene.bones[bone].name;
+  byId("tied").textContent = name;
+  const option = (text, value) => Object.assign(document.createElement("option"), { textContent: text, value });
+  const mine = state.ties.find((tie) => tie.includes(name)) || [name];
+  byId("tie").replaceChildren(option("…", ""),
+    ...scene.bones.filter((b) => !mine.includes(b.name)).map((b) => option(b.name, b.name)));
+  byId("ties").replaceChildren(...state.ties.map((tie, i) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = `${tie.join(" = ")} ×`;
+    button.title = "no longer alike";
+    button.addEventListener("click", () => send({ type: "ties", ties: state.ties.filter((_, k) => k !== i) }));
+    return button;
+  }));
+}
+
+function showBend() {
+  byId("bent").textContent = scene.bones[bone].name;
+  const bend = state?.bends[bone];
+  const text = (x) => (x === undefined || x === null ? "" : Number(x.toPrecision(6)));
+  for (const [id, value] of [["swing", bend?.swing], ["twist_low", bend?.twist?.[0]], ["twist_high", bend?.twist?.[1]]])
+    if (document.activeElement !== byId(id) || document.activeElement.dataset.of !== scene.bones[bone].name) {
+      byId(id).value = text(value);
+      byId(id).dataset.of = scene.bones[bone].name;
+    }
 }
 
 // ---- picking -------------------------------------------------------------------------------------------
@@ -246,15 +299,43 @@ function listBones() {
     button.addEventListener("click", () => pick(i));
     return button;
   }));
+  byId("joints").replaceChildren(...scene.joints.map((name, i) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = name;
+    button.title = name === scene.root ? "the root: it takes everything along" : "bones turn so that it gets there";
+    button.addEventListener("click", () => pickJoint(i));
+    return button;
+  }));
 }
 
 function pick(index) {
   bone = index;
-  for (const [i, button] of [...byId("bones").children].entries()) button.classList.toggle("on", i === bone);
-  bones.choose(bone);
+  joint = -1;
+  chooseAgain();
+}
+
+// A joint, and with it the bone that ends there.
+function pickJoint(index) {
+  if (handles.dragging) return;
+  joint = index;
+  const ends = scene.bones.findIndex((b) => b.tail === index);
+  bone = ends >= 0 ? ends : scene.bones.findIndex((b) => b.head === index);
+  chooseAgain();
+}
+
+function chooseAgain() {
+  for (const [i, button] of [...byId("bones").children].entries()) button.classList.toggle("on", i === bone && joint < 0);
+  for (const [i, button] of [...byId("joints").children].entries()) button.classList.toggle("on", i === joint);
   const b = scene.bones[bone];
-  handles.setBone(b && state && { name: b.name, head: bones.joints[b.head], tail: bones.joints[b.tail],
-    axes: state.axes[bone] }, scene.size);
+  if (!b || !state) return handles.setBone(null, scene.size);
+  bones.choose(bone, joint);
+  handles.setBone(joint < 0
+    ? { name: b.name, head: bones.joints[b.head], tail: bones.joints[b.tail], axes: state.axes[bone] }
+    : { joint: scene.joints[joint], tail: bones.joints[joint], axes: state.axes[bone] }, scene.size);
+  showModes();
+  showBend();
+  showTies();
 }
 
 function toScreen(point) {
@@ -270,6 +351,8 @@ stage.renderer.domElement.addEventListener("pointerdown", (event) => {
 stage.renderer.domElement.addEventListener("pointerup", (event) => {
   if (!pressed || !state || Math.hypot(event.clientX - pressed.x, event.clientY - pressed.y) > 4) return;
   const pixel = new THREE.Vector2(event.clientX, event.clientY);
+  const ball = bones.nearJoint(pixel, toScreen);
+  if (ball >= 0) return pickJoint(ball);
   const drawn = bones.near(pixel, toScreen);
   if (drawn >= 0) return pick(drawn);
   const box = stage.renderer.domElement.getBoundingClientRect();
@@ -282,10 +365,15 @@ stage.renderer.domElement.addEventListener("pointerup", (event) => {
 
 // ---- buttons and keys ------------------------------------------------------------------------------------
 
+function showModes() {
+  for (const button of document.querySelectorAll("[data-mode]"))
+    button.classList.toggle("on", button.dataset.mode === handles.act);
+}
+
 function setMode(mode) {
   handles.setMode(mode);
-  for (const button of document.querySelectorAll("[data-mode]"))
-    button.classList.toggle("on", button.dataset.mode === handles.mode);
+  if (joint >= 0 && !handles.dragging) pick(bone); // back to the bone
+  showModes();
 }
 for (const button of document.querySelectorAll("[data-mode]"))
   button.addEventListener("click", () => setMode(button.dataset.mode));
@@ -310,6 +398,25 @@ byId("limit").addEventListener("change", () => {
   touched.limit = false;
   send({ type: "limit", von_mises: limit > 0 ? limit : null });
 });
+byId("loads").addEventListener("change", () => {
+  const wanted = byId("loads").value;
+  if (send({ type: "loads", loads: wanted }) && wanted === "worst") setBusy(true);
+});
+click("again", () => send({ type: "loads", loads: "worst" }) && setBusy(true));
+byId("tie").addEventListener("change", () => {
+  const [name, other] = [scene.bones[bone].name, byId("tie").value];
+  if (!other) return;
+  const joined = (tie) => tie.includes(name) || tie.includes(other);
+  const together = new Set([name, other, ...state.ties.filter(joined).flat()]);
+  send({ type: "ties", ties: [...state.ties.filter((tie) => !joined(tie)), [...together]] });
+});
+for (const id of ["swing", "twist_low", "twist_high"])
+  byId(id).addEventListener("change", () => {
+    const [swing, low, high] = ["swing", "twist_low", "twist_high"].map((field) => byId(field).value)
+      .map((text) => (text === "" ? null : Number(text)));
+    if ((low === null) !== (high === null)) return; // the other one is still to come
+    send({ type: "bend", bone: scene.bones[bone].name, swing, twist: low === null ? null : [low, high] });
+  });
 byId("deflection").addEventListener("input", () => state && deform());
 byId("range").addEventListener("change", () => state && recolour());
 
@@ -344,14 +451,18 @@ stage.start();
 // For whoever drives the page by script.
 window.barwright = {
   state: () => ({
-    connected, busy, me, bone: scene?.bones[bone]?.name, mode: handles.mode, dragging: handles.dragging,
+    connected, busy, me, bone: scene?.bones[bone]?.name, mode: handles.mode, dragging: handles.dragging, underWay: handles.waiting,
     scene: scene?.scene, revision: state?.revision, maximum: state?.maximum, error: state?.error,
     edits: state?.edits, limit: state?.limit, drag: state?.drag, said: byId("said").textContent,
     canUndo: state?.can_undo, canRedo: state?.can_redo,
     box: body && [...body.geometry.boundingBox.min, ...body.geometry.boundingBox.max],
     positions: state && Array.from(state.positions),
-    rate: arrivals.length,
+    rate: arrivals.length, ...heardOf,
+    joint: scene?.joints[joint], loads: state?.loads, ties: state?.ties, bends: state?.bends, factors: state?.factors, seconds: state?.seconds,
+    joints: state && Object.fromEntries(scene.joints.map((name, i) => [name, state.joints[i]])),
+    arrows: arrows.count,
   }),
+  ball: (name) => toScreen(bones.joints[scene.joints.indexOf(name)]).toArray(),
   handle: (axis) => toScreen(handles.at(axis)).toArray(),
   place: (name) => toScreen(bones.joints[scene.bones.find((b) => b.name === name).head].clone()
     .lerp(bones.joints[scene.bones.find((b) => b.name === name).tail], 0.5)).toArray(),

@@ -1,9 +1,10 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The bones, drawn through the body, and which of them is meant by a place.
+// The bones and joints, drawn through the body, and which of them is meant by a place.
 import * as THREE from "three";
 
 const plain = 0x37474f;
 const chosen = 0xef6c00;
+const white = 0xffffff;
 
 export class Bones {
   constructor(scene) {
@@ -25,10 +26,27 @@ export class Bones {
       body.name = bone.name;
       this.group.add(body);
     }
+    this.rings = [];
+  }
+
+  // A white ball with a rim for every joint.
+  ball() {
+    const make = (width, colour, order) => {
+      const mesh = new THREE.Mesh(new THREE.SphereGeometry(width * this.width, 16, 12),
+        new THREE.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true }));
+      mesh.renderOrder = order;
+      return mesh;
+    };
+    const rim = make(0.72, plain, 3);
+    rim.add(make(0.5, white, 4));
+    this.group.add(rim);
+    return rim;
   }
 
   place(joints) {
     this.joints = joints.map((j) => new THREE.Vector3(...j));
+    while (this.rings.length < joints.length) this.rings.push(this.ball());
+    for (const [i, ring] of this.rings.entries()) ring.position.copy(this.joints[i]);
     const along = new THREE.Vector3();
     for (const [i, bone] of this.list.entries()) {
       const [from, to] = [this.joints[bone.head], this.joints[bone.tail]];
@@ -42,9 +60,18 @@ export class Bones {
     }
   }
 
-  choose(index) {
-    for (const [i, body] of this.group.children.entries())
-      body.material.color.setHex(i === index ? chosen : plain);
+  // The chosen bone, or the chosen joint where one is (else -1).
+  choose(bone, joint) {
+    for (const i of this.list.keys())
+      this.group.children[i].material.color.setHex(i === bone && joint < 0 ? chosen : plain);
+    for (const [i, ring] of this.rings.entries()) ring.material.color.setHex(i === joint ? chosen : plain);
+  }
+
+  // The joint within a few pixels of a place on the screen, else -1.
+  nearJoint(pixel, toScreen, most = 9) {
+    const distances = this.joints.map((j) => pixel.distanceTo(toScreen(j)));
+    const least = Math.min(...distances);
+    return least < most ? distances.indexOf(least) : -1;
   }
 
   // The bone drawn within a few pixels of a place on the screen, else -1.

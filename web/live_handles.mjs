@@ -1,7 +1,8 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The handles on the chosen bone. A drag is told as begin, moves, end. One move at a time is under
-// way: while the engine works on it only the newest wish is kept, so that the part follows the hand
-// as fast as it can and never lags behind it.
+// The handles on the chosen bone or joint. A drag is told as begin, moves, end. One move at a time is
+// under way, until its shape is back: meanwhile only the newest wish is kept. The stresses of a move
+// are not waited for: the session gives them up for the next. So the part follows the hand as fast as
+// it can and never lags behind it.
 import * as THREE from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 
@@ -33,15 +34,19 @@ export class Handles {
     this.setMode("rotate");
   }
 
+  // What a drag does: a joint can be pulled to a place only.
+  get act() {
+    return this.bone?.joint ? "reach" : this.mode;
+  }
+
   setMode(mode) {
     if (this.dragging) return;
     this.mode = mode;
-    this.controls.setMode(mode === "reach" ? "translate" : mode);
-    this.controls.setSpace(mode === "rotate" ? "local" : "world");
     this.place();
   }
 
-  // The bone {name, head, tail, axes} as it stands, or nothing; the size of the body.
+  // The bone {name, head, tail, axes} as it stands, or a joint {joint: its name, tail: its place,
+  // axes}, or nothing; the size of the body.
   setBone(bone, size) {
     this.bone = bone;
     this.size = size;
@@ -51,7 +56,9 @@ export class Handles {
   place() {
     if (!this.bone) return this.controls.detach();
     const { head, tail, axes } = this.bone;
-    this.proxy.position.copy(this.mode === "reach" ? tail : head);
+    this.controls.setMode(this.act === "reach" ? "translate" : this.act);
+    this.controls.setSpace(this.act === "rotate" ? "local" : "world");
+    this.proxy.position.copy(this.act === "reach" ? tail : head);
     this.proxy.scale.set(1, 1, 1);
     const [x, y, z] = [0, 3, 6].map((i) => new THREE.Vector3(axes[i], axes[i + 1], axes[i + 2]));
     this.proxy.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(x, y, z));
@@ -63,16 +70,17 @@ export class Handles {
     this.start = { position: this.proxy.position.clone(), turn: this.proxy.quaternion.clone().invert() };
     this.wanted = null;
     this.waiting = 0;
-    this.dragging = this.send({ type: "begin", bone: this.bone.name, seq: ++this.seq });
+    this.dragging = this.send({ type: "begin", seq: ++this.seq,
+      ...(this.bone.joint ? { joint: this.bone.joint } : { bone: this.bone.name }) });
   }
 
   change() {
     const digits = Math.max(0, 5 - Math.floor(Math.log10(this.size)));
     const metres = (x) => rounded(x, digits);
     const by = this.proxy.position.clone().sub(this.start.position);
-    if (this.mode === "reach") return { reach: this.proxy.position.toArray().map(metres) };
-    if (this.mode === "translate") return { translate: by.toArray().map(metres) };
-    if (this.mode === "scale")
+    if (this.act === "reach") return { reach: this.proxy.position.toArray().map(metres) };
+    if (this.act === "translate") return { translate: by.toArray().map(metres) };
+    if (this.act === "scale")
       return { scale: this.proxy.scale.toArray().map((s) => rounded(Math.min(most, Math.max(least, s)), 3)) };
     const turn = this.proxy.quaternion.clone().multiply(this.start.turn).normalize();
     if (turn.w < 0) turn.set(-turn.x, -turn.y, -turn.z, -turn.w);
@@ -130,13 +138,13 @@ export class Handles {
     const { camera } = this.stage;
     const reach = this.proxy.position.distanceTo(camera.position) *
       1.9 * Math.tan((Math.PI * camera.fov) / 360) * this.controls.size / 4;
-    const local = this.mode === "rotate" || this.mode === "scale";
+    const local = this.act === "rotate" || this.act === "scale";
     const direction = (name) => {
       const v = new THREE.Vector3(+(name === "X"), +(name === "Y"), +(name === "Z"));
       return local ? v.applyQuaternion(this.proxy.quaternion) : v;
     };
-    if (this.mode === "reach" && axis === "XYZ") return this.proxy.position.clone();
-    if (this.mode === "rotate") {
+    if (this.act === "reach" && axis === "XYZ") return this.proxy.position.clone();
+    if (this.act === "rotate") {
       const others = ["X", "Y", "Z"].filter((name) => name !== axis).map(direction);
       return this.proxy.position.clone().addScaledVector(others[0], (0.5 * reach) / Math.SQRT2)
         .addScaledVector(others[1], (0.5 * reach) / Math.SQRT2);

@@ -2,6 +2,7 @@
 // The report's 3D view: a surface that turns, coloured by a field, deformed by a displacement or a
 // swinging mode, with the arrows of the chosen load. Reads the page's #data; needs no network.
 import * as THREE from "three";
+import { Arrows } from "./arrows.mjs";
 import { colourMap } from "./colour.mjs";
 import { data } from "./data.mjs";
 import { drawBar, makeBody, makeStage, number, paint } from "./stage.mjs";
@@ -34,8 +35,7 @@ const position = body.geometry.getAttribute("position");
 scene.add(body);
 const size = aim(body.geometry.boundingBox, data.view || [1, -1.4, 0.8]);
 
-const arrows = new THREE.Group();
-scene.add(arrows);
+const arrows = new Arrows(scene);
 
 // ---- state and controls ----------------------------------------------------------------------------
 
@@ -92,64 +92,12 @@ function deform() {
     byId("scaletext").textContent = motion.kind === "mode" ? "" : `× ${number(shown)}`;
   }
   position.needsUpdate = true;
-  placeArrows();
-}
-
-// An arrow whose tip touches the surface and follows it: `point` is the nearest rest point.
-function nearest(at) {
-  let best = 0;
-  let least = Infinity;
-  for (let i = 0; i < rest.length; i += 3) {
-    const d = (rest[i] - at[0]) ** 2 + (rest[i + 1] - at[1]) ** 2 + (rest[i + 2] - at[2]) ** 2;
-    if (d < least) {
-      least = d;
-      best = i;
-    }
-  }
-  return best;
-}
-
-const red = new THREE.MeshStandardMaterial({ color: 0xc62828, roughness: 0.6 });
-const upwards = new THREE.Vector3(0, 1, 0);
-
-function arrow(force, length) {
-  const head = Math.min(0.35 * length, 0.05 * size);
-  const group = new THREE.Group();
-  const cone = new THREE.Mesh(new THREE.ConeGeometry(0.38 * head, head, 24), red);
-  cone.position.y = -head / 2;
-  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.13 * head, 0.13 * head, length - head, 16), red);
-  shaft.position.y = -(length + head) / 2;
-  group.add(cone, shaft);
-  group.quaternion.setFromUnitVectors(upwards, force.clone().normalize());
-  return group;
+  arrows.place(position.array);
 }
 
 function showArrows() {
-  arrows.clear();
-  const motion = motions[state.motion];
-  const list = (motion && motion.arrows) || [];
-  const largest = Math.max(0, ...list.map((a) => Math.hypot(...a.force)));
-  for (const a of list) {
-    const force = new THREE.Vector3(...a.force);
-    const length = (size * 0.18 * force.length()) / largest;
-    if (!(length > 0)) continue;
-    const one = arrow(force, length);
-    one.userData = { at: a.at, point: nearest(a.at) };
-    arrows.add(one);
-  }
-  placeArrows();
-}
-
-function placeArrows() {
-  for (const one of arrows.children) {
-    const { at, point } = one.userData;
-    const p = position.array;
-    one.position.set(
-      at[0] + p[point] - rest[point],
-      at[1] + p[point + 1] - rest[point + 1],
-      at[2] + p[point + 2] - rest[point + 2],
-    );
-  }
+  arrows.show(motions[state.motion]?.arrows || [], rest, size);
+  arrows.place(position.array);
 }
 
 function select(motion) {
@@ -203,7 +151,7 @@ window.barwright = {
     ...state,
     camera: camera.position.toArray(),
     first: Array.from(position.array.slice(0, 3)),
-    arrows: arrows.children.length,
+    arrows: arrows.count,
     triangles: triangles.length / 3,
   }),
 };

@@ -165,6 +165,8 @@ static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
   workspace *space = &f->store->space[worker];
   for (int64_t t = begin; t < end; t++) {
     const bwi_task *task = &f->plan->task[t];
+    if (worker == 0) /* the caller's thread */
+      bw_progress(f->context, "factor", 0);
     BW_TRY(reserve(f->context, task->stack, &space->stack, &space->stack_size));
     space->fill = 0;
     for (int32_t s = task->first; s <= task->root; s++) {

@@ -15,17 +15,31 @@ local rules = {
   name = {type = "string"}, -- of the files that are exported
   solve = {type = "table"}, -- options of session:solve
   von_mises = {type = "number", above = 0}, -- the limit shown; left out: the material's strength
+  worst = {type = "table"}, -- options of bw.worst_case, for the worst load
+  ties = {type = "table"}, -- lists of names of bones that change alike in the optimisation
   saved = {type = "string"}, -- where the edits go, to be shown
   ready = {type = "function"}, -- called with the address
 }
 
--- As for the report: beside this file when installed, else in the tree that was built.
-local function page()
-  local html = beside.find "live.html"
-  local script = beside.find "live.js"
-  if html and script then return html, script end
-  return nil, "the live view's page is not there: it is bundled by scripts/setup where nodejs and npm "
-    .. "are installed; install them and run scripts/setup again", {status = "unsupported"}
+-- In place of the page where it was not bundled. Everything else of the session goes on.
+local missing = [[
+<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>barwright</title><link rel="icon" href="data:,">
+<style>body { font: 16px/1.5 system-ui, sans-serif; max-width: 34em; margin: 4em auto; }</style></head>
+<body><h1>The page is not there</h1>
+<p>The live view's page is bundled by <code>scripts/setup</code> where Node (the packages nodejs and npm)
+is installed. It was not when barwright was built, which has everything else.</p>
+<p>Install them, run <code>scripts/setup</code> again, and start <code>barwright live</code> again: the
+session goes on with the edits that it has. Until then it can be edited by Lua scripts
+(<code>bw.edit</code>).</p></body></html>
+]]
+
+--- The page, or what is said in its place. As for the report: beside this file when installed, else in
+--- the tree that was built.
+function live.serve_page(server)
+  local html, script = beside.find "live.html", beside.find "live.js"
+  server:serve("", "text/html; charset=utf-8", html and script and html or missing)
+  if html and script then server:serve("live.js", "text/javascript; charset=utf-8", script) end
 end
 
 -- Waits for something to happen, then takes all that is there: what came while the engine worked.
@@ -57,23 +71,21 @@ local function part_with(desk, server)
   while server.client_count > 0 and core.seconds() < until_ do server:receive(0.02) end
 end
 
---- Serves a session until Ctrl-C. Options: port, title, name, solve, von_mises, saved, ready.
+--- Serves a session until Ctrl-C. Options: port, title, name, solve, von_mises, worst, ties, saved,
+--- ready.
 function live.run(session, given)
   local wish = options.read("live", given, rules)
-  local html, script, details = page()
-  if not html then return nil, script, details end
-  local server, message
-  server, message, details = core.live_server {port = wish.port}
+  local server, message, details = core.live_server {port = wish.port}
   if not server then return nil, message, details end
   local desk
   desk, message, details = live_desk.new(session, server, {title = wish.title, name = wish.name,
-    solve = wish.solve, limit = wish.von_mises, saved = wish.saved})
+    solve = wish.solve, limit = wish.von_mises, saved = wish.saved, worst = wish.worst,
+    ties = wish.ties})
   if not desk then
     server:close()
     return nil, message, details
   end
-  server:serve("", "text/html; charset=utf-8", html)
-  server:serve("live.js", "text/javascript; charset=utf-8", script)
+  live.serve_page(server)
   -- Ctrl-C while Lua works is an error; the edits are in the journal by then.
   local fine, why = pcall(function()
     if wish.ready then wish.ready(server.address) end

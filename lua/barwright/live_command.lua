@@ -142,7 +142,8 @@ function command.run(...)
   local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
   local opened
   local fine, message = live.run(session, {port = wish.port, title = about.title or name, name = name,
-    solve = about.solve, von_mises = about.von_mises, saved = saved, ready = function(address)
+    solve = about.solve, von_mises = about.von_mises, worst = about.worst, ties = about.ties,
+    saved = saved, ready = function(address)
       print(address)
       print(("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends."):format(saved))
       io.stdout:flush()

@@ -4,13 +4,15 @@
 --
 -- Nothing of a message is believed: live_message checks it whole before anything is done, and what
 -- the session refuses is told to the page that asked. The session changes by whole edits only. While
--- a handle is dragged, edits are tried on a fork; the end of the drag makes one edit of it.
+-- a handle is dragged, edits are tried on a fork; the end of the drag makes one edit of it. A drag
+-- never lags behind the hand: its solve is given up when a newer move is there.
 --
 -- `server` needs send(client, bytes, options), serve(path, mime, bytes, download) and receive(0), so
 -- that tests can put a table in its place.
 local core = require "barwright.core"
 local json = require "barwright.json"
 local live_frame = require "barwright.live_frame"
+local live_loads = require "barwright.live_loads"
 local live_message = require "barwright.live_message"
 
 local desk = {}
@@ -44,8 +46,10 @@ local function history(session)
   return list
 end
 
--- How long a solve may take before the shape is shown without waiting for it.
+-- Seconds that a solve may take before the shape is shown without waiting for it.
 local patience = 0.1
+-- Seconds that a drag may go without new stresses: then a solve is seen through however the hand moves.
+local longest = 2
 
 local function send_all(self, bytes, key)
   for client in pairs(self.clients) do
@@ -53,27 +57,72 @@ local function send_all(self, bytes, key)
   end
 end
 
+-- While the engine works: what arrives is kept for later. `gives_up(client, kind, text)` is asked of
+-- each; the work is given up once it was true.
+local function meanwhile(self, gives_up, work, ...)
+  local going = true
+  local before = core.progress(function(stage, fraction)
+    while #self.later < 1000 do
+      local client, kind, text = self.server:receive(0)
+      if not client then break end
+      local wanted, keep = gives_up(client, kind, text)
+      if wanted then going = false end
+      if not wanted or keep then self.later[#self.later + 1] = {client, kind, text} end
+    end
+    if self.telling then self.telling(stage, fraction) end
+    return going
+  end)
+  local results = table.pack(pcall(work, ...))
+  core.progress(before)
+  if not results[1] then error(results[2], 0) end
+  return table.unpack(results, 2, results.n)
+end
+
+-- Whether what arrived makes the stresses of a drag's move obsolete: its end does, and for a while
+-- whatever else is of the same window.
+local function overtakes(self)
+  local drag, since = self.drag, self.told
+  return function(client, kind, text)
+    if client ~= drag.client then return false end
+    return kind == "close" or live_message.is(text, "end")
+      or core.seconds() < since + math.max(longest, 2 * self.seconds), true
+  end
+end
+
+local function drag_told(drag)
+  return drag and {client = drag.client, bone = drag.bone, joint = drag.joint, seq = drag.seq} or nil
+end
+
 -- Solves a session or a fork and puts its state in place of the one before. Where it cannot be
--- solved, the shape is told all the same, and why.
+-- solved, the shape is told all the same, and why. The stresses of a drag are left out when a newer
+-- move is there first.
 local function publish(self, shown)
-  local state, start = state_of(shown), core.seconds()
+  local state, start, drag = state_of(shown), core.seconds(), self.drag
   if self.scene.topology ~= state.topology then
     local scene, why = live_frame.scene(state, self.scene.id + 1, self.about)
     if not scene then return nil, why end
     self.scene = scene
     send_all(self, scene.bytes, "scene")
   end
-  if self.seconds > patience then send_all(self, live_frame.shape(self.scene, state), "shape") end
-  local result, why = shown:solve(self.about.solve)
-  self.seconds = core.seconds() - start
+  if self.seconds > patience then
+    send_all(self, live_frame.shape(self.scene, state, drag_told(drag)), "shape")
+  end
+  local result, why, details
+  if drag and self.seconds > patience then
+    result, why, details = meanwhile(self, overtakes(self), live_loads.solve, self, shown)
+  else
+    result, why, details = live_loads.solve(self, shown)
+  end
+  if not result and drag and details and details.status == "cancelled" then return true end
+  self.told = core.seconds()
+  self.seconds = self.told - start
   self.revision = self.revision + 1
-  local drag = self.drag
   local bytes = live_frame.state(self.scene, state, result, {
     revision = self.revision, seconds = self.seconds, limit = self.limit,
     trouble = not result and why or nil, edits = self.session.position - 1,
     can_undo = self.session.position > 1, can_redo = #self.session.history > self.session.position,
-    script = history(self.session),
-    drag = drag and {client = drag.client, bone = drag.bone, seq = drag.seq} or nil})
+    script = history(self.session), loads = live_loads.told(self), ties = self.ties,
+    drag = drag_told(drag)})
   self.state = bytes
   send_all(self, bytes, "state")
   return true
@@ -81,8 +130,24 @@ end
 
 -- ---- editing -------------------------------------------------------------------------------------
 
--- Makes a checked change on a session or a fork.
-local function apply(session, name, change)
+-- A joint gets to a place by turning bones; the root takes everything along.
+local function move_joint(session, name, at)
+  local skeleton = session.skeleton
+  if name ~= skeleton.root then return session:reach({{joint = name, at = at}}) end
+  local joint = skeleton:joint(name)
+  local now, changes = session.joints:rows(joint.index, joint.index):totable()[1], {}
+  for _, bone_name in ipairs(joint.bones) do
+    local by = session:bone(bone_name).translation
+    for k = 1, 3 do by[k] = by[k] + at[k] - now[k] end
+    changes[bone_name] = {translation = by}
+  end
+  return session:pose(changes)
+end
+
+-- Makes a checked change of a bone or a joint, {bone = } or {joint = }, on a session or a fork.
+local function apply(session, of, change)
+  if of.joint then return move_joint(session, of.joint, change.reach) end
+  local name = of.bone
   local bone = session:bone(name)
   if change.rotate then return bone:rotate {axis = change.rotate.axis, degrees = change.rotate.degrees} end
   if change.scale then return bone:scale(change.scale) end
@@ -96,7 +161,7 @@ local function try(drag, change)
   local fork = drag.fork
   if fork.position > 1 then assert(fork:undo()) end
   drag.wanted = change
-  local fine, why = apply(fork, drag.bone, change)
+  local fine, why = apply(fork, drag, change)
   if fine then
     drag.good, drag.refused = change, false
     return true
@@ -110,11 +175,12 @@ local handlers = {}
 
 function handlers.begin(self, client, message)
   if self.drag then
-    return refuse(self, client, message, ("bone %s is being dragged in %s window"):format(self.drag.bone,
-      self.drag.client == client and "this" or "another"))
+    return refuse(self, client, message, ("%s is being dragged in %s window"):format(
+      self.drag.bone or self.drag.joint, self.drag.client == client and "this" or "another"))
   end
-  self.drag = {client = client, bone = message.bone, seq = message.seq, good = false,
-    fork = self.session:fork {refill = false}}
+  self.drag = {client = client, bone = message.bone, joint = message.joint, seq = message.seq,
+    good = false, fork = self.session:fork {refill = false}}
+  self.told = core.seconds() -- what was told before is no hurry
 end
 
 local function own_drag(self, client, message)
@@ -126,8 +192,12 @@ function handlers.move(self, client, message)
   local drag = own_drag(self, client, message)
   if not drag then return end
   drag.seq = message.seq
+  if drag.joint and not message.change.reach then
+    return refuse(self, client, message, "a joint is moved by 'reach'")
+  end
   local fine, why = try(drag, message.change)
   if not fine then return refuse(self, client, message, why) end
+  if message.ends then return end -- the end of the drag is there already
   return publish(self, drag.fork)
 end
 
@@ -139,10 +209,10 @@ local function finish(self, keep)
   local why
   if keep and drag.refused then
     local fine
-    fine, why = apply(self.session, drag.bone, drag.wanted)
+    fine, why = apply(self.session, drag, drag.wanted)
     keep = not fine
   end
-  if keep and drag.good then assert(apply(self.session, drag.bone, drag.good)) end
+  if keep and drag.good then assert(apply(self.session, drag, drag.good)) end
   return why
 end
 
@@ -155,7 +225,7 @@ end
 
 local function no_drag(self, client, message)
   if not self.drag then return true end
-  refuse(self, client, message, ("bone %s is being dragged"):format(self.drag.bone))
+  refuse(self, client, message, ("%s is being dragged"):format(self.drag.bone or self.drag.joint))
 end
 
 local function edit(self, client, message, fine, why)
@@ -165,7 +235,18 @@ end
 
 function handlers.edit(self, client, message)
   if not no_drag(self, client, message) then return end
-  return edit(self, client, message, apply(self.session, message.bone, message.change))
+  if message.joint and not message.change.reach then
+    return refuse(self, client, message, "a joint is moved by 'reach'")
+  end
+  return edit(self, client, message, apply(self.session, message, message.change))
+end
+
+-- How far a bone may turn when a joint is reached for.
+function handlers.bend(self, client, message)
+  if not no_drag(self, client, message) then return end
+  local limit = {swing = message.swing or nil, twist = message.twist or nil}
+  return edit(self, client, message,
+    self.session:limit(message.bone, next(limit) and limit or nil))
 end
 
 for _, word in ipairs {"undo", "redo", "reset"} do
@@ -180,45 +261,58 @@ function handlers.limit(self, _, message)
   return publish(self, self.drag and self.drag.fork or self.session)
 end
 
+--- Bones that change alike when the part is made strong enough.
+function handlers.ties(self, _, message)
+  self.ties = message.ties
+  return publish(self, self.drag and self.drag.fork or self.session)
+end
+
 -- ---- optimising ----------------------------------------------------------------------------------
 
--- While the engine works: tells how far it is, and keeps what arrives for later. False when a page
--- asked to stop.
-local function watch(self)
-  local shown, going = -1, true
-  return function(stage, fraction)
+-- Long work that every page is told of, and any may stop: the results of `work`.
+local function told_of(self, what, work, ...)
+  local shown = -1
+  tell_all(self, {type = "progress", stage = what, fraction = 0})
+  self.telling = function(stage, fraction)
     local now = core.seconds()
-    if now - shown > 0.2 then
-      shown = now
-      tell_all(self, {type = "progress", stage = stage, fraction = fraction})
-    end
-    while #self.later < 1000 do
-      local client, kind, text = self.server:receive(0)
-      if not client then break end
-      if kind == "message" and live_message.is_stop(text) then
-        going = false
-      else
-        self.later[#self.later + 1] = {client, kind, text}
-      end
-    end
-    return going
+    if now - shown < 0.2 then return end
+    shown = now
+    tell_all(self, {type = "progress", stage = stage, fraction = fraction})
   end
+  local results = table.pack(pcall(meanwhile, self, function(_, kind, text)
+    return kind == "message" and live_message.is(text, "stop")
+  end, work, ...))
+  self.telling = nil
+  if not results[1] then return nil, tostring(results[2]) end
+  return table.unpack(results, 2, results.n)
+end
+
+local function stopped(details)
+  return details and details.status == "cancelled"
 end
 
 function handlers.optimise(self, client, message)
   if not no_drag(self, client, message) then return end
   self.limit = message.von_mises
-  tell_all(self, {type = "progress", stage = "optimising", fraction = 0})
-  local before = core.progress(watch(self))
-  local fine, report, why, details = pcall(self.session.optimise, self.session,
-    {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones})
-  core.progress(before)
-  if not fine then
-    report, why = nil, tostring(report)
-  elseif not report and details and details.status == "cancelled" then
-    why = "stopped: the shape is as it was"
-  end
+  local report, why, details = told_of(self, "optimising", self.session.optimise, self.session,
+    {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones,
+      ties = self.ties, loads = self.loads.kind, worst = self.about.worst})
+  if not report and stopped(details) then why = "stopped: the shape is as it was" end
   tell_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
+  return publish(self, self.session)
+end
+
+--- Which loads the stresses are of: the part's own, or the worst ones of the shape as it is.
+function handlers.loads(self, client, message)
+  if not no_drag(self, client, message) then return end
+  if message.loads == "worst" then
+    local fine, why, details = told_of(self, "looking for the worst load", live_loads.find, self)
+    if not fine and stopped(details) then why = "stopped: the loads are what they were" end
+    tell_all(self, {type = "optimised", met = fine ~= nil, message = fine and live_loads.words(self) or why})
+    if not fine then return publish(self, self.session) end
+  else
+    live_loads.own(self)
+  end
   return publish(self, self.session)
 end
 
@@ -261,16 +355,18 @@ end
 
 -- ---- the desk ------------------------------------------------------------------------------------
 
---- A desk for a session. about: {title, name, solve = options of session:solve, limit}
+--- A desk for a session. about: {title, name, solve = options of session:solve, limit, worst = options
+--- of bw.worst_case, ties}
 function desk.new(session, server, about)
   local state = state_of(session)
   local material = session.source.material
   local strength = type(material.strength) == "number" and material.strength or nil
   about = {title = about.title or "Edit session", name = about.name or "part", strength = strength,
     solve = about.solve or (#session.source.supports == 0 and {inertia_relief = true} or nil),
-    limit = about.limit}
+    limit = about.limit, worst = about.worst, ties = about.ties}
   local self = setmetatable({session = session, server = server, about = about, clients = {},
-    revision = 0, seconds = 0, later = {}, limit = about.limit or strength, drag = nil}, desk)
+    revision = 0, seconds = 0, told = 0, later = {}, limit = about.limit or strength,
+    loads = {kind = "own"}, ties = json.list(about.ties or {}), drag = nil}, desk)
   local scene, why, details = live_frame.scene(state, 1, about)
   if not scene then return nil, why, details end
   self.scene = scene
@@ -307,7 +403,8 @@ local function close(self, client)
   end
 end
 
--- Events with their messages read; of moves of one window in a row only the newest counts.
+-- Events with their messages read; of moves of one window in a row only the newest counts, and that
+-- which the end of the drag follows is not solved.
 local function read_all(self, events)
   local out, last = {}, nil
   for _, event in ipairs(events) do
@@ -320,6 +417,10 @@ local function read_all(self, events)
       and last.message.type == "move" and last.client == client then
       last.message = entry.message
     else
+      if last and last.client == client and last.message and entry.message
+        and last.message.type == "move" and entry.message.type == "end" then
+        last.message.ends = true
+      end
       out[#out + 1], last = entry, entry
     end
   end

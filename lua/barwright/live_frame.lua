@@ -47,6 +47,7 @@ function live_frame.scene(state, id, about)
   size = math.sqrt(size[1] ^ 2 + size[2] ^ 2 + size[3] ^ 2)
   return {topology = topology, id = id, nodes = nodes, size = size, bytes = pack({type = "scene",
     scene = id, title = about.title, bones = bones, joints = json.list(skeleton.joint_names),
+    root = skeleton.root,
     colours = live_frame.colours(), strength = about.strength, size = size,
     elements = state.shape.mesh.element_count},
     {{"triangles", "u4", surface.triangles:tostring("<u4", -1)}})}
@@ -74,6 +75,18 @@ local function factors(state)
   return out
 end
 
+-- How far bones may turn when a joint is reached for, in degrees.
+local function bends(state)
+  local out = json.list {}
+  for b = 1, #state.pose do
+    local limit = state.limits[b]
+    out[b] = limit and {swing = limit.swing and math.deg(limit.swing),
+      twist = limit.twist_low and json.list {math.deg(limit.twist_low), math.deg(limit.twist_high)}}
+      or json.null
+  end
+  return out
+end
+
 local function positions(scene, state)
   return {"positions", "f4", state.shape.mesh.nodes:gather(scene.nodes):tostring "<f4"}
 end
@@ -85,8 +98,8 @@ local function place(header, scene, state)
 end
 
 --- A shape alone, to be shown while its stresses are computed.
-function live_frame.shape(scene, state)
-  local header = {type = "shape"}
+function live_frame.shape(scene, state, drag)
+  local header = {type = "shape", drag = drag}
   place(header, scene, state)
   return pack(header, {positions(scene, state)})
 end
@@ -97,6 +110,7 @@ function live_frame.state(scene, state, result, header)
   header.type = "state"
   place(header, scene, state)
   header.factors, header.mesh = factors(state), state.note or "posed"
+  header.bends = bends(state)
   local blocks = {positions(scene, state)}
   if result then
     local stress = result.von_mises

@@ -67,6 +67,15 @@ local function bone(value, desk)
   return nil, "the name of a bone"
 end
 
+local function joint(value, desk)
+  if type(value) == "string" then
+    for _, name in ipairs(desk.session.skeleton.joint_names) do
+      if name == value then return value end
+    end
+  end
+  return nil, "the name of a joint"
+end
+
 local function bones(value, desk)
   if not is_object(value) or #value > 10000 then return nil, "a list of names of bones" end
   local out, count = {}, 0
@@ -76,6 +85,25 @@ local function bones(value, desk)
   end
   for _ in pairs(value) do count = count + 1 end
   if count ~= #out then return nil, "a list of names of bones" end
+  return out
+end
+
+-- Lists of two names and more, no name twice.
+local function ties(value, desk)
+  local expected, known, count = "lists of names of bones, none of them twice", {}, 0
+  if not is_object(value) or #value > 1000 then return nil, expected end
+  local out = json.list {}
+  for i, list in ipairs(value) do
+    local tie = bones(list, desk)
+    if not tie or #tie < 2 then return nil, expected end
+    for _, name in ipairs(tie) do
+      if known[name] then return nil, expected end
+      known[name] = true
+    end
+    out[i] = json.list(tie)
+  end
+  for _ in pairs(value) do count = count + 1 end
+  if count ~= #out then return nil, expected end
   return out
 end
 
@@ -136,22 +164,36 @@ local function change(value, desk)
 end
 
 local stress = number_between(1e-3, 1e15)
-local function stress_or_null(value)
-  if value == json.null then return false end
-  return stress(value)
+
+local function or_null(check)
+  return function(value)
+    if value == json.null then return false end
+    return check(value)
+  end
+end
+
+local function twist(value)
+  local low, high
+  if is_object(value) then low, high = value[1], value[2] end
+  local angle = number_between(-360, 360)
+  if angle(low) and angle(high) and low <= high and #value == 2 then return {low, high} end
+  return nil, "two angles from -360 to 360 degrees, the lower one first"
 end
 
 local nothing = {}
 local types = {
-  begin = {bone = {bone, true}, seq = {whole, true}},
+  begin = {bone = {bone}, joint = {joint}, seq = {whole, true}},
   move = {seq = {whole, true}, change = {change, true}},
   ["end"] = {seq = {whole}, cancel = {flag}},
-  edit = {bone = {bone, true}, change = {change, true}, seq = {whole}},
+  edit = {bone = {bone}, joint = {joint}, change = {change, true}, seq = {whole}},
+  bend = {bone = {bone, true}, swing = {or_null(number_between(0, 180))}, twist = {or_null(twist)}},
+  ties = {ties = {ties, true}},
+  loads = {loads = {one_of("own", "worst"), true}},
   undo = nothing,
   redo = nothing,
   reset = nothing,
   stop = nothing,
-  limit = {von_mises = {stress_or_null, true}},
+  limit = {von_mises = {or_null(stress), true}},
   optimise = {von_mises = {stress, true}, low = {number_between(0.05, 1)}, high = {number_between(1, 20)},
     bones = {bones}},
   export = {format = {one_of("stl", "lua"), true}},
@@ -171,15 +213,18 @@ function live_message.read(text, desk)
   local message
   message, why = read_object(kind, value, fields, desk)
   if not message then return nil, why end
+  if fields.joint and (message.bone == nil) == (message.joint == nil) then
+    return nil, kind .. ": one of 'bone' and 'joint' expected"
+  end
   message.type = kind
   return message
 end
 
---- Whether a text asks to stop what is going on.
-function live_message.is_stop(text)
+--- Whether a text is a message of a type that has few fields ("stop", "end").
+function live_message.is(text, kind)
   if #text > 100 then return false end
   local value = json.decode(text)
-  return is_object(value) and value.type == "stop"
+  return is_object(value) and value.type == kind
 end
 
 return live_message

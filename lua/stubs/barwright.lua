@@ -2030,7 +2030,7 @@ function Bone:reset() end
 
 ---The live view: serves a session as a page on this machine until Ctrl-C. See docs/live.md.
 ---@param session bw.Session
----@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, saved: string, ready: fun(address: string)}
+---@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, worst: bw.WorstCaseOptions, ties: string[][], saved: string, ready: fun(address: string)}
 ---@return bw.Session?
 ---@return string? message
 ---@return table? details

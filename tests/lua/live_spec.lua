@@ -55,6 +55,14 @@ local function hook()
   return shared
 end
 
+-- The last message of a type: a shape may come before the last state, where the machine is busy.
+local function last_of(got, kind)
+  for i = #got, 1, -1 do
+    if got[i].type == kind then return got[i] end
+  end
+  error("there is no " .. kind)
+end
+
 local function scaled(by)
   return {scale = {1, by, by}}
 end
@@ -162,16 +170,135 @@ describe("a desk", function()
     assert.truthy(talk.server.files[file.path]:find("session:reset()", 1, true))
   end)
 
+  it("pulls joints, the root with everything, and keeps to the angles that bones may turn by", function()
+    local talk = desk_on(hook())
+    local before = talk.open(1)[3].joints
+    local function place(name)
+      for j, joint in ipairs(talk.session.skeleton.joint_names) do
+        if joint == name then return j end
+      end
+    end
+    local tip, wall = place "tip", place "wall"
+    local state = talk.say(1, {type = "bend", bone = "nose", swing = 3, twist = bw.json.null})
+    check.near(3, state.bends[2].swing, 1e-12)
+    assert.is_nil(state.bends[2].twist)
+    assert.equal(bw.json.null, state.bends[1])
+    talk.say(1, {type = "begin", joint = "tip", seq = 1})
+    state = talk.say(1, {type = "move", seq = 2, change = {reach = {0.03, 0, 0.05}}})
+    assert.equal("tip", state.drag.joint)
+    assert.is_nil(state.drag.bone)
+    local refused = talk.say(1, {type = "move", seq = 3, change = {reset = true}})
+    assert.truthy(refused.message:find("a joint is moved by 'reach'", 1, true))
+    state = talk.say(1, {type = "end"})
+    assert.truthy(state.script[#state.script]:find("session:reach", 1, true))
+    local swing = state.joints[tip][3] - before[tip][3]
+    assert.is_true(swing > 1e-3)
+    local rotation = talk.session:bone "nose".rotation
+    local trace = rotation[1][1] + rotation[2][2] + rotation[3][3]
+    assert.is_true(math.deg(math.acos(math.min(1, (trace - 1) / 2))) < 3.001)
+    local at = state.joints[wall]
+    local moved = talk.say(1, {type = "edit", joint = "wall", change = {reach = {at[1], at[2], at[3] + 1e-3}}})
+    for j, now in ipairs(moved.joints) do check.near(1e-3, now[3] - state.joints[j][3], 1e-9) end
+    state = talk.say(1, {type = "bend", bone = "nose"})
+    assert.equal(bw.json.null, state.bends[2])
+  end)
+
+  it("ties bones for the optimiser", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    local state = talk.say(1, {type = "ties", ties = {{"arm", "nose"}}})
+    assert.same({{"arm", "nose"}}, state.ties)
+    state = talk.say(1, {type = "optimise", von_mises = 0.8 * state.maximum})
+    check.near(state.factors[1][2], state.factors[2][2], 1e-12)
+    check.near(state.factors[1][3], state.factors[2][3], 1e-12)
+    assert.is_true(state.factors[1][2] > 1.001)
+    state = talk.say(1, {type = "ties", ties = {}})
+    assert.same({}, state.ties)
+  end)
+
+  it("shows the worst load of the shape, and knows when it is of an earlier one", function()
+    local talk = desk_on(hook())
+    local own = talk.open(1)[3]
+    assert.equal("own", own.loads.kind)
+    local state, got = talk.say(1, {type = "loads", loads = "worst"})
+    assert.equal("progress", got[1].type)
+    assert.equal("worst", state.loads.kind)
+    assert.is_false(state.loads.aged)
+    assert.is_true(#state.loads.arrows >= 2)
+    local force, twist = {0, 0, 0}, 0
+    for _, arrow in ipairs(state.loads.arrows) do
+      for k = 1, 3 do force[k] = force[k] + arrow.force[k] end
+      twist = twist + math.abs(arrow.force[1]) + math.abs(arrow.force[2]) + math.abs(arrow.force[3])
+    end
+    for k = 1, 3 do assert.is_true(math.abs(force[k]) < 1e-6 * twist) end -- balanced
+    local part = bw.model {mesh = talk.session.source.mesh, material = talk.session.source.material}
+    local worst = assert(bw.worst_case(part))
+    part:load {nodal = worst:force()}
+    check.near(assert(part:solve {inertia_relief = true}).von_mises:max(), state.maximum, 1e-6)
+    state = talk.say(1, {type = "edit", bone = "nose", change = scaled(1.1)})
+    assert.is_true(state.loads.aged)
+    -- a stop that arrives while it is looked for: what was found before stays
+    talk.server.waiting = {{1, "message", '{"type":"stop"}'}}
+    state, got = talk.say(1, {type = "loads", loads = "worst"})
+    assert.truthy(last_of(got, "optimised").message:find("stopped", 1, true))
+    assert.is_true(state.loads.aged)
+    state = talk.say(1, {type = "loads", loads = "own"})
+    assert.equal("own", state.loads.kind)
+    assert.equal(0, #(state.loads.arrows or {}))
+    state = talk.say(1, {type = "undo"})
+    check.near(own.maximum, state.maximum, 1e-9)
+  end)
+
+  it("gives up the stresses of a move that a newer one overtakes, but not for ever", function()
+    local talk = desk_on(hook())
+    talk.open(1)
+    local function move(seq, by)
+      return bw.json.encode {type = "move", seq = seq, change = scaled(by)}
+    end
+    local function kinds(got)
+      local out = {}
+      for _, message in ipairs(got) do
+        out[#out + 1] = message.type .. (message.drag and message.drag.seq or "")
+      end
+      return table.concat(out, " ")
+    end
+    talk.say(1, {type = "begin", bone = "nose", seq = 1})
+    talk.desk.seconds, talk.server.waiting = 1, {{1, "message", move(3, 1.2)}}
+    local _, got = talk.say(1, move(2, 1.1))
+    assert.equal("shape2 shape3 state3", kinds(got))
+    -- another window's message, and a drag that has had no stresses for long, wait
+    talk.desk.seconds, talk.server.waiting = 1, {{2, "message", '{"type":"undo"}'}}
+    _, got = talk.say(1, move(4, 1.3))
+    assert.equal("shape4 state4", kinds(got))
+    talk.desk.seconds, talk.desk.told = 1, -100
+    talk.server.waiting = {{1, "message", move(6, 1.5)}}
+    _, got = talk.say(1, move(5, 1.4))
+    assert.equal("shape5 state5 state6", (kinds(got):gsub("shape6 ", ""))) -- shape6: on a busy machine
+    -- the end of a drag overtakes it too, and what it leaves is the last move
+    talk.desk.seconds, talk.server.waiting = 1, {{1, "message", '{"type":"end"}'}}
+    local state
+    state, got = talk.say(1, move(7, 1.25))
+    assert.equal("shape7 shape state", kinds(got))
+    check.near(1.25, state.factors[2][2], 1e-12)
+    check.near(assert(talk.session:solve {method = "scratch"}).von_mises:max(), state.maximum, 1e-8)
+    -- in one batch the move before the end is not solved at all
+    talk.say(1, {type = "begin", bone = "nose", seq = 8})
+    talk.desk.seconds = 0
+    state, got = talk.say(1, move(9, 0.8), {type = "end"})
+    assert.equal("state", kinds(got))
+    check.near(1, state.factors[2][2], 1e-12)
+  end)
+
   it("optimises, says why not, and stops when asked", function()
     local talk = desk_on(hook())
     talk.open(1)
     local last, all = talk.say(1, {type = "optimise", von_mises = 30e6})
-    assert.is_true(all[#all - 1].met)
+    assert.is_true(last_of(all, "optimised").met)
     assert.truthy(last.maximum <= 30e6 * 1.0001)
     assert.equal(1, last.edits)
     last, all = talk.say(1, {type = "optimise", von_mises = 1e3})
-    assert.is_false(all[#all - 1].met)
-    assert.truthy(#all[#all - 1].message > 20)
+    assert.is_false(last_of(all, "optimised").met)
+    assert.truthy(#last_of(all, "optimised").message > 20)
     assert.equal(1, last.edits)
     -- What arrives while the engine works is kept for afterwards.
     talk.server.waiting = {{1, "message", '{"type":"undo"}'}, {1, "message", '{"type":"stop"}'}}
@@ -334,6 +461,19 @@ describe("barwright live", function()
     local status, out = check.run "live --help"
     assert.equal(0, status)
     assert.truthy(out:find("usage: barwright live", 1, true))
+  end)
+
+  it("serves a message where the page was not bundled", function()
+    local server, pages = {}, {}
+    function server.serve(_, path, mime, bytes) pages[path] = {mime, bytes} end
+    local beside = require "barwright.beside"
+    local find = beside.find
+    beside.find = function(name) return name ~= "live.js" and find(name) or nil end
+    local fine, why = pcall(require("barwright.live").serve_page, server)
+    beside.find = find
+    assert(fine, why)
+    assert.truthy(pages[""][2]:find("nodejs and npm", 1, true))
+    assert.is_nil(pages["live.js"])
   end)
 
   it("serves a page, ends at Ctrl-C, and goes on with the edits that were kept", function()

@@ -1,81 +1,13 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 // The live view in headless Chromium: handles dragged with the mouse, undo, a second window, a window
 // that is closed in the midst of a drag, the exports, the saved script.
-import { execFileSync, spawn } from "node:child_process";
-import fs from "node:fs";
+import { execFileSync } from "node:child_process";
 import path from "node:path";
-
-// Starts `barwright live` on the tests' session; gives its address and a way to end it.
-function start(root, folder, session) {
-  const file = path.join(folder, "hook.lua");
-  fs.copyFileSync(session, file);
-  const child = spawn(path.join(root, "build/barwright"), ["live", file, "--no-open"], {
-    cwd: root,
-    env: { ...process.env, BARWRIGHT_QUIET: "1" },
-  });
-  let out = "";
-  let err = "";
-  child.stderr.on("data", (text) => (err += text));
-  const ended = new Promise((resolve) => child.on("exit", (code) => resolve(code)));
-  const address = new Promise((resolve, reject) => {
-    child.stdout.on("data", (text) => {
-      out += text;
-      const found = out.match(/http:\/\/\S+/);
-      if (found) resolve(found[0]);
-    });
-    ended.then((code) => reject(new Error(`ended with ${code}: ${out}${err}`)));
-  });
-  address.catch(() => {});
-  return { child, address, ended, text: () => out + err, edits: path.join(folder, "hook.edits.lua") };
-}
+import { begin, difference } from "./live_driver.mjs";
 
 export async function live({ browser, root, folder, test, assert, pictures }) {
-  const server = start(root, folder, path.join(root, "tests/lua/live_session.lua"));
-  const address = await server.address;
-  const context = await browser.newContext({ viewport: { width: 1280, height: 860 }, acceptDownloads: true });
-  const problems = [];
-
-  async function open() {
-    const page = await context.newPage();
-    page.on("pageerror", (error) => problems.push(error.message));
-    page.on("console", (line) => line.type() === "error" && problems.push(line.text()));
-    await page.goto(address);
-    await until(page, () => window.barwright?.state().revision > 0);
-    return page;
-  }
-  const state = (page) => page.evaluate(() => window.barwright.state());
-  // page.waitForFunction evaluates text inside the page, which the page's policy forbids.
-  async function until(page, what, argument) {
-    for (const start = Date.now(); Date.now() - start < 20000; await page.waitForTimeout(30))
-      if (await page.evaluate(what, argument)) return;
-    throw new Error(`in vain: ${what} with ${argument}; ${JSON.stringify({ ...(await state(page)), positions: 0 })}`);
-  }
-  const picture = (page, name) => pictures && page.screenshot({ path: path.join(pictures, `${name}.png`) });
-  const difference = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i])));
-
-  // Takes a handle of the chosen bone with the mouse and pulls it; leaves the button down.
-  async function grab(page, axis, dx, dy) {
-    const [x, y] = await page.evaluate((a) => window.barwright.handle(a), axis);
-    await page.mouse.move(x - 3, y - 3);
-    await page.mouse.move(x, y, { steps: 3 });
-    await page.mouse.down();
-    await page.mouse.move(x + dx, y + dy, { steps: 8 });
-  }
-  async function drag(page, axis, dx, dy) {
-    const before = await state(page);
-    await grab(page, axis, dx, dy);
-    await page.mouse.up();
-    await until(page, (edits) => {
-      const now = window.barwright.state();
-      return now.edits === edits + 1 && !now.drag;
-    }, before.edits);
-    return [before, await state(page)];
-  }
-  const pick = async (page, bone) => {
-    const [x, y] = await page.evaluate((b) => window.barwright.place(b), bone);
-    await page.mouse.click(x, y);
-    await until(page, (b) => window.barwright.state().bone === b, bone);
-  };
+  const drive = await begin({ browser, root, folder, pictures, session: "tests/lua/live_session.lua" });
+  const { server, context, problems, address, open, state, until, picture, grab, drag, pick } = drive;
 
   const page = await open();
 

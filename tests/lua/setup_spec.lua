@@ -1,0 +1,67 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- scripts/setup with and without Node, in a copy of the project whose CMake and Node only write down
+-- that they were called.
+local check = require "check"
+
+local tools = "bash env dirname grep mkdir find nproc tail touch id cat rm"
+
+-- Runs setup in a folder with these programs: exit status and what it printed.
+local function set_up(folder, programs)
+  local made = {("mkdir -p %s/bin %s/scripts %s/web"):format(folder, folder, folder),
+    ("cp %s/scripts/setup %s/scripts/packages.txt %s/scripts/"):format(check.root, check.root, folder),
+    ("cp %s/web/*.mjs %s/web/*.json %s/web/"):format(check.root, check.root, folder),
+    ("for t in %s; do ln -sf \"$(command -v $t)\" %s/bin/; done"):format(tools, folder)}
+  assert(os.execute(table.concat(made, " && ")))
+  for name, text in pairs(programs) do
+    check.write(folder .. "/bin/" .. name, "#!/bin/bash\n" .. text .. "\n")
+    assert(os.execute(("chmod +x %s/bin/%s"):format(folder, name)))
+  end
+  local _, _, status = os.execute(("cd %s && PATH=%s/bin scripts/setup --no-install >out 2>&1"):format(folder,
+    folder))
+  return status, check.read(folder .. "/out")
+end
+
+local cmake = 'echo "$@" >>called'
+
+local function exists(path)
+  local file = io.open(path, "rb")
+  if file then file:close() end
+  return file ~= nil
+end
+
+describe("scripts/setup", function()
+  it("builds everything but the pages' scripts where there is no Node", function()
+    local folder = check.folder()
+    local status, out = set_up(folder, {cmake = cmake})
+    assert.equal(0, status, out)
+    assert.truthy(out:find("no Node", 1, true), out)
+    assert.truthy(out:find("there is no live view", 1, true), out)
+    local called = check.read(folder .. "/called")
+    assert.truthy(called:find("-S . -B build", 1, true), called)
+    assert.truthy(called:find("--build build", 1, true), called)
+    assert.is_false(exists(folder .. "/build/web/live.js"))
+  end)
+
+  it("bundles the pages where there is, and again only when they changed", function()
+    local folder = check.folder()
+    local programs = {cmake = cmake, node = "true", npm = "mkdir -p node_modules",
+      npx = 'for last; do :; done; echo bundle >"${last#--outfile=}"; echo "$@" >>../bundled'}
+    local status, out = set_up(folder, programs)
+    assert.equal(0, status, out)
+    assert.is_true(exists(folder .. "/build/web/live.js"))
+    assert.is_true(exists(folder .. "/build/web/viewer.js"))
+    local _, first = check.read(folder .. "/bundled"):gsub("\n", "")
+    assert.equal(2, first)
+    assert(os.execute(("cd %s && PATH=%s/bin scripts/setup --no-install >out 2>&1"):format(folder, folder)))
+    local _, second = check.read(folder .. "/bundled"):gsub("\n", "")
+    assert.equal(2, second)
+  end)
+
+  it("goes on where the packages of the pages cannot be had", function()
+    local folder = check.folder()
+    local status, out = set_up(folder, {cmake = cmake, node = "true", npm = "exit 1", npx = "exit 1"})
+    assert.equal(0, status, out)
+    assert.truthy(out:find("npm failed", 1, true), out)
+    assert.truthy(check.read(folder .. "/called"):find("--build build", 1, true))
+  end)
+end)
