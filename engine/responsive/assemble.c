@@ -116,62 +116,39 @@ bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, in
 
 /* ---- prescribed unknowns ------------------------------------------------------------------- */
 
-typedef struct prescription {
-  const bw_plane_graph *graph;
-  int components;
-  const uint8_t *held;
-  const double *prescribed;
-  double *values, *rhs;
-  double scale[BWI_MOST_COMPONENTS]; /* diagonal entries of held rows */
-} prescription;
-
-static bw_status prescribe_rows(void *data, int64_t begin, int64_t end, int worker) {
-  const prescription *d = data;
-  const bw_plane_graph *graph = d->graph;
-  const int C = d->components;
-  (void)worker;
-  for (int64_t i = begin; i < end; i++) {
-    const uint8_t *held = d->held + i * C;
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
-      int64_t j = graph->column[p];
-      double *a = d->values + C * C * p;
-      for (int c = 0; c < C; c++) {
-        bool column_held = d->held[j * C + c] != 0;
-        for (int r = 0; r < C; r++) {
-          if (!column_held && !held[r])
-            continue;
-          if (column_held && !held[r] && d->rhs)
-            d->rhs[i * C + r] -= a[C * r + c] * d->prescribed[j * C + c];
-          a[C * r + c] = i == j && r == c ? d->scale[r] : 0;
-        }
-      }
-    }
-    if (d->rhs)
-      for (int r = 0; r < C; r++)
-        if (held[r])
-          d->rhs[i * C + r] = d->scale[r] * d->prescribed[i * C + r];
-  }
-  return BW_OK;
-}
-
+/* Rows and columns of the held unknowns alone are walked, the columns through the mirrors of the
+ * rows: few nodes are held. */
 bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, int components,
                              const uint8_t *held, const double *prescribed, double *values,
                              double *rhs) {
+  const int C = components, square = C * C;
+  double scale[BWI_MOST_COMPONENTS];
   bw_status status = check_components(context, components);
   if (status != BW_OK)
     return status;
-  prescription d = {.graph = graph,
-                    .components = components,
-                    .held = held,
-                    .prescribed = prescribed,
-                    .values = values,
-                    .rhs = rhs};
-  int square = components * components;
-  for (int c = 0; c < components; c++) {
+  for (int c = 0; c < C; c++) {
     double sum = 0;
     for (int32_t i = 0; i < graph->node_count; i++)
-      sum += fabs(values[square * graph->diagonal[i] + (components + 1) * c]);
-    d.scale[c] = sum > 0 && isfinite(sum) ? sum / graph->node_count : 1;
+      sum += fabs(values[square * graph->diagonal[i] + (C + 1) * c]);
+    scale[c] = sum > 0 && isfinite(sum) ? sum / graph->node_count : 1;
   }
-  return bw_parallel(context, graph->node_count, BWI_GRAIN_NODES, prescribe_rows, &d);
+  for (int64_t i = 0; i < graph->node_count; i++)
+    for (int c = 0; c < C; c++) {
+      if (!held[i * C + c])
+        continue;
+      for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
+        int64_t j = graph->column[p];
+        double *row = values + square * p, *column = values + square * graph->mirror[p];
+        for (int r = 0; r < C; r++) {
+          if (rhs && !held[j * C + r])
+            rhs[j * C + r] -= column[C * r + c] * prescribed[i * C + c];
+          row[C * c + r] = 0;
+          column[C * r + c] = 0;
+        }
+      }
+      values[square * graph->diagonal[i] + (C + 1) * c] = scale[c];
+      if (rhs)
+        rhs[i * C + c] = scale[c] * prescribed[i * C + c];
+    }
+  return BW_OK;
 }

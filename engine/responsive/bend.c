@@ -233,7 +233,9 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_newton_op
   n.inside = room + 3 * n.size;
   BW_TRY(bwi_bend_prepare(context, sheet, &n.bend));
   BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
-  BW_TRY(bwi_sheet_check_free(context, sheet));
+  if (!inner->held_checked)
+    BW_TRY(bwi_sheet_check_free(context, sheet));
+  inner->held_checked = true;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   inner->matrix_step[0] = 0; /* the matrix is used for tangents */
   memcpy(n.u, sheet->displacement, n.size * sizeof(double));

@@ -126,7 +126,9 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_o
   kept->pattern = !made;
   kept->solution = inner->solved;
   BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
-  BW_TRY(bwi_sheet_check_free(context, sheet));
+  if (!inner->held_checked)
+    BW_TRY(bwi_sheet_check_free(context, sheet));
+  inner->held_checked = true;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   memcpy(inner->matrix, inner->stiffness, 4 * (size_t)inner->graph->pair_count * sizeof(double));

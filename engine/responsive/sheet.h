@@ -81,6 +81,7 @@ struct bwi_sheet {
   bool stiffness_current; /* of the mesh as it is; so also mass */
   double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: nothing that
                              lasts, -1: the statics of the mesh as it is */
+  bool held_checked;      /* no piece of this topology is free */
   bool solved;            /* displacement is a solution of some mesh */
   bool large;             /* by bw_sheet_bend */
   bool moving;            /* acceleration fits displacement and velocity */
@@ -121,6 +122,9 @@ bw_status bwi_sheet_prepare(bw_context *context, bw_sheet *sheet, bool *made);
 /* Stiffness and mass of the mesh as it is, unless they are so already. */
 bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet);
 bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet);
+/* The same for three-node elements, in closed form (sheet_tri3.c). */
+bw_status bwi_sheet_tri3_stiffness(bw_context *context, const bw_sheet *sheet, double *values);
+bw_status bwi_sheet_tri3_mass(bw_context *context, const bw_sheet *sheet, double *values);
 /* Forces of gravity, tractions and pressures at a time: into inner->force. */
 bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time);
 /* inner->held and inner->prescribed at a time. */

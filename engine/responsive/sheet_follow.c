@@ -55,6 +55,7 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
     if (level >= BW_LEVEL_RECONNECTING) {
       bw_release(inner->graph);
       inner->graph = NULL;
+      inner->held_checked = false;
       drop(&inner->stiffness);
       drop(&inner->matrix);
       drop(&inner->room);

@@ -21,8 +21,9 @@ static bw_status inverted(bw_context *context, int32_t element) {
 
 /* K_ab = integral of B_a^T D B_b t, where B_a is the matrix that makes strains of the displacement
  * of node a: rows (x 0), (0 y), (y x) of its gradient. */
-static inline __attribute__((always_inline)) bw_status element_stiffness(const loop *l, int32_t e,
-                                                                         int N, double *k) {
+static bw_status stiffness6(void *data, int32_t e, double *k) {
+  enum { N = 6 };
+  const loop *l = data;
   const bwi_section *section = bwi_section_of(l->sheet, e);
   double x[6][2], g[6][2];
   bwi_element_points(l->sheet->mesh, e, N, x);
@@ -48,13 +49,6 @@ static inline __attribute__((always_inline)) bw_status element_stiffness(const l
     }
   }
   return BW_OK;
-}
-
-static bw_status stiffness3(void *data, int32_t e, double *k) {
-  return element_stiffness(data, e, 3, k);
-}
-static bw_status stiffness6(void *data, int32_t e, double *k) {
-  return element_stiffness(data, e, 6, k);
 }
 
 static bw_status element_mass(void *data, int32_t e, double *m) {
@@ -108,11 +102,14 @@ bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet) {
   if (inner->stiffness_current)
     return BW_OK;
   loop l = {.sheet = sheet};
-  int order = sheet->mesh->topology->nodes->order;
-  bwi_rule_create(order, order == 1 ? 1 : 2, &l.rule);
-  bw_status status =
-      bwi_plane_assemble(context, inner->graph, 2, order == 1 ? stiffness3 : stiffness6, &l,
-                         inner->room, inner->stiffness);
+  bw_status status;
+  if (sheet->mesh->topology->nodes->order == 1) {
+    status = bwi_sheet_tri3_stiffness(context, sheet, inner->stiffness);
+  } else {
+    bwi_rule_create(2, 2, &l.rule);
+    status =
+        bwi_plane_assemble(context, inner->graph, 2, stiffness6, &l, inner->room, inner->stiffness);
+  }
   if (status == BW_GEOMETRY)
     for (int32_t e = 0; e < sheet->mesh->topology->element_count; e++)
       if (!(bw_plane_element_quality(sheet->mesh, e) > 0))
@@ -132,14 +129,17 @@ bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
     if (!(inner->section[k].density > 0))
       return bw_fail(context, BW_INVALID, "material '%s' has no density: motion needs one (kg/m3)",
                      inner->material[k]->name);
-  loop l = {.sheet = sheet};
-  int order = sheet->mesh->topology->nodes->order;
-  bwi_rule_create(order, 2 * order, &l.rule);
   double *mass = BW_NEW(context, double, inner->graph->pair_count);
   if (!mass)
     return BW_MEMORY;
-  bw_status status =
-      bwi_plane_assemble(context, inner->graph, 1, element_mass, &l, inner->room, mass);
+  loop l = {.sheet = sheet};
+  bw_status status;
+  if (sheet->mesh->topology->nodes->order == 1) {
+    status = bwi_sheet_tri3_mass(context, sheet, mass);
+  } else {
+    bwi_rule_create(2, 4, &l.rule);
+    status = bwi_plane_assemble(context, inner->graph, 1, element_mass, &l, inner->room, mass);
+  }
   if (status == BW_OK)
     inner->mass = mass;
   else
