@@ -4,7 +4,8 @@
 --   build/barwright scripts/verification/edit.lua [--full] [--only TEXT] [--scene NAME]
 --       [--models FOLDER] [--out FILE]
 -- --full: 500 sequences of edits, scenes with the paper's numbers of elements. --only: parts whose
--- name holds the text; nothing is written then. --scene: one of scripts/agile instead of all.
+-- name holds the text; nothing is written then. --scene: one of scripts/agile instead of all; with
+-- --json its rows go to standard output, on one thread.
 -- --models: a folder of closed surfaces to find skeletons in.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
@@ -18,6 +19,7 @@ for i, a in ipairs(arg) do
   if a == "--full" then wish.full = true end
   if a == "--only" then only = arg[i + 1] end
   if a == "--scene" then wish.scene = arg[i + 1] end
+  if a == "--json" then wish.json = bw.threads(1) end
   if a == "--models" then wish.models = arg[i + 1] end
   if a == "--out" then out = arg[i + 1] end
 end
@@ -56,27 +58,37 @@ write ""
 write("Made by `build/barwright scripts/verification/edit.lua%s`. Theory: [edit.md](theory/edit.md).",
   wish.full and " --full" or "")
 write ""
+local parts = {}
 for _, name in ipairs {"equations", "calculix", "slopes", "optimum", "mending", "skeletons"} do
-  local part = not (only and not name:find(only, 1, true)) and require("edit_" .. name)
+  local part = (not only or name:find(only, 1, true)) and require("edit_" .. name)
   if part then
-    local start = bw.seconds()
-    local rows, tables = part.run(wish)
-    print(("   %s took %.0f s"):format(name, bw.seconds() - start))
-    if rows then
-      write("### %s", part.title)
+    parts[#parts + 1] = {name, part}
+    if part.begin then part.begin(wish) end
+  end
+end
+if wish.json then
+  for _, named in ipairs(parts) do print("rows " .. bw.json.encode((named[2].run(wish)))) end
+  os.exit(0, true)
+end
+for _, named in ipairs(parts) do
+  local name, part = named[1], named[2]
+  local start = bw.seconds()
+  local rows, tables = part.run(wish)
+  print(("   %s took %.0f s"):format(name, bw.seconds() - start))
+  if rows then
+    write("### %s", part.title)
+    write ""
+    write("%s", part.text)
+    write ""
+    if #rows > 0 then
+      write "| quantity | figure | allowed | how |"
+      write "|---|---|---|---|"
+      for _, row in ipairs(rows) do show_row(part.title, row) end
       write ""
-      write("%s", part.text)
-      write ""
-      if #rows > 0 then
-        write "| quantity | figure | allowed | how |"
-        write "|---|---|---|---|"
-        for _, row in ipairs(rows) do show_row(part.title, row) end
-        write ""
-      end
-      for _, t in ipairs(tables or {}) do
-        if t.text then write("%s\n", t.text) end
-        show_table(t.heads, t.rows)
-      end
+    end
+    for _, t in ipairs(tables or {}) do
+      if t.text then write("%s\n", t.text) end
+      show_table(t.heads, t.rows)
     end
   end
 end
