@@ -84,6 +84,31 @@ static inline double *limbs_weights(const bw_mesh *mesh, const bw_skeleton *skel
   return weight;
 }
 
+/* A body, its bones, and weights of that sharpness. */
+typedef struct limbs {
+  bw_mesh *mesh;
+  bw_skeleton *skeleton;
+  double *weight;
+} limbs;
+
+static inline limbs limbs_of_bar(bw_context *context, int order, int n, double sharpness) {
+  limbs l = {limbs_bar(context, order, n), limbs_bar_bones(context), NULL};
+  l.weight = limbs_weights(l.mesh, l.skeleton, sharpness);
+  return l;
+}
+
+static inline limbs limbs_of_cross(bw_context *context, int order, double sharpness) {
+  limbs l = {limbs_cross(context, order), limbs_cross_bones(context), NULL};
+  l.weight = limbs_weights(l.mesh, l.skeleton, sharpness);
+  return l;
+}
+
+static inline void limbs_drop(limbs *l) {
+  free(l->weight);
+  bw_release(l->mesh);
+  bw_release(l->skeleton);
+}
+
 static inline void limbs_turn(double rotation[9], const double axis[3], double angle) {
   double length = bw_norm(axis), c = cos(angle), s = sin(angle);
   double a[3] = {axis[0] / length, axis[1] / length, axis[2] / length};

@@ -23,16 +23,14 @@ static double middle(const bw_mesh *mesh, int32_t e, int axis) {
 static void test_bar(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
-    bw_mesh *mesh = limbs_bar(context, order, 4);
-    bw_skeleton *skeleton = limbs_bar_bones(context);
-    double *weight = limbs_weights(mesh, skeleton, 20);
-    bw_domains *d = make(context, mesh, skeleton, weight, 0.95);
+    limbs l = limbs_of_bar(context, order, 4, 20);
+    bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95);
     assert_int_equal(d->count, 5);
     assert_int_equal(d->rigid_count, 3);
     for (int b = 0; b < 3; b++)
       assert_int_equal(d->bone_of[b], b);
-    for (int32_t e = 0; e < mesh->element_count; e++) {
-      double x = middle(mesh, e, 0);
+    for (int32_t e = 0; e < l.mesh->element_count; e++) {
+      double x = middle(l.mesh, e, 0);
       if (fabs(x - 1) < 0.05)
         assert_int_equal(d->element_domain[e], 3);
       if (fabs(x - 1.5) < 0.2)
@@ -52,9 +50,7 @@ static void test_bar(void **state) {
     assert_null(bw_remark_at(context, 0));
     assert_true(bw_bytes(d) > sizeof *d);
     bw_release(d);
-    free(weight);
-    bw_release(mesh);
-    bw_release(skeleton);
+    limbs_drop(&l);
   }
 }
 
@@ -227,68 +223,58 @@ static void test_what_no_bone_claims(void **state) {
 /* An island of low weights inside one bone's elements joins them: it would follow it anyway. */
 static void test_island(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_bar(context, 1, 4);
-  bw_skeleton *skeleton = limbs_bar_bones(context);
-  double *weight = limbs_weights(mesh, skeleton, 20);
-  for (int32_t i = 0; i < mesh->node_count; i++)
-    if (fabs(mesh->node[3 * i] - 2.6) < 0.01 && fabs(mesh->node[3 * i + 1]) < 0.01) {
-      weight[3 * i + 1] = 0.3;
-      weight[3 * i + 2] = 0.7;
-      weight[3 * i] = 0;
+  limbs l = limbs_of_bar(context, 1, 4, 20);
+  for (int32_t i = 0; i < l.mesh->node_count; i++)
+    if (fabs(l.mesh->node[3 * i] - 2.6) < 0.01 && fabs(l.mesh->node[3 * i + 1]) < 0.01) {
+      l.weight[3 * i + 1] = 0.3;
+      l.weight[3 * i + 2] = 0.7;
+      l.weight[3 * i] = 0;
     }
-  bw_domains *d = make(context, mesh, skeleton, weight, 0.95);
+  bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95);
   assert_int_equal(d->count, 5);
   bw_release(d);
-  free(weight);
-  bw_release(mesh);
-  bw_release(skeleton);
+  limbs_drop(&l);
 }
 
 static void test_thresholds(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_bar(context, 1, 4);
-  bw_skeleton *skeleton = limbs_bar_bones(context);
-  double *weight = limbs_weights(mesh, skeleton, 20);
+  limbs l = limbs_of_bar(context, 1, 4, 20);
   const double own[3] = {0, 0.999, 0};
   bw_domains_options options = {0.95, own, 0};
-  bw_domains *usual = make(context, mesh, skeleton, weight, 0.95), *strict, *none;
-  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &strict));
+  bw_domains *usual = make(context, l.mesh, l.skeleton, l.weight, 0.95), *strict, *none;
+  check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &strict));
   check_ok(context, bw_domains_check(context, strict));
   assert_true(strict->elements[1] < usual->elements[1]);
   assert_int_equal(strict->elements[0], usual->elements[0]);
   options.threshold = 1.5;
   check_fails(context, BW_INVALID, "1.5",
-              bw_domains_create(context, mesh, skeleton, weight, &options, &none));
-  weight[3 * 17] += 0.5;
+              bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
+  l.weight[3 * 17] += 0.5;
   check_fails(context, BW_INVALID, "node 18",
-              bw_domains_create(context, mesh, skeleton, weight, NULL, &none));
-  weight[3 * 17] = NAN;
+              bw_domains_create(context, l.mesh, l.skeleton, l.weight, NULL, &none));
+  l.weight[3 * 17] = NAN;
   check_fails(context, BW_INVALID, "node 18",
-              bw_domains_create(context, mesh, skeleton, weight, NULL, &none));
+              bw_domains_create(context, l.mesh, l.skeleton, l.weight, NULL, &none));
   bw_release(usual);
   bw_release(strict);
-  free(weight);
-  bw_release(mesh);
-  bw_release(skeleton);
+  limbs_drop(&l);
 }
 
 /* Weights that reach 0.95 nowhere: as many elements as asked for become each bone's, the surest
  * first; a bone with a threshold of its own keeps it. */
 static void test_share(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_bar(context, 1, 4);
-  bw_skeleton *skeleton = limbs_bar_bones(context);
-  double *weight = limbs_weights(mesh, skeleton, 3);
-  bw_domains *none = make(context, mesh, skeleton, weight, 0.95), *d;
+  limbs l = limbs_of_bar(context, 1, 4, 3);
+  bw_domains *none = make(context, l.mesh, l.skeleton, l.weight, 0.95), *d;
   assert_true(none->rigid_count < 3);
   bw_clear_remarks(context);
   for (int i = 1; i <= 2; i++) {
     bw_domains_options options = {0.95, NULL, i == 1 ? 0 : 0.6};
-    check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &d));
+    check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
     check_ok(context, bw_domains_check(context, d));
     assert_int_equal(d->rigid_count, 3);
     for (int b = 0; b < 3; b++) { /* each bone moves a third most; cells are alike */
-      double part = 3.0 * d->elements[b] / mesh->element_count;
+      double part = 3.0 * d->elements[b] / l.mesh->element_count;
       check_near(part, i == 1 ? 0.35 : 0.6, 0.1);
     }
     assert_non_null(strstr(bw_remark_at(context, 0), "3 of 3 bones were lowered"));
@@ -297,30 +283,26 @@ static void test_share(void **state) {
   }
   const double own[3] = {0, 0.99, 0};
   bw_domains_options options = {0.95, own, 0.5};
-  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &d));
+  check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
   assert_int_equal(d->rigid_count, 2);
   options.share = 1.5;
   check_fails(context, BW_INVALID, "share of 1.5",
-              bw_domains_create(context, mesh, skeleton, weight, &options, &none));
+              bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
   bw_release(d);
   bw_release(none);
-  free(weight);
-  bw_release(mesh);
-  bw_release(skeleton);
+  limbs_drop(&l);
 }
 
 static void test_assign(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_bar(context, 1, 4);
-  bw_skeleton *skeleton = limbs_bar_bones(context);
-  double *weight = limbs_weights(mesh, skeleton, 20);
-  bw_domains *d = make(context, mesh, skeleton, weight, 0.95), *changed = NULL, *back;
-  int32_t *element = malloc((size_t)mesh->element_count * sizeof *element), count = 0;
+  limbs l = limbs_of_bar(context, 1, 4, 20);
+  bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95), *changed = NULL, *back;
+  int32_t *element = malloc((size_t)l.mesh->element_count * sizeof *element), count = 0;
   /* elements next to bone 1's domain join it and leave it again */
-  for (int32_t e = 0; e < mesh->element_count; e++) {
+  for (int32_t e = 0; e < l.mesh->element_count; e++) {
     bool near = false;
     for (int k = 0; k < 4; k++) {
-      int32_t other = mesh->neighbour[4 * e + k];
+      int32_t other = l.mesh->neighbour[4 * e + k];
       near |= other >= 0 && d->element_domain[other] == 0;
     }
     if (d->element_domain[e] == 3 && near && count < 5)
@@ -332,15 +314,15 @@ static void test_assign(void **state) {
   assert_int_equal(changed->elements[0], d->elements[0] + 5);
   check_ok(context, bw_domains_assign(context, changed, count, element, -1, &back));
   assert_memory_equal(back->element_domain, d->element_domain,
-                      (size_t)mesh->element_count * sizeof(int32_t));
+                      (size_t)l.mesh->element_count * sizeof(int32_t));
   assert_memory_equal(back->influence_weight, d->influence_weight,
-                      (size_t)d->influence_start[mesh->node_count] * sizeof(double));
+                      (size_t)d->influence_start[l.mesh->node_count] * sizeof(double));
   bw_release(back);
   bw_release(changed);
   /* an island, a cut, a touch, a number that is not there */
   count = 0;
-  for (int32_t e = 0; e < mesh->element_count && !count; e++)
-    if (fabs(middle(mesh, e, 0) - 2) < 0.06)
+  for (int32_t e = 0; e < l.mesh->element_count && !count; e++)
+    if (fabs(middle(l.mesh, e, 0) - 2) < 0.06)
       element[count++] = e;
   check_fails(context, BW_INVALID, "falls apart",
               bw_domains_assign(context, d, count, element, 0, &changed));
@@ -350,74 +332,69 @@ static void test_assign(void **state) {
   assert_string_equal(key, "element");
   assert_true((int32_t)number == element[0]);
   count = 0;
-  for (int32_t e = 0; e < mesh->element_count; e++)
-    if (fabs(middle(mesh, e, 0) - 1.5) < 0.06)
+  for (int32_t e = 0; e < l.mesh->element_count; e++)
+    if (fabs(middle(l.mesh, e, 0) - 1.5) < 0.06)
       element[count++] = e;
   check_fails(context, BW_INVALID, "falls apart",
               bw_domains_assign(context, d, count, element, -1, &changed));
   count = 0;
-  for (int32_t e = 0; e < mesh->element_count; e++)
+  for (int32_t e = 0; e < l.mesh->element_count; e++)
     if (d->element_domain[e] == 3)
       element[count++] = e;
   check_fails(context, BW_INVALID, "share node",
               bw_domains_assign(context, d, count, element, 0, &changed));
-  element[0] = mesh->element_count;
+  element[0] = l.mesh->element_count;
   check_fails(context, BW_INVALID, "does not exist",
               bw_domains_assign(context, d, 1, element, 0, &changed));
   check_fails(context, BW_INVALID, "bone 4 of 3",
               bw_domains_assign(context, d, 0, element, 3, &changed));
   bw_release(d);
   free(element);
-  free(weight);
-  bw_release(mesh);
-  bw_release(skeleton);
+  limbs_drop(&l);
 }
 
 static void test_labels(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_cross(context, 2);
-  bw_skeleton *skeleton = limbs_cross_bones(context);
-  double *weight = limbs_weights(mesh, skeleton, 20);
-  bw_domains *d = make(context, mesh, skeleton, weight, 0.9), *again;
+  limbs l = limbs_of_cross(context, 2, 20);
+  bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.9), *again;
   assert_int_equal(d->rigid_count, 4);
   assert_int_equal(d->count, 5);
   assert_int_equal(d->bone_start[5] - d->bone_start[4], 4);
-  check_ok(context, bw_domains_from_labels(context, mesh, skeleton, d->count, d->bone_of,
+  check_ok(context, bw_domains_from_labels(context, l.mesh, l.skeleton, d->count, d->bone_of,
                                            d->element_domain, &again));
-  assert_memory_equal(again->node_domain, d->node_domain, (size_t)mesh->node_count * 4);
+  assert_memory_equal(again->node_domain, d->node_domain, (size_t)l.mesh->node_count * 4);
   assert_memory_equal(again->influence_weight, d->influence_weight,
-                      (size_t)d->influence_start[mesh->node_count] * sizeof(double));
+                      (size_t)d->influence_start[l.mesh->node_count] * sizeof(double));
   bw_release(again);
   int32_t wrong[5] = {0, 1, 2, 9, -1};
-  check_fails(context, BW_INVALID, "bone 10 of 4",
-              bw_domains_from_labels(context, mesh, skeleton, 5, wrong, d->element_domain, &again));
-  wrong[3] = 2;
-  check_fails(context, BW_INVALID, "out of order",
-              bw_domains_from_labels(context, mesh, skeleton, 5, wrong, d->element_domain, &again));
   check_fails(
-      context, BW_INVALID, "there are 4",
-      bw_domains_from_labels(context, mesh, skeleton, 4, d->bone_of, d->element_domain, &again));
+      context, BW_INVALID, "bone 10 of 4",
+      bw_domains_from_labels(context, l.mesh, l.skeleton, 5, wrong, d->element_domain, &again));
+  wrong[3] = 2;
+  check_fails(
+      context, BW_INVALID, "out of order",
+      bw_domains_from_labels(context, l.mesh, l.skeleton, 5, wrong, d->element_domain, &again));
+  check_fails(context, BW_INVALID, "there are 4",
+              bw_domains_from_labels(context, l.mesh, l.skeleton, 4, d->bone_of, d->element_domain,
+                                     &again));
   const int32_t more[6] = {0, 1, 2, 3, -1, -1};
-  check_fails(context, BW_INVALID, "no element",
-              bw_domains_from_labels(context, mesh, skeleton, 6, more, d->element_domain, &again));
+  check_fails(
+      context, BW_INVALID, "no element",
+      bw_domains_from_labels(context, l.mesh, l.skeleton, 6, more, d->element_domain, &again));
   bw_release(d);
-  free(weight);
-  bw_release(mesh);
-  bw_release(skeleton);
+  limbs_drop(&l);
 }
 
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = limbs_bar(context, 2, 2);
-  bw_skeleton *skeleton = limbs_bar_bones(context);
-  double *weight = limbs_weights(mesh, skeleton, 20);
+  limbs l = limbs_of_bar(context, 2, 2, 20);
   bw_domains *d = NULL, *changed = NULL;
   bw_status status = BW_MEMORY;
   int64_t blocks = bw_live_blocks();
   int n;
   for (n = 1; status == BW_MEMORY && n < 500; n++) {
     bw_fail_allocation(n, true);
-    status = bw_domains_create(context, mesh, skeleton, weight, NULL, &d);
+    status = bw_domains_create(context, l.mesh, l.skeleton, l.weight, NULL, &d);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(bw_live_blocks(), blocks);
@@ -426,8 +403,8 @@ static void test_memory(void **state) {
   assert_true(n > 25);
   blocks = bw_live_blocks();
   int32_t element = 0;
-  for (int32_t e = 0; e < mesh->element_count; e++)
-    if (d->element_domain[e] == 2 && middle(mesh, e, 0) > middle(mesh, element, 0))
+  for (int32_t e = 0; e < l.mesh->element_count; e++)
+    if (d->element_domain[e] == 2 && middle(l.mesh, e, 0) > middle(l.mesh, element, 0))
       element = e;
   status = BW_MEMORY;
   for (n = 1; status == BW_MEMORY && n < 500; n++) {
@@ -441,9 +418,7 @@ static void test_memory(void **state) {
   check_ok(context, bw_domains_check(context, changed));
   bw_release(d);
   bw_release(changed);
-  free(weight);
-  bw_release(mesh);
-  bw_release(skeleton);
+  limbs_drop(&l);
 }
 
 /* Bones by the dozen that nothing follows are counted, not listed. */
