@@ -18,6 +18,9 @@
 
 enum { WIDTH = 8, STARTS = 4 };
 
+/* Convergence is judged from this iteration on: until then outlying eigenvalues rule. */
+enum { JUDGED_FROM = 6, REMEMBERED = 512 };
+
 typedef struct column {
   int64_t side;
   double rz;           /* r . z */
@@ -35,6 +38,8 @@ typedef struct iteration {
   double *r, *z, *p, *q;
   column column[WIDTH];
   int active;
+  double level[REMEMBERED]; /* r . z over the energy, of the worst column, by iteration: the least
+                               until then */
 } iteration;
 
 static double dot(const double *a, const double *b, int64_t size) {
@@ -130,6 +135,28 @@ done:
   return status;
 }
 
+/* Whether more iterations are to come than patience allows, judged by how r . z has fallen since
+ * half of those made. Rates grow as the outlying eigenvalues are found one by one, mostly to twice
+ * of what is seen; while they are, hardly anything may fall. Where that makes it give up a little
+ * too soon, no more is lost than what patience would have been lost on. */
+static bool hopeless(iteration *it, int made) {
+  bwi_conjugate *problem = it->problem;
+  double worst = 0, wanted = problem->tolerance * problem->tolerance;
+  if (!(problem->patience > 0) || made >= REMEMBERED)
+    return false;
+  for (int k = 0; k < it->active; k++)
+    worst = fmax(worst, it->column[k].rz / it->column[k].energy);
+  it->level[made] = made > 1 ? fmin(worst, it->level[made - 1]) : worst;
+  if (made < JUDGED_FROM || it->active == 0 || !(it->level[made] > wanted))
+    return false;
+  double fallen = log(it->level[made / 2] / it->level[made]) / (made - made / 2);
+  double left = 0.5 * log(it->level[made] / wanted) / fallen;
+  if (left <= problem->patience)
+    return false;
+  problem->foreseen = made + left;
+  return true;
+}
+
 /* One block of right-hand sides. */
 static bw_status run(iteration *it, int64_t first, int count) {
   bw_status status = BW_OK;
@@ -179,6 +206,10 @@ static bw_status run(iteration *it, int64_t first, int count) {
       else
         retire(it, k);
     }
+    if (hopeless(it, iterations)) {
+      problem->converged = false;
+      break;
+    }
   }
 done:
   if (iterations > problem->iterations)
@@ -197,6 +228,7 @@ bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64
                   .force = force,
                   .solution = displacement};
   problem->iterations = 0;
+  problem->foreseen = 0;
   problem->converged = true;
   it.r = BW_NEW(context, double, width *size);
   it.z = BW_NEW(context, double, width *size);

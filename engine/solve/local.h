@@ -28,9 +28,10 @@ typedef struct bwi_local {
   const bw_mesh *factored;    /* retained: the shape the factor was last brought up to date with */
   double *factored_frame;     /* domain_count x 9: and the frames then */
   /* iterations with the factor as it is */
-  double experience; /* iterations needed over predicted, when last iterated */
-  int spent;         /* since the last edit */
-  double change;     /* of the touched domains' shape since it was factored; negative: not known */
+  double experience;    /* iterations needed over predicted, when last iterated */
+  uint8_t *experienced; /* domain_count: what was touched then */
+  int spent;            /* since the last edit */
+  double change; /* of the touched domains' shape since it was factored; negative: not known */
 } bwi_local;
 
 /* Whether there is a factor that can be used, and whether it is that of the present stiffness. */
@@ -74,9 +75,13 @@ typedef struct bwi_conjugate {
      right-hand side, which the tolerance is relative to. Or NULL. */
   const double *load, *energy;
   int limit; /* on iterations */
+  /* Give up as soon as more iterations than this are foreseen to be left; 0: never. */
+  double patience;
   /* out */
-  int iterations; /* of the right-hand side that took most */
-  bool converged; /* false: the limit was reached, or the matrix is not positive definite */
+  int iterations;  /* of the right-hand side that took most */
+  double foreseen; /* iterations in all, where it was given up */
+  bool converged;  /* false: given up, the limit was reached, or the matrix is not positive definite
+                    */
 } bwi_conjugate;
 /* K u = f at the unknowns for fields in global directions; u is 0 elsewhere. Not converged is no
  * failure; `displacement` is then what was reached. The two may not be the same block. */

@@ -11,7 +11,12 @@
  * norm over the touched domains. Preconditioned by the former matrix, the eigenvalues spread over
  * about (1 + SPREAD e)^2; the bound of conjugate gradients for that spread is the prediction, times
  * what the last solve needed over what was predicted for it. A long slender limb has more spread
- * than that, a stiff block less: hence the experience, and the limit that a solve sets itself. */
+ * than that, a stiff block less: hence the experience, and the limit that a solve sets itself. What
+ * was learnt from one edit says nothing about others: experience holds for the same touched domains
+ * only. No bound by the elements alone would do: a body that turns without strain
+ * in one shape strains in the other, by as much as it turns, so that their stiffnesses have no
+ * ratio. What a prediction misses, the rate of convergence shows after a few iterations
+ * (conjugate.c). */
 #include <math.h>
 #include <string.h>
 
@@ -79,7 +84,10 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   if (inner->change < 0)
     inner->change = largest_change(local);
   double spread = SPREAD * inner->change;
-  cost->factor = options->hope > 0 ? fmin(inner->experience, options->hope) : inner->experience;
+  bool known = memcmp(inner->experienced, inner->touched, (size_t)inner->domain_count) == 0;
+  cost->factor = known ? inner->experience : 1;
+  if (options->hope > 0)
+    cost->factor = fmin(cost->factor, options->hope);
   cost->iterations =
       1 + (spread > 0 ? cost->factor * log(2 / tolerance) / log((2 + spread) / spread) : 0);
   cost->iterate = cost->iterations * (passes + later) * pass;

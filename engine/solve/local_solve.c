@@ -4,8 +4,9 @@
  *
  * Iterating is bounded by the cost of the other way: with a factor that stays behind, as many
  * iterations are made for one shape, over all solves, as bringing it up to date would have cost;
- * then that is done. So the choice never costs more than twice the better one. Iterations are
- * counted, not timed, and the same on every machine. */
+ * then that is done. It is done earlier where the residual falls too slowly to get there. So the
+ * choice never costs more than twice the better one. Iterations are counted, not timed, and the
+ * same on every machine. */
 #include <math.h>
 #include <string.h>
 
@@ -50,8 +51,8 @@ done:
 
 /* *converged is false when the limit was reached; `displacement` then still is the force. */
 static bw_status iterate(bw_context *context, bw_local_system *local, double tolerance, int limit,
-                         const bwi_local_cost *cost, const bwi_rest *left, int64_t count,
-                         double *displacement, int *iterations, bool *converged) {
+                         double patience, const bwi_local_cost *cost, const bwi_rest *left,
+                         int64_t count, double *displacement, int *iterations, bool *converged) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   const bw_system *system = local->system;
@@ -63,7 +64,8 @@ static bw_status iterate(bw_context *context, bw_local_system *local, double tol
                            .tolerance = tolerance,
                            .load = left->load,
                            .energy = left->energy,
-                           .limit = limit};
+                           .limit = limit,
+                           .patience = patience};
   double *solution = BW_NEW(context, double, size);
   if (!solution)
     return BW_MEMORY;
@@ -72,9 +74,12 @@ static bw_status iterate(bw_context *context, bw_local_system *local, double tol
   *iterations = problem.iterations;
   *converged = problem.converged;
   inner->spent += problem.iterations;
+  /* what is foreseen errs to the high side: not to be believed for ever */
+  double needed = problem.converged ? problem.iterations : fmax(problem.foreseen, limit);
+  double seen = cost->factor * needed / cost->iterations;
+  inner->experience = fmin(fmax(seen, 0.1), problem.converged ? 10 : 3);
+  memcpy(inner->experienced, inner->touched, (size_t)inner->domain_count);
   if (problem.converged) {
-    double seen = cost->factor * problem.iterations / cost->iterations;
-    inner->experience = fmin(fmax(seen, 0.1), 10);
     memcpy(displacement, solution, size * sizeof(double));
     for (size_t i = 0; left->guess && i < size; i++)
       displacement[i] += left->guess[i];
@@ -143,8 +148,9 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
     }
     int limit = iterations_worth(local, options.method, &cost);
     if (limit > 0)
-      BW_TRY(iterate(context, local, options.tolerance, limit, &cost, &left, count, displacement,
-                     &iterations, &solved));
+      BW_TRY(iterate(context, local, options.tolerance, limit,
+                     options.method == BW_LOCAL_AUTO ? cost.refactor / cost.one_iteration : 0,
+                     &cost, &left, count, displacement, &iterations, &solved));
     if (limit > 0 && !solved && options.method == BW_LOCAL_ITERATE) {
       status = fail_convergence(context, iterations, options.tolerance);
       goto done;
