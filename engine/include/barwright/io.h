@@ -104,6 +104,10 @@ bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *p
 bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
                                int field_count, const bw_field *fields);
 
+/* Sound, -1 to 1 (clipped), one channel of 16-bit samples. */
+bw_status bw_wav_write(bw_context *context, const char *path, int32_t rate, int64_t count,
+                       const double *sample);
+
 /* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). */
 typedef struct bw_inp_deck {
   const bw_mesh *mesh;

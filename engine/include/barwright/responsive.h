@@ -205,14 +205,14 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
  */
 typedef struct bw_plate {
   bw_object object;
-  const bw_plane_mesh *mesh; /* retained; order 1 */
+  const bw_plane_mesh *mesh; /* retained; order 2 */
   const bw_material *material;
   double thickness;
   int mode_count;
   double *frequency; /* Hz, ascending, elastic modes only */
   double *shape;     /* mode_count x node_count x 3: deflection, rotations; mass norm 1, the largest
                         deflection positive */
-  double *residual;  /* |K u - lambda M u| / |lambda M u| */
+  double *residual;  /* sqrt(r . B r / lambda): error in the energy norm, B the factor used */
   struct bwi_plate *inner;
 } bw_plate;
 bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
@@ -221,16 +221,30 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
                           bw_kept *kept);
 typedef struct bw_plate_options {
   int modes;        /* default 1 */
-  double tolerance; /* relative residual; default 1e-6 */
+  double tolerance; /* of `residual`; the frequency's error is its square; default 1e-6 */
   bool scratch;     /* random start, fresh factor: for checks and baselines */
 } bw_plate_options;
 void bw_plate_options_default(bw_plate_options *options);
-/* Inverse (subspace) iteration with the rigid motions projected out, from the last frame's modes on
- * the last frame's factor. */
+/* Rayleigh-Ritz iteration with the rigid motions projected out, from the last frame's modes on the
+ * last frame's factor; with a fresh factor at least as fast as inverse iteration. BW_CONVERGENCE
+ * leaves the plate as it was. */
 bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *options,
                          bw_kept *kept);
 /* d frequency[mode] / d node positions (node_count x 2), Hz/m. */
 bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode, double *gradient);
+/* What a stroke at a place sounds like: modes k in proportion to their deflection there, each dying
+ * away as exp(-pi loss f t), softened by the mallet's time of contact. Scaled so that the loudest
+ * sample is 0.9; `sample` has room for seconds * rate (rounded down) numbers. */
+typedef struct bw_tone {
+  double at[2];   /* of the stroke; nan: where the lowest mode deflects most */
+  double loss;    /* loss factor of material and mounting; default 0.002 */
+  double contact; /* s; default 0.3e-3 */
+  double seconds; /* default 2 */
+  int32_t rate;   /* samples per second; default 44100 */
+} bw_tone;
+void bw_tone_default(bw_tone *tone);
+bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone,
+                        double *sample);
 /* Where the mode's deflection vanishes: pieces of line, 4 numbers each (x0 y0 x1 y1); free with
  * bw_free. For the mounting holes. */
 bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int mode, int32_t *count,

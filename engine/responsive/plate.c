@@ -1,0 +1,244 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A plate on a mesh that follows an outline: matrices, rigid motions, and the modes of the last
+ * frame, which start the next. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/plate.h"
+
+static void plate_destroy(void *object) {
+  bw_plate *plate = object;
+  struct bwi_plate *in = plate->inner;
+  if (in) {
+    bw_release(in->graph);
+    bw_free(in->stiffness);
+    bw_free(in->mass);
+    bw_free(in->shifted);
+    bw_free(in->origin);
+    bwi_stale_symmetric_free(in->factor);
+    bw_free(in);
+  }
+  bw_release(plate->mesh);
+  bw_release(plate->material);
+  bw_free(plate->frequency);
+  bw_free(plate->shape);
+  bw_free(plate->residual);
+  bw_free(plate);
+}
+
+static size_t plate_bytes(const void *object) {
+  const bw_plate *plate = object;
+  size_t pairs = (size_t)plate->inner->graph->pair_count;
+  size_t nodes = (size_t)plate->mesh->topology->nodes->node_count;
+  return sizeof *plate + pairs * 19 * sizeof(double) +
+         (size_t)plate->inner->known * (3 * nodes + 2) * sizeof(double);
+}
+
+static const bw_kind plate_kind = {"plate", plate_destroy, plate_bytes};
+
+/* ---- matrices -------------------------------------------------------------------------------- */
+
+typedef struct assembly {
+  bw_context *context;
+  const bw_plane_mesh *mesh;
+  const struct bwi_plate *inner;
+} assembly;
+
+static void element_points(const bw_plane_mesh *mesh, int32_t element, double x[6][2]) {
+  const int32_t *node = mesh->topology->element + 6 * (int64_t)element;
+  for (int a = 0; a < 6; a++)
+    for (int c = 0; c < 2; c++)
+      x[a][c] = mesh->point[2 * (int64_t)node[a] + c];
+}
+
+static bw_status stiffness_of(void *data, int32_t element, double *matrix) {
+  const assembly *a = data;
+  double x[6][2];
+  element_points(a->mesh, element, x);
+  double jacobian = bwi_plate_stiffness(&a->inner->reference, &a->inner->law, x, matrix, NULL);
+  if (jacobian > 0)
+    return BW_OK;
+  bw_status status =
+      bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is turned inside out", element + 1,
+              x[0][0], x[0][1]);
+  bw_detail_number(a->context, "element", element + 1);
+  return status;
+}
+
+static bw_status mass_of(void *data, int32_t element, double *matrix) {
+  const assembly *a = data;
+  double x[6][2];
+  element_points(a->mesh, element, x);
+  bwi_plate_mass(&a->inner->reference, x, matrix);
+  return BW_OK;
+}
+
+static double component_mass(const bwi_plate_law *law, int c) {
+  return c == 0 ? law->mass : law->inertia;
+}
+
+/* Values of `graph` for a mesh of its topology, into three blocks of their sizes. */
+static bw_status assemble(bw_context *context, const struct bwi_plate *in,
+                          const bw_plane_graph *graph, const bw_plane_mesh *mesh, double shift,
+                          double *stiffness, double *mass, double *shifted) {
+  bw_status status = BW_OK;
+  assembly data = {context, mesh, in};
+  BW_TRY(bw_plane_assemble(context, graph, 3, stiffness_of, &data, stiffness));
+  BW_TRY(bw_plane_assemble(context, graph, 1, mass_of, &data, mass));
+  for (int64_t p = 0; p < graph->pair_count; p++)
+    for (int k = 0; k < 9; k++)
+      shifted[9 * p + k] = stiffness[9 * p + k] +
+                           (k % 4 == 0 ? shift * component_mass(&in->law, k / 4) * mass[p] : 0);
+done:
+  return status;
+}
+
+bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,
+                                  double *y) {
+  (void)context;
+  const bw_plane_graph *g = plate->inner->graph;
+  const double *mass = plate->inner->mass;
+  const bwi_plate_law *law = &plate->inner->law;
+  for (int64_t i = 0; i < g->node_count; i++) {
+    double sum[3] = {0};
+    for (int64_t p = g->start[i]; p < g->start[i + 1]; p++)
+      for (int c = 0; c < 3; c++)
+        sum[c] += mass[p] * x[3 * (int64_t)g->column[p] + c];
+    for (int c = 0; c < 3; c++)
+      y[3 * i + c] = component_mass(law, c) * sum[c];
+  }
+  return BW_OK;
+}
+
+/* A square of the plate's box has its lowest mode near here; the shift makes the matrix definite
+ * and costs rounds only as far as it is not small beside the eigenvalues sought. */
+static double shift_for(const bw_plane_mesh *mesh, const bwi_plate_law *law) {
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (int64_t i = 0; i < mesh->topology->nodes->node_count; i++)
+    for (int c = 0; c < 2; c++) {
+      low[c] = fmin(low[c], mesh->point[2 * i + c]);
+      high[c] = fmax(high[c], mesh->point[2 * i + c]);
+    }
+  double length = hypot(high[0] - low[0], high[1] - low[1]);
+  double rigidity = fmax(law->bending[0], law->bending[4]);
+  return 50 * rigidity / (law->mass * length * length * length * length);
+}
+
+/* ---- life ------------------------------------------------------------------------------------ */
+
+static bw_status check_mesh(bw_context *context, const bw_plane_mesh *mesh) {
+  if (mesh->topology->nodes->order != 2)
+    return bw_fail(context, BW_INVALID,
+                   "a plate needs six-node triangles: fill the outline with order 2");
+  return BW_OK;
+}
+
+bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
+                          const bw_material *material, double thickness, bw_plate **result) {
+  bw_status status = BW_OK;
+  bw_plate *plate = NULL;
+  struct bwi_plate *in = NULL;
+  BW_TRY(check_mesh(context, mesh));
+  plate = BW_NEW0(context, bw_plate, 1);
+  in = BW_NEW0(context, struct bwi_plate, 1);
+  if (!plate || !in) {
+    bw_free(plate);
+    bw_free(in);
+    return BW_MEMORY;
+  }
+  bw_object_init(plate, &plate_kind);
+  plate->inner = in;
+  plate->thickness = thickness;
+  plate->material = bw_retain(material);
+  plate->mesh = bw_retain(mesh);
+  BW_TRY(bwi_plate_law_create(context, material, thickness, &in->law));
+  bwi_plate_reference_fill(&in->reference);
+  in->shift = shift_for(mesh, &in->law);
+  BW_TRY(bwi_stale_symmetric_create(context, 3, &in->factor));
+  BW_TRY(bw_plane_graph_create(context, mesh->topology, &in->graph));
+  int64_t pairs = in->graph->pair_count;
+  in->stiffness = BW_NEW(context, double, 9 * pairs);
+  in->mass = BW_NEW(context, double, pairs);
+  in->shifted = BW_NEW(context, double, 9 * pairs);
+  if (!in->stiffness || !in->mass || !in->shifted) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(assemble(context, in, in->graph, mesh, in->shift, in->stiffness, in->mass, in->shifted));
+done:
+  if (status == BW_OK)
+    *result = plate;
+  else
+    bw_release(plate);
+  return status;
+}
+
+/* Everything is made beside what there is, and takes its place at the end: a failure changes
+ * nothing. */
+bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
+                          bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_plate *in = plate->inner;
+  const bw_plane_topology *before = plate->mesh->topology, *now = mesh->topology;
+  bool same_topology = now == before, same_nodes = now->nodes == before->nodes;
+  double started = bw_seconds();
+  double *stiffness = NULL, *mass = NULL, *shifted = NULL, *shape = NULL, *turn = NULL;
+  bw_plane_graph *graph = NULL;
+  BW_TRY(check_mesh(context, mesh));
+  if (same_topology)
+    graph = bw_retain(in->graph);
+  else
+    BW_TRY(bw_plane_graph_create(context, now, &graph));
+  int64_t pairs = graph->pair_count, nodes = now->nodes->node_count;
+  stiffness = BW_NEW(context, double, 9 * pairs);
+  mass = BW_NEW(context, double, pairs);
+  shifted = BW_NEW(context, double, 9 * pairs);
+  shape = BW_NEW(context, double, in->known *nodes * 3);
+  turn = BW_NEW(context, double, 4 * nodes);
+  if (!stiffness || !mass || !shifted || !shape || !turn) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  double shift = same_nodes ? in->shift : shift_for(mesh, &in->law);
+  BW_TRY(assemble(context, in, graph, mesh, shift, stiffness, mass, shifted));
+  for (int k = 0; k < in->known; k++)
+    BW_TRY(bw_plane_carry(context, plate->mesh, mesh, 3,
+                          plate->shape + k * 3 * (int64_t)before->nodes->node_count,
+                          shape + k * 3 * nodes));
+  if (same_nodes) {
+    BW_TRY(bwi_plate_turns(context, &in->reference, now, plate->mesh->point, mesh->point, turn));
+    for (int k = 0; k < in->known; k++)
+      bwi_plate_turn(nodes, turn, false, shape + k * 3 * nodes);
+  }
+  bw_release(in->graph);
+  in->graph = bw_retain(graph);
+  double *old[4] = {in->stiffness, in->mass, in->shifted, plate->shape};
+  in->stiffness = stiffness;
+  in->mass = mass;
+  in->shifted = shifted;
+  in->shift = shift;
+  plate->shape = shape;
+  stiffness = old[0];
+  mass = old[1];
+  shifted = old[2];
+  shape = old[3];
+  if (!same_nodes)
+    in->factored = false;
+  bw_retain(mesh);
+  bw_release(plate->mesh);
+  plate->mesh = mesh;
+  if (kept) {
+    kept->pattern = same_topology;
+    kept->factor = same_nodes && in->factored;
+    kept->solution = in->known > 0;
+    kept->seconds_assemble += bw_seconds() - started;
+  }
+done:
+  bw_release(graph);
+  bw_free(stiffness);
+  bw_free(mass);
+  bw_free(shifted);
+  bw_free(shape);
+  bw_free(turn);
+  return status;
+}

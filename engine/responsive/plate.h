@@ -1,0 +1,99 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of the ringing plate share. Unknowns of a node: deflection w and the two rotations
+ * b of the section, displacement (z b_x, z b_y, w); shear strain grad w + b, curvature sym grad b.
+ * Every number carries the thickness: energies are per plate, not per volume. */
+#ifndef BWI_PLATE_H
+#define BWI_PLATE_H
+
+#include "responsive/stale.h"
+
+enum {
+  BWI_PLATE_NODES = 6,
+  BWI_PLATE_UNKNOWNS = 18, /* of the nodes, node by node: w, b_x, b_y */
+  BWI_PLATE_ALL = 20       /* and the two of the bubble of the rotations */
+};
+
+typedef struct bwi_plate_law {
+  double bending[9]; /* h^3/12 Q, order xx yy xy: moments from curvatures */
+  double shear[4];   /* 5/6 h G: shear forces from shear strains */
+  double mass;       /* rho h */
+  double inertia;    /* rho h^3 / 12 */
+} bwi_plate_law;
+/* BW_INVALID where stresses in the plane and across it are coupled (material axes tilted), and
+ * where there is no density. */
+bw_status bwi_plate_law_create(bw_context *context, const bw_material *material, double thickness,
+                               bwi_plate_law *law);
+
+/* Everything about the reference triangle: quadrature, shape functions, the interpolation of shear.
+ * Made once (bwi_plate_reference_fill), read by all threads. */
+enum { BWI_PLATE_POINTS = 16 };
+typedef struct bwi_plate_reference {
+  int points;
+  double weight[BWI_PLATE_POINTS];                                  /* summing to 1/2 */
+  double value[BWI_PLATE_POINTS][7], slope[BWI_PLATE_POINTS][2][7]; /* six nodes, bubble */
+  double field[BWI_PLATE_POINTS][2][8];                             /* shear from 8 conditions */
+  double node_slope[6][2][6]; /* of the six functions, at the six nodes */
+  struct {
+    double value[7], slope[2][6], weight[2]; /* condition = sum of weight . covariant shear there */
+    int row;
+  } tie[6 + BWI_PLATE_POINTS];
+} bwi_plate_reference;
+void bwi_plate_reference_fill(bwi_plate_reference *reference);
+
+/* Stiffness (18 x 18) with the bubble condensed and, where not NULL, what the bubble's two unknowns
+ * are by those of the nodes (2 x 18). The smallest Jacobian comes back: not above 0, no matrix. */
+double bwi_plate_stiffness(const bwi_plate_reference *reference, const bwi_plate_law *law,
+                           const double x[6][2], double *stiffness, double *bubble);
+/* integral of N_a N_b (6 x 6): times mass for deflections, times inertia for rotations. */
+void bwi_plate_mass(const bwi_plate_reference *reference, const double x[6][2], double *mass);
+/* u^T K u and u^T M u of one element for unknowns with the bubble's. */
+void bwi_plate_energies(const bwi_plate_reference *reference, const bwi_plate_law *law,
+                        const double x[6][2], const double u[20], double *elastic, double *kinetic);
+
+/* Per node the 2 x 2 matrix that takes rotations from the nodes at `from` to those at `to`. */
+bw_status bwi_plate_turns(bw_context *context, const bwi_plate_reference *reference,
+                          const bw_plane_topology *topology, const double *from, const double *to,
+                          double *turn);
+/* u = T u or T^T u in place (3 numbers a node). */
+void bwi_plate_turn(int64_t nodes, const double *turn, bool transposed, double *u);
+
+struct bwi_plate {
+  bwi_plate_law law;
+  bwi_plate_reference reference;
+  bw_plane_graph *graph;
+  double *stiffness; /* 9 per pair */
+  double *mass;      /* 1 per pair: integral of N_a N_b */
+  double *shifted;   /* 9 per pair: stiffness + shift mass, what the factor is of */
+  double shift;
+  bwi_stale_symmetric *factor;
+  bool factored;   /* there is a factor of these nodes, of whatever shape */
+  double *origin;  /* node_count x 2: where the nodes were then */
+  int fresh, last; /* iterations with a new factor, and in the last solve */
+  int known;       /* vectors in plate->shape: the modes and some guards, the next start */
+};
+
+/* y = M x (3 numbers a node) */
+bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,
+                                  double *y);
+
+/* ---- eigenpairs by Rayleigh-Ritz on [X, B R, P] (ritz.c) ----------------------------------------
+ */
+
+typedef bw_status bwi_apply(void *data, const double *x, double *y);
+typedef struct bwi_ritz {
+  int64_t size;
+  bwi_apply *stiffness, *mass, *precondition; /* one vector each */
+  void *data;
+  int rigid_count;
+  const double *rigid, *mass_rigid; /* M-orthonormal, one after the other, and M times them */
+  int wanted, block;                /* eigenpairs; vectors iterated, wanted and some guards */
+  double tolerance;
+  int limit; /* of iterations */
+} bwi_ritz;
+/* vector: block x size, start on entry (any; zero vectors are filled by a fixed random start) and
+ * result, M-orthonormal, ascending. value and residual: block. BW_CONVERGENCE when the wanted ones
+ * are not within the tolerance after `limit` iterations. */
+bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *problem, double *vector,
+                         double *value, double *residual, int *iterations);
+
+#endif

@@ -1,0 +1,223 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The modes of a plate: rigid motions projected out (responsive, appendix A), the last frame's
+ * modes as the start, the last frame's factor as the preconditioner. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/plate.h"
+
+enum { RIGID = 3, GUARDS = 2, ROUNDS = 400 };
+
+void bw_plate_options_default(bw_plate_options *options) {
+  *options = (bw_plate_options){.modes = 1, .tolerance = 1e-6};
+}
+
+typedef struct problem {
+  bw_context *context;
+  const bw_plate *plate;
+  const double *turn; /* from the factor's shape to this one; NULL: they are the same */
+  double *room;       /* one vector */
+} problem;
+
+static bw_status times_stiffness(void *data, const double *x, double *y) {
+  const problem *p = data;
+  return bw_plane_multiply(p->context, p->plate->inner->graph, 3, p->plate->inner->stiffness, x, y);
+}
+
+static bw_status times_mass(void *data, const double *x, double *y) {
+  const problem *p = data;
+  return bwi_plate_multiply_mass(p->context, p->plate, x, y);
+}
+
+static bw_status precondition(void *data, const double *x, double *y) {
+  const problem *p = data;
+  bwi_stale_symmetric *factor = p->plate->inner->factor;
+  int64_t nodes = p->plate->mesh->topology->nodes->node_count;
+  if (!p->turn)
+    return bwi_stale_symmetric_apply(p->context, factor, x, y);
+  memcpy(p->room, x, (size_t)(3 * nodes) * sizeof *x);
+  bwi_plate_turn(nodes, p->turn, true, p->room);
+  bw_status status = bwi_stale_symmetric_apply(p->context, factor, p->room, y);
+  if (status == BW_OK)
+    bwi_plate_turn(nodes, p->turn, false, y);
+  return status;
+}
+
+/* One deflection and two tilts (grad w + b = 0), M-orthonormal, and M times them. */
+static bw_status rigid_motions(bw_context *context, const bw_plate *plate, double *rigid,
+                               double *mass_rigid) {
+  bw_status status = BW_OK;
+  int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
+  const double *x = plate->mesh->point;
+  double middle[2] = {0};
+  for (int64_t i = 0; i < nodes; i++)
+    for (int c = 0; c < 2; c++)
+      middle[c] += x[2 * i + c] / (double)nodes;
+  memset(rigid, 0, (size_t)(RIGID * n) * sizeof *rigid);
+  for (int64_t i = 0; i < nodes; i++) {
+    rigid[3 * i] = 1;
+    for (int c = 0; c < 2; c++) {
+      rigid[(1 + c) * n + 3 * i] = x[2 * i + c] - middle[c];
+      rigid[(1 + c) * n + 3 * i + 1 + c] = -1;
+    }
+  }
+  for (int k = 0; k < RIGID; k++) {
+    double *v = rigid + k * n, *m = mass_rigid + k * n;
+    for (int turn = 0; turn < 2; turn++)
+      for (int j = 0; j < k; j++) {
+        double along = 0;
+        for (int64_t i = 0; i < n; i++)
+          along += mass_rigid[j * n + i] * v[i];
+        for (int64_t i = 0; i < n; i++)
+          v[i] -= along * rigid[j * n + i];
+      }
+    BW_TRY(bwi_plate_multiply_mass(context, plate, v, m));
+    double size = 0;
+    for (int64_t i = 0; i < n; i++)
+      size += v[i] * m[i];
+    for (int64_t i = 0; i < n; i++) {
+      v[i] /= sqrt(size);
+      m[i] /= sqrt(size);
+    }
+  }
+done:
+  return status;
+}
+
+/* The largest deflection positive. */
+static void fix_sign(double *shape, int64_t nodes) {
+  int64_t largest = 0;
+  for (int64_t i = 1; i < nodes; i++)
+    if (fabs(shape[3 * i]) > fabs(shape[3 * largest]) * (1 + 1e-9))
+      largest = i;
+  if (shape[3 * largest] < 0)
+    for (int64_t i = 0; i < 3 * nodes; i++)
+      shape[i] = -shape[i];
+}
+
+static bw_status refactor(bw_context *context, const bw_plate *plate, bool scratch, bw_kept *kept) {
+  struct bwi_plate *in = plate->inner;
+  double before = bw_seconds();
+  bwi_stale_work work;
+  size_t numbers = 2 * (size_t)plate->mesh->topology->nodes->node_count;
+  double *origin = BW_NEW(context, double, numbers);
+  if (!origin)
+    return BW_MEMORY;
+  memcpy(origin, plate->mesh->point, numbers * sizeof *origin);
+  bw_free(in->origin);
+  in->origin = origin;
+  if (scratch)
+    bwi_stale_symmetric_forget(in->factor);
+  in->factored = false;
+  bw_status status = bwi_stale_symmetric_factor(context, in->factor, in->graph, in->shifted, &work);
+  in->factored = status == BW_OK;
+  kept->analyses += work.analysed;
+  kept->factorisations++;
+  kept->seconds_factor += bw_seconds() - before;
+  return status;
+}
+
+bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *given,
+                         bw_kept *kept) {
+  bw_status status = BW_OK;
+  bw_plate_options options;
+  bw_plate_options_default(&options);
+  if (given)
+    options = *given;
+  struct bwi_plate *in = plate->inner;
+  int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
+  double *vector = NULL, *rigid = NULL, *value = NULL, *residual = NULL, *frequency = NULL,
+         *turn = NULL;
+  bw_kept none = {0};
+  kept = kept ? kept : &none;
+  if (options.modes < 1 || options.modes + GUARDS + RIGID >= n)
+    return bw_fail(context, BW_INVALID, "%d modes of a plate with %lld unknowns", options.modes,
+                   (long long)n);
+  if (!(options.tolerance > 0))
+    return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
+                   options.tolerance);
+  int block = options.modes + GUARDS;
+  vector = BW_NEW0(context, double, block *n);
+  rigid = BW_NEW(context, double, 2 * RIGID * n);
+  value = BW_NEW(context, double, block);
+  frequency = BW_NEW(context, double, block);
+  residual = BW_NEW(context, double, block);
+  if (!vector || !rigid || !value || !frequency || !residual) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (!options.scratch)
+    memcpy(vector, plate->shape,
+           (size_t)((in->known < block ? in->known : block) * n) * sizeof *vector);
+  bool fresh = options.scratch || !in->factored || in->last > 2 * in->fresh + 6;
+  if (fresh)
+    BW_TRY(refactor(context, plate, options.scratch, kept));
+  kept->factor = !fresh;
+  double before = bw_seconds();
+  BW_TRY(rigid_motions(context, plate, rigid, rigid + RIGID * n));
+  problem data = {context, plate, NULL, NULL};
+  if (!fresh) {
+    turn = BW_NEW(context, double, 7 * nodes);
+    if (!turn) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    BW_TRY(bwi_plate_turns(context, &in->reference, plate->mesh->topology, in->origin,
+                           plate->mesh->point, turn));
+    data.turn = turn;
+    data.room = turn + 4 * nodes;
+  }
+  bwi_ritz ritz = {.size = n,
+                   .stiffness = times_stiffness,
+                   .mass = times_mass,
+                   .precondition = precondition,
+                   .data = &data,
+                   .rigid_count = RIGID,
+                   .rigid = rigid,
+                   .mass_rigid = rigid + RIGID * n,
+                   .wanted = options.modes,
+                   .block = block,
+                   .tolerance = options.tolerance,
+                   .limit = fresh ? ROUNDS : 2 * in->fresh + 20};
+  int iterations = 0;
+  status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
+  if (status == BW_CONVERGENCE && !fresh) {
+    bw_clear_failure(context);
+    BW_TRY(refactor(context, plate, false, kept));
+    fresh = true;
+    data.turn = NULL;
+    kept->factor = false;
+    ritz.limit = ROUNDS;
+    status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
+  }
+  BW_TRY(status);
+  in->last = iterations;
+  if (fresh)
+    in->fresh = iterations;
+  kept->iterations += iterations;
+  kept->solves++;
+  kept->seconds_solve += bw_seconds() - before;
+  for (int k = 0; k < block; k++)
+    fix_sign(vector + k * n, nodes);
+  for (int k = 0; k < options.modes; k++) {
+    frequency[k] = sqrt(fmax(value[k], 0)) / (2 * 3.14159265358979323846);
+    kept->residual = fmax(kept->residual, residual[k]);
+  }
+  bw_free(plate->shape);
+  bw_free(plate->frequency);
+  bw_free(plate->residual);
+  plate->shape = vector;
+  plate->frequency = frequency;
+  plate->residual = residual;
+  vector = frequency = residual = NULL;
+  plate->mode_count = options.modes;
+  in->known = block;
+done:
+  bw_free(vector);
+  bw_free(rigid);
+  bw_free(turn);
+  bw_free(value);
+  bw_free(frequency);
+  bw_free(residual);
+  return status;
+}

@@ -1,0 +1,255 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The lowest eigenpairs of K x = lambda M x by preconditioned iteration (Knyazev's LOBPCG): in
+ * every round the Rayleigh-Ritz values of span [X, B R, P], X the block, R its residuals, P what
+ * the last round added. With B = K^-1 it converges at least as fast as inverse iteration on the
+ * block; with the factor of a former shape it still does, only slower, where inverse iteration
+ * would need an inner iteration.
+ *
+ * The measure of convergence is sqrt(r . B r / lambda), the error of x in the energy norm where B
+ * is near K^-1; that of lambda is its square. The residual's own norm would show the rounding of K
+ * x instead, 1e-7 in a thin plate.
+ *
+ * Invariants: the basis is M-orthonormal and M-orthogonal to the rigid motions; `stiff` and `heavy`
+ * are K and M times the basis, carried along as combinations. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/plate.h"
+#include "solve/blas.h"
+
+typedef struct workspace {
+  const bwi_ritz *problem;
+  int count;                              /* of basis vectors */
+  double *basis, *stiff, *heavy;          /* 3 block x size */
+  double *next, *next_stiff, *next_heavy; /* 2 block x size: X and P of the next round */
+  double *projected, *theta;              /* (3 block)^2, 3 block */
+  double *scratch;                        /* for dsyev */
+} workspace;
+
+static void workspace_clear(workspace *w) {
+  bw_free(w->basis);
+  bw_free(w->stiff);
+  bw_free(w->heavy);
+  bw_free(w->next);
+  bw_free(w->next_stiff);
+  bw_free(w->next_heavy);
+  bw_free(w->projected);
+  bw_free(w->theta);
+  bw_free(w->scratch);
+}
+
+static bw_status workspace_create(bw_context *context, const bwi_ritz *problem, workspace *w) {
+  int64_t n = problem->size, most = 3 * problem->block;
+  *w = (workspace){.problem = problem};
+  w->basis = BW_NEW(context, double, most *n);
+  w->stiff = BW_NEW(context, double, most *n);
+  w->heavy = BW_NEW(context, double, most *n);
+  w->next = BW_NEW(context, double, 2 * problem->block * n);
+  w->next_stiff = BW_NEW(context, double, 2 * problem->block * n);
+  w->next_heavy = BW_NEW(context, double, 2 * problem->block * n);
+  w->projected = BW_NEW(context, double, most *most);
+  w->theta = BW_NEW(context, double, most);
+  w->scratch = BW_NEW(context, double, 8 * most);
+  bool made = w->basis && w->stiff && w->heavy && w->next && w->next_stiff && w->next_heavy &&
+              w->projected && w->theta && w->scratch;
+  return made ? BW_OK : BW_MEMORY;
+}
+
+/* Relative change of a value that counts as none. */
+static const double STILL = 1e-13;
+
+static double dot(const double *a, const double *b, int64_t n) {
+  double sum = 0;
+  for (int64_t i = 0; i < n; i++)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+static void subtract(double factor, const double *a, double *from, int64_t n) {
+  for (int64_t i = 0; i < n; i++)
+    from[i] -= factor * a[i];
+}
+
+/* x made M-orthogonal to the rigid motions. */
+static void drop_rigid(const bwi_ritz *p, double *x) {
+  for (int k = 0; k < p->rigid_count; k++)
+    subtract(dot(p->mass_rigid + k * p->size, x, p->size), p->rigid + k * p->size, x, p->size);
+}
+
+/* Take basis[count] in, orthonormalised; leave it out where it depends on the others. */
+static bw_status admit(workspace *w, bool *taken) {
+  const bwi_ritz *p = w->problem;
+  bw_status status = BW_OK;
+  int64_t n = p->size;
+  double *x = w->basis + w->count * n, *m = w->heavy + w->count * n;
+  *taken = false;
+  for (int round = 0; round < 3; round++) {
+    BW_TRY(p->mass(p->data, x, m));
+    double before = dot(x, m, n);
+    if (!(before > 0) || !isfinite(before))
+      goto done;
+    for (int turn = 0; turn < 2; turn++) {
+      drop_rigid(p, x);
+      for (int k = 0; k < w->count; k++)
+        subtract(dot(w->heavy + k * n, x, n), w->basis + k * n, x, n);
+    }
+    BW_TRY(p->mass(p->data, x, m));
+    double size = dot(x, m, n);
+    if (!(size > 1e-20 * before))
+      goto done;
+    double scale = 1 / sqrt(size);
+    for (int64_t i = 0; i < n; i++) {
+      x[i] *= scale;
+      m[i] *= scale;
+    }
+    if (size > 0.25 * before)
+      break; /* little was taken off: what is left is exact enough */
+  }
+  BW_TRY(p->stiffness(p->data, x, w->stiff + w->count * n));
+  w->count++;
+  *taken = true;
+done:
+  return status;
+}
+
+/* Columns of `from` combined by the projected eigenvectors from row `first` on. */
+static void combine(const workspace *w, const double *from, int first, int columns, double *to) {
+  int64_t n = w->problem->size;
+  for (int c = 0; c < columns; c++) {
+    double *result = to + c * n;
+    memset(result, 0, (size_t)n * sizeof *result);
+    for (int k = first; k < w->count; k++)
+      subtract(-w->projected[(int64_t)c * w->count + k], from + k * n, result, n);
+  }
+}
+
+/* Ritz values and vectors of the basis: theta ascending, vectors in the rows of `projected`. */
+static bw_status project(bw_context *context, workspace *w) {
+  int64_t n = w->problem->size;
+  int m = w->count, room = 8 * 3 * w->problem->block, info = 0;
+  for (int i = 0; i < m; i++)
+    for (int j = 0; j <= i; j++)
+      w->projected[i * m + j] = w->projected[j * m + i] =
+          dot(w->basis + i * n, w->stiff + j * n, n);
+  dsyev_("V", "U", &m, w->projected, &m, w->theta, w->scratch, &room, &info);
+  if (info != 0)
+    return bw_fail(context, BW_INTERNAL, "the projected eigenproblem of %d vectors failed (%d)", m,
+                   info);
+  return BW_OK;
+}
+
+/* X and P of the next round from the basis, whose first `block` vectors were X; basis = X. */
+static void advance(workspace *w, int block, int *directions) {
+  int64_t n = w->problem->size;
+  int old = block < w->count ? block : w->count;
+  size_t bytes = (size_t)n * sizeof(double);
+  combine(w, w->basis, 0, block, w->next);
+  combine(w, w->stiff, 0, block, w->next_stiff);
+  combine(w, w->heavy, 0, block, w->next_heavy);
+  *directions = w->count > old ? block : 0;
+  if (*directions)
+    combine(w, w->basis, old, block, w->next + block * n);
+  memcpy(w->basis, w->next, bytes * (size_t)block);
+  memcpy(w->stiff, w->next_stiff, bytes * (size_t)block);
+  memcpy(w->heavy, w->next_heavy, bytes * (size_t)block);
+  w->count = block;
+}
+
+static bw_status start(bw_context *context, workspace *w, const double *vector) {
+  const bwi_ritz *p = w->problem;
+  bw_status status = BW_OK;
+  bw_random random;
+  bw_random_seed(&random, 1);
+  for (int k = 0; k < p->block; k++) {
+    bool taken = false;
+    for (int attempt = 0; !taken; attempt++) {
+      double *x = w->basis + w->count * p->size;
+      if (attempt == 0)
+        memcpy(x, vector + k * p->size, (size_t)p->size * sizeof *x);
+      else
+        for (int64_t i = 0; i < p->size; i++)
+          x[i] = bw_random_uniform(&random) - 0.5;
+      BW_TRY(admit(w, &taken));
+      if (attempt == 8 && !taken) {
+        status =
+            bw_fail(context, BW_INVALID,
+                    "%d eigenpairs are wanted of a problem with fewer elastic ones", p->wanted);
+        goto done;
+      }
+    }
+  }
+  BW_TRY(project(context, w));
+  int directions;
+  advance(w, p->block, &directions);
+done:
+  return status;
+}
+
+/* Whether standing still means rounding, not slowness. */
+static bool close_enough(const bwi_ritz *p, const double *residual) {
+  for (int k = 0; k < p->wanted; k++)
+    if (!(residual[k] <= fmax(p->tolerance, 1e-4)))
+      return false;
+  return true;
+}
+
+bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector, double *value,
+                         double *residual, int *iterations) {
+  bw_status status = BW_OK;
+  workspace w;
+  int64_t n = p->size;
+  int block = p->block, directions = 0, still = 0;
+  double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, block *n);
+  BW_TRY(workspace_create(context, p, &w));
+  if (!r || !z) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(start(context, &w, vector));
+  for (int round = 0;; round++) {
+    BW_TRY(bw_check_cancel(context));
+    bool done_all = true, moved = round == 0;
+    for (int k = 0; k < block; k++) {
+      moved |= k < p->wanted && fabs(w.theta[k] - value[k]) > STILL * fabs(w.theta[k]);
+      value[k] = w.theta[k];
+      for (int64_t i = 0; i < n; i++)
+        r[i] = w.stiff[k * n + i] - value[k] * w.heavy[k * n + i];
+      BW_TRY(p->precondition(p->data, r, z + k * n));
+      double energy = dot(r, z + k * n, n);
+      residual[k] = sqrt(fmax(energy, 0) / fabs(value[k]));
+      done_all &= k >= p->wanted || residual[k] <= p->tolerance;
+    }
+    *iterations = round;
+    still = moved ? 0 : still + 1;
+    if (done_all || (still == 3 && close_enough(p, residual)))
+      break;
+    if (round == p->limit) {
+      int worst = 0;
+      for (int k = 1; k < p->wanted; k++)
+        worst = residual[k] > residual[worst] ? k : worst;
+      status = bw_fail(context, BW_CONVERGENCE, "mode %d is exact to %g after %d rounds, wanted %g",
+                       worst + 1, residual[worst], round, p->tolerance);
+      bw_detail_number(context, "residual", residual[worst]);
+      goto done;
+    }
+    for (int k = 0; k < block; k++) {
+      bool taken;
+      memcpy(w.basis + w.count * n, z + k * n, (size_t)n * sizeof *z);
+      if (residual[k] > 0.1 * p->tolerance)
+        BW_TRY(admit(&w, &taken));
+    }
+    for (int k = 0; k < directions; k++) {
+      bool taken;
+      memcpy(w.basis + w.count * n, w.next + (block + k) * n, (size_t)n * sizeof *z);
+      BW_TRY(admit(&w, &taken));
+    }
+    BW_TRY(project(context, &w));
+    advance(&w, block, &directions);
+  }
+  memcpy(vector, w.basis, (size_t)(block * n) * sizeof *vector);
+done:
+  workspace_clear(&w);
+  bw_free(r);
+  bw_free(z);
+  return status;
+}
