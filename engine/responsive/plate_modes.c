@@ -34,10 +34,10 @@ static bw_status precondition(void *data, const double *x, double *y) {
   bwi_stale_symmetric *factor = p->plate->inner->factor;
   int64_t nodes = p->plate->mesh->topology->nodes->node_count;
   if (!p->turn)
-    return bwi_stale_symmetric_apply(p->context, factor, x, y);
+    return bwi_stale_symmetric_apply(p->context, factor, false, x, y);
   memcpy(p->room, x, (size_t)(3 * nodes) * sizeof *x);
   bwi_plate_turn(nodes, p->turn, true, p->room);
-  bw_status status = bwi_stale_symmetric_apply(p->context, factor, p->room, y);
+  bw_status status = bwi_stale_symmetric_apply(p->context, factor, true, p->room, y);
   if (status == BW_OK)
     bwi_plate_turn(nodes, p->turn, false, y);
   return status;

@@ -212,8 +212,6 @@ static void test_stale_equals_scratch(void **state) {
     double scratch[2];
     check_ok(context, bw_plate_follow(context, plate, moved, &kept));
     check_ok(context, bw_plate_solve(context, plate, &options, &kept));
-    printf("it %d fac %d\n", kept.iterations, kept.factorisations);
-    printf("it %d\n", kept.iterations);
     assert_int_equal(kept.factorisations, 0);
     assert_true(kept.iterations < 20);
     assert_true(kept.pattern && kept.factor && kept.solution);
