@@ -11,9 +11,9 @@ local edit_shape = require "barwright.edit_shape"
 local stage = {}
 stage.__index = stage
 
--- Relative residuals, of stresses and of their slopes: stresses come out better by three digits, as
--- what is left is spread over all elements.
-local precise, rough = 1e-5, 1e-4
+-- Relative residuals. Stresses come out better by two digits and more, as what is left is spread over
+-- all elements; slopes, of single nodes, to 1e-5.
+local precise, slopes_precise = 1e-5, 1e-6
 local hope = 0.3 -- of the iterations predicted, which the slenderest of parts would need
 local displacements, adjoints = 4, 8 -- of each load case, that are kept to begin others with
 
@@ -137,7 +137,8 @@ function stage:slopes(point, i, nodes, motions)
   end
   self.counts.adjoints = self.counts.adjoints + #nodes
   local values, slopes, fields = core.von_mises_slopes(case.model, case.system,
-    case.result.displacement, nodes, motions, {tolerance = rough, guess = guess(self, i), hope = self.hope})
+    case.result.displacement, nodes, motions, {tolerance = slopes_precise,
+    guess = guess(self, i), hope = self.hope})
   if not values then return nil, slopes, fields end
   local count = case.model.mesh.node_count
   for k, node in ipairs(nodes) do

@@ -15,7 +15,7 @@ static int32_t piece_count(lua_State *L) {
   return ((const bw_domains *)box->extra)->piece_count;
 }
 
-static const char *const methods_words[] = {"auto", "refactor", "iterate", "scratch", NULL};
+const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch", NULL};
 
 /* ---- what was reused ------------------------------------------------------------------------- */
 
@@ -47,7 +47,7 @@ static void store_reuse(lua_State *L, const bw_reuse *reuse) {
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
-  lua_pushstring(L, methods_words[reuse->method]);
+  lua_pushstring(L, lbw_local_methods[reuse->method]);
   lua_setfield(L, -2, "method");
 }
 
@@ -168,8 +168,8 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
   bw_local_options_default(&wish.local);
   wish.statics = (bw_statics_options){.tolerance = 1e-6};
   lbw_options(L, index, function, list, &wish);
-  wish.local.method = (bw_local_method)lbw_word_option(L, index, function, "method", methods_words,
-                                                       (int)wish.local.method);
+  wish.local.method = (bw_local_method)lbw_word_option(L, index, function, "method",
+                                                       lbw_local_methods, (int)wish.local.method);
   lbw_read_guess(L, index, function, self(L)->system->mesh->node_count, &wish.local);
   *local = wish.local;
   *statics = wish.statics;

@@ -42,12 +42,15 @@ typedef struct request {
 /* The arguments model, system or local system, displacement, nodes; options at `options`. */
 static request check_request(lua_State *L, int options) {
   static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_local_options, tolerance)},
+                                    {"method", LBW_OTHER, 0},
                                     {"guess", LBW_OTHER, 0},
                                     {"hope", LBW_REAL, offsetof(bw_local_options, hope)},
                                     {NULL, LBW_OTHER, 0}};
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
   bw_local_options_default(&r.solver.options);
   lbw_options(L, options, "von_mises_slopes", list, &r.solver.options);
+  r.solver.options.method = (bw_local_method)lbw_word_option(
+      L, options, "von_mises_slopes", "method", lbw_local_methods, (int)r.solver.options.method);
   r.solver.local = (bw_local_system *)lbw_test(L, 2, &lbw_local_system_class);
   if (r.solver.local)
     r.numbering = r.solver.local->system->numbering;

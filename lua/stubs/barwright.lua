@@ -133,7 +133,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@param system bw.System|bw.LocalSystem of the part
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
----@param options? {tolerance: number} relative residual where a local system iterates
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, guess: bw.Array[], hope: number} where a local system iterates: relative residual; fields to begin with; iterations hoped for over predicted
 ---@return bw.Array? von_mises
 ---@return bw.Array|string gradient or a message
 ---@return table? details
@@ -145,10 +145,10 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
 ---@param motions bw.Array[] a row for every node of the mesh each
----@param options? {tolerance: number}
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, guess: bw.Array[], hope: number}
 ---@return bw.Array? von_mises
 ---@return bw.Array|string slopes or a message
----@return table? details
+---@return bw.Array|table adjoint displacements, a block of a row for every node of the mesh for each of the nodes; or details
 function bw.von_mises_slopes(part, system, displacement, nodes, motions, options) end
 
 ---The least 1/2 x H x + g x with A x <= b and low <= x <= high, H positive definite. Where no x
@@ -1105,6 +1105,13 @@ local System = {}
 ---@return table? details
 function System:solve(force) end
 
+---The lowest elastic modes, by the system's own factor: see bw.Model:modes.
+---@param options? {count: integer, tolerance: number, sturm: boolean, seed: integer}
+---@return bw.Modes?
+---@return string? message
+---@return table? details
+function System:modes(options) end
+
 ---Lets go at once.
 function System:close() end
 
@@ -1916,8 +1923,8 @@ function Session:solve(options) end
 ---Scales the bones near high stresses across themselves (their axes y and z) until no node's von Mises
 ---stress is above the limit, changing the shape least: the sum over the corner nodes of the squares of
 ---their moves. One edit, which undo takes back. When the limit cannot be met: nil, message, details
----with status "infeasible" (or "convergence") and `best`, a report of the best that was found; the
----session is then as it was. What is too high next to a support may be out of the bones' reach.
+---with status "infeasible" (or "convergence", or "cancelled" after Ctrl-C) and `best`, a report of the
+---best that was found; the session is then as it was. What is too high next to a support may be out of the bones' reach.
 ---@param options bw.OptimiseOptions
 ---@return bw.Optimisation?
 ---@return string? message
@@ -2074,6 +2081,12 @@ function LocalSystem:statics(model, options, reused) end
 ---@return string? message
 ---@return table? details
 function LocalSystem:refactor(reused) end
+
+---Its equations as a system, the factor brought up to date. Of no use after the next update.
+---@return bw.System?
+---@return string? message
+---@return table? details
+function LocalSystem:view() end
 
 ---Bytes of the factor, of what is kept for updating it, of the pieces' coefficients.
 ---@return integer factor
