@@ -186,6 +186,13 @@ static bw_status solve(void *data, bw_context *context, int64_t count, const dou
   return bw_system_solve(context, (bw_system *)data, count, force, displacement);
 }
 
+/* Stresses of `count` nodes of a solved model, and their gradients. */
+static bw_status gradient_of(bw_context *context, const bw_model *model, const bw_static *result,
+                             int32_t count, const int32_t *node, double *stress, double *gradient) {
+  return bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
+                               solve, result->system, count, node, stress, gradient);
+}
+
 /* Corners on the boundary and inside, and middles. */
 static void choose(const bw_mesh *mesh, int32_t node[NODES]) {
   for (int i = 0; i < NODES; i++)
@@ -201,9 +208,7 @@ static void compare(bw_context *context, const scene *s) {
   choose(b.mesh, node);
   bw_model *model = model_on(context, s, &b, b.mesh);
   bw_static *result = solved(context, s, model);
-  check_ok(context,
-           bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
-                                 solve, result->system, NODES, node, j, gradient));
+  check_ok(context, gradient_of(context, model, result, NODES, node, j, gradient));
   stresses_on(context, s, model, b.mesh, node, at[0]);
   for (int i = 0; i < NODES; i++)
     check_near(j[i], at[0][i], 1e-9 * (at[0][i] + 1));
@@ -234,6 +239,18 @@ static void compare(bw_context *context, const scene *s) {
   drop(&b);
 }
 
+/* Of both orders, of both materials. */
+static void compare_all(bw_context *context, const scene *list, size_t count) {
+  for (size_t k = 0; k < count; k++)
+    for (int order = 1; order <= 2; order++)
+      for (int printed = 0; printed < 2; printed++) {
+        scene s = list[k];
+        s.order = order;
+        s.printed = printed;
+        compare(context, &s);
+      }
+}
+
 static void each_load_by_differences(void **state) {
   bw_context *context = check_context(state);
   const scene list[] = {
@@ -247,14 +264,7 @@ static void each_load_by_differences(void **state) {
       {"prescribed displacement", 0, false, PRESCRIBED, 0, false},
       {"oblique roller", 0, false, ROLLING, 1u << BW_LOAD_PRESSURE | 1u << BW_LOAD_GRAVITY, false},
       {"everything", 0, false, PRESCRIBED, 0x7f, false}};
-  for (size_t k = 0; k < sizeof list / sizeof list[0]; k++)
-    for (int order = 1; order <= 2; order++)
-      for (int printed = 0; printed < 2; printed++) {
-        scene s = list[k];
-        s.order = order;
-        s.printed = printed;
-        compare(context, &s);
-      }
+  compare_all(context, list, sizeof list / sizeof list[0]);
 }
 
 static void free_bodies_by_differences(void **state) {
@@ -268,14 +278,7 @@ static void free_bodies_by_differences(void **state) {
       {"torque in flight", 0, false, NOTHING, 1u << BW_LOAD_TORQUE, true},
       {"everything in flight", 0, false, NOTHING, 0x7f, true},
       {"on a rail", 0, false, ON_A_RAIL, 1u << BW_LOAD_FORCE | 1u << BW_LOAD_PRESSURE, true}};
-  for (size_t k = 0; k < sizeof list / sizeof list[0]; k++)
-    for (int order = 1; order <= 2; order++)
-      for (int printed = 0; printed < 2; printed++) {
-        scene s = list[k];
-        s.order = order;
-        s.printed = printed;
-        compare(context, &s);
-      }
+  compare_all(context, list, sizeof list / sizeof list[0]);
 }
 
 /* Moving everything, loads and supports with it, changes no stress; nor does turning everything
@@ -296,9 +299,7 @@ static void rigid_motion_and_size(void **state) {
       choose(b.mesh, node);
       bw_model *model = model_on(context, &s, &b, b.mesh);
       bw_static *result = solved(context, &s, model);
-      check_ok(context, bw_von_mises_gradient(context, model, result->system->numbering,
-                                              result->displacement, solve, result->system, NODES,
-                                              node, j, gradient));
+      check_ok(context, gradient_of(context, model, result, NODES, node, j, gradient));
       for (int i = 0; i < NODES; i++) {
         const double *g = gradient + i * n;
         double sum[3] = {0, 0, 0}, turn[3] = {0, 0, 0}, size = 0, scale = 0;
@@ -347,9 +348,7 @@ static void bar_in_tension(void **state) {
     check_ok(context, bw_statics(context, model, NULL, NULL, &result));
     int32_t node[1] = {mesh->node_count / 2};
     double j[1], *gradient = numbers(3 * (int64_t)mesh->node_count), by[3] = {0, 0, 0};
-    check_ok(context,
-             bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
-                                   solve, result->system, 1, node, j, gradient));
+    check_ok(context, gradient_of(context, model, result, 1, node, j, gradient));
     for (int32_t i = 0; i < mesh->node_count; i++)
       for (int c = 0; c < 3; c++)
         by[c] += gradient[3 * i + c] * mesh->node[3 * i + c];
@@ -381,14 +380,10 @@ static void batches_and_threads(void **state) {
   for (int i = 0; i < MANY; i++)
     node[i] = (int32_t)((int64_t)b.mesh->node_count * i / MANY);
   check_ok(context, bw_set_threads(context, 3));
-  check_ok(context,
-           bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
-                                 solve, result->system, MANY, node, j, gradient));
+  check_ok(context, gradient_of(context, model, result, MANY, node, j, gradient));
   check_ok(context, bw_set_threads(context, 1));
   for (int i = 0; i < MANY; i += 6) {
-    check_ok(context,
-             bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
-                                   solve, result->system, 1, &node[i], &one, alone));
+    check_ok(context, gradient_of(context, model, result, 1, &node[i], &one, alone));
     double scale = 0;
     for (int64_t k = 0; k < n; k++)
       scale = fmax(scale, fabs(alone[k]));
@@ -412,13 +407,11 @@ static void refusals(void **state) {
   int32_t node = b.mesh->node_count;
   bw_model *model = model_on(context, &s, &b, b.mesh);
   bw_static *result = solved(context, &s, model);
-  const bw_numbering *numbering = result->system->numbering;
   check_fails(context, BW_INVALID, "the mesh has",
-              bw_von_mises_gradient(context, model, numbering, result->displacement, solve,
-                                    result->system, 1, &node, &j, gradient));
+              gradient_of(context, model, result, 1, &node, &j, gradient));
   check_fails(context, BW_INVALID, "displacement",
-              bw_von_mises_gradient(context, model, numbering, NULL, solve, result->system, 1,
-                                    &node, &j, gradient));
+              bw_von_mises_gradient(context, model, result->system->numbering, NULL, solve,
+                                    result->system, 1, &node, &j, gradient));
   node = 5;
   /* curved */
   memcpy(x, b.mesh->node, (size_t)n * sizeof *x);
@@ -427,14 +420,12 @@ static void refusals(void **state) {
   check_ok(context, bw_mesh_moved(context, b.mesh, x, &curved));
   bw_model *other = model_on(context, &s, &b, curved);
   check_fails(context, BW_INVALID, "curved edges",
-              bw_von_mises_gradient(context, other, numbering, result->displacement, solve,
-                                    result->system, 1, &node, &j, gradient));
+              gradient_of(context, other, result, 1, &node, &j, gradient));
   /* directions that turn with the surface */
   bw_selection *tip = end_of(context, &b, b.mesh, 1);
   check_ok(context, bw_model_slide(context, model, tip, NULL));
   check_fails(context, BW_UNSUPPORTED, "support 2",
-              bw_von_mises_gradient(context, model, numbering, result->displacement, solve,
-                                    result->system, 1, &node, &j, gradient));
+              gradient_of(context, model, result, 1, &node, &j, gradient));
   bw_release(tip);
   bw_release(other);
   bw_release(curved);
@@ -458,9 +449,7 @@ static void memory_runs_out(void **state) {
   for (int64_t k = 1; !passed; k++) {
     int64_t blocks = bw_live_blocks();
     bw_fail_allocation(k, true);
-    bw_status status =
-        bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
-                              solve, result->system, NODES, node, j, gradient);
+    bw_status status = gradient_of(context, model, result, NODES, node, j, gradient);
     bw_fail_allocation(0, false);
     assert_int_equal(bw_live_blocks(), blocks);
     passed = status == BW_OK;
