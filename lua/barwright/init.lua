@@ -38,6 +38,7 @@ local bw = {
   skinning_weights = core.skinning_weights,
   domains = core.domains,
   outline = require "barwright.outline",
+  responsive = require "barwright.responsive",
   edit = require "barwright.edit",
   live = require("barwright.live").run,
   von_mises_gradient = core.von_mises_gradient,

@@ -101,7 +101,8 @@ int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
-    lbw_local_system_class, lbw_live_server_class, lbw_outline_class;
+    lbw_local_system_class, lbw_live_server_class, lbw_outline_class,
+    lbw_sheet_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -232,6 +233,7 @@ void lbw_open_local(lua_State *L);
 void lbw_open_optimise(lua_State *L);
 void lbw_open_live(lua_State *L);
 void lbw_open_outline(lua_State *L);
+void lbw_open_sheet(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

@@ -357,5 +357,6 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_optimise(L);
   lbw_open_live(L);
   lbw_open_outline(L);
+  lbw_open_sheet(L);
   return 1;
 }

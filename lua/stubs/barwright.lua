@@ -26,6 +26,7 @@
 ---@field skeleton bw.SkeletonModule
 ---@field edit bw.EditModule
 ---@field outline bw.OutlineModule
+---@field responsive bw.ResponsiveModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
@@ -2196,5 +2197,244 @@ function Results:path(name) end
 ---@return string? message
 ---@return table? details
 function Results:write(result) end
+
+-- ---- elastic sheets while their outline is dragged -----------------------------------------------
+
+---Analyses that keep up with an outline while it is dragged. Each call makes an object that holds its
+---last good state: a drag that outline, mesh or solution refuses returns nil, message, details, and
+---all is as it was before.
+---Common options: outline; material and thickness (m; each one, or a list of one for each region);
+---plane ("stress", "strain"); gravity ({x, y}, m/s2); elements or size (m) and order (1, 2) of the
+---mesh; follow ({distorted, rebuild, relocation = "harmonic" | "springs", sweeps, level = at least
+---this one: "relocation", "reconnecting", "reconstruction"}); solver ({method = "auto" | "iterate" |
+---"refactor" | "scratch", tolerance, iterations}).
+---conditions = {tag = "fixed"} or {tag = {x = , y = , traction = {x, y}, pressure = }}: displacements
+---(m) and loads (Pa; pressure along the inner normal) on the edges with that tag, each a number, a
+---formula in x, y and t, or a function of them.
+---@class bw.ResponsiveModule
+local responsive_module = {}
+
+---Linear statics, solved in every drag.
+---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number, order?: integer, follow?: table, solver?: table}
+---@return bw.SteadySheet?
+---@return string? message
+---@return table? details
+function responsive_module.steady(options) end
+
+---Large deflection (St. Venant-Kirchhoff), brought to equilibrium in every drag by Newton's method:
+---newton = {tolerance, iterations, load_steps}.
+---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number, order?: integer, follow?: table, solver?: table, newton?: table}
+---@return bw.BentSheet?
+---@return string? message
+---@return table? details
+function responsive_module.cantilever(options) end
+
+---Motion on ground that shakes: the tags of `ground` are moved by shake = {x = , y = } (displacements,
+---m). Newmark's method: step (s), beta, gamma; damping = {of mass, of stiffness} (Rayleigh).
+---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, ground?: string|string[], shake?: table, step?: number, beta?: number, gamma?: number, damping?: number[], conditions?: table, gravity?: number[], elements?: integer, size?: number, order?: integer, follow?: table, solver?: table}
+---@return bw.ShakenSheet?
+---@return string? message
+---@return table? details
+function responsive_module.vibration(options) end
+
+---What a frame reused and what it cost. Prints as one line.
+---@class bw.Kept
+---@field level string "none", "relocation", "reconnecting" or "reconstruction" of the mesh
+---@field flips integer edges flipped
+---@field quality number of the worst triangle, 1: equilateral
+---@field pattern boolean of the matrix: kept
+---@field factor boolean a former factor was used
+---@field solution boolean the former solution was the first guess
+---@field analyses integer
+---@field factorisations integer
+---@field solves integer
+---@field iterations integer
+---@field residual number relative, the largest reached
+---@field predicted_iterate number s, of the model's machine
+---@field predicted_factor number
+---@field seconds_mesh number
+---@field seconds_assemble number
+---@field seconds_factor number
+---@field seconds_solve number
+
+---@class bw.SteadySheet
+---@field outline bw.Outline as it is now
+---@field reused bw.Kept what the last frame kept
+---@field displacement bw.Array x, y at the nodes, m
+---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
+---@field von_mises bw.Array at the nodes, Pa
+---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
+---@field points bw.Array of the mesh, m
+---@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
+---@field element_count integer
+---@field node_count integer
+---@field time number s
+---@field velocity bw.Array? of a shaken sheet
+---@field acceleration bw.Array?
+local SteadySheet = {}
+
+---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.SteadySheet?
+---@return string? message
+---@return table? details
+function SteadySheet:drag(handle, by) end
+
+---Goes over to another outline, of any topology with the same tags.
+---@param outline bw.Outline
+---@return bw.SteadySheet?
+---@return string? message
+---@return table? details
+function SteadySheet:become(outline) end
+
+---Solves again where it stands.
+---@return bw.SteadySheet?
+---@return string? message
+---@return table? details
+function SteadySheet:solve() end
+
+---The power mean of von Mises stresses over the area with exponent p (1 to 1000: the larger, the closer
+---to their maximum), and its exact gradient by the outline's points and by the mesh's nodes.
+---@param p number
+---@return number?
+---@return bw.Array|string by_points
+---@return bw.Array|table by_nodes
+function SteadySheet:stress_norm(p) end
+
+---@class bw.BentSheet
+---@field outline bw.Outline as it is now
+---@field reused bw.Kept what the last frame kept
+---@field displacement bw.Array x, y at the nodes, m
+---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
+---@field von_mises bw.Array at the nodes, Pa
+---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
+---@field points bw.Array of the mesh, m
+---@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
+---@field element_count integer
+---@field node_count integer
+---@field time number s
+---@field velocity bw.Array? of a shaken sheet
+---@field acceleration bw.Array?
+local BentSheet = {}
+
+---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.BentSheet?
+---@return string? message
+---@return table? details
+function BentSheet:drag(handle, by) end
+
+---Goes over to another outline, of any topology with the same tags.
+---@param outline bw.Outline
+---@return bw.BentSheet?
+---@return string? message
+---@return table? details
+function BentSheet:become(outline) end
+
+---Solves again where it stands.
+---@return bw.BentSheet?
+---@return string? message
+---@return table? details
+function BentSheet:solve() end
+
+---@class bw.ShakenSheet
+---@field outline bw.Outline as it is now
+---@field reused bw.Kept what the last frame kept
+---@field displacement bw.Array x, y at the nodes, m
+---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
+---@field von_mises bw.Array at the nodes, Pa
+---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
+---@field points bw.Array of the mesh, m
+---@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
+---@field element_count integer
+---@field node_count integer
+---@field time number s
+---@field velocity bw.Array? of a shaken sheet
+---@field acceleration bw.Array?
+local ShakenSheet = {}
+
+---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.ShakenSheet?
+---@return string? message
+---@return table? details
+function ShakenSheet:drag(handle, by) end
+
+---Goes over to another outline, of any topology with the same tags.
+---@param outline bw.Outline
+---@return bw.ShakenSheet?
+---@return string? message
+---@return table? details
+function ShakenSheet:become(outline) end
+
+---Advances by `count` time steps (default 1).
+---@param count? integer
+---@return bw.ShakenSheet?
+---@return string? message
+---@return table? details
+function ShakenSheet:step(count) end
+
+---What stands behind the applications: a sheet and the mesh that follows. `frame` is a table that is
+---filled with what was kept (bw.Kept).
+---@class bw.Sheet
+---@field outline bw.Outline
+---@field displacement bw.Array
+---@field velocity bw.Array?
+---@field acceleration bw.Array?
+---@field stress bw.Array
+---@field von_mises bw.Array
+---@field error_estimate number
+---@field points bw.Array
+---@field elements bw.Array
+---@field order integer
+---@field time number
+local Sheet = {}
+
+---@param frame table
+---@param outline bw.Outline
+---@return table?
+---@return string? message
+---@return table? details
+function Sheet:follow(frame, outline) end
+
+---@param frame table
+---@param solver? table
+---@return table?
+---@return string? message
+---@return table? details
+function Sheet:static(frame, solver) end
+
+---@param frame table
+---@param solver? table
+---@param newmark? {step?: number, beta?: number, gamma?: number, damping_mass?: number, damping_stiffness?: number}
+---@param steps? integer
+---@return table?
+---@return string? message
+---@return table? details
+function Sheet:shake(frame, solver, newmark, steps) end
+
+---@param frame table
+---@param solver? table
+---@param newton? {tolerance?: number, iterations?: integer, load_steps?: integer}
+---@return table?
+---@return string? message
+---@return table? details
+function Sheet:bend(frame, solver, newton) end
+
+---@param p number
+---@return number?
+---@return bw.Array|string by_points
+---@return bw.Array|table by_nodes
+function Sheet:stress_norm(p) end
+
+---@return integer elements
+---@return integer nodes
+function Sheet:counts() end
+
+---Releases it early.
+function Sheet:close() end
 
 return bw

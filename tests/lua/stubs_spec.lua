@@ -14,7 +14,8 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
   pressure_basis = "bw.PressureBasis", skeleton = "bw.Skeleton",
   domains = "bw.Domains", local_system = "bw.LocalSystem",
-  live_server = "bw.LiveServer", outline = "bw.Outline"}
+  live_server = "bw.LiveServer", outline = "bw.Outline",
+  sheet = "bw.Sheet"}
 
 local function keys(...)
   local out = {}
@@ -52,6 +53,7 @@ describe("the stubs", function()
     same(keys(bw.json), "bw.JsonModule")
     same(keys(bw.skeleton), "bw.SkeletonModule")
     same(keys(bw.outline), "bw.OutlineModule")
+    same(keys(bw.responsive), "bw.ResponsiveModule")
     same(keys(bw.edit), "bw.EditModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
     local library = {}

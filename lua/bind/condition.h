@@ -1,0 +1,22 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Conditions by tag (prescribed values, tractions, pressures) from Lua. */
+#ifndef LBW_CONDITION_H
+#define LBW_CONDITION_H
+
+#include "bind.h"
+#include "expression.h"
+
+typedef struct lbw_conditions lbw_conditions;
+/* Reads the list at `index`, {{tag = name (nil: everywhere), kind = "prescribed" | "traction" |
+ * "pressure", component = from 1, value = }}, into a userdata that is pushed. Raises for what is
+ * none, naming the nearest tag. */
+lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
+                                    const bw_outline *outline);
+const bw_condition *lbw_conditions_list(const lbw_conditions *all, int32_t *count);
+/* The box keeps the userdata as its user value. */
+void lbw_conditions_keep(lua_State *L, int box, int conditions);
+/* Before lbw_enter of a call that may ask for values: puts the functions on the stack. The caller
+ * returns values above them. */
+void lbw_conditions_begin(lua_State *L, int box);
+
+#endif

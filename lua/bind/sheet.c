@@ -1,0 +1,416 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Elastic sheets that follow an outline. A box holds a sheet and, as its second reference, the
+ * mover of its mesh. The applications, with names for options and conditions, are Lua
+ * (lua/barwright/responsive.lua). */
+#include "condition.h"
+
+#include <math.h>
+#include <string.h>
+
+static bw_sheet *self(lua_State *L) {
+  return (bw_sheet *)lbw_check(L, 1, &lbw_sheet_class);
+}
+
+static bw_mover *mover_of(lua_State *L) {
+  return (bw_mover *)lbw_check_box(L, 1, &lbw_sheet_class)->extra;
+}
+
+static const char *const level_words[] = {"none", "relocation", "reconnecting", "reconstruction",
+                                          NULL};
+static const char *const method_words[] = {"auto", "iterate", "refactor", "scratch", NULL};
+
+/* ---- what was kept --------------------------------------------------------------------------- */
+
+#define KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)                                                     \
+  BOOLEAN(pattern)                                                                                 \
+  BOOLEAN(factor)                                                                                  \
+  BOOLEAN(solution)                                                                                \
+  INTEGER(analyses)                                                                                \
+  INTEGER(factorisations)                                                                          \
+  INTEGER(solves)                                                                                  \
+  INTEGER(iterations)                                                                              \
+  NUMBER(residual)                                                                                 \
+  NUMBER(predicted_iterate)                                                                        \
+  NUMBER(predicted_factor)                                                                         \
+  NUMBER(seconds_mesh)                                                                             \
+  NUMBER(seconds_assemble)                                                                         \
+  NUMBER(seconds_factor)                                                                           \
+  NUMBER(seconds_solve)
+
+/* Writes into the table at `index`. */
+static void store_kept(lua_State *L, int index, const bw_kept *kept) {
+  index = lua_absindex(L, index);
+#define BOOLEAN(key) (lua_pushboolean(L, kept->key), lua_setfield(L, index, #key));
+#define INTEGER(key) (lua_pushinteger(L, kept->key), lua_setfield(L, index, #key));
+#define NUMBER(key) (lua_pushnumber(L, kept->key), lua_setfield(L, index, #key));
+  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
+#undef BOOLEAN
+#undef INTEGER
+#undef NUMBER
+  lua_pushstring(L, level_words[kept->level]);
+  lua_setfield(L, index, "level");
+}
+
+/* Reads back what a former call of the same frame wrote; the table's level is a word. */
+static void load_kept(lua_State *L, int index, bw_kept *kept) {
+  memset(kept, 0, sizeof *kept);
+#define BOOLEAN(key)                                                                               \
+  (lua_getfield(L, index, #key), kept->key = lua_toboolean(L, -1), lua_pop(L, 1));
+#define INTEGER(key)                                                                               \
+  (lua_getfield(L, index, #key), kept->key = (int)lua_tointeger(L, -1), lua_pop(L, 1));
+#define NUMBER(key) (lua_getfield(L, index, #key), kept->key = lua_tonumber(L, -1), lua_pop(L, 1));
+  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
+#undef BOOLEAN
+#undef INTEGER
+#undef NUMBER
+  kept->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
+}
+
+/* The table of a frame is argument 2; it is what the call returns. */
+static int leave_with(lua_State *L, bw_status status, const bw_kept *kept) {
+  lua_pushvalue(L, 2);
+  int results = lbw_leave(L, status, 1);
+  if (status == BW_OK) {
+    store_kept(L, 2, kept);
+    lbw_box_account(L, lbw_check_box(L, 1, &lbw_sheet_class));
+  }
+  return results;
+}
+
+/* ---- making ---------------------------------------------------------------------------------- */
+
+static void read_fill(lua_State *L, int index, bw_plane_options *fill) {
+  static const lbw_option list[] = {
+      {"order", LBW_INT, offsetof(bw_plane_options, order)},
+      {"size", LBW_REAL, offsetof(bw_plane_options, size)},
+      {"elements", LBW_INT, offsetof(bw_plane_options, elements)},
+      {"minimum_angle", LBW_REAL, offsetof(bw_plane_options, minimum_angle)},
+      {"curvature", LBW_REAL, offsetof(bw_plane_options, curvature)},
+      {NULL, LBW_OTHER, 0}};
+  bw_plane_options_default(fill);
+  lbw_options(L, index, "sheet", list, fill);
+}
+
+static void read_follow(lua_State *L, int index, bw_follow_options *follow) {
+  static const char *const ways[] = {"harmonic", "springs", NULL};
+  static const lbw_option list[] = {{"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
+                                    {"rebuild", LBW_REAL, offsetof(bw_follow_options, rebuild)},
+                                    {"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
+                                    {"relocation", LBW_OTHER, 0},
+                                    {"level", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_follow_options_default(follow);
+  lbw_options(L, index, "sheet", list, follow);
+  follow->relocation = (bw_relocation)lbw_word_option(L, index, "sheet", "relocation", ways, 0);
+  follow->force = (bw_level)lbw_word_option(L, index, "sheet", "level", level_words, 0);
+}
+
+/* {{material = , thickness = , strain = }} */
+static bw_sheet_section *read_sections(lua_State *L, int index, int32_t *count) {
+  lbw_check_type(L, index, LUA_TTABLE);
+  *count = (int32_t)lua_rawlen(L, index);
+  bw_sheet_section *section =
+      (bw_sheet_section *)lua_newuserdatauv(L, ((size_t)*count + 1) * sizeof *section, 0);
+  for (int32_t i = 0; i < *count; i++) {
+    lua_rawgeti(L, index, i + 1);
+    lua_getfield(L, -1, "material");
+    section[i].material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
+    if (!section[i].material)
+      lbw_error(L, "sheet: a material expected, got %s", lbw_type_name(L, -1));
+    lua_getfield(L, -2, "thickness");
+    section[i].thickness = lua_tonumber(L, -1);
+    lua_getfield(L, -3, "strain");
+    section[i].plane_strain = lua_toboolean(L, -1);
+    lua_pop(L, 4);
+  }
+  return section;
+}
+
+/* sheet.create(outline, fill, follow, sections, conditions, gravity) */
+static int sheet_create(lua_State *L) {
+  bw_status status = BW_OK;
+  lua_settop(L, 6);
+  const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
+  bw_follow_options follow;
+  bw_sheet_description description = {0};
+  read_follow(L, 3, &follow);
+  read_fill(L, 2, &follow.fill);
+  description.section = read_sections(L, 4, &description.section_count);
+  lbw_conditions *conditions = lbw_conditions_read(L, 5, "conditions", outline);
+  int place = lua_gettop(L);
+  description.condition = lbw_conditions_list(conditions, &description.condition_count);
+  for (int i = 0; i < 2; i++) {
+    lua_rawgeti(L, 6, i + 1);
+    description.gravity[i] = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+  lbw_box *box = lbw_box_new(L, &lbw_sheet_class);
+  lbw_conditions_keep(L, -1, place);
+  bw_plane_mesh *mesh = NULL;
+  bw_mover *mover = NULL;
+  bw_sheet *sheet = NULL;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_plane_fill(context, outline, &follow.fill, &mesh));
+  BW_TRY(bw_mover_create(context, mesh, &follow, &mover));
+  BW_TRY(bw_sheet_create(context, mesh, &description, &sheet));
+done:
+  bw_release(mesh);
+  if (status == BW_OK)
+    box->extra = mover;
+  else
+    bw_release(mover);
+  lbw_box_fill(L, box, sheet);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- following and solving ------------------------------------------------------------------- */
+
+/* sheet:follow(frame, outline) */
+static int sheet_follow(lua_State *L) {
+  bw_status status = BW_OK;
+  bw_sheet *sheet = self(L);
+  bw_mover *mover = mover_of(L);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  const bw_outline *outline = (const bw_outline *)lbw_check(L, 3, &lbw_outline_class);
+  bw_follow_report report = {0};
+  bw_kept kept;
+  load_kept(L, 2, &kept);
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_mover_follow(context, mover, outline, &report));
+  kept.seconds_mesh += report.seconds;
+  BW_TRY(bw_sheet_follow(context, sheet, mover->mesh, &kept));
+done:
+  leave_with(L, status, &kept);
+  if (status == BW_OK) {
+    lua_pushinteger(L, report.flips);
+    lua_setfield(L, 2, "flips");
+    lua_pushnumber(L, report.worst);
+    lua_setfield(L, 2, "quality");
+    lua_settop(L, 2);
+    return 1;
+  }
+  return 3;
+}
+
+static const lbw_option stale_list[] = {
+    {"method", LBW_OTHER, 0},
+    {"tolerance", LBW_REAL, offsetof(bw_stale_options, tolerance)},
+    {"iterations", LBW_INT, offsetof(bw_stale_options, iterations)},
+    {NULL, LBW_OTHER, 0}};
+
+static void read_stale(lua_State *L, int index, bw_stale_options *options) {
+  bw_stale_options_default(options);
+  lbw_options(L, index, "solve", stale_list, options);
+  options->method = (bw_stale_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
+}
+
+/* sheet:static(frame, stale options) */
+static int sheet_static(lua_State *L) {
+  bw_sheet *sheet = self(L);
+  lua_settop(L, 3);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  bw_stale_options options;
+  bw_kept kept;
+  read_stale(L, 3, &options);
+  load_kept(L, 2, &kept);
+  lbw_conditions_begin(L, 1);
+  bw_status status = bw_sheet_static(lbw_enter(L), sheet, &options, &kept);
+  return leave_with(L, status, &kept);
+}
+
+/* sheet:shake(frame, stale options, newmark, steps) */
+static int sheet_shake(lua_State *L) {
+  static const lbw_option list[] = {
+      {"step", LBW_REAL, offsetof(bw_newmark, step)},
+      {"beta", LBW_REAL, offsetof(bw_newmark, beta)},
+      {"gamma", LBW_REAL, offsetof(bw_newmark, gamma)},
+      {"damping_mass", LBW_REAL, offsetof(bw_newmark, damping_mass)},
+      {"damping_stiffness", LBW_REAL, offsetof(bw_newmark, damping_stiffness)},
+      {NULL, LBW_OTHER, 0}};
+  bw_status status = BW_OK;
+  bw_sheet *sheet = self(L);
+  lua_settop(L, 5);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  bw_stale_options options;
+  bw_newmark newmark;
+  bw_kept kept;
+  read_stale(L, 3, &options);
+  bw_newmark_default(&newmark);
+  lbw_options(L, 4, "step", list, &newmark);
+  lua_Integer steps = lbw_integer_or(L, 5, 1);
+  load_kept(L, 2, &kept);
+  lbw_conditions_begin(L, 1);
+  bw_context *context = lbw_enter(L);
+  for (lua_Integer i = 0; i < steps; i++) {
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bw_sheet_shake(context, sheet, &newmark, &options, &kept));
+  }
+done:
+  return leave_with(L, status, &kept);
+}
+
+/* sheet:bend(frame, stale options, newton) */
+static int sheet_bend(lua_State *L) {
+  static const lbw_option list[] = {
+      {"tolerance", LBW_REAL, offsetof(bw_newton_options, tolerance)},
+      {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
+      {"load_steps", LBW_INT, offsetof(bw_newton_options, load_steps)},
+      {NULL, LBW_OTHER, 0}};
+  bw_sheet *sheet = self(L);
+  lua_settop(L, 4);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  bw_newton_options options;
+  bw_newton_report report = {0};
+  bw_kept kept;
+  bw_newton_options_default(&options);
+  lbw_options(L, 4, "solve", list, &options);
+  read_stale(L, 3, &options.linear);
+  load_kept(L, 2, &kept);
+  lbw_conditions_begin(L, 1);
+  bw_status status = bw_sheet_bend(lbw_enter(L), sheet, &options, &report, &kept);
+  int results = leave_with(L, status, &kept);
+  if (status == BW_OK) {
+    lua_pushinteger(L, report.iterations);
+    lua_setfield(L, 2, "newton_iterations");
+    lua_pushinteger(L, report.load_steps);
+    lua_setfield(L, 2, "load_steps");
+    lua_pushnumber(L, report.energy);
+    lua_setfield(L, 2, "energy");
+  }
+  return results;
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+static int32_t nodes_of(const bw_sheet *sheet) {
+  return sheet->mesh->topology->nodes->node_count;
+}
+
+/* Fields change in place: each is a copy of its moment. */
+static int push_field(lua_State *L, const bw_sheet *sheet, const double *field) {
+  if (!field) {
+    lua_pushnil(L);
+    return 1;
+  }
+  bw_array *array = lbw_push_array(L, BW_F64, nodes_of(sheet), 2);
+  memcpy(array->data, field, 2 * (size_t)nodes_of(sheet) * sizeof(double));
+  return 1;
+}
+
+static int sheet_displacement(lua_State *L) {
+  return push_field(L, self(L), self(L)->displacement);
+}
+static int sheet_velocity(lua_State *L) {
+  return push_field(L, self(L), self(L)->velocity);
+}
+static int sheet_acceleration(lua_State *L) {
+  return push_field(L, self(L), self(L)->acceleration);
+}
+
+static int sheet_stress(lua_State *L) {
+  const bw_sheet *sheet = self(L);
+  bw_array *array = lbw_push_array(L, BW_F64, nodes_of(sheet), 4);
+  bw_status status = bw_sheet_stress(lbw_enter(L), sheet, (double *)array->data, NULL);
+  lbw_leave_or_raise(L, status);
+  return 1;
+}
+
+static int sheet_von_mises(lua_State *L) {
+  const bw_sheet *sheet = self(L);
+  bw_array *array = lbw_push_array(L, BW_F64, nodes_of(sheet), 1);
+  bw_status status = bw_sheet_stress(lbw_enter(L), sheet, NULL, (double *)array->data);
+  lbw_leave_or_raise(L, status);
+  return 1;
+}
+
+static int sheet_error(lua_State *L) {
+  const bw_sheet *sheet = self(L);
+  double relative = 0;
+  bw_status status = bw_sheet_error(lbw_enter(L), sheet, &relative);
+  lbw_leave_or_raise(L, status);
+  lua_pushnumber(L, relative);
+  return 1;
+}
+
+static int sheet_points(lua_State *L) {
+  const bw_plane_mesh *mesh = self(L)->mesh;
+  return lbw_push_borrowed(L, BW_F64, mesh->topology->nodes->node_count, 2, mesh->point, mesh);
+}
+
+static int sheet_elements(lua_State *L) {
+  const bw_plane_topology *topology = self(L)->mesh->topology;
+  return lbw_push_indices(L, topology->element_count, topology->nodes->order == 1 ? 3 : 6,
+                          topology->element);
+}
+
+static int sheet_counts(lua_State *L) {
+  const bw_plane_topology *topology = self(L)->mesh->topology;
+  lua_pushinteger(L, topology->element_count);
+  lua_pushinteger(L, topology->nodes->node_count);
+  return 2;
+}
+
+static int sheet_order(lua_State *L) {
+  lua_pushinteger(L, self(L)->mesh->topology->nodes->order);
+  return 1;
+}
+
+static int sheet_time(lua_State *L) {
+  lua_pushnumber(L, self(L)->time);
+  return 1;
+}
+
+static int sheet_outline(lua_State *L) {
+  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
+  return 1;
+}
+
+/* sheet:stress_norm(p): the norm, and its gradient by the outline's points */
+static int sheet_stress_norm(lua_State *L) {
+  bw_status status = BW_OK;
+  bw_sheet *sheet = self(L);
+  bw_mover *mover = mover_of(L);
+  double p = lbw_check_number(L, 2), norm = 0;
+  lua_settop(L, 2);
+  bw_array *nodes = lbw_push_array(L, BW_F64, nodes_of(sheet), 2);
+  bw_array *points = lbw_push_array(L, BW_F64, sheet->mesh->outline->point_count, 2);
+  lbw_conditions_begin(L, 1);
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_sheet_stress_gradient(context, sheet, p, &norm, (double *)nodes->data));
+  BW_TRY(bw_mover_pull_back(context, mover, (const double *)nodes->data, (double *)points->data));
+done:
+  lua_pushnumber(L, norm);
+  lua_pushvalue(L, 4);
+  lua_pushvalue(L, 3);
+  return lbw_leave(L, status, 3);
+}
+
+static const luaL_Reg methods[] = {{"follow", sheet_follow},
+                                   {"static", sheet_static},
+                                   {"shake", sheet_shake},
+                                   {"bend", sheet_bend},
+                                   {"stress_norm", sheet_stress_norm},
+                                   {"counts", sheet_counts},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
+                                      {"velocity", sheet_velocity},
+                                      {"acceleration", sheet_acceleration},
+                                      {"stress", sheet_stress},
+                                      {"von_mises", sheet_von_mises},
+                                      {"error_estimate", sheet_error},
+                                      {"points", sheet_points},
+                                      {"elements", sheet_elements},
+                                      {"order", sheet_order},
+                                      {"time", sheet_time},
+                                      {"outline", sheet_outline},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{NULL, NULL}};
+const lbw_class lbw_sheet_class = {"sheet", methods, properties, meta, NULL};
+
+void lbw_open_sheet(lua_State *L) {
+  static const luaL_Reg functions[] = {{"create", sheet_create}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_sheet_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "sheet");
+}

@@ -1,0 +1,150 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Sheets whose outline is dragged: conditions by tag, answers after drags, what was reused, refusals.
+local bw = require "barwright"
+local check = require "check"
+
+local rubber = bw.material.isotropic {name = "rubber", young = 1e6, poisson = 0.3, density = 1000}
+
+local function plate(x)
+  return assert(bw.outline {points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, tags = {left = 4, right = 2},
+    holes = {bw.outline.circle {centre = {x or 0.6, 0.5}, radius = 0.2, name = "hole"}}})
+end
+
+local function steady(more)
+  local options = {outline = plate(), material = rubber, elements = 400,
+    conditions = {left = "fixed", right = {traction = {1e3, 0}}}}
+  for key, value in pairs(more or {}) do options[key] = value end
+  return bw.responsive.steady(options)
+end
+
+describe("a steady sheet", function()
+  it("answers what a strip's closed form says", function()
+    local strip = assert(bw.outline.rectangle {width = 2, height = 0.5, tags = {left = 4, right = 2}})
+    local s = assert(bw.responsive.steady {outline = strip, elements = 100, order = 2, material =
+      bw.material.isotropic {name = "cork", young = 1e6, poisson = 0}, thickness = 0.1,
+      conditions = {left = "fixed", right = {traction = {1e3, 0}}}})
+    check.near(2e-3, s.displacement:max(), 1e-6)
+    check.near(1e3, s.von_mises:max(), 1e-6)
+    assert.is_true(s.error_estimate < 1e-6)
+    check.near(1e3, (s:stress_norm(4)), 1e-6)
+  end)
+
+  it("gives after drags what a sheet made there gives, within the error of the meshes", function()
+    local s = assert(steady {elements = 1500, order = 2})
+    local seen = {}
+    for _ = 1, 12 do
+      assert(s:drag({loop = "hole"}, {0.05, 0}))
+      seen[s.reused.level] = true
+    end
+    assert.is_true(seen.relocation)
+    local anew = assert(steady {outline = plate(1.2), elements = 1500, order = 2})
+    check.near(anew.displacement:max(), s.displacement:max(), 1e-3)
+  end)
+
+  it("says in one line what it reused", function()
+    local s = assert(steady {solver = {method = "iterate"}})
+    assert.truthy(tostring(s.reused):find "kept mesh")
+    assert(s:drag({loop = "hole"}, {0.001, 0}))
+    local reused = s.reused
+    assert.equal("relocation", reused.level)
+    assert.is_true(reused.pattern and reused.factor and reused.solution)
+    assert.equal(0, reused.factorisations)
+    assert.truthy(tostring(reused):find "^relocation; kept nodes, pattern, factor, solution; ")
+    local again = assert(steady {follow = {level = "reconstruction"}})
+    assert(again:drag({loop = "hole"}, {0.001, 0}))
+    assert.equal("reconstruction", again.reused.level)
+    assert.equal(1, again.reused.factorisations)
+  end)
+
+  it("keeps its last good state when a drag is refused", function()
+    local s = assert(steady())
+    local before, line = s.displacement:max(), tostring(s.reused)
+    check.fails("geometry", "hole", s:drag({loop = "hole"}, {3, 0}))
+    assert.equal(before, s.displacement:max())
+    assert.equal(line, tostring(s.reused))
+    assert(s:drag({loop = "hole"}, {0.01, 0}))
+    assert.not_equal(before, s.displacement:max())
+  end)
+
+  it("takes values as numbers, formulas and functions of place", function()
+    local by_number = assert(steady())
+    local calls = 0
+    for _, value in ipairs {"1e3 + 0*x*y*t", function(x, y, t)
+      calls = calls + 1
+      assert(x == 2 and y >= 0 and y <= 1 and t == 0)
+      return 1e3
+    end} do
+      local s = assert(steady {conditions = {left = "fixed", right = {traction = {value, 0}}}})
+      check.near(by_number.displacement:max(), s.displacement:max(), 1e-9)
+      assert(s:drag({loop = "hole"}, {0.01, 0}))
+      collectgarbage()
+      assert(s:drag({loop = "hole"}, {0.01, 0}))
+    end
+    assert.is_true(calls > 0)
+    local s = assert(steady {conditions = {left = "fixed", right = {x = "0.1*y", y = 0}}})
+    check.near(0.1, s.displacement:max(), 0.2)
+  end)
+
+  it("refuses what cannot be, and names the nearest", function()
+    check.raises("did you mean 'left'", steady, {conditions = {lefd = "fixed"}})
+    check.raises("did you mean 'traction'", steady, {conditions = {left = {tractin = {0, 0}}}})
+    check.raises("did you mean 'thickness'", steady, {thicknes = 1})
+    check.raises("did you mean 'displacement'", function() return steady().dispacement end)
+    check.raises("two values", steady, {conditions = {left = {traction = 5}}})
+    check.raises("formula", steady, {conditions = {left = {x = {}}}})
+    check.fails("free", "free to", steady {conditions = {right = {traction = {1, 0}}}})
+    check.raises("oops", steady, {conditions = {left = {x = function() error "oops" end, y = 0}}})
+  end)
+
+  it("has stresses whose gradient by the outline is that of differences", function()
+    local s = assert(steady {solver = {tolerance = 1e-12}})
+    local norm, by_points = s:stress_norm(6)
+    local weights = s.outline:weights {loop = "hole"}
+    local slope = 0
+    for i = 1, #by_points do slope = slope + weights[i] * by_points[i][1] end
+    local h = 1e-4
+    assert(s:drag({loop = "hole"}, {h, 0}))
+    local after = s:stress_norm(6)
+    assert(s:drag({loop = "hole"}, {-2 * h, 0}))
+    local before = s:stress_norm(6)
+    assert.is_true(norm > 0)
+    check.near((after - before) / (2 * h), slope, 1e-3)
+  end)
+end)
+
+describe("a bent sheet", function()
+  it("sags under its weight and follows drags", function()
+    local beam = assert(bw.outline.rectangle {width = 1, height = 0.05, tags = {left = 4}})
+    local soft = bw.material.isotropic {name = "soft", young = 1e6, poisson = 0, density = 1000}
+    local s = assert(bw.responsive.cantilever {outline = beam, material = soft, order = 2,
+      elements = 150, gravity = {0, -1}, conditions = {left = "fixed"}})
+    -- w L^4 / (8 E I) with w = rho g h is 0.6 of the length: too much for the linear theory
+    local tip = -s.displacement:min()
+    assert.is_true(tip > 0.35 and tip < 0.6)
+    assert.is_true(s.reused.newton_iterations > 1)
+    assert(s:drag({edge = 2}, {0.1, 0}))
+    assert.is_true(-s.displacement:min() > tip)
+  end)
+end)
+
+describe("a shaken sheet", function()
+  it("moves with the ground, in steps between drags", function()
+    local s = assert(bw.responsive.vibration {outline = plate(), material = rubber, elements = 300,
+      ground = "left", shake = {y = function(_, _, t) return 0.01 * math.sin(20 * t) end}, step = 1e-3})
+    assert.is_nil(s.velocity)
+    for i = 1, 20 do
+      if i % 4 == 0 then assert(s:drag({loop = "hole"}, {0.02, 0})) end
+      assert(s:step())
+    end
+    check.near(0.02, s.time, 1e-9)
+    local points, moved = s.points, s.displacement
+    for i = 1, #points do
+      if points[i][1] == 0 then check.near(0.01 * math.sin(0.4), moved[i][2], 1e-12) end
+    end
+    assert.is_true(s.velocity:max() > 0)
+    assert(s:step(10))
+    check.near(0.03, s.time, 1e-9)
+    check.raises("0 or more", s.step, assert(bw.responsive.vibration {outline = plate(),
+      material = rubber, elements = 100, ground = "left", damping = {-1, 0}}))
+  end)
+end)
