@@ -1,0 +1,66 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of flow/ share. */
+#ifndef BWI_FLOW_INTERNAL_H
+#define BWI_FLOW_INTERNAL_H
+
+#include "barwright/flow.h"
+
+enum { BWI_MOST = 4 }; /* unknowns of a node: velocity x, y, pressure, temperature */
+
+/* One linear problem: the implicit step of length 1 / rate (times the coefficient of the scheme),
+ * or with rate 0 the steady equations, linearised about a velocity. */
+typedef struct bwi_linear {
+  const bw_plane_mesh *mesh;
+  const bw_flow_description *about;
+  int components;
+  double rate;           /* coefficient of the new values in the time derivative, 1/s */
+  double inverse_step;   /* 1 / step for the stabilisation; 0: steady */
+  const double *convect; /* node_count x 2: velocity that carries (less that of the mesh) */
+  const double *history; /* node_count x components: what the time derivative has from before */
+  const double
+      *newton; /* node_count x components: the state to linearise about, or NULL (Picard) */
+} bwi_linear;
+
+typedef struct bwi_flow_element {
+  double area, gradient[3][2];
+  double carry[3][2], mean[2];      /* the convecting velocity at the corners, and its mean */
+  double tau, tau_heat, divergence; /* stabilisation: momentum and mass, heat, incompressibility */
+  double velocity_slope[2][2], heat_slope[2]; /* with Newton: of the state linearised about */
+} bwi_flow_element;
+
+/* False where the element is inverted. */
+bool bwi_flow_element_make(const bwi_linear *linear, int32_t element, bwi_flow_element *made);
+/* (3 c) x (3 c), row by row */
+void bwi_flow_element_matrix(const bwi_linear *linear, const bwi_flow_element *e, double *matrix);
+/* 3 c */
+void bwi_flow_element_vector(const bwi_linear *linear, int32_t element, const bwi_flow_element *e,
+                             double *vector);
+
+/* What the equations need as room, made anew with the graph. */
+typedef struct bwi_flow_room {
+  double *values, *system; /* components^2 per pair: the matrix, and with prescribed unknowns */
+  double *load, *rhs;      /* node_count x components: likewise */
+  double *prescribed, *solution, *history;
+  double *convect; /* node_count x 2 */
+  uint8_t *held;
+} bwi_flow_room;
+bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, int components,
+                             bwi_flow_room *room);
+void bwi_flow_room_clear(bwi_flow_room *room);
+
+struct bwi_flow {
+  bw_flow_description about;
+  bw_condition *condition;
+  bw_plane_graph *graph;
+  bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
+  bw_stale *stale;
+  bwi_flow_room room;
+  double *reaction; /* node_count x components: A x - b of the last step, before prescriptions */
+  bool reacted;     /* `reaction` is of the current state and mesh */
+  double
+      *old_point; /* node_count x 2: where these nodes were at the last step; NULL: they were not */
+  int known;      /* states that the next step may start from: 1, or 2 with `before` */
+  double last_step; /* between `before` and `state` */
+};
+
+#endif

@@ -1,0 +1,355 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Time steps and steady states. A step is linear in the new state: the velocity that carries is
+ * extrapolated from the two states before (second order, like the scheme), or improved by a few
+ * rounds. The steady state is found by Newton's method after a few rounds of Picard's; where that
+ * does not converge, by implicit steps of a length that grows as the residual falls. */
+#include <math.h>
+#include <string.h>
+
+#include "flow/internal.h"
+
+enum { PICARD = 3 };
+
+void bw_flow_options_default(bw_flow_options *options) {
+  *options = (bw_flow_options){.bdf = 2, .tolerance = 1e-8};
+  bw_stale_options_default(&options->linear);
+  options->linear.tolerance = 1e-6;
+}
+
+/* ---- one linear problem ------------------------------------------------------------------------
+ */
+
+typedef struct assembly {
+  bw_context *context;
+  const bwi_linear *linear;
+} assembly;
+
+static bw_status fail_inverted(const assembly *a, int32_t element) {
+  const bw_plane_mesh *mesh = a->linear->mesh;
+  const double *x = mesh->point + 2 * (int64_t)mesh->topology->element[3 * (int64_t)element];
+  bw_status status =
+      bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is turned inside out", element + 1,
+              x[0], x[1]);
+  bw_detail_number(a->context, "element", element + 1);
+  return status;
+}
+
+static bw_status matrix_of(void *data, int32_t element, double *matrix) {
+  const assembly *a = data;
+  bwi_flow_element e;
+  if (!bwi_flow_element_make(a->linear, element, &e))
+    return fail_inverted(a, element);
+  bwi_flow_element_matrix(a->linear, &e, matrix);
+  return BW_OK;
+}
+
+static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *linear) {
+  bw_status status = BW_OK;
+  struct bwi_flow *in = flow->inner;
+  const bw_plane_topology *topology = flow->mesh->topology;
+  assembly data = {context, linear};
+  int c = flow->components;
+  size_t unknowns = (size_t)topology->nodes->node_count * (size_t)c;
+  BW_TRY(bw_plane_assemble(context, in->graph, c, matrix_of, &data, in->room.values));
+  memset(in->room.load, 0, unknowns * sizeof *in->room.load);
+  for (int32_t k = 0; k < topology->element_count; k++) {
+    bwi_flow_element e;
+    double vector[3 * BWI_MOST];
+    if (!bwi_flow_element_make(linear, k, &e)) {
+      status = fail_inverted(&data, k);
+      goto done;
+    }
+    bwi_flow_element_vector(linear, k, &e, vector);
+    for (int i = 0; i < 3; i++)
+      for (int d = 0; d < c; d++)
+        in->room.load[c * (int64_t)topology->element[3 * (int64_t)k + i] + d] += vector[c * i + d];
+  }
+done:
+  return status;
+}
+
+/* Whether fluid can leave nowhere, and no pressure is given: then it is determined up to a
+ * constant. */
+static bool is_enclosed(const bw_flow *flow) {
+  const bw_plane_topology *topology = flow->mesh->topology;
+  const uint8_t *held = flow->inner->room.held;
+  int c = flow->components;
+  for (int64_t i = 0; i < topology->nodes->node_count; i++)
+    if (held[c * i + 2])
+      return false;
+  for (int64_t k = 0; k < topology->side_count; k++) {
+    if (topology->side_element[2 * k + 1] >= 0)
+      continue;
+    for (int end = 0; end < 2; end++) {
+      int64_t node = topology->side[2 * k + end];
+      if (!held[c * node] || !held[c * node + 1])
+        return false;
+    }
+  }
+  return true;
+}
+
+/* Pressure less its mean over the area. */
+static void center_pressure(const bw_flow *flow, double *state) {
+  const bw_plane_topology *topology = flow->mesh->topology;
+  const double *x = flow->mesh->point;
+  int c = flow->components;
+  double area = 0, sum = 0;
+  for (int64_t k = 0; k < topology->element_count; k++) {
+    const int32_t *node = topology->element + 3 * k;
+    const double *p = x + 2 * (int64_t)node[0], *q = x + 2 * (int64_t)node[1],
+                 *r = x + 2 * (int64_t)node[2];
+    double twice = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+    area += 3 * twice;
+    for (int i = 0; i < 3; i++)
+      sum += twice * state[c * (int64_t)node[i] + 2];
+  }
+  for (int64_t i = 0; i < topology->nodes->node_count; i++)
+    state[c * i + 2] -= sum / area;
+}
+
+/* Assembles and solves; room.solution is the first guess and the result, `reaction` follows. */
+static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *linear, double time,
+                       const bw_flow_options *options, bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_flow *in = flow->inner;
+  bwi_flow_room *room = &in->room;
+  const bw_flow_description *about = &in->about;
+  int c = flow->components;
+  size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
+  double started = bw_seconds();
+  BW_TRY(assemble(context, flow, linear));
+  memset(room->held, 0, unknowns);
+  BW_TRY(bw_conditions_prescribe(context, flow->mesh, c, about->condition_count, about->condition,
+                                 time, room->held, room->prescribed));
+  BW_TRY(bw_conditions_force(context, flow->mesh, c, about->condition_count, about->condition, time,
+                             1, room->rhs));
+  for (size_t i = 0; i < unknowns; i++)
+    room->load[i] += room->rhs[i];
+  bool enclosed = is_enclosed(flow);
+  if (enclosed) {
+    room->held[2] = 1;
+    room->prescribed[2] = 0;
+  }
+  size_t entries = (size_t)in->graph->pair_count * (size_t)(c * c);
+  memcpy(room->system, room->values, entries * sizeof *room->system);
+  memcpy(room->rhs, room->load, unknowns * sizeof *room->rhs);
+  BW_TRY(bw_plane_prescribe(context, in->graph, c, room->held, room->prescribed, room->system,
+                            room->rhs));
+  for (size_t i = 0; i < unknowns; i++)
+    if (room->held[i])
+      room->solution[i] = room->prescribed[i];
+  kept->seconds_assemble += bw_seconds() - started;
+  BW_TRY(bw_stale_solve(context, in->stale, in->graph, room->system, room->rhs, room->solution,
+                        &options->linear, kept));
+  BW_TRY(bw_plane_multiply(context, in->graph, c, room->values, room->solution, in->reaction));
+  for (size_t i = 0; i < unknowns; i++)
+    in->reaction[i] -= room->load[i];
+  if (enclosed)
+    center_pressure(flow, room->solution);
+done:
+  in->reacted = status == BW_OK;
+  return status;
+}
+
+/* Largest change of velocity, and of temperature, against the largest there is. */
+static double change(const bw_flow *flow, const double *from, const double *to) {
+  int c = flow->components;
+  double moved[2] = {0}, size[2] = {0};
+  for (int64_t i = 0; i < flow->mesh->topology->nodes->node_count; i++)
+    for (int d = 0; d < c; d++) {
+      int which = d == 3;
+      if (d == 2)
+        continue;
+      moved[which] = fmax(moved[which], fabs(to[c * i + d] - from[c * i + d]));
+      size[which] = fmax(size[which], fabs(to[c * i + d]));
+    }
+  double velocity = size[0] > 0 ? moved[0] / size[0] : moved[0];
+  double heat = size[1] > 0 ? moved[1] / size[1] : 0;
+  return isfinite(velocity + heat) ? fmax(velocity, heat) : INFINITY;
+}
+
+/* ---- a time step
+ * ----------------------------------------------------------------------------------- */
+
+static void carried_by(const bw_flow *flow, const double *state, double step, bool ale) {
+  const struct bwi_flow *in = flow->inner;
+  int c = flow->components;
+  for (int64_t i = 0; i < in->graph->node_count; i++)
+    for (int d = 0; d < 2; d++) {
+      double mesh = 0;
+      if (ale && in->old_point)
+        mesh = (flow->mesh->point[2 * i + d] - in->old_point[2 * i + d]) / step;
+      in->room.convect[2 * i + d] = state[c * i + d] - mesh;
+    }
+}
+
+static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options *options,
+                       bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_flow *in = flow->inner;
+  int c = flow->components;
+  size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
+  double dt = options->step, ratio = in->known == 2 ? dt / in->last_step : 0;
+  bool second = options->bdf == 2 && in->known == 2;
+  double *x = in->room.solution, *last = NULL;
+  /* u' = rate u - history, from the parabola through the new and the two former states */
+  double rate = second ? (1 + 2 * ratio) / (1 + ratio) / dt : 1 / dt;
+  double one = second ? (1 + ratio) / dt : 1 / dt,
+         two = second ? ratio * ratio / (1 + ratio) / dt : 0;
+  for (size_t i = 0; i < unknowns; i++) {
+    in->room.history[i] = one * flow->state[i] - two * flow->before[i];
+    x[i] = flow->state[i] + ratio * (flow->state[i] - flow->before[i]);
+  }
+  bwi_linear linear = {.mesh = flow->mesh,
+                       .about = &in->about,
+                       .components = c,
+                       .rate = rate,
+                       .inverse_step = 1 / dt,
+                       .convect = in->room.convect,
+                       .history = in->room.history};
+  int rounds = options->iterations > 0 ? options->iterations : 1;
+  last = BW_NEW(context, double, unknowns);
+  if (!last)
+    return BW_MEMORY;
+  for (int k = 0; k < rounds; k++) {
+    carried_by(flow, x, dt, options->ale);
+    memcpy(last, x, unknowns * sizeof *x);
+    BW_TRY(solve(context, flow, &linear, flow->time + dt, options, kept));
+    if (k > 0 && change(flow, last, x) <= options->tolerance)
+      break;
+  }
+  memcpy(flow->before, flow->state, unknowns * sizeof *x);
+  memcpy(flow->state, x, unknowns * sizeof *x);
+  flow->time += dt;
+  in->last_step = dt;
+  in->known = 2;
+  bw_free(in->old_point);
+  in->old_point = NULL;
+done:
+  bw_free(last);
+  return status;
+}
+
+/* ---- the steady state
+ * ------------------------------------------------------------------------------ */
+
+/* The fastest rate at which anything crosses an element: sets the first step of the search. */
+static double fastest(const bw_flow *flow, const bwi_linear *linear) {
+  double rate = 0;
+  for (int32_t k = 0; k < flow->mesh->topology->element_count; k++) {
+    bwi_flow_element e;
+    if (bwi_flow_element_make(linear, k, &e) && e.tau > 0)
+      rate = fmax(rate, 1 / e.tau);
+  }
+  return rate;
+}
+
+/* Rounds from room.solution. `pseudo`: the rate of the first implicit step, falling with the change
+ * of the state from round to round; 0: none, Picard and Newton at once. */
+static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_options *options,
+                        double pseudo, int rounds, double *reached, double *last, bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_flow *in = flow->inner;
+  int c = flow->components;
+  size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
+  double *x = in->room.solution, rate = pseudo, first = 0;
+  *reached = INFINITY;
+  for (int k = 0; k < rounds; k++) {
+    BW_TRY(bw_check_cancel(context));
+    carried_by(flow, x, 1, false);
+    memcpy(last, x, unknowns * sizeof *x);
+    for (size_t i = 0; i < unknowns; i++)
+      in->room.history[i] = rate * x[i];
+    bwi_linear linear = {.mesh = flow->mesh,
+                         .about = &in->about,
+                         .components = c,
+                         .rate = rate,
+                         .convect = in->room.convect,
+                         .history = in->room.history,
+                         .newton = pseudo > 0 || k >= PICARD ? last : NULL};
+    BW_TRY(solve(context, flow, &linear, flow->time, options, kept));
+    double moved = change(flow, last, x), before = *reached;
+    /* a steady state does not move however long the step */
+    *reached = moved;
+    if (moved <= options->tolerance && rate <= 1e-6 * pseudo)
+      break;
+    if (!isfinite(moved) || (pseudo == 0 && k > PICARD && moved > 10 * before))
+      break;
+    if (k == 0)
+      first = moved;
+    if (pseudo > 0) {
+      double wanted = pseudo * fmin(1, moved / first);
+      rate = fmax(fmin(rate, wanted), rate / 3);
+      if (moved < 1e-3)
+        rate /= 10;
+      if (rate < 1e-8 * pseudo)
+        rate = 0;
+    }
+  }
+done:
+  return status;
+}
+
+static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_options *options,
+                        bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_flow *in = flow->inner;
+  size_t unknowns = (size_t)in->graph->node_count * (size_t)flow->components;
+  double *x = in->room.solution, reached = INFINITY;
+  double *last = BW_NEW(context, double, unknowns);
+  int rounds = options->iterations > 0 ? options->iterations : 30;
+  if (!last)
+    return BW_MEMORY;
+  memcpy(x, flow->state, unknowns * sizeof *x);
+  BW_TRY(search(context, flow, options, 0, rounds, &reached, last, kept));
+  if (!(reached <= options->tolerance)) {
+    memcpy(x, flow->state, unknowns * sizeof *x);
+    carried_by(flow, x, 1, false);
+    bwi_linear linear = {.mesh = flow->mesh,
+                         .about = &in->about,
+                         .components = flow->components,
+                         .convect = in->room.convect};
+    double pseudo = fastest(flow, &linear) / 10;
+    BW_TRY(search(context, flow, options, pseudo, 10 * rounds, &reached, last, kept));
+  }
+  if (!(reached <= options->tolerance)) {
+    status = bw_fail(context, BW_CONVERGENCE,
+                     "no steady state was found: the last round still changed it by %.3g of its "
+                     "size (wanted %.3g). The flow may be unsteady: give a time step",
+                     reached, options->tolerance);
+    bw_detail_number(context, "change", reached);
+    goto done;
+  }
+  memcpy(flow->state, x, unknowns * sizeof *x);
+  memcpy(flow->before, x, unknowns * sizeof *x);
+  in->known = 1;
+  bw_free(in->old_point);
+  in->old_point = NULL;
+done:
+  bw_free(last);
+  return status;
+}
+
+bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *given,
+                       bw_kept *kept) {
+  bw_flow_options options;
+  bw_kept ignored = {0};
+  bw_flow_options_default(&options);
+  if (given)
+    options = *given;
+  kept = kept ? kept : &ignored;
+  if (!(options.step >= 0) || !isfinite(options.step) || options.bdf < 1 || options.bdf > 2 ||
+      options.iterations < 0 || !(options.tolerance > 0))
+    return bw_fail(context, BW_INVALID,
+                   "a step of at least 0 s, scheme 1 or 2, at least 0 iterations and a tolerance "
+                   "above 0 are needed, not %g, %d, %d, %g",
+                   options.step, options.bdf, options.iterations, options.tolerance);
+  if (options.step == 0)
+    options.linear.tolerance = fmin(options.linear.tolerance, 0.01 * options.tolerance);
+  bw_status status = options.step > 0 ? march(context, flow, &options, kept)
+                                      : settle(context, flow, &options, kept);
+  if (status != BW_OK)
+    flow->inner->reacted = false;
+  return status;
+}
