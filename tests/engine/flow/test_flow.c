@@ -1,0 +1,287 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Flow and heat: exact and published flows, reactions that balance, the same answer after moving on
+ * as from the start. */
+#include "../check.h"
+
+/* A rectangle with nodes drawn towards its sides: x -> (1 + tanh(2 (2 x - 1)) / tanh 2) / 2. */
+static double drawn(double t, double by) {
+  return by > 0 ? 0.5 * (1 + tanh(by * (2 * t - 1)) / tanh(by)) : t;
+}
+
+static bw_plane_mesh *rectangle(bw_context *context, double a, double b, int nx, int ny,
+                                double by) {
+  bw_plane_mesh *even, *mesh;
+  check_ok(context, bw_plane_rectangle(context, 1, (double[2]){0, 0}, (double[2]){a, b}, nx, ny,
+                                       BW_DIAGONAL_UNION_JACK, &even));
+  const bw_plane_nodes *nodes = even->topology->nodes;
+  size_t count = (size_t)nodes->node_count;
+  double *point = malloc(2 * count * sizeof *point), *parameter = malloc(count * sizeof *parameter);
+  for (size_t i = 0; i < count; i++) {
+    double t = nodes->parameter[i];
+    point[2 * i] = a * drawn(even->point[2 * i] / a, by);
+    point[2 * i + 1] = b * drawn(even->point[2 * i + 1] / b, by);
+    parameter[i] = nodes->segment[i] < 0 || t == 0 ? t : drawn(t, by);
+  }
+  check_ok(context, bw_plane_mesh_on(context, even->outline, 1, nodes->node_count, point,
+                                     nodes->segment, parameter, even->topology->element_count,
+                                     even->topology->element, NULL, &mesh));
+  free(point);
+  free(parameter);
+  bw_release(even);
+  return mesh;
+}
+
+enum { BOTTOM, RIGHT, TOP, LEFT };
+
+static bw_flow *make_flow(bw_context *context, const bw_plane_mesh *mesh, double viscosity,
+                          int conditions, const bw_condition *condition) {
+  bw_flow_description d = {
+      .density = 1, .viscosity = viscosity, .condition_count = conditions, .condition = condition};
+  bw_flow *flow;
+  check_ok(context, bw_flow_create(context, mesh, &d, &flow));
+  return flow;
+}
+
+static double parabola(void *data, const double at[2], double time) {
+  (void)data;
+  (void)time;
+  return 4 * at[1] * (1 - at[1]);
+}
+
+static const bw_condition channel[6] = {
+    {BOTTOM, BW_PRESCRIBED, 0, 0, NULL, NULL},   {BOTTOM, BW_PRESCRIBED, 1, 0, NULL, NULL},
+    {TOP, BW_PRESCRIBED, 0, 0, NULL, NULL},      {TOP, BW_PRESCRIBED, 1, 0, NULL, NULL},
+    {LEFT, BW_PRESCRIBED, 0, 0, parabola, NULL}, {LEFT, BW_PRESCRIBED, 1, 0, NULL, NULL}};
+
+/* Poiseuille's flow: second order in the velocity, and the outlet is left as if there were none. */
+static void test_channel(void **state) {
+  bw_context *context = check_context(state);
+  double error[3];
+  for (int k = 0; k < 3; k++) {
+    bw_plane_mesh *mesh = rectangle(context, 2, 1, 8 << k, 4 << k, 0);
+    bw_flow *flow = make_flow(context, mesh, 0.1, 6, channel);
+    bw_kept kept = {0};
+    double force[2];
+    check_ok(context, bw_flow_step(context, flow, NULL, &kept));
+    error[k] = 0;
+    for (int64_t i = 0; i < mesh->topology->nodes->node_count; i++)
+      error[k] = fmax(error[k], fabs(flow->state[3 * i] - parabola(NULL, mesh->point + 2 * i, 0)));
+    check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
+    check_near(force[0], 4 * 0.1 * 2, 0.35 * pow(0.5, k));
+    bw_release(flow);
+    bw_release(mesh);
+  }
+  if (!(log2(error[1] / error[2]) > 1.8))
+    fail_msg("errors %g %g %g", error[0], error[1], error[2]);
+}
+
+/* Ghia, Ghia and Shin 1982, Re = 100: extreme velocities on the middle lines. */
+static void test_cavity(void **state) {
+  bw_context *context = check_context(state);
+  static const bw_condition walls[4] = {{-1, BW_PRESCRIBED, 0, 0, NULL, NULL},
+                                        {-1, BW_PRESCRIBED, 1, 0, NULL, NULL},
+                                        {TOP, BW_PRESCRIBED, 0, 1, NULL, NULL},
+                                        {TOP, BW_PRESCRIBED, 1, 0, NULL, NULL}};
+  static const double at_u[4] = {0.0547, 0.1719, 0.4531, 0.9531};
+  static const double u[4] = {-0.03717, -0.10150, -0.21090, 0.68717};
+  static const double at_v[4] = {0.0625, 0.2266, 0.8047, 0.9453};
+  static const double v[4] = {0.09233, 0.17507, -0.24533, -0.10313};
+  bw_plane_mesh *mesh = rectangle(context, 1, 1, 32, 32, 1);
+  bw_flow *flow = make_flow(context, mesh, 0.01, 4, walls);
+  double mean = 0;
+  check_ok(context, bw_flow_step(context, flow, NULL, NULL));
+  for (int i = 0; i < 4; i++) {
+    double values[3];
+    check_ok(context, bw_flow_at(context, flow, (double[2]){0.5, at_u[i]}, values));
+    check_near(values[0], u[i], 0.006);
+    check_ok(context, bw_flow_at(context, flow, (double[2]){at_v[i], 0.5}, values));
+    check_near(values[1], v[i], 0.006);
+  }
+  for (int64_t e = 0; e < mesh->topology->element_count; e++) {
+    const int32_t *node = mesh->topology->element + 3 * e;
+    const double *a = mesh->point + 2 * (int64_t)node[0], *b = mesh->point + 2 * (int64_t)node[1],
+                 *c = mesh->point + 2 * (int64_t)node[2];
+    double area = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])) / 2;
+    for (int i = 0; i < 3; i++)
+      mean += area / 3 * flow->state[3 * (int64_t)node[i] + 2];
+  }
+  check_near(mean, 0, 1e-9); /* enclosed: the pressure has no mean */
+  bw_release(flow);
+  bw_release(mesh);
+}
+
+/* De Vahl Davis 1983: a square heated at the left, cooled at the right; heat in equals heat out. */
+static void test_heated_square(void **state) {
+  bw_context *context = check_context(state);
+  static const double nusselt[3] = {1.118, 2.243, 4.519};
+  static const bw_condition walls[4] = {{-1, BW_PRESCRIBED, 0, 0, NULL, NULL},
+                                        {-1, BW_PRESCRIBED, 1, 0, NULL, NULL},
+                                        {LEFT, BW_PRESCRIBED, 3, 1, NULL, NULL},
+                                        {RIGHT, BW_PRESCRIBED, 3, 0, NULL, NULL}};
+  bw_plane_mesh *mesh = rectangle(context, 1, 1, 20, 20, 2);
+  for (int k = 0; k < 3; k++) {
+    double rayleigh = pow(10, 3 + k), prandtl = 0.71, in, out;
+    bw_flow_description d = {.density = 1,
+                             .viscosity = prandtl,
+                             .diffusivity = 1,
+                             .expansion = 1,
+                             .reference = 0.5,
+                             .gravity = {0, -rayleigh * prandtl},
+                             .condition_count = 4,
+                             .condition = walls};
+    bw_flow *flow;
+    check_ok(context, bw_flow_create(context, mesh, &d, &flow));
+    check_ok(context, bw_flow_step(context, flow, NULL, NULL));
+    check_ok(context, bw_flow_heat(context, flow, LEFT, &in));
+    check_ok(context, bw_flow_heat(context, flow, RIGHT, &out));
+    check_near(in / nusselt[k], 1, 0.01);
+    check_near(in + out, 0, 1e-6 * in);
+    bw_release(flow);
+  }
+  bw_release(mesh);
+}
+
+static double growing(void *data, const double at[2], double time) {
+  return *(double *)data * at[1] * (1 - at[1]) * (1 - exp(-time));
+}
+
+/* A channel set in motion: implicit Euler is of first order in the step, the other scheme of
+ * second. */
+static void test_order_in_time(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_mesh *mesh = rectangle(context, 1, 1, 6, 6, 0);
+  double four = 4;
+  bw_condition given[6];
+  memcpy(given, channel, sizeof given);
+  given[4].function = growing;
+  given[4].data = &four;
+  for (int bdf = 1; bdf <= 2; bdf++) {
+    double value[4];
+    for (int k = 0; k < 4; k++) {
+      bw_flow *flow = make_flow(context, mesh, 0.05, 6, given);
+      bw_flow_options options;
+      bw_flow_options_default(&options);
+      int steps = k == 3 ? 320 : 10 << k;
+      options.step = 1.0 / steps;
+      options.bdf = bdf;
+      options.linear.tolerance = 1e-11;
+      for (int i = 0; i < steps; i++)
+        check_ok(context, bw_flow_step(context, flow, &options, NULL));
+      double at[3];
+      check_ok(context, bw_flow_at(context, flow, (double[2]){0.9, 0.5}, at));
+      value[k] = at[0];
+      bw_release(flow);
+    }
+    double order = log2(fabs(value[0] - value[1]) / fabs(value[1] - value[2]));
+    if (!(order > bdf - 0.35))
+      fail_msg("scheme %d: order %g (%.9g %.9g %.9g %.9g)", bdf, order, value[0], value[1],
+               value[2], value[3]);
+  }
+  bw_release(mesh);
+}
+
+/* Moved nodes: a steady flow found from a former state on a stale factor is that found anew. */
+static void test_following(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_mesh *mesh = rectangle(context, 2, 1, 16, 8, 0), *moved;
+  const bw_plane_nodes *nodes = mesh->topology->nodes;
+  double *point = malloc((size_t)nodes->node_count * 2 * sizeof *point);
+  bw_random random;
+  bw_random_seed(&random, 5);
+  for (int64_t i = 0; i < 2 * (int64_t)nodes->node_count; i++)
+    point[i] = mesh->point[i] +
+               (nodes->segment[i / 2] < 0 ? 0.04 * (bw_random_uniform(&random) - 0.5) : 0);
+  check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
+  bw_flow *flow = make_flow(context, mesh, 0.02, 6, channel);
+  bw_flow *anew = make_flow(context, moved, 0.02, 6, channel);
+  bw_kept kept = {0};
+  double force[2], other[2];
+  check_ok(context, bw_flow_step(context, flow, NULL, NULL));
+  check_ok(context, bw_flow_follow(context, flow, moved, &kept));
+  assert_true(kept.pattern && kept.solution);
+  check_fails(context, BW_INVALID, "no step", bw_flow_force(context, flow, BOTTOM, force));
+  check_ok(context, bw_flow_step(context, flow, NULL, &kept));
+  check_ok(context, bw_flow_step(context, anew, NULL, NULL));
+  for (int64_t i = 0; i < 3 * (int64_t)nodes->node_count; i++)
+    check_near(flow->state[i], anew->state[i], 1e-6);
+  check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
+  check_ok(context, bw_flow_force(context, anew, BOTTOM, other));
+  check_near(force[0], other[0], 1e-6);
+  bw_release(flow);
+  bw_release(anew);
+  bw_release(moved);
+  bw_release(mesh);
+  free(point);
+}
+
+static void test_frequency(void **state) {
+  (void)state;
+  double signal[1000];
+  for (int i = 0; i < 1000; i++)
+    signal[i] = 3 + sin(2 * 3.14159265358979 * 7.3 * i * 0.002 + 0.4);
+  check_near(bw_flow_frequency(1000, signal, 0.002, 8), 7.3, 0.01);
+  check_near(bw_flow_frequency(3, signal, 0.002, 8), 0, 0);
+}
+
+static void test_wrong_input(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_mesh *mesh = rectangle(context, 1, 1, 2, 2, 0);
+  bw_flow_description d = {.density = 1, .viscosity = 0};
+  bw_condition hot = {LEFT, BW_PRESCRIBED, 3, 1, NULL, NULL};
+  bw_flow *flow;
+  check_fails(context, BW_INVALID, "viscosity", bw_flow_create(context, mesh, &d, &flow));
+  d.viscosity = 1;
+  d.condition = &hot;
+  d.condition_count = 1;
+  check_fails(context, BW_INVALID, "diffusivity", bw_flow_create(context, mesh, &d, &flow));
+  flow = make_flow(context, mesh, 1, 6, channel);
+  bw_flow_options options;
+  bw_flow_options_default(&options);
+  options.step = -1;
+  check_fails(context, BW_INVALID, "step", bw_flow_step(context, flow, &options, NULL));
+  double heat;
+  check_fails(context, BW_INVALID, "temperature", bw_flow_heat(context, flow, LEFT, &heat));
+  bw_release(flow);
+  bw_release(mesh);
+}
+
+static void test_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_mesh *mesh = rectangle(context, 2, 1, 4, 3, 0);
+  bw_flow *first = make_flow(context, mesh, 0.1, 6, channel);
+  check_ok(context, bw_flow_step(context, first, NULL, NULL)); /* makes the context's threads */
+  bw_release(first);
+  int64_t blocks = bw_live_blocks();
+  bw_flow_description d = {
+      .density = 1, .viscosity = 0.1, .condition_count = 6, .condition = channel};
+  bw_flow_options options;
+  bw_flow_options_default(&options);
+  options.step = 0.1;
+  for (int64_t n = 1;; n++) {
+    bw_flow *flow = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status = bw_flow_create(context, mesh, &d, &flow);
+    if (status == BW_OK)
+      status = bw_flow_step(context, flow, &options, NULL);
+    if (status == BW_OK)
+      status = bw_flow_follow(context, flow, mesh, NULL);
+    if (status == BW_OK)
+      status = bw_flow_step(context, flow, NULL, NULL);
+    bw_fail_allocation(0, false);
+    bw_release(flow);
+    assert_int_equal(bw_live_blocks(), blocks);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+  }
+  bw_release(mesh);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_channel),       check_test(test_cavity),    check_test(test_heated_square),
+      check_test(test_order_in_time), check_test(test_following), check_test(test_frequency),
+      check_test(test_wrong_input),   check_test(test_memory),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
