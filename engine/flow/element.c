@@ -16,15 +16,15 @@ static double dot2(const double a[2], const double b[2]) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
-/* 1/tau^2 = (2/dt)^2 + a . G a + 9/2 k^2 G : G with the metric G = 2 sum g_i g_i^T, 4/h^2 times the
- * identity for an equilateral triangle: then the three terms are (2/dt)^2, (2 |a|/h)^2, (12
- * k/h^2)^2. */
-static double intrinsic_time(const double metric[3], const double a[2], double diffusion,
-                             double inverse_step) {
+/* 1/tau^2 = a . G a + 9/2 k^2 G : G with the metric G = 2 sum g_i g_i^T, 4/h^2 times the identity
+ * for an equilateral triangle: then the terms are (2 |a|/h)^2 and (12 k/h^2)^2. The step in time is
+ * left out on purpose: with it the equations in space would change with the step, and what short
+ * steps converge to would not be what they stand for. */
+static double intrinsic_time(const double metric[3], const double a[2], double diffusion) {
   double convective =
       metric[0] * a[0] * a[0] + metric[1] * a[1] * a[1] + 2 * metric[2] * a[0] * a[1];
   double square = metric[0] * metric[0] + metric[1] * metric[1] + 2 * metric[2] * metric[2];
-  double sum = 4 * inverse_step * inverse_step + convective + 4.5 * diffusion * diffusion * square;
+  double sum = convective + 4.5 * diffusion * diffusion * square;
   return sum > 0 ? 1 / sqrt(sum) : 0;
 }
 
@@ -55,11 +55,10 @@ bool bwi_flow_element_make(const bwi_linear *linear, int32_t element, bwi_flow_e
       made->mean[d] += made->carry[i][d] / 3;
     }
   }
-  made->tau =
-      intrinsic_time(metric, made->mean, about->viscosity / about->density, linear->inverse_step);
+  made->tau = intrinsic_time(metric, made->mean, about->viscosity / about->density);
   made->divergence = 1 / (made->tau * (metric[0] + metric[1]));
   if (linear->components == 4)
-    made->tau_heat = intrinsic_time(metric, made->mean, about->diffusivity, linear->inverse_step);
+    made->tau_heat = intrinsic_time(metric, made->mean, about->diffusivity);
   if (linear->newton)
     for (int i = 0; i < 3; i++) {
       const double *state = linear->newton + linear->components * (int64_t)node[i];
@@ -169,5 +168,18 @@ void bwi_flow_element_vector(const bwi_linear *linear, int32_t element, const bw
       if (c == 4)
         vector[c * i + 3] += (p.mass[i][j] + e->tau_heat * p.along[i][j]) * heat;
     }
+  }
+  /* Linear functions have no second derivatives of their own; left out of the stabilisation they
+     would make it an error of first order. */
+  const double *laplacian = linear->laplacian + 3 * (int64_t)element;
+  double viscous[2] = {about->viscosity * laplacian[0], about->viscosity * laplacian[1]};
+  for (int i = 0; i < 3; i++) {
+    const double *g = e->gradient[i];
+    double streamed = e->area * dot2(e->mean, g);
+    for (int d = 0; d < 2; d++)
+      vector[c * i + d] += e->tau * streamed * viscous[d];
+    vector[c * i + 2] += e->tau / about->density * e->area * dot2(g, viscous);
+    if (c == 4)
+      vector[c * i + 3] += e->tau_heat * streamed * about->diffusivity * laplacian[2];
   }
 }

@@ -14,6 +14,7 @@ void bwi_flow_room_clear(bwi_flow_room *room) {
   bw_free(room->solution);
   bw_free(room->history);
   bw_free(room->convect);
+  bw_free(room->laplacian);
   bw_free(room->held);
   *room = (bwi_flow_room){0};
 }
@@ -31,10 +32,11 @@ bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, i
       .solution = BW_NEW(context, double, unknowns),
       .history = BW_NEW(context, double, unknowns),
       .convect = BW_NEW(context, double, 2 * (size_t)graph->node_count),
+      .laplacian = BW_NEW(context, double, 3 * (size_t)graph->topology->element_count),
       .held = BW_NEW(context, uint8_t, unknowns),
   };
   if (room->values && room->system && room->load && room->rhs && room->prescribed &&
-      room->solution && room->history && room->convect && room->held)
+      room->solution && room->history && room->convect && room->laplacian && room->held)
     return BW_OK;
   bwi_flow_room_clear(room);
   return BW_MEMORY;

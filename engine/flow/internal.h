@@ -14,11 +14,12 @@ typedef struct bwi_linear {
   const bw_flow_description *about;
   int components;
   double rate;           /* coefficient of the new values in the time derivative, 1/s */
-  double inverse_step;   /* 1 / step for the stabilisation; 0: steady */
   const double *convect; /* node_count x 2: velocity that carries (less that of the mesh) */
   const double *history; /* node_count x components: what the time derivative has from before */
   const double
       *newton; /* node_count x components: the state to linearise about, or NULL (Picard) */
+  const double
+      *laplacian; /* element_count x 3: of velocity and temperature, recovered (recover.c) */
 } bwi_linear;
 
 typedef struct bwi_flow_element {
@@ -36,12 +37,17 @@ void bwi_flow_element_matrix(const bwi_linear *linear, const bwi_flow_element *e
 void bwi_flow_element_vector(const bwi_linear *linear, int32_t element, const bwi_flow_element *e,
                              double *vector);
 
+/* Laplacians of velocity x, y and temperature in every element (element_count x 3) from a state. */
+bw_status bwi_flow_recover(bw_context *context, const bw_plane_mesh *mesh, int components,
+                           const double *state, double *laplacian);
+
 /* What the equations need as room, made anew with the graph. */
 typedef struct bwi_flow_room {
   double *values, *system; /* components^2 per pair: the matrix, and with prescribed unknowns */
   double *load, *rhs;      /* node_count x components: likewise */
   double *prescribed, *solution, *history;
-  double *convect; /* node_count x 2 */
+  double *convect;   /* node_count x 2 */
+  double *laplacian; /* element_count x 3 */
   uint8_t *held;
 } bwi_flow_room;
 bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, int components,

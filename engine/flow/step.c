@@ -3,7 +3,6 @@
  * extrapolated from the two states before (second order, like the scheme), or improved by a few
  * rounds. The steady state is found by Newton's method after a few rounds of Picard's; where that
  * does not converge, by implicit steps of a length that grows as the residual falls. */
-#include <stdlib.h>
 #include <math.h>
 #include <string.h>
 
@@ -119,6 +118,7 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   int c = flow->components;
   size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
   double started = bw_seconds();
+  BW_TRY(bwi_flow_recover(context, flow->mesh, c, room->solution, room->laplacian));
   BW_TRY(assemble(context, flow, linear));
   memset(room->held, 0, unknowns);
   BW_TRY(bw_conditions_prescribe(context, flow->mesh, c, about->condition_count, about->condition,
@@ -206,8 +206,8 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
                        .about = &in->about,
                        .components = c,
                        .rate = rate,
-                       .inverse_step = getenv("ND") ? 0 : 1 / dt,
                        .convect = in->room.convect,
+                       .laplacian = in->room.laplacian,
                        .history = in->room.history};
   int rounds = options->iterations > 0 ? options->iterations : 1;
   last = BW_NEW(context, double, unknowns);
@@ -267,6 +267,7 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
                          .components = c,
                          .rate = rate,
                          .convect = in->room.convect,
+                         .laplacian = in->room.laplacian,
                          .history = in->room.history,
                          .newton = pseudo > 0 || k >= PICARD ? last : NULL};
     BW_TRY(solve(context, flow, &linear, flow->time, options, kept));
