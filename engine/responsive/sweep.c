@@ -53,7 +53,7 @@ static bw_status copy_supernodes(void *data, int64_t begin, int64_t end, int wor
   (void)worker;
   for (int64_t s = begin; s < end; s++) {
     int32_t n = bwi_pivots(symbolic, (int32_t)s), rows = symbolic->rows[s], m = rows - n;
-    const double *panel = c->factor->value + symbolic->panel[s];
+    const double *value = c->factor->value, *panel = value + symbolic->panel[s];
     float *to = c->sweep->entry + c->sweep->start[s];
     for (int32_t j = 0; j < n; j++) {
       const double *column = panel + (int64_t)j * rows;
@@ -79,6 +79,7 @@ bw_status bwi_sweep_create(bw_context *context, const bwi_factor *factor, bwi_sw
   int32_t supers = symbolic->order->super_count;
   int64_t most = 0;
   double largest = 0;
+  const double *value = factor->value;
   bwi_sweep *sweep = BW_NEW0(context, bwi_sweep, 1);
   if (!sweep)
     return BW_MEMORY;
@@ -94,7 +95,7 @@ bw_status bwi_sweep_create(bw_context *context, const bwi_factor *factor, bwi_sw
     sweep->start[s + 1] = sweep->start[s] + n * (n + 1) / 2 + n * below;
     most = below > most ? below : most;
     for (int64_t j = 0; j < n; j++)
-      largest = fmax(largest, factor->value[symbolic->panel[s] + j * rows + j]);
+      largest = fmax(largest, value[symbolic->panel[s] + j * rows + j]);
   }
   sweep->entry = BW_NEW(context, float, sweep->start[supers]);
   sweep->x = BW_NEW(context, float, symbolic->unknowns);

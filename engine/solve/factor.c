@@ -8,7 +8,11 @@
  * and within the top, update matrices live on a stack: those of the children of the supernode at
  * work are its uppermost blocks. A task's root puts its update matrix in a place of its own, since
  * it outlives the task's stack; so do supernodes whose update matrix is kept for later updates of
- * the factor (reach.c). */
+ * the factor (reach.c).
+ *
+ * Numbers are double or float; what computes with them is in the factor's kernels, and here are
+ * only their places. */
+#include <math.h>
 #include <string.h>
 
 #include "solve/blas.h"
@@ -19,8 +23,8 @@ typedef struct workspace {
   int32_t *local; /* order->size: row of a position in the front at work */
   bwi_run *runs;
   double *scale;
-  double *panel; /* when L is not kept */
-  double *stack;
+  void *panel; /* when L is not kept */
+  void *stack;
   int64_t stack_size, fill;
 } workspace;
 
@@ -29,17 +33,17 @@ typedef struct workspace {
 typedef struct store {
   workspace *space; /* one for each worker */
   int workers;
-  double *own; /* update matrices of tasks' roots */
+  void *own; /* update matrices of tasks' roots */
   int64_t own_size;
-  double **update; /* super_count: update matrix while it waits for its parent */
-  int32_t *child;  /* super_count: first child, then `sibling`; -1 ends */
+  void **update;  /* super_count: update matrix while it waits for its parent */
+  int32_t *child; /* super_count: first child, then `sibling`; -1 ends */
   int32_t *sibling;
 } store;
 
 /* What makes a factor one that can be brought up to date in part. */
 typedef struct bwi_kept {
   bwi_reach *reach; /* retained */
-  double *block;    /* the update matrices kept */
+  void *block;      /* the update matrices kept */
   int64_t *at;      /* super_count: where in it; those not kept have none */
   uint8_t *wanted;  /* super_count */
   store store;
@@ -50,8 +54,10 @@ typedef struct factorisation {
   bw_context *context;
   const bwi_symbolic *symbolic;
   const bwi_matrix *matrix;
+  const bwi_kernels *kernels;
+  double unit; /* the matrix is taken times this */
   bool signs;
-  double *value;         /* all panels, or NULL when L is not kept */
+  void *value;           /* all panels, or NULL when L is not kept */
   const bwi_plan *plan;  /* of the supernodes wanted */
   const uint8_t *wanted; /* NULL: all */
   const bwi_kept *kept;  /* or NULL */
@@ -60,14 +66,19 @@ typedef struct factorisation {
   int32_t failed, weak; /* lowest position of such a pivot, or INT32_MAX; atomic */
 } factorisation;
 
-/* The place of an update matrix that is kept, or NULL. */
-static double *kept_update(const factorisation *f, int32_t s) {
-  return f->kept && f->kept->reach->keep[s] ? f->kept->block + f->kept->at[s] : NULL;
+/* The place of number `at` of a block. */
+static void *place(const factorisation *f, void *block, int64_t at) {
+  return (char *)block + (size_t)at * f->kernels->size;
 }
 
-static void lower_to(int32_t *place, int32_t value) {
-  int32_t old = __atomic_load_n(place, __ATOMIC_RELAXED);
-  while (value < old && !__atomic_compare_exchange_n(place, &old, value, false, __ATOMIC_RELAXED,
+/* The place of an update matrix that is kept, or NULL. */
+static void *kept_update(const factorisation *f, int32_t s) {
+  return f->kept && f->kept->reach->keep[s] ? place(f, f->kept->block, f->kept->at[s]) : NULL;
+}
+
+static void lower_to(int32_t *lowest, int32_t value) {
+  int32_t old = __atomic_load_n(lowest, __ATOMIC_RELAXED);
+  while (value < old && !__atomic_compare_exchange_n(lowest, &old, value, false, __ATOMIC_RELAXED,
                                                      __ATOMIC_RELAXED))
     ;
 }
@@ -75,7 +86,8 @@ static void lower_to(int32_t *place, int32_t value) {
 /* ---- one front ----------------------------------------------------------------------------- */
 
 typedef struct clearing {
-  double *block;
+  char *block;
+  size_t size; /* of a number */
   int64_t rows;
   bool update; /* an update matrix, else a panel */
 } clearing;
@@ -85,15 +97,14 @@ static bw_status clear_columns(void *data, int64_t begin, int64_t end, int worke
   const clearing *clear = data;
   for (int64_t j = begin; j < end; j++) {
     int64_t first = clear->update ? j : 0;
-    double *column = clear->block +
-                     (clear->update ? bwi_update_column(clear->rows, j) : j * clear->rows) + first;
-    memset(column, 0, (size_t)(clear->rows - first) * sizeof(double));
+    int64_t at = (clear->update ? bwi_update_column(clear->rows, j) : j * clear->rows) + first;
+    memset(clear->block + (size_t)at * clear->size, 0, (size_t)(clear->rows - first) * clear->size);
   }
   return BW_OK;
 }
 
 /* Work supernode s off. `own`: where its update matrix goes, NULL: on the stack. */
-static bw_status do_front(factorisation *f, int32_t s, double *own, workspace *space) {
+static bw_status do_front(factorisation *f, int32_t s, void *own, workspace *space) {
   bw_status status = BW_OK;
   bw_context *context = f->context;
   const bwi_symbolic *symbolic = f->symbolic;
@@ -106,17 +117,19 @@ static bw_status do_front(factorisation *f, int32_t s, double *own, workspace *s
     space->local[p] = (int32_t)offset;
     offset += symbolic->first[p + 1] - symbolic->first[p];
   }
-  double *panel = f->value ? f->value + symbolic->panel[s] : space->panel;
-  double *update = own ? own : space->stack + space->fill;
-  clearing clear_panel = {panel, rows, false}, clear_update = {update, outer, true};
+  const bwi_kernels *kernels = f->kernels;
+  void *panel = f->value ? place(f, f->value, symbolic->panel[s]) : space->panel;
+  void *update = own ? own : place(f, space->stack, space->fill);
+  clearing clear_panel = {panel, kernels->size, rows, false};
+  clearing clear_update = {update, kernels->size, outer, true};
   int64_t grain = 1 + (1 << 18) / (rows + 1);
   BW_TRY(bw_parallel(context, pivots, grain, clear_columns, &clear_panel));
   BW_TRY(bw_parallel(context, outer, grain, clear_columns, &clear_update));
-  bwi_matrix_to_panel(symbolic, f->matrix, s, space->local, panel, space->scale);
+  kernels->entries(symbolic, f->matrix, f->unit, s, space->local, panel, space->scale);
   for (int32_t c = f->store->child[s]; c >= 0; c = f->store->sibling[c]) {
-    const double *of_child = kept_update(f, c);
-    BW_TRY(bwi_add_child(context, symbolic, s, c, of_child ? of_child : f->store->update[c],
-                         space->local, space->runs, panel, update));
+    const void *of_child = kept_update(f, c);
+    BW_TRY(kernels->child(context, symbolic, s, c, of_child ? of_child : f->store->update[c],
+                          space->local, space->runs, panel, update));
     if (f->plan->task_of[c] < 0 && !kept_update(f, c))
       children += bwi_update_size(symbolic->rows[c] - bwi_pivots(symbolic, c));
   }
@@ -126,7 +139,7 @@ static bw_status do_front(factorisation *f, int32_t s, double *own, workspace *s
                      .update = update,
                      .scale = space->scale,
                      .signs = f->signs};
-  status = bwi_front_eliminate(context, &front);
+  status = kernels->eliminate(context, &front);
   if (status == BW_SINGULAR)
     lower_to(&f->failed, symbolic->first[order->super[s]] + front.failed);
   if (status != BW_OK)
@@ -136,9 +149,9 @@ static bw_status do_front(factorisation *f, int32_t s, double *own, workspace *s
   __atomic_add_fetch(&f->negative, front.negative, __ATOMIC_RELAXED);
   space->fill -= children;
   if (!own) {
-    double *to = update - children;
+    void *to = place(f, space->stack, space->fill);
     if (children > 0)
-      memmove(to, update, (size_t)numbers * sizeof(double));
+      memmove(to, update, (size_t)numbers * kernels->size);
     space->fill += numbers;
     f->store->update[s] = to;
   } else
@@ -147,12 +160,12 @@ done:
   return status;
 }
 
-static bw_status reserve(bw_context *context, int64_t wanted, double **block, int64_t *size) {
+static bw_status reserve(const factorisation *f, int64_t wanted, void **block, int64_t *size) {
   if (wanted <= *size)
     return BW_OK;
   bw_free(*block);
   *size = 0;
-  *block = BW_NEW(context, double, wanted);
+  *block = bw_alloc(f->context, (size_t)wanted, f->kernels->size);
   if (!*block)
     return BW_MEMORY;
   *size = wanted;
@@ -167,16 +180,16 @@ static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
     const bwi_task *task = &f->plan->task[t];
     if (worker == 0) /* the caller's thread */
       bw_progress(f->context, "factor", 0);
-    BW_TRY(reserve(f->context, task->stack, &space->stack, &space->stack_size));
+    BW_TRY(reserve(f, task->stack, &space->stack, &space->stack_size));
     space->fill = 0;
     for (int32_t s = task->first; s <= task->root; s++) {
       if (f->wanted && !f->wanted[s])
         continue;
       if (bw_cancelled(f->context))
         return bw_check_cancel(f->context);
-      double *own = kept_update(f, s);
+      void *own = kept_update(f, s);
       if (!own && s == task->root)
-        own = f->store->own + task->own;
+        own = place(f, f->store->own, task->own);
       BW_TRY(do_front(f, s, own, space));
     }
   }
@@ -204,7 +217,7 @@ static void store_clear(store *room) {
 
 static bw_status link_children(bw_context *context, const bwi_order *order, store *room) {
   int32_t supers = order->super_count;
-  room->update = BW_NEW0(context, double *, supers);
+  room->update = BW_NEW0(context, void *, supers);
   room->child = BW_NEW(context, int32_t, supers);
   room->sibling = BW_NEW(context, int32_t, supers);
   if (!room->update || !room->child || !room->sibling)
@@ -243,13 +256,13 @@ static bw_status store_prepare(factorisation *f) {
     if (!space->scale)
       space->scale = BW_NEW(context, double, symbolic->max_rows);
     if (!space->panel && !f->value)
-      space->panel = BW_NEW(context, double, symbolic->max_panel);
+      space->panel = bw_alloc(context, (size_t)symbolic->max_panel, f->kernels->size);
     if (!space->local || !space->runs || !space->scale || (!space->panel && !f->value))
       return BW_MEMORY;
   }
   if (!room->sibling)
     BW_TRY(link_children(context, symbolic->order, room));
-  BW_TRY(reserve(context, f->plan->own, &room->own, &room->own_size));
+  BW_TRY(reserve(f, f->plan->own, &room->own, &room->own_size));
 done:
   return status;
 }
@@ -278,7 +291,7 @@ static bw_status factorise(factorisation *f) {
     space->stack_size = 0;
   }
   workspace *space = &f->store->space[0];
-  BW_TRY(reserve(context, plan->top_stack, &space->stack, &space->stack_size));
+  BW_TRY(reserve(f, plan->top_stack, &space->stack, &space->stack_size));
   space->fill = 0;
   for (int32_t k = 0; k < plan->top_count; k++) {
     BW_TRY(bw_check_cancel(context));
@@ -310,24 +323,28 @@ static void factor_destroy(void *object) {
   bw_free(factor);
 }
 
+size_t bwi_factor_bytes(const bwi_factor *factor) {
+  const bwi_symbolic *symbolic = factor->symbolic;
+  return (size_t)symbolic->panel[symbolic->order->super_count] * factor->kernels->size;
+}
+
 void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work) {
   *updates = *work = 0;
   const bwi_kept *kept = factor->kept;
   if (!kept)
     return;
-  *updates = (size_t)kept->reach->kept_numbers * sizeof(double);
-  *work = (size_t)kept->store.own_size * sizeof(double);
+  int64_t numbers = kept->store.own_size;
   for (int w = 0; w < kept->store.workers; w++)
-    *work += (size_t)kept->store.space[w].stack_size * sizeof(double);
+    numbers += kept->store.space[w].stack_size;
+  *updates = (size_t)kept->reach->kept_numbers * factor->kernels->size;
+  *work = (size_t)numbers * factor->kernels->size;
 }
 
 static size_t factor_bytes(const void *object) {
   const bwi_factor *factor = object;
-  const bwi_symbolic *symbolic = factor->symbolic;
   size_t updates, work;
   bwi_factor_kept_bytes(factor, &updates, &work);
-  return sizeof *factor + updates + work +
-         (size_t)symbolic->panel[symbolic->order->super_count] * sizeof(double);
+  return sizeof *factor + updates + work + bwi_factor_bytes(factor);
 }
 
 static const bw_kind factor_kind = {"factor", factor_destroy, factor_bytes};
@@ -365,7 +382,7 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic, 
     return BW_MEMORY;
   kept->reach = bw_retain(reach);
   kept->broken = true; /* until it has been factored */
-  kept->block = BW_NEW(context, double, reach->kept_numbers);
+  kept->block = bw_alloc(context, (size_t)reach->kept_numbers, factor->kernels->size);
   kept->at = BW_NEW(context, int64_t, supers);
   kept->wanted = BW_NEW(context, uint8_t, supers);
   if (!kept->block || !kept->at || !kept->wanted)
@@ -379,21 +396,39 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic, 
   return BW_OK;
 }
 
+/* What brings the largest diagonal entry near 1, to a factor of 2^16: a step so coarse that an
+ * edit hardly ever makes it another. */
+static double unit_of(const bwi_kernels *kernels, const bwi_matrix *matrix, int components) {
+  const bw_graph *graph = matrix->graph;
+  double most = 0;
+  int exponent = 0;
+  if (kernels->bits == 64)
+    return 1;
+  for (int64_t i = 0; i < graph->node_count; i++) {
+    int64_t pair = graph->start[i + 1] - 1; /* the last of a row is its diagonal */
+    for (int c = 0; c < components; c++)
+      most = fmax(
+          most,
+          fabs(matrix->stiffness[pair * components * components + (int64_t)c * (components + 1)]));
+  }
+  if (most > 0 && isfinite(most))
+    frexp(fmax(most, 1e-280), &exponent);
+  return ldexp(1, -(exponent < 0 ? exponent - 16 : exponent + 16) / 32 * 32);
+}
+
 static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
-                        bwi_reach *reach, bwi_factor **out, int32_t *bad_node) {
+                        bwi_reach *reach, const bwi_kernels *kernels, bwi_factor **out,
+                        int32_t *bad_node) {
   bw_status status = BW_OK;
   store room = {0};
-  factorisation f = {.context = context,
-                     .symbolic = symbolic,
-                     .matrix = matrix,
-                     .plan = &symbolic->plan,
-                     .store = &room};
   bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
   if (!factor)
     return BW_MEMORY;
   bw_object_init(factor, &factor_kind);
   factor->symbolic = bw_retain(symbolic);
-  f.value = factor->value = BW_NEW(context, double, symbolic->panel[symbolic->order->super_count]);
+  factor->kernels = kernels;
+  factor->value =
+      bw_alloc(context, (size_t)symbolic->panel[symbolic->order->super_count], kernels->size);
   if (!factor->value) {
     status = BW_MEMORY;
     goto done;
@@ -401,8 +436,18 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
   if (reach) {
     BW_TRY(kept_create(context, symbolic, reach, factor));
     BW_TRY(bwi_factor_update(context, factor, matrix, NULL, NULL, bad_node));
-  } else
+  } else {
+    factorisation f = {.context = context,
+                       .symbolic = symbolic,
+                       .matrix = matrix,
+                       .kernels = kernels,
+                       .unit = 1,
+                       .value = factor->value,
+                       .plan = &symbolic->plan,
+                       .store = &room};
+    factor->unit = 1;
     status = judge(&f, factorise(&f), bad_node);
+  }
 done:
   store_clear(&room);
   if (status == BW_OK)
@@ -414,13 +459,19 @@ done:
 
 bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                             bwi_factor **factor, int32_t *bad_node) {
-  return create(context, symbolic, matrix, NULL, factor, bad_node);
+  return create(context, symbolic, matrix, NULL, &bwi_kernels_double, factor, bad_node);
 }
 
 bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
                                  const bwi_matrix *matrix, bwi_reach *reach, bwi_factor **factor,
                                  int32_t *bad_node) {
-  return create(context, symbolic, matrix, reach, factor, bad_node);
+  return create(context, symbolic, matrix, reach, &bwi_kernels_double, factor, bad_node);
+}
+
+bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
+                               const bwi_matrix *matrix, bwi_reach *reach,
+                               const bwi_kernels *kernels, bwi_factor **factor, int32_t *bad_node) {
+  return create(context, symbolic, matrix, reach, kernels, factor, bad_node);
 }
 
 bool bwi_factor_broken(const bwi_factor *factor) {
@@ -436,6 +487,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
   factorisation f = {.context = context,
                      .symbolic = symbolic,
                      .matrix = matrix,
+                     .kernels = factor->kernels,
                      .value = factor->value,
                      .plan = &plan,
                      .kept = kept};
@@ -451,7 +503,9 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
     if (bwi_reach_supernodes(kept->reach, touched_domain, kept->wanted) == 0)
       goto done;
     f.wanted = kept->wanted;
-  }
+  } else
+    factor->unit = unit_of(factor->kernels, matrix, symbolic->components);
+  f.unit = factor->unit;
   BW_TRY(bwi_plan_create(context, symbolic, f.wanted, kept->reach->keep, &plan));
   kept->broken = true;
   BW_TRY(judge(&f, factorise(&f), bad_node));
@@ -469,6 +523,8 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
   factorisation f = {.context = context,
                      .symbolic = symbolic,
                      .matrix = matrix,
+                     .kernels = &bwi_kernels_double,
+                     .unit = 1,
                      .signs = true,
                      .plan = &symbolic->plan,
                      .store = &room};
@@ -480,4 +536,10 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
   *negative = f.negative;
   *trusted = !singular && f.weak == INT32_MAX;
   return BW_OK;
+}
+
+bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
+                           const bw_numbering *numbering, int64_t count, const double *force,
+                           double *displacement) {
+  return factor->kernels->solve_fields(context, factor, numbering, count, force, displacement);
 }

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Between fields (a number per node and component) and right-hand sides in elimination order, those
  * of one unknown next to each other. */
-#include <string.h>
+#include <math.h>
 
 #include "solve/internal.h"
 
@@ -11,7 +11,9 @@ typedef struct transfer {
   int width, used; /* right-hand sides in a row, and how many are real */
   const double *force;
   double *displacement;
-  double *x;
+  real *x;
+  double unit[BWI_MAX_WIDTH]; /* powers of two that bring the sides into the range of float */
+  double back[BWI_MAX_WIDTH]; /* and what undoes them in the solutions */
 } transfer;
 
 static const double *frame_at(const transfer *move, int64_t node) {
@@ -32,10 +34,10 @@ static bw_status gather(void *data, int64_t begin, int64_t end, int worker) {
     for (int c = 0; c < components; c++) {
       if (at[c] < 0)
         continue;
-      double *x = move->x + (int64_t)at[c] * width;
+      real *x = move->x + (int64_t)at[c] * width;
       for (int k = 0; k < move->used; k++) {
         const double *f = move->force + k * size + node * components;
-        x[k] = frame ? bw_dot(frame + 3 * c, f) : f[c];
+        x[k] = (real)(move->unit[k] * (frame ? bw_dot(frame + 3 * c, f) : f[c]));
       }
       for (int k = move->used; k < width; k++)
         x[k] = 0;
@@ -55,7 +57,7 @@ static bw_status scatter(void *data, int64_t begin, int64_t end, int worker) {
     for (int k = 0; k < move->used; k++) {
       double *u = move->displacement + k * size + node * components, local[3] = {0, 0, 0};
       for (int c = 0; c < components; c++)
-        local[c] = at[c] < 0 ? 0 : move->x[(int64_t)at[c] * width + k];
+        local[c] = at[c] < 0 ? 0 : move->back[k] * (double)move->x[(int64_t)at[c] * width + k];
       for (int c = 0; c < components; c++)
         u[c] = frame ? frame[c] * local[0] + frame[3 + c] * local[1] + frame[6 + c] * local[2]
                      : local[c];
@@ -64,9 +66,24 @@ static bw_status scatter(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
-                           const bw_numbering *numbering, int64_t count, const double *force,
-                           double *displacement) {
+/* Brings the largest component of a side to between 1/2 and 1; the factor is that of the matrix
+ * times its own unit. */
+static void choose_units(const bwi_factor *factor, int64_t size, transfer *move) {
+  for (int k = 0; k < move->used; k++) {
+    double most = 0;
+    int exponent = 0;
+    for (int64_t i = 0; sizeof(real) < sizeof(double) && i < size; i++)
+      most = fmax(most, fabs(move->force[k * size + i]));
+    if (most > 0 && isfinite(most))
+      frexp(fmax(most, 1e-300), &exponent);
+    move->unit[k] = ldexp(1, -exponent);
+    move->back[k] = ldexp(factor->unit, exponent);
+  }
+}
+
+bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
+                              const bw_numbering *numbering, int64_t count, const double *force,
+                              double *displacement) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   int64_t nodes = symbolic->order->node_count, size = nodes * symbolic->components;
@@ -74,7 +91,7 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
   while (most < BWI_MAX_WIDTH && most < count)
     most *= 2;
   transfer move = {.symbolic = symbolic, .numbering = numbering};
-  move.x = BW_NEW(context, double, (int64_t)symbolic->unknowns *most);
+  move.x = BW_NEW(context, real, (int64_t)symbolic->unknowns * most);
   if (!move.x)
     return BW_MEMORY;
   for (int64_t done_count = 0; done_count < count; done_count += move.used) {
@@ -86,6 +103,7 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
     move.force = force + done_count * size;
     move.displacement = displacement + done_count * size;
     BW_TRY(bw_check_cancel(context));
+    choose_units(factor, size, &move);
     BW_TRY(bw_parallel(context, nodes, 2048, gather, &move));
     BW_TRY(bwi_factor_solve(context, factor, move.width, move.x));
     BW_TRY(bw_parallel(context, nodes, 2048, scatter, &move));
@@ -94,3 +112,10 @@ done:
   bw_free(move.x);
   return status;
 }
+
+const bwi_kernels KERNELS = {.bits = 8 * sizeof(real),
+                             .size = sizeof(real),
+                             .entries = bwi_matrix_to_panel,
+                             .child = bwi_add_child,
+                             .eliminate = bwi_front_eliminate,
+                             .solve_fields = bwi_solve_fields_of};

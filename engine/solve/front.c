@@ -22,13 +22,13 @@
 enum { WIDTH = 128, STRIP = 256, TILE = BWI_TILE };
 
 /* A pivot below this fraction of its diagonal entry's size has no digits left. */
-static const double weak_fraction = 1e-13;
+static const double weak_fraction = sizeof(real) == sizeof(double) ? 1e-13 : 1e-7;
 
-static const double one = 1, minus_one = -1, two = 2;
+static const real one = 1, minus_one = -1, two = 2;
 
 typedef struct elimination {
   bwi_front *front;
-  double *minus; /* rows x minus_count: the columns of L with a negative sign */
+  real *minus; /* rows x minus_count: the columns of L with a negative sign */
   int minus_count, minus_capacity;
   int block, block_end; /* the block of columns at work */
   int block_minus;      /* columns in `minus` when it began */
@@ -39,24 +39,28 @@ typedef struct elimination {
 
 /* Signed Cholesky of an n x n block with leading dimension ld, column by column. Returns the first
  * column whose pivot is zero, or -1. */
-static int signed_block(int n, double *a, int ld, uint8_t *negative) {
+static int signed_block(int n, real *a, int ld, uint8_t *negative) {
   for (int j = 0; j < n; j++) {
-    double *column = a + (size_t)j * (size_t)ld, d = column[j];
+    real *column = a + (size_t)j * (size_t)ld, d = column[j];
     if (d == 0 || !isfinite(d))
       return j;
     negative[j] = d < 0;
-    double root = sqrt(fabs(d)), factor = 1 / (d < 0 ? -root : root);
+    real root = (real)sqrt(fabs((double)d)), factor = 1 / (d < 0 ? -root : root);
     column[j] = root;
     for (int i = j + 1; i < n; i++)
       column[i] *= factor;
-    double sign = d < 0 ? -1 : 1;
+    real sign = d < 0 ? -1 : 1;
     for (int k = j + 1; k < n; k++) {
-      double *target = a + (size_t)k * (size_t)ld, weight = sign * column[k];
+      real *target = a + (size_t)k * (size_t)ld, weight = sign * column[k];
       for (int i = k; i < n; i++)
         target[i] -= column[i] * weight;
     }
   }
   return -1;
+}
+
+static real *entry(const bwi_front *front, int row, int column) {
+  return (real *)front->panel + (size_t)front->rows * (size_t)column + row;
 }
 
 /* Remember the columns of this panel whose sign is negative (rows begin.. of the front). */
@@ -68,7 +72,7 @@ static bw_status keep_minus(bw_context *context, elimination *work) {
   int wanted = work->minus_count + work->negative_here;
   if (wanted > work->minus_capacity) {
     int capacity = wanted > 2 * work->minus_capacity ? wanted : 2 * work->minus_capacity;
-    double *larger = bw_resize(context, work->minus, rows * (size_t)capacity, sizeof(double));
+    real *larger = bw_resize(context, work->minus, rows * (size_t)capacity, sizeof(real));
     if (!larger)
       return BW_MEMORY;
     work->minus = larger;
@@ -76,16 +80,12 @@ static bw_status keep_minus(bw_context *context, elimination *work) {
   }
   for (int j = work->begin; j < work->end; j++)
     if (work->negative[j - work->begin])
-      memcpy(work->minus + rows * (size_t)work->minus_count++, front->panel + rows * (size_t)j,
-             rows * sizeof(double));
+      memcpy(work->minus + rows * (size_t)work->minus_count++, entry(front, 0, j),
+             rows * sizeof(real));
   return BW_OK;
 }
 
-static double *entry(const bwi_front *front, int row, int column) {
-  return front->panel + (size_t)front->rows * (size_t)column + row;
-}
-
-static double *minus_row(const elimination *work, int row, int column) {
+static real *minus_row(const elimination *work, int row, int column) {
   return work->minus + (size_t)work->front->rows * (size_t)column + row;
 }
 
@@ -96,12 +96,12 @@ static bw_status block_rows(void *data, int64_t low, int64_t high, int worker) {
   bwi_front *front = work->front;
   int block = work->block, width = work->block_end - block, ld = front->rows;
   int first = block + (int)low, rows = (int)(high - low);
-  double *target = entry(front, first, block);
-  dgemm_("N", "T", &rows, &width, &block, &minus_one, entry(front, first, 0), &ld,
-         entry(front, block, 0), &ld, &one, target, &ld);
+  real *target = entry(front, first, block);
+  GEMM("N", "T", &rows, &width, &block, &minus_one, entry(front, first, 0), &ld,
+       entry(front, block, 0), &ld, &one, target, &ld);
   if (work->minus_count > 0)
-    dgemm_("N", "T", &rows, &width, &work->minus_count, &two, minus_row(work, first, 0), &ld,
-           minus_row(work, block, 0), &ld, &one, target, &ld);
+    GEMM("N", "T", &rows, &width, &work->minus_count, &two, minus_row(work, first, 0), &ld,
+         minus_row(work, block, 0), &ld, &one, target, &ld);
   return BW_OK;
 }
 
@@ -109,28 +109,28 @@ static bw_status block_rows(void *data, int64_t low, int64_t high, int worker) {
 static bw_status diagonal_block(bw_context *context, elimination *work) {
   bwi_front *front = work->front;
   int begin = work->begin, width = work->end - begin, info = 0, ld = front->rows;
-  double *block = entry(front, begin, begin);
+  real *block = entry(front, begin, begin);
   memset(work->negative, 0, sizeof work->negative);
   work->negative_here = 0;
   int done = begin - work->block, minus = work->minus_count - work->block_minus;
   if (done > 0)
-    dsyrk_("L", "N", &width, &done, &minus_one, entry(front, begin, work->block), &ld, &one, block,
-           &ld);
+    SYRK("L", "N", &width, &done, &minus_one, entry(front, begin, work->block), &ld, &one, block,
+         &ld);
   if (minus > 0)
-    dsyrk_("L", "N", &width, &minus, &two, minus_row(work, begin, work->block_minus), &ld, &one,
-           block, &ld);
+    SYRK("L", "N", &width, &minus, &two, minus_row(work, begin, work->block_minus), &ld, &one,
+         block, &ld);
   if (front->signs) {
-    double *copy = BW_NEW(context, double, (size_t)width *(size_t)width);
+    real *copy = BW_NEW(context, real, (size_t)width * (size_t)width);
     if (!copy)
       return BW_MEMORY;
     for (int j = 0; j < width; j++)
       memcpy(copy + (size_t)j * (size_t)width, entry(front, begin, begin + j),
-             (size_t)width * sizeof(double));
-    dpotrf_("L", &width, block, &ld, &info);
+             (size_t)width * sizeof(real));
+    POTRF("L", &width, block, &ld, &info);
     if (info != 0) {
       for (int j = 0; j < width; j++)
         memcpy(entry(front, begin, begin + j), copy + (size_t)j * (size_t)width,
-               (size_t)width * sizeof(double));
+               (size_t)width * sizeof(real));
       info = 1 + signed_block(width, block, ld, work->negative);
     }
     bw_free(copy);
@@ -138,7 +138,7 @@ static bw_status diagonal_block(bw_context *context, elimination *work) {
       work->negative_here += work->negative[j];
     front->negative += work->negative_here;
   } else
-    dpotrf_("L", &width, block, &ld, &info);
+    POTRF("L", &width, block, &ld, &info);
   if (info != 0) {
     front->failed = begin + info - 1;
     return BW_SINGULAR;
@@ -158,18 +158,18 @@ static bw_status panel_rows(void *data, int64_t low, int64_t high, int worker) {
   bwi_front *front = work->front;
   int begin = work->begin, width = work->end - begin, ld = front->rows;
   int first = work->end + (int)low, rows = (int)(high - low);
-  double *target = entry(front, first, begin);
+  real *target = entry(front, first, begin);
   int done = begin - work->block, minus = work->minus_count - work->block_minus;
   if (done > 0)
-    dgemm_("N", "T", &rows, &width, &done, &minus_one, entry(front, first, work->block), &ld,
-           entry(front, begin, work->block), &ld, &one, target, &ld);
+    GEMM("N", "T", &rows, &width, &done, &minus_one, entry(front, first, work->block), &ld,
+         entry(front, begin, work->block), &ld, &one, target, &ld);
   if (minus > 0)
-    dgemm_("N", "T", &rows, &width, &minus, &two, minus_row(work, first, work->block_minus), &ld,
-           minus_row(work, begin, work->block_minus), &ld, &one, target, &ld);
-  dtrsm_("R", "L", "T", "N", &rows, &width, &one, entry(front, begin, begin), &ld, target, &ld);
+    GEMM("N", "T", &rows, &width, &minus, &two, minus_row(work, first, work->block_minus), &ld,
+         minus_row(work, begin, work->block_minus), &ld, &one, target, &ld);
+  TRSM("R", "L", "T", "N", &rows, &width, &one, entry(front, begin, begin), &ld, target, &ld);
   for (int j = 0; j < width; j++)
     if (work->negative[j]) {
-      double *column = entry(front, first, begin + j);
+      real *column = entry(front, first, begin + j);
       for (int i = 0; i < rows; i++)
         column[i] = -column[i];
     }
@@ -198,21 +198,21 @@ static bw_status update_tile(void *data, int64_t low, int64_t high, int worker) 
     int row = i * TILE, column = j * TILE;
     int rows = outer - row < TILE ? outer - row : TILE;
     int columns = outer - column < TILE ? outer - column : TILE;
-    double *target = front->update + bwi_update_column(outer, column) + row;
+    real *target = (real *)front->update + bwi_update_column(outer, column) + row;
     int down = outer - column; /* leading dimension of this block column */
-    const double *left = entry(front, pivots + row, 0), *right = entry(front, pivots + column, 0);
-    const double *minus_left = work->minus ? work->minus + pivots + row : NULL;
-    const double *minus_right = work->minus ? work->minus + pivots + column : NULL;
+    const real *left = entry(front, pivots + row, 0), *right = entry(front, pivots + column, 0);
+    const real *minus_left = work->minus ? work->minus + pivots + row : NULL;
+    const real *minus_right = work->minus ? work->minus + pivots + column : NULL;
     if (i == j) {
-      dsyrk_("L", "N", &rows, &pivots, &minus_one, left, &ld, &one, target, &down);
+      SYRK("L", "N", &rows, &pivots, &minus_one, left, &ld, &one, target, &down);
       if (work->minus_count > 0)
-        dsyrk_("L", "N", &rows, &work->minus_count, &two, minus_left, &ld, &one, target, &down);
+        SYRK("L", "N", &rows, &work->minus_count, &two, minus_left, &ld, &one, target, &down);
     } else {
-      dgemm_("N", "T", &rows, &columns, &pivots, &minus_one, left, &ld, right, &ld, &one, target,
-             &down);
+      GEMM("N", "T", &rows, &columns, &pivots, &minus_one, left, &ld, right, &ld, &one, target,
+           &down);
       if (work->minus_count > 0)
-        dgemm_("N", "T", &rows, &columns, &work->minus_count, &two, minus_left, &ld, minus_right,
-               &ld, &one, target, &down);
+        GEMM("N", "T", &rows, &columns, &work->minus_count, &two, minus_left, &ld, minus_right, &ld,
+             &one, target, &down);
     }
   }
   return BW_OK;

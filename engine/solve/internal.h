@@ -13,6 +13,7 @@
 #define BWI_SOLVE_INTERNAL_H
 
 #include "barwright/solve.h"
+#include "solve/real.h"
 
 /* ---- order --------------------------------------------------------------------------------- */
 
@@ -135,17 +136,17 @@ typedef struct bwi_matrix {
  * wanted. */
 void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t pair, bool transpose,
                       int32_t row, int32_t column, double *block);
-/* Add the entries of supernode s to its panel. local: row of each position in it; scale: size of
- * each pivot's diagonal entry. */
-void bwi_matrix_to_panel(const bwi_symbolic *symbolic, const bwi_matrix *matrix, int32_t s,
-                         const int32_t *local, double *panel, double *scale);
 
+/* The factor of a matrix in single precision is that of `unit` times the matrix, a power of two
+ * that brings entries of any units into the range of float; in double precision `unit` is 1. */
 typedef struct bwi_factor {
   bw_object object;
   bwi_symbolic *symbolic; /* retained */
-  double *value;          /* panels, column-major, one leading dimension per supernode */
-  int64_t negative;       /* negative pivots */
-  struct bwi_kept *kept;  /* of a factor that can be brought up to date in part, or NULL */
+  const struct bwi_kernels *kernels;
+  void *value; /* panels, column-major, one leading dimension per supernode */
+  double unit;
+  int64_t negative;      /* negative pivots */
+  struct bwi_kept *kept; /* of a factor that can be brought up to date in part, or NULL */
 } bwi_factor;
 
 /* A = L L^T. *bad_node (may be NULL) is the mesh node of the failing pivot when BW_SINGULAR. */
@@ -156,6 +157,11 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
 bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
                                  const bwi_matrix *matrix, bwi_reach *reach, bwi_factor **factor,
                                  int32_t *bad_node);
+/* The same with numbers of the precision asked for. */
+bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
+                               const bwi_matrix *matrix, bwi_reach *reach,
+                               const struct bwi_kernels *kernels, bwi_factor **factor,
+                               int32_t *bad_node);
 /* Factor again, in place, what entries of the touched domains (NULL: all) reach: the same bits as
  * from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done. On
  * failure, BW_CANCELLED included, the factor is broken (bwi_factor_broken): solves refuse it, an
@@ -163,15 +169,17 @@ bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_domain, double *flops, int32_t *bad_node);
 bool bwi_factor_broken(const bwi_factor *factor);
+/* Bytes of L. */
+size_t bwi_factor_bytes(const bwi_factor *factor);
 /* Bytes of the update matrices kept, and of the memory kept to work in. */
 void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work);
 /* The number of negative eigenvalues of A, by L S L^T without keeping L. *trusted is false where a
  * pivot was so small that rounding may have chosen its sign. */
 bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                              int64_t *negative, bool *trusted);
-/* x = A^-1 x for `width` right-hand sides next to each other: unknowns x width, row by row. Width
- * 1, 2, 4, 8 or 16. */
-bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, double *x);
+/* x = (unit A)^-1 x for `width` right-hand sides next to each other: unknowns x width, row by row.
+ * Width 1, 2, 4, 8 or 16. The numbers of x must be those of the factor. */
+bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, real *x);
 enum { BWI_MAX_WIDTH = 16 };
 
 /* ---- the yardstick (baseline.c) ------------------------------------------------------------ */
@@ -184,16 +192,6 @@ typedef struct bwi_baseline_times {
  * scratch in the same order. */
 bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const bwi_matrix *matrix,
                        double *x, bwi_baseline_times *times);
-
-/* Rows of a child that are next to each other in the parent too. */
-typedef struct bwi_run {
-  int32_t from, to, length;
-} bwi_run;
-/* Add the update matrix of a child to the front (panel and update matrix) of supernode s, whose
- * rows are `local` by position; runs: room for the child's rows (extend_add.c). */
-bw_status bwi_add_child(bw_context *context, const bwi_symbolic *symbolic, int32_t s, int32_t child,
-                        const double *of_child, const int32_t *local, bwi_run *runs, double *panel,
-                        double *update);
 
 /* ---- dense kernels (front.c) --------------------------------------------------------------- */
 
@@ -215,8 +213,8 @@ static inline int64_t bwi_update_column(int64_t outer, int64_t column) {
 
 typedef struct bwi_front {
   int rows, pivots;    /* the panel is rows x pivots, column-major, leading dimension rows */
-  double *panel;       /* assembled in, L out */
-  double *update;      /* of rows - pivots: assembled in, Schur complement out */
+  void *panel;         /* assembled in, L out */
+  void *update;        /* of rows - pivots: assembled in, Schur complement out */
   const double *scale; /* pivots: size of each diagonal entry before elimination */
   bool signs;          /* allow negative pivots */
   /* out */
@@ -224,8 +222,43 @@ typedef struct bwi_front {
   int failed; /* first pivot that is not positive (signs false), or -1 */
   int weak;   /* a pivot lost nearly all its digits, or -1 */
 } bwi_front;
-/* Eliminate the pivots. Tiles run through bw_parallel where there are several. */
+
+/* Rows of a child that are next to each other in the parent too. */
+typedef struct bwi_run {
+  int32_t from, to, length;
+} bwi_run;
+
+/* ---- kernels for either precision (real.h) --------------------------------------------------
+ */
+
+/* Add the entries of supernode s, times `unit`, to its panel. local: row of each position in it;
+ * scale: size of each pivot's diagonal entry (front_assemble.c). */
+void bwi_matrix_to_panel(const bwi_symbolic *symbolic, const bwi_matrix *matrix, double unit,
+                         int32_t s, const int32_t *local, void *panel, double *scale);
+/* Add the update matrix of a child to the front (panel and update matrix) of supernode s, whose
+ * rows are `local` by position; runs: room for the child's rows. */
+bw_status bwi_add_child(bw_context *context, const bwi_symbolic *symbolic, int32_t s, int32_t child,
+                        const void *of_child, const int32_t *local, bwi_run *runs, void *panel,
+                        void *update);
+/* Eliminate the pivots. Tiles run through bw_parallel where there are several (front.c). */
 bw_status bwi_front_eliminate(bw_context *context, bwi_front *front);
+/* bwi_solve_fields for a factor of such numbers (fields.c). */
+bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
+                              const bw_numbering *numbering, int64_t count, const double *force,
+                              double *displacement);
+
+typedef struct bwi_kernels {
+  int bits;    /* of a number: 64 or 32 */
+  size_t size; /* its bytes */
+  void (*entries)(const bwi_symbolic *, const bwi_matrix *, double, int32_t, const int32_t *,
+                  void *, double *);
+  bw_status (*child)(bw_context *, const bwi_symbolic *, int32_t, int32_t, const void *,
+                     const int32_t *, bwi_run *, void *, void *);
+  bw_status (*eliminate)(bw_context *, bwi_front *);
+  bw_status (*solve_fields)(bw_context *, const bwi_factor *, const bw_numbering *, int64_t,
+                            const double *, double *);
+} bwi_kernels;
+extern const bwi_kernels bwi_kernels_double, bwi_kernels_single;
 
 /* ---- eigenvalues (eigen.c) ----------------------------------------------------------------- */
 
@@ -261,7 +294,8 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
 /* ---- fields and unknowns (fields.c) -------------------------------------------------------- */
 
 /* displacement = A^-1 force for fields (node_count x components each, one after the other; the two
- * may be the same block): 0 where there is no unknown. Frames by `numbering`, NULL: global. */
+ * may be the same block): 0 where there is no unknown. Frames by `numbering`, NULL: global. With a
+ * factor in single precision, to its digits. */
 bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
                            const bw_numbering *numbering, int64_t count, const double *force,
                            double *displacement);

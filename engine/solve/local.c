@@ -61,8 +61,7 @@ void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t
   size_t work = 0;
   *factor = *updates = 0;
   if (local->inner->factor) {
-    const bwi_symbolic *symbolic = local->inner->factor->symbolic;
-    *factor = (size_t)symbolic->panel[symbolic->order->super_count] * sizeof(double);
+    *factor = bwi_factor_bytes(local->inner->factor);
     bwi_factor_kept_bytes(local->inner->factor, updates, &work);
   }
 }

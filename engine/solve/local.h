@@ -23,6 +23,9 @@ typedef struct bwi_local {
   double *frame;              /* domain_count x 9: those of `motion` */
   double *supports;           /* rows of the numbering that are supports' x 9: as last reported */
   bwi_factor *factor;         /* or NULL */
+  int wanted_bits;            /* of its numbers, asked for: 32, 64; 0: as is cheaper */
+  bool lost;                  /* single precision did not serve this body: no more of it */
+  double refinements;         /* iterations with a factor in single precision, when last solved */
   bwi_reach *reach;           /* of the factor's symbolic; or NULL */
   uint8_t *touched;           /* domain_count */
   const bw_mesh *factored;    /* retained: the shape the factor was last brought up to date with */
@@ -47,11 +50,29 @@ bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
 
 /* ---- local_factor.c ------------------------------------------------------------------------ */
 
-/* Bring the factor up to date, all of it where `scratch`. On failure it is not usable. */
+/* Bring the factor up to date, all of it where `scratch`. On failure it is not usable. Where single
+ * precision breaks down, it is made in double precision. */
 bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scratch,
                            bw_reuse *reuse);
 
+/* Single precision did not serve: the factor in double precision instead, from now on. */
+bw_status bwi_local_lose_single(bw_context *context, bw_local_system *local, bw_reuse *reuse);
+
+/* ---- local_precision.c ---------------------------------------------------------------------- */
+
+/* *bits: 32 or 64, that of the factor there is, or 0; becomes what the factor is to be. */
+bw_status bwi_local_choose_bits(bw_context *context, const bw_local_system *local,
+                                const bwi_reach *reach, int *bits);
+/* Iterations to be expected with the factor of the present shape: 0 in double precision. */
+double bwi_local_refinements(const bw_local_system *local, double tolerance);
+
 /* ---- local_predict.c ----------------------------------------------------------------------- */
+
+/* The model's machine. */
+#define BWI_LOCAL_BYTES_PER_SECOND 17e9
+static inline double bwi_local_flops_per_second(int bits) {
+  return bits == 32 ? 110e9 : 55e9;
+}
 
 /* What the two ways to solve would cost, in seconds of the model's machine. */
 typedef struct bwi_local_cost {
@@ -69,7 +90,7 @@ typedef struct bwi_conjugate {
   const bw_graph *graph;
   const double *stiffness;
   const bw_numbering *numbering;
-  const bwi_factor *factor; /* the preconditioner */
+  const bwi_factor *factor; /* the preconditioner: of a former shape, or in single precision */
   double tolerance;
   /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every
      right-hand side, which the tolerance is relative to. Or NULL. */

@@ -19,9 +19,9 @@ bool bwi_local_current(const bw_local_system *local) {
   return true;
 }
 
-/* A factor for other unknowns, by the old order where that fits. */
+/* A factor for other unknowns, or in another precision, by the old order where that fits. */
 static bw_status factor_anew(bw_context *context, bw_local_system *local, const bwi_matrix *matrix,
-                             bw_reuse *reuse, int32_t *bad) {
+                             int *bits, bw_reuse *reuse, int32_t *bad) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   const bwi_symbolic *old = inner->reach ? inner->reach->symbolic : NULL;
@@ -29,6 +29,8 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   bwi_symbolic *symbolic = NULL;
   bwi_reach *reach = NULL;
   double start = bw_seconds();
+  bw_release(inner->factor);
+  inner->factor = NULL;
   bw_progress(context, "order", 0);
   BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->numbering, inner->domain_count,
                           inner->element_domain, inner->edits.count ? &inner->edits : NULL,
@@ -42,11 +44,69 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   times->order = bw_seconds() - start;
   times->factor_entries = symbolic->panel[symbolic->order->super_count];
   times->factor_flops = symbolic->flops;
+  BW_TRY(bwi_local_choose_bits(context, local, reach, bits));
   bw_progress(context, "factor", 0);
-  BW_TRY(bwi_factor_create_kept(context, symbolic, matrix, reach, &inner->factor, bad));
+  BW_TRY(bwi_factor_create_in(context, symbolic, matrix, reach,
+                              *bits == 32 ? &bwi_kernels_single : &bwi_kernels_double,
+                              &inner->factor, bad));
 done:
   bw_release(symbolic);
   bw_release(reach);
+  return status;
+}
+
+/* The factor is now that of the stiffness. */
+static void is_current(bw_local_system *local) {
+  bwi_local *inner = local->inner;
+  const bw_system *view = local->system;
+  memset(inner->touched, 0, (size_t)inner->domain_count);
+  bw_retain(view->mesh);
+  bw_release(inner->factored);
+  inner->factored = view->mesh;
+  memcpy(inner->factored_frame, inner->frame,
+         9 * (size_t)inner->domain_count * sizeof *inner->frame);
+  inner->spent = 0;
+  inner->change = -1;
+}
+
+static bw_status update_or_make(bw_context *context, bw_local_system *local, bool whole,
+                                bw_reuse *reuse, double *kept) {
+  bw_status status = BW_OK;
+  bwi_local *inner = local->inner;
+  const bw_system *view = local->system;
+  bwi_matrix matrix = {
+      .graph = view->graph, .stiffness = view->stiffness, .numbering = view->numbering};
+  int bits = inner->factor ? inner->factor->kernels->bits : 0, wanted = bits;
+  int32_t bad = 0;
+  double flops = 0;
+  if (inner->factor)
+    BW_TRY(bwi_local_choose_bits(context, local, inner->reach, &wanted));
+  if (inner->factor && bits == wanted) {
+    bw_progress(context, "factor", 0);
+    status = bwi_factor_update(context, inner->factor, &matrix, whole ? NULL : inner->touched,
+                               &flops, &bad);
+    if (inner->factor->symbolic->flops > 0)
+      *kept = 1 - flops / inner->factor->symbolic->flops;
+  } else
+    status = factor_anew(context, local, &matrix, &wanted, reuse, &bad);
+  if (status == BW_SINGULAR && wanted == 32) { /* perhaps for want of digits only */
+    inner->lost = true;
+    wanted = 64;
+    *kept = 0;
+    status = factor_anew(context, local, &matrix, &wanted, reuse, &bad);
+    if (status == BW_SINGULAR)
+      inner->lost = false;
+    if (status == BW_OK) {
+      bw_clear_failure(context);
+      bw_remark(context,
+                "the factor in single precision broke down at node %d: these equations are solved "
+                "in double precision from here on",
+                bad + 1);
+    }
+  }
+  if (status == BW_SINGULAR)
+    status = bwi_say_singular(context, view->mesh, bad);
+done:
   return status;
 }
 
@@ -54,44 +114,47 @@ bw_status bwi_local_factor(bw_context *context, bw_local_system *local, bool scr
                            bw_reuse *reuse) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  const bw_system *view = local->system;
   double start = bw_seconds(), kept = 0;
-  bool current = bwi_local_current(local), whole = scratch || !bwi_local_usable(local);
-  int32_t bad = 0;
-  bwi_matrix matrix = {
-      .graph = view->graph, .stiffness = view->stiffness, .numbering = view->numbering};
-  if (current && !scratch) {
+  bool whole = scratch || !bwi_local_usable(local);
+  bool other = inner->factor && inner->wanted_bits && !inner->lost &&
+               inner->factor->kernels->bits != inner->wanted_bits;
+  if (bwi_local_current(local) && !scratch && !other) {
     if (reuse && reuse->method == BW_LOCAL_AUTO) { /* else it says what an earlier solve did */
       reuse->method = BW_LOCAL_REFACTOR;
       reuse->factor_kept = 1;
     }
-    return BW_OK;
-  }
-  if (inner->factor) {
-    double flops = 0;
-    bw_progress(context, "factor", 0);
-    status = bwi_factor_update(context, inner->factor, &matrix, whole ? NULL : inner->touched,
-                               &flops, &bad);
-    if (inner->factor->symbolic->flops > 0)
-      kept = 1 - flops / inner->factor->symbolic->flops;
-  } else
-    status = factor_anew(context, local, &matrix, reuse, &bad);
-  if (status == BW_SINGULAR)
-    status = bwi_say_singular(context, view->mesh, bad);
-  if (status != BW_OK)
     goto done;
-  memset(inner->touched, 0, (size_t)inner->domain_count);
-  bw_retain(view->mesh);
-  bw_release(inner->factored);
-  inner->factored = view->mesh;
-  memcpy(inner->factored_frame, inner->frame,
-         9 * (size_t)inner->domain_count * sizeof *inner->frame);
+  }
+  int bits = inner->factor ? inner->factor->kernels->bits : 0;
+  BW_TRY(update_or_make(context, local, whole, reuse, &kept));
+  is_current(local);
   local->system->times.factor = bw_seconds() - start;
-  inner->spent = 0;
-  inner->change = -1;
   if (reuse) {
-    reuse->method = whole ? BW_LOCAL_SCRATCH : BW_LOCAL_REFACTOR;
+    bool made = inner->factor->kernels->bits != bits;
+    reuse->method = whole || made ? BW_LOCAL_SCRATCH : BW_LOCAL_REFACTOR;
     reuse->factor_kept = kept;
+    reuse->seconds_factor += bw_seconds() - start;
+  }
+done:
+  if (status == BW_OK && reuse)
+    reuse->precision = inner->factor->kernels->bits;
+  return status;
+}
+
+bw_status bwi_local_lose_single(bw_context *context, bw_local_system *local, bw_reuse *reuse) {
+  bw_status status = BW_OK;
+  double start = bw_seconds(), kept = 0;
+  local->inner->lost = true;
+  bw_remark(context,
+            "solutions with the factor in single precision do not converge: these equations are "
+            "solved in double precision from here on");
+  BW_TRY(update_or_make(context, local, true, reuse, &kept));
+  is_current(local);
+  local->system->times.factor = bw_seconds() - start;
+  if (reuse) {
+    reuse->method = BW_LOCAL_SCRATCH;
+    reuse->factor_kept = 0;
+    reuse->precision = 64;
     reuse->seconds_factor += bw_seconds() - start;
   }
 done:

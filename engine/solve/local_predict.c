@@ -23,9 +23,6 @@
 #include "solve/local.h"
 
 #define SPREAD 20.0
-/* The model's machine. */
-#define FLOPS_PER_SECOND 55e9
-#define BYTES_PER_SECOND 17e9
 /* Right-hand sides that one pass over the factor serves. */
 enum { SIDES = 8 };
 
@@ -70,16 +67,18 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
                        int64_t count, bwi_local_cost *cost) {
   bwi_local *inner = local->inner;
   const bwi_symbolic *symbolic = inner->factor->symbolic;
-  double factor_bytes = 8.0 * (double)symbolic->panel[symbolic->order->super_count];
+  double factor_bytes = (double)bwi_factor_bytes(inner->factor);
   double stiffness_bytes = 72.0 * (double)local->system->graph->pair_count;
   double passes = (double)((count + SIDES - 1) / SIDES);
   double later = options->further > 0 ? (options->further + SIDES - 1) / SIDES : 0;
-  double solve = 2 * factor_bytes / BYTES_PER_SECOND;
+  double solve = 2 * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND;
   double flops = bwi_reach_flops(inner->reach, inner->touched);
   double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
-  cost->refactor = flops / FLOPS_PER_SECOND + 2 * part * factor_bytes / BYTES_PER_SECOND +
-                   (passes + later) * solve;
-  double pass = solve + stiffness_bytes / BYTES_PER_SECOND;
+  double pass = solve + stiffness_bytes / BWI_LOCAL_BYTES_PER_SECOND;
+  double refinements = bwi_local_refinements(local, tolerance);
+  cost->refactor = flops / bwi_local_flops_per_second(inner->factor->kernels->bits) +
+                   2 * part * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND +
+                   (passes + later) * (solve + refinements * pass);
   cost->one_iteration = passes * pass;
   if (inner->change < 0)
     inner->change = largest_change(local);
@@ -89,6 +88,7 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   if (options->hope > 0)
     cost->factor = fmin(cost->factor, options->hope);
   cost->iterations =
-      1 + (spread > 0 ? cost->factor * log(2 / tolerance) / log((2 + spread) / spread) : 0);
+      1 + refinements +
+      (spread > 0 ? cost->factor * log(2 / tolerance) / log((2 + spread) / spread) : 0);
   cost->iterate = cost->iterations * (passes + later) * pass;
 }

@@ -12,8 +12,8 @@
 
 #include "solve/local.h"
 
-/* More than this is no way to solve. */
-enum { MOST_ITERATIONS = 2000 };
+/* More than this is no way to solve; nor with a factor that lacks digits only. */
+enum { MOST_ITERATIONS = 2000, MOST_REFINEMENTS = 40 };
 
 void bw_local_options_default(bw_local_options *options) {
   *options = (bw_local_options){.method = BW_LOCAL_AUTO, .tolerance = 1e-10};
@@ -30,6 +30,9 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
     return bw_fail(context, BW_INVALID,
                    "the tolerance of the iteration is %g; it must be between 0 and 1",
                    options->tolerance);
+  if (options->precision != 0 && options->precision != 32 && options->precision != 64)
+    return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
+                   options->precision);
   if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_SCRATCH)
     return bw_fail(context, BW_INVALID, "there is no method %d", (int)options->method);
   return BW_OK;
@@ -37,40 +40,71 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
 
 /* ---- solving ------------------------------------------------------------------------------- */
 
-/* In `displacement`, where the balanced force is. */
-static bw_status solve_directly(bw_context *context, bw_local_system *local, int64_t count,
-                                double *displacement) {
+/* By conjugate gradients, in `displacement`, where the balanced force is; where they do not
+ * converge, it still is. */
+static bw_status conjugate(bw_context *context, const bw_local_system *local, const bwi_rest *left,
+                           int64_t count, bwi_conjugate *problem, double *displacement) {
   bw_status status = BW_OK;
+  const bw_system *system = local->system;
+  size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
+  problem->graph = system->graph;
+  problem->stiffness = system->stiffness;
+  problem->numbering = system->numbering;
+  problem->factor = local->inner->factor;
+  problem->load = left->load;
+  problem->energy = left->energy;
+  double *solution = BW_NEW(context, double, size);
+  if (!solution)
+    return BW_MEMORY;
+  BW_TRY(bwi_conjugate_solve(context, problem, count, left->force ? left->force : displacement,
+                             solution));
+  if (problem->converged) {
+    memcpy(displacement, solution, size * sizeof(double));
+    for (size_t i = 0; left->guess && i < size; i++)
+      displacement[i] += left->guess[i];
+  }
+done:
+  bw_free(solution);
+  return status;
+}
+
+/* With the factor of the present shape, in `displacement`, where the balanced force is. */
+static bw_status solve_directly(bw_context *context, bw_local_system *local,
+                                const bw_local_options *options, bwi_rest *left, int64_t count,
+                                double *displacement, bw_reuse *reuse) {
+  bw_status status = BW_OK;
+  bwi_local *inner = local->inner;
   const bw_numbering *numbering = local->system->numbering;
-  BW_TRY(bwi_solve_fields(context, local->inner->factor, numbering, count, displacement,
-                          displacement));
+  bool solved = false;
+  if (inner->factor->kernels->bits == 32) {
+    bwi_conjugate problem = {.tolerance = options->tolerance, .limit = MOST_REFINEMENTS};
+    if (!left->force)
+      BW_TRY(bwi_rest_make(context, local, options, count, displacement, left));
+    BW_TRY(conjugate(context, local, left, count, &problem, displacement));
+    solved = problem.converged;
+    if (reuse)
+      reuse->refinements += problem.iterations;
+    if (!solved)
+      BW_TRY(bwi_local_lose_single(context, local, reuse));
+    else if (problem.iterations > 0 && !left->force) /* a guess tells nothing of others */
+      inner->refinements = problem.iterations * log(1e-10) / log(options->tolerance);
+  }
+  if (!solved)
+    BW_TRY(bwi_solve_fields(context, inner->factor, numbering, count, displacement, displacement));
   BW_TRY(bwi_steady_fields(context, numbering, count, displacement));
 done:
   return status;
 }
 
-/* *converged is false when the limit was reached; `displacement` then still is the force. */
+/* With the factor of a former shape. *converged is false when the limit was reached;
+ * `displacement` then still is the force. */
 static bw_status iterate(bw_context *context, bw_local_system *local, double tolerance, int limit,
                          double patience, const bwi_local_cost *cost, const bwi_rest *left,
                          int64_t count, double *displacement, int *iterations, bool *converged) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  const bw_system *system = local->system;
-  size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
-  bwi_conjugate problem = {.graph = system->graph,
-                           .stiffness = system->stiffness,
-                           .numbering = system->numbering,
-                           .factor = inner->factor,
-                           .tolerance = tolerance,
-                           .load = left->load,
-                           .energy = left->energy,
-                           .limit = limit,
-                           .patience = patience};
-  double *solution = BW_NEW(context, double, size);
-  if (!solution)
-    return BW_MEMORY;
-  BW_TRY(bwi_conjugate_solve(context, &problem, count, left->force ? left->force : displacement,
-                             solution));
+  bwi_conjugate problem = {.tolerance = tolerance, .limit = limit, .patience = patience};
+  BW_TRY(conjugate(context, local, left, count, &problem, displacement));
   *iterations = problem.iterations;
   *converged = problem.converged;
   inner->spent += problem.iterations;
@@ -80,13 +114,9 @@ static bw_status iterate(bw_context *context, bw_local_system *local, double tol
   inner->experience = fmin(fmax(seen, 0.1), problem.converged ? 10 : 3);
   memcpy(inner->experienced, inner->touched, (size_t)inner->domain_count);
   if (problem.converged) {
-    memcpy(displacement, solution, size * sizeof(double));
-    for (size_t i = 0; left->guess && i < size; i++)
-      displacement[i] += left->guess[i];
-    BW_TRY(bwi_steady_fields(context, system->numbering, count, displacement));
+    BW_TRY(bwi_steady_fields(context, local->system->numbering, count, displacement));
   }
 done:
-  bw_free(solution);
   return status;
 }
 
@@ -125,6 +155,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   bool solved = false;
   bwi_rest left = {.tolerance = 0};
   BW_TRY(options_of(context, given, &options));
+  local->inner->wanted_bits = options.precision;
   if (options.check) { /* the force may be overwritten */
     load = BW_NEW(context, double, size);
     if (!load)
@@ -161,6 +192,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
       if (solved) {
         reuse->method = BW_LOCAL_ITERATE;
         reuse->factor_kept = 1;
+        reuse->precision = local->inner->factor->kernels->bits;
       }
     }
     start = bw_seconds();
@@ -168,9 +200,10 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   if (!solved) {
     BW_TRY(bwi_local_factor(context, local, options.method == BW_LOCAL_SCRATCH, reuse));
     start = bw_seconds();
-    BW_TRY(solve_directly(context, local, count, displacement));
+    double factor = reuse ? reuse->seconds_factor : 0;
+    BW_TRY(solve_directly(context, local, &options, &left, count, displacement, reuse));
     if (reuse)
-      reuse->seconds_solve += bw_seconds() - start;
+      reuse->seconds_solve += bw_seconds() - start - (reuse->seconds_factor - factor);
   }
   if (options.check)
     BW_TRY(bwi_local_check(context, local, count, load, displacement, reuse));
@@ -192,7 +225,17 @@ bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, 
   BW_TRY(bw_mass(context, system->graph, system->mesh, system->mass));
   for (int64_t k = 0; k < pairs; k++)
     system->mass[k] *= system->density;
-  system->factor = bw_retain(local->inner->factor);
+  const bwi_factor *own = local->inner->factor;
+  if (own->kernels->bits == 64)
+    system->factor = bw_retain(own);
+  else {
+    bwi_matrix matrix = {
+        .graph = system->graph, .stiffness = system->stiffness, .numbering = system->numbering};
+    int32_t bad = 0;
+    status = bwi_factor_create(context, own->symbolic, &matrix, &system->factor, &bad);
+    if (status == BW_SINGULAR)
+      status = bwi_say_singular(context, system->mesh, bad);
+  }
 done:
   return status;
 }

@@ -139,7 +139,9 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
   double *load = BW_NEW(context, double, size);
   double *work = BW_NEW(context, double, size);
   double *step = BW_NEW(context, double, size);
-  if (!load || !work || !step) {
+  double *product = BW_NEW(context, double, size); /* K step; K u is then in the reactions' place */
+  bool taken = false;
+  if (!load || !work || !step || !product) {
     status = BW_MEMORY;
     goto done;
   }
@@ -164,9 +166,9 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
       step[i] += u[i];
     if (numbering->motion_count > 0 && !numbering->prescribed)
       bw_motions_remove(numbering, step);
-    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, step, work));
+    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, step, product));
     for (int64_t i = 0; i < size; i++)
-      work[i] = load[i] - work[i];
+      work[i] = load[i] - product[i];
     bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
     double residual = norm(work, size) / scale;
     if (!isfinite(residual)) {
@@ -179,10 +181,13 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
                   residual * scale <= bwi_residual_noise(graph, stiffness, step);
     result->residual = residual;
     memcpy(u, step, (size_t)size * sizeof(double));
+    memcpy(result->reaction, product, (size_t)size * sizeof(double));
+    taken = true;
     if (enough)
       break;
   }
-  BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, result->reaction));
+  if (!taken)
+    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, result->reaction));
   for (int64_t i = 0; i < size; i++) {
     result->energy += 0.5 * u[i] * result->reaction[i];
     result->reaction[i] -= load[i];
@@ -192,6 +197,7 @@ done:
   bw_free(load);
   bw_free(work);
   bw_free(step);
+  bw_free(product);
   return status;
 }
 

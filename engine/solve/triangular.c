@@ -12,7 +12,7 @@
 #include "solve/internal.h"
 
 /* Columns solved together, numbers kept in the first-level cache, columns of one chunk of work. */
-enum { PANEL = 128, CACHED = 4096, COLUMNS = 32 };
+enum { PANEL = 128, CACHED = 32768 / sizeof(real), COLUMNS = 32 };
 
 /* Rows of one chunk of work in the top. */
 static int64_t rows_at_once(int width) {
@@ -20,7 +20,7 @@ static int64_t rows_at_once(int width) {
 }
 
 #ifdef __FP_FAST_FMA
-#define multiply_add(a, b, c) __builtin_fma(a, b, c)
+#define multiply_add(a, b, c) FUSED(a, b, c)
 #else
 #define multiply_add(a, b, c) ((a) * (b) + (c))
 #endif
@@ -33,45 +33,47 @@ static int64_t rows_at_once(int width) {
 /* One right-hand side is as fast as memory lets L through. Columns of a panel are short streams,
  * too short for the hardware to run ahead in, so the next four are asked for by hand while four are
  * at work; past the end of a panel that is the beginning of the next one. */
-enum { LINE = 8 }; /* numbers in a cache line */
-static inline void ask_for(const double *l, int64_t ld) {
+enum { LINE = 64 / sizeof(real) }; /* numbers in a cache line */
+static inline void ask_for(const real *l, int64_t ld) {
   for (int c = 0; c < 4; c++)
     __builtin_prefetch(l + (4 + c) * ld);
 }
 
 /* y -= L x for one right-hand side, four columns */
-static inline void forward_four(const double *l, int64_t ld, int64_t rows, const double *x,
-                                double *restrict y) {
-  const double *l0 = l, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
-  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+static inline void forward_four(const real *l, int64_t ld, int64_t rows, const real *x,
+                                real *restrict y) {
+  const real *l0 = l, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
+  const real x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
   int64_t r = 0;
   for (; r + LINE <= rows; r += LINE) {
     ask_for(l + r, ld);
     for (int k = 0; k < LINE; k++) {
-      double sum = multiply_add(-l0[r + k], x0, y[r + k]);
+      real sum = multiply_add(-l0[r + k], x0, y[r + k]);
       sum = multiply_add(-l1[r + k], x1, sum);
       sum = multiply_add(-l2[r + k], x2, sum);
       y[r + k] = multiply_add(-l3[r + k], x3, sum);
     }
   }
   for (; r < rows; r++) {
-    double sum = multiply_add(-l0[r], x0, y[r]);
+    real sum = multiply_add(-l0[r], x0, y[r]);
     sum = multiply_add(-l1[r], x1, sum);
     sum = multiply_add(-l2[r], x2, sum);
     y[r] = multiply_add(-l3[r], x3, sum);
   }
 }
 
-static inline double sum_of(const double *lane) {
-  return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+static inline real sum_of(real *lane) {
+  for (int half = LINE / 2; half > 0; half /= 2)
+    for (int k = 0; k < half; k++)
+      lane[k] += lane[k + half];
+  return lane[0];
 }
 
-/* x -= L^T y for one right-hand side, four columns. Eight sums side by side for each: one sum would
- * wait for itself at every step. */
-static inline void backward_four(const double *l, int64_t ld, int64_t rows, double *x,
-                                 const double *y) {
-  const double *l0 = l, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
-  double s0[LINE] = {0}, s1[LINE] = {0}, s2[LINE] = {0}, s3[LINE] = {0};
+/* x -= L^T y for one right-hand side, four columns. A line of sums side by side for each: one sum
+ * would wait for itself at every step. */
+static inline void backward_four(const real *l, int64_t ld, int64_t rows, real *x, const real *y) {
+  const real *l0 = l, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
+  real s0[LINE] = {0}, s1[LINE] = {0}, s2[LINE] = {0}, s3[LINE] = {0};
   int64_t r = 0;
   for (; r + LINE <= rows; r += LINE) {
     ask_for(l + r, ld);
@@ -95,8 +97,8 @@ static inline void backward_four(const double *l, int64_t ld, int64_t rows, doub
 }
 
 /* y -= L x */
-ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int64_t rows,
-                                  int64_t columns, const double *x, double *y) {
+ALWAYS_INLINE void forward_kernel(const int W, const real *l, int64_t ld, int64_t rows,
+                                  int64_t columns, const real *x, real *y) {
   const int64_t block = CACHED / W;
   for (int64_t begin = 0; begin < rows; begin += block) {
     int64_t end = rows - begin < block ? rows : begin + block;
@@ -106,11 +108,11 @@ ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int6
         forward_four(l + c * ld + begin, ld, end - begin, x + c, y + begin);
         continue;
       }
-      const double *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld, *xc = x + c * W;
-      double *restrict to = y;
+      const real *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld, *xc = x + c * W;
+      real *restrict to = y;
       for (int64_t r = begin; r < end; r++)
         for (int w = 0; w < W; w++) {
-          double sum = to[r * W + w];
+          real sum = to[r * W + w];
           sum = multiply_add(-l0[r], xc[w], sum);
           sum = multiply_add(-l1[r], xc[W + w], sum);
           sum = multiply_add(-l2[r], xc[2 * W + w], sum);
@@ -118,8 +120,8 @@ ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int6
         }
     }
     for (; c < columns; c++) {
-      const double *l0 = l + c * ld, *xc = x + c * W;
-      double *restrict to = y;
+      const real *l0 = l + c * ld, *xc = x + c * W;
+      real *restrict to = y;
       for (int64_t r = begin; r < end; r++)
         for (int w = 0; w < W; w++)
           to[r * W + w] = multiply_add(-l0[r], xc[w], to[r * W + w]);
@@ -128,8 +130,8 @@ ALWAYS_INLINE void forward_kernel(const int W, const double *l, int64_t ld, int6
 }
 
 /* x -= L^T y */
-ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int64_t rows,
-                                   int64_t columns, double *x, const double *y) {
+ALWAYS_INLINE void backward_kernel(const int W, const real *l, int64_t ld, int64_t rows,
+                                   int64_t columns, real *x, const real *y) {
   const int64_t block = CACHED / W;
   for (int64_t begin = 0; begin < rows; begin += block) {
     int64_t end = rows - begin < block ? rows : begin + block;
@@ -139,11 +141,11 @@ ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int
         backward_four(l + c * ld + begin, ld, end - begin, x + c, y + begin);
         continue;
       }
-      const double *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
-      double sum[4 * BWI_MAX_WIDTH] = {0};
+      const real *l0 = l + c * ld, *l1 = l0 + ld, *l2 = l1 + ld, *l3 = l2 + ld;
+      real sum[4 * BWI_MAX_WIDTH] = {0};
       for (int64_t r = begin; r < end; r++)
         for (int w = 0; w < W; w++) {
-          double yw = y[r * W + w];
+          real yw = y[r * W + w];
           sum[w] = multiply_add(l0[r], yw, sum[w]);
           sum[W + w] = multiply_add(l1[r], yw, sum[W + w]);
           sum[2 * W + w] = multiply_add(l2[r], yw, sum[2 * W + w]);
@@ -153,8 +155,8 @@ ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int
         x[c * W + w] -= sum[w];
     }
     for (; c < columns; c++) {
-      const double *l0 = l + c * ld;
-      double sum[BWI_MAX_WIDTH] = {0};
+      const real *l0 = l + c * ld;
+      real sum[BWI_MAX_WIDTH] = {0};
       for (int64_t r = begin; r < end; r++)
         for (int w = 0; w < W; w++)
           sum[w] = multiply_add(l0[r], y[r * W + w], sum[w]);
@@ -165,12 +167,12 @@ ALWAYS_INLINE void backward_kernel(const int W, const double *l, int64_t ld, int
 }
 
 /* The triangle of `columns` columns, four at a time. */
-ALWAYS_INLINE void forward_triangle(const int W, const double *l, int64_t ld, int64_t columns,
-                                    double *x) {
+ALWAYS_INLINE void forward_triangle(const int W, const real *l, int64_t ld, int64_t columns,
+                                    real *x) {
   for (int64_t c = 0; c < columns; c += 4) {
     int64_t end = columns - c < 4 ? columns : c + 4;
     for (int64_t j = c; j < end; j++) {
-      double diagonal = l[j * ld + j];
+      real diagonal = l[j * ld + j];
       for (int w = 0; w < W; w++)
         x[j * W + w] /= diagonal;
       for (int64_t i = j + 1; i < end; i++)
@@ -181,8 +183,8 @@ ALWAYS_INLINE void forward_triangle(const int W, const double *l, int64_t ld, in
   }
 }
 
-ALWAYS_INLINE void backward_triangle(const int W, const double *l, int64_t ld, int64_t columns,
-                                     double *x) {
+ALWAYS_INLINE void backward_triangle(const int W, const real *l, int64_t ld, int64_t columns,
+                                     real *x) {
   for (int64_t c = (columns - 1) / 4 * 4; c >= 0; c -= 4) {
     int64_t end = columns - c < 4 ? columns : c + 4;
     backward_kernel(W, l + c * ld + end, ld, columns - end, end - c, x + c * W, x + end * W);
@@ -190,7 +192,7 @@ ALWAYS_INLINE void backward_triangle(const int W, const double *l, int64_t ld, i
       for (int64_t i = j + 1; i < end; i++)
         for (int w = 0; w < W; w++)
           x[j * W + w] = multiply_add(-l[j * ld + i], x[i * W + w], x[j * W + w]);
-      double diagonal = l[j * ld + j];
+      real diagonal = l[j * ld + j];
       for (int w = 0; w < W; w++)
         x[j * W + w] /= diagonal;
     }
@@ -221,18 +223,18 @@ ALWAYS_INLINE void backward_triangle(const int W, const double *l, int64_t ld, i
   }                                                                                                \
   }
 
-static void forward(int width, const double *l, int64_t ld, int64_t rows, int64_t columns,
-                    const double *x, double *y) {
+static void forward(int width, const real *l, int64_t ld, int64_t rows, int64_t columns,
+                    const real *x, real *y) {
   FOR_WIDTH(width, forward_kernel(W, l, ld, rows, columns, x, y))
 }
-static void backward(int width, const double *l, int64_t ld, int64_t rows, int64_t columns,
-                     double *x, const double *y) {
+static void backward(int width, const real *l, int64_t ld, int64_t rows, int64_t columns, real *x,
+                     const real *y) {
   FOR_WIDTH(width, backward_kernel(W, l, ld, rows, columns, x, y))
 }
-static void lower_triangle(int width, const double *l, int64_t ld, int64_t columns, double *x) {
+static void lower_triangle(int width, const real *l, int64_t ld, int64_t columns, real *x) {
   FOR_WIDTH(width, forward_triangle(W, l, ld, columns, x))
 }
-static void upper_triangle(int width, const double *l, int64_t ld, int64_t columns, double *x) {
+static void upper_triangle(int width, const real *l, int64_t ld, int64_t columns, real *x) {
   FOR_WIDTH(width, backward_triangle(W, l, ld, columns, x))
 }
 
@@ -240,20 +242,20 @@ static void upper_triangle(int width, const double *l, int64_t ld, int64_t colum
 
 typedef struct scratch {
   int32_t *index; /* unknowns of a panel's rows below the pivots */
-  double *y;      /* those rows, width numbers each */
+  real *y;        /* those rows, width numbers each */
   int32_t *slot;  /* unknown -> row of the collector */
 } scratch;
 
 typedef struct solution {
   bw_context *context;
   const bwi_symbolic *symbolic;
-  const double *value;
+  const real *value;
   int width;
-  double *x;
-  double **collector; /* per task */
-  scratch *space;     /* per worker */
+  real *x;
+  real **collector; /* per task */
+  scratch *space;   /* per worker */
   /* the top panel at work */
-  const double *panel;
+  const real *panel;
   int64_t ld, begin, end, pivots;
   int32_t first;
 } solution;
@@ -280,19 +282,19 @@ static bw_status forward_tasks(void *data, int64_t begin, int64_t end, int worke
     int32_t outside = list_outer(symbolic, task->root, space->index);
     for (int32_t i = 0; i < outside; i++)
       space->slot[space->index[i]] = i;
-    double *collector = solve->collector[t];
-    memset(collector, 0, (size_t)outside * (size_t)width * sizeof(double));
+    real *collector = solve->collector[t];
+    memset(collector, 0, (size_t)outside * (size_t)width * sizeof(real));
     for (int32_t s = task->first; s <= task->root; s++) {
-      const double *panel = solve->value + symbolic->panel[s];
+      const real *panel = solve->value + symbolic->panel[s];
       int32_t pivots = bwi_pivots(symbolic, s), rows = symbolic->rows[s];
-      double *x = solve->x + (int64_t)symbolic->first[order->super[s]] * width;
+      real *x = solve->x + (int64_t)symbolic->first[order->super[s]] * width;
       lower_triangle(width, panel, rows, pivots, x);
       int32_t outer = list_outer(symbolic, s, space->index);
-      memset(space->y, 0, (size_t)outer * (size_t)width * sizeof(double));
+      memset(space->y, 0, (size_t)outer * (size_t)width * sizeof(real));
       forward(width, panel + pivots, rows, outer, pivots, x, space->y);
       for (int32_t i = 0; i < outer; i++) {
         int32_t u = space->index[i];
-        double *to =
+        real *to =
             u < limit ? solve->x + (int64_t)u * width : collector + (int64_t)space->slot[u] * width;
         for (int w = 0; w < width; w++)
           to[w] += space->y[(int64_t)i * width + w];
@@ -311,13 +313,13 @@ static bw_status backward_tasks(void *data, int64_t begin, int64_t end, int work
   for (int64_t t = begin; t < end; t++) {
     const bwi_task *task = &symbolic->plan.task[t];
     for (int32_t s = task->root; s >= task->first; s--) {
-      const double *panel = solve->value + symbolic->panel[s];
+      const real *panel = solve->value + symbolic->panel[s];
       int32_t pivots = bwi_pivots(symbolic, s), rows = symbolic->rows[s];
-      double *x = solve->x + (int64_t)symbolic->first[order->super[s]] * width;
+      real *x = solve->x + (int64_t)symbolic->first[order->super[s]] * width;
       int32_t outer = list_outer(symbolic, s, space->index);
       for (int32_t i = 0; i < outer; i++)
         memcpy(space->y + (int64_t)i * width, solve->x + (int64_t)space->index[i] * width,
-               (size_t)width * sizeof(double));
+               (size_t)width * sizeof(real));
       backward(width, panel + pivots, rows, outer, pivots, x, space->y);
       upper_triangle(width, panel, rows, pivots, x);
     }
@@ -329,7 +331,7 @@ static bw_status backward_tasks(void *data, int64_t begin, int64_t end, int work
 static bw_status top_inner_rows(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   solution *solve = data;
-  double *x = solve->x + (int64_t)solve->first * solve->width;
+  real *x = solve->x + (int64_t)solve->first * solve->width;
   int64_t row = solve->end + begin;
   forward(solve->width, solve->panel + solve->begin * solve->ld + row, solve->ld, end - begin,
           solve->end - solve->begin, x + solve->begin * solve->width, x + row * solve->width);
@@ -341,9 +343,9 @@ static bw_status top_outer_rows(void *data, int64_t begin, int64_t end, int work
   (void)worker;
   solution *solve = data;
   int width = solve->width;
-  double *y = solve->space[0].y + begin * width;
+  real *y = solve->space[0].y + begin * width;
   const int32_t *index = solve->space[0].index;
-  memset(y, 0, (size_t)(end - begin) * (size_t)width * sizeof(double));
+  memset(y, 0, (size_t)(end - begin) * (size_t)width * sizeof(real));
   forward(width, solve->panel + solve->pivots + begin, solve->ld, end - begin, solve->pivots,
           solve->x + (int64_t)solve->first * width, y);
   for (int64_t i = begin; i < end; i++)
@@ -355,7 +357,7 @@ static bw_status top_outer_rows(void *data, int64_t begin, int64_t end, int work
 static bw_status top_outer_columns(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   solution *solve = data;
-  double *x = solve->x + ((int64_t)solve->first + begin) * solve->width;
+  real *x = solve->x + ((int64_t)solve->first + begin) * solve->width;
   backward(solve->width, solve->panel + begin * solve->ld + solve->pivots, solve->ld,
            solve->ld - solve->pivots, end - begin, x, solve->space[0].y);
   return BW_OK;
@@ -364,7 +366,7 @@ static bw_status top_outer_columns(void *data, int64_t begin, int64_t end, int w
 static bw_status top_inner_columns(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   solution *solve = data;
-  double *x = solve->x + (int64_t)solve->first * solve->width;
+  real *x = solve->x + (int64_t)solve->first * solve->width;
   int64_t column = solve->begin + begin;
   backward(solve->width, solve->panel + column * solve->ld + solve->end, solve->ld,
            solve->pivots - solve->end, end - begin, x + column * solve->width,
@@ -403,7 +405,7 @@ static bw_status backward_top(solution *solve, int32_t s) {
   const scratch *space = &solve->space[0];
   for (int32_t i = 0; i < outer; i++)
     memcpy(space->y + (int64_t)i * solve->width, solve->x + (int64_t)space->index[i] * solve->width,
-           (size_t)solve->width * sizeof(double));
+           (size_t)solve->width * sizeof(real));
   if (outer > 0)
     BW_TRY(bw_parallel(solve->context, solve->pivots, COLUMNS, top_outer_columns, solve));
   for (solve->begin = (solve->pivots - 1) / PANEL * PANEL; solve->begin >= 0;
@@ -429,26 +431,28 @@ static void collect(solution *solve) {
     if (t < 0)
       continue;
     int32_t outer = list_outer(symbolic, s, solve->space[0].index);
-    const double *from = solve->collector[t];
+    const real *from = solve->collector[t];
     for (int32_t i = 0; i < outer; i++) {
-      double *to = solve->x + (int64_t)solve->space[0].index[i] * width;
+      real *to = solve->x + (int64_t)solve->space[0].index[i] * width;
       for (int w = 0; w < width; w++)
         to[w] += *from++;
     }
   }
 }
 
-bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, double *x) {
+bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, real *x) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   int workers = bw_threads(context);
   solution solve = {
       .context = context, .symbolic = symbolic, .value = factor->value, .width = width, .x = x};
+  if (factor->kernels->size != sizeof *x)
+    return bw_fail(context, BW_INTERNAL, "a solve in numbers of other size than the factor's");
   if (bwi_factor_broken(factor))
     return bw_fail(context, BW_INTERNAL, "a solve with a factor whose last update failed");
   if (width != 1 && width != 2 && width != 4 && width != 8 && width != 16)
     return bw_fail(context, BW_INTERNAL, "a solve of %d right-hand sides at once", width);
-  solve.collector = BW_NEW0(context, double *, symbolic->plan.task_count);
+  solve.collector = BW_NEW0(context, real *, symbolic->plan.task_count);
   solve.space = BW_NEW0(context, scratch, workers);
   if (!solve.collector || !solve.space) {
     status = BW_MEMORY;
@@ -457,7 +461,7 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
   for (int32_t t = 0; t < symbolic->plan.task_count; t++) {
     int32_t root = symbolic->plan.task[t].root;
     int64_t outer = symbolic->rows[root] - bwi_pivots(symbolic, root);
-    solve.collector[t] = BW_NEW(context, double, outer *width);
+    solve.collector[t] = BW_NEW(context, real, outer * width);
     if (!solve.collector[t]) {
       status = BW_MEMORY;
       goto done;
@@ -466,7 +470,7 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
   for (int w = 0; w < workers; w++) {
     scratch *space = &solve.space[w];
     space->index = BW_NEW(context, int32_t, symbolic->max_rows);
-    space->y = BW_NEW(context, double, symbolic->max_rows *width);
+    space->y = BW_NEW(context, real, symbolic->max_rows * width);
     space->slot = BW_NEW(context, int32_t, symbolic->unknowns);
     if (!space->index || !space->y || !space->slot) {
       status = BW_MEMORY;

@@ -63,6 +63,7 @@ function core.tables.reuse:__tostring()
   local text = ("pattern %s, ordering %s, %d of %d pieces, %s"):format(yes(self.pattern),
     yes(self.ordering), self.pieces - self.pieces_touched, self.pieces,
     (methods[self.method] or methods.refactor)(self))
+  if self.precision == 32 then text = text .. " in single precision" end
   if self.mesh and self.mesh ~= "posed" then text = text .. "; mesh " .. self.mesh end
   return text
 end

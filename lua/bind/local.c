@@ -29,6 +29,8 @@ const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch
   INTEGER(domains_touched, pieces_touched)                                                         \
   NUMBER(factor_kept, factor_kept)                                                                 \
   INTEGER(iterations, iterations)                                                                  \
+  INTEGER(precision, precision)                                                                    \
+  INTEGER(refinements, refinements)                                                                \
   NUMBER(predicted_refactor, predicted_refactor)                                                   \
   NUMBER(predicted_iterate, predicted_iterate)                                                     \
   NUMBER(seconds_unknowns, seconds_unknowns)                                                       \
@@ -58,7 +60,7 @@ static void load_reuse(lua_State *L, int index, bw_reuse *reuse) {
   (lua_getfield(L, index, #key), reuse->field = (int32_t)lua_tointeger(L, -1));
 #define NUMBER(field, key) (lua_getfield(L, index, #key), reuse->field = lua_tonumber(L, -1));
   int top = lua_gettop(L);
-  luaL_checkstack(L, 26, "too many values");
+  luaL_checkstack(L, 28, "too many values");
   KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
@@ -73,7 +75,7 @@ static void begin_reuse(lua_State *L, int index, bw_reuse *reuse) {
     load_reuse(L, index, reuse);
     lua_pushvalue(L, index);
   } else {
-    lua_createtable(L, 0, 18);
+    lua_createtable(L, 0, 20);
     luaL_setmetatable(L, "barwright.reuse");
   }
 }
@@ -162,6 +164,7 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
       {"guess", LBW_OTHER, 0},
       {"further", LBW_INT, offsetof(struct wish, local.further)},
       {"hope", LBW_REAL, offsetof(struct wish, local.hope)},
+      {"precision", LBW_INT, offsetof(struct wish, local.precision)},
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
       {"balance_tolerance", LBW_REAL, offsetof(struct wish, statics.tolerance)},
       {NULL, LBW_OTHER, 0}};

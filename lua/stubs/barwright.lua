@@ -1027,7 +1027,7 @@ function Model:close() end
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session
----@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, predicted_refactor, predicted_iterate, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
+---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
 ---Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.
@@ -1915,7 +1915,7 @@ function Session:commit(change) end
 
 ---The static solution of the part as it is now; `reused` of it tells what the edit left standing.
 ---`part`: another load case, a model of the mesh as it was given (other supports need another factor).
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, check: boolean, inertia_relief: boolean, balance_tolerance: number, part: bw.Model}
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, precision: 32|64, check: boolean, inertia_relief: boolean, balance_tolerance: number, part: bw.Model}
 ---@return bw.Static?
 ---@return string? message
 ---@return table? details

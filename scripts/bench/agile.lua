@@ -47,7 +47,8 @@ local function timed(session, edit)
   local reused = result.reused
   return {seconds = bw.seconds() - start, stiffness = reused.seconds_stiffness,
     factor = reused.seconds_factor, solve = reused.seconds_solve, kept = reused.factor_kept,
-    method = reused.method, iterations = reused.iterations, max = most,
+    method = reused.method, iterations = reused.iterations, precision = reused.precision,
+    refinements = reused.refinements, max = most,
     relaxed = reused.mesh ~= "posed"}
 end
 

@@ -85,7 +85,11 @@ typedef struct bw_reuse {
   int32_t domains_touched; /* changed: evaluated by polynomials or gathered */
   bw_local_method method;  /* REFACTOR (also where nothing had to be done), ITERATE or SCRATCH */
   double factor_kept;      /* fraction of the factor's work that was not done again */
-  int iterations;          /* of conjugate gradients, in all solves since the update */
+  int iterations;          /* of conjugate gradients with a factor of a former shape, in all solves
+                              since the update */
+  int precision;           /* bits of the factor's numbers: 64, or 32 */
+  int refinements;         /* iterations that made solutions with a factor of 32 bits as exact as
+                              asked for, in all solves since the update */
   double predicted_refactor, predicted_iterate; /* s, of the model's machine */
   double seconds_unknowns; /* following the supports and the frames of the unknowns */
   double seconds_stiffness, seconds_factor, seconds_solve;
@@ -96,10 +100,16 @@ typedef struct bw_reuse {
 typedef struct bw_local_options {
   bw_local_method method;
   double tolerance; /* of conjugate gradients, relative residual; default 1e-10 */
+  int precision;    /* of the factor: 32 or 64 bits; default 0: by predicted cost. Solutions are in
+                       double precision in any case: with a factor in single precision, which takes
+                       half the time and half the memory, by conjugate gradients on the matrix in
+                       double precision. Where it breaks down or iterations are many, the factor is
+                       made in double precision, and stays so */
   bool check;       /* compare stiffness and solution with those from scratch: BW_INTERNAL when they
                        differ (1e-12, 1e-8) */
   /* Fields near the solutions (of shapes near this one; node_count x 3 each, borrowed): iterating
-     begins at the combination of them that is nearest in energy. A direct solution ignores them. */
+     begins at the combination of them that is nearest in energy. A direct solution in double
+     precision ignores them. */
   int guess_count;
   const double *const *guess;
   /* For the choice by cost: right-hand sides still to come for the same shape; and iterations needed
@@ -112,7 +122,8 @@ void bw_local_options_default(bw_local_options *options);
 /* The equations of a body cut into domains, kept up to date through edits of its shape. Mutable:
  * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
  * numbering and stiffness are of the shape last synchronised; factor and mass are so only
- * after bw_local_system_refactor (NULL, or of no use, otherwise); none outlives the next update. */
+ * after bw_local_system_refactor (NULL, or of no use, otherwise), the factor in double precision;
+ * none outlives the next update. */
 typedef struct bw_local_system {
   bw_object object;
   bw_system *system;
@@ -141,7 +152,8 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
 bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
                                 const bw_local_options *options, int64_t count, const double *force,
                                 double *displacement, bw_reuse *reuse);
-/* Bring the factor up to date. */
+/* Bring the factor up to date, and the view's: where the system keeps its own in single precision,
+ * that is another one, made from scratch. */
 bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, bw_reuse *reuse);
 /* The static solution of a model that was last synchronised, as bw_statics; result->system is NULL.
  */

@@ -128,9 +128,10 @@ static void edit(bw_context *context, problem *p, const uint8_t *touched, bw_ran
 
 static void same_as_from_scratch(bw_context *context, const problem *p, const bwi_factor *factor) {
   bwi_factor *fresh = NULL;
-  check_ok(context, bwi_factor_create(context, p->symbolic, &p->matrix, &fresh, NULL));
-  size_t size = (size_t)p->symbolic->panel[p->order->super_count];
-  assert_memory_equal(fresh->value, factor->value, size * sizeof(double));
+  check_ok(context, bwi_factor_create_in(context, p->symbolic, &p->matrix, p->reach,
+                                         factor->kernels, &fresh, NULL));
+  assert_true(fresh->unit == factor->unit);
+  assert_memory_equal(fresh->value, factor->value, bwi_factor_bytes(factor));
   bw_release(fresh);
 }
 
@@ -140,15 +141,16 @@ static void random_edits(void **state) {
       {12, 2, 2, 2, 2}, {7, 6, 5, 1, 2}, {1, 1, 1, 2, 1}, {24, 3, 3, 1, 6}, {14, 10, 10, 1, 5}};
   order_function *orders[2] = {plain_order, domain_order};
   for (int s = 0; s < 5; s++)
-    for (int o = 0; o < 2; o++) {
+    for (int o = 0; o < 4; o++) {
+      const bwi_kernels *kernels = o < 2 ? &bwi_kernels_double : &bwi_kernels_single;
       problem p;
       bw_random random;
       bw_random_seed(&random, (uint64_t)(10 * s + o));
-      open_problem(context, shape[s], shape[s][3], shape[s][4], orders[o], (uint64_t)s, &p);
+      open_problem(context, shape[s], shape[s][3], shape[s][4], orders[o % 2], (uint64_t)s, &p);
       uint8_t *touched = calloc((size_t)p.domain_count, 1);
       bwi_factor *factor = NULL;
-      check_ok(context,
-               bwi_factor_create_kept(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
+      check_ok(context, bwi_factor_create_in(context, p.symbolic, &p.matrix, p.reach, kernels,
+                                             &factor, NULL));
       same_as_from_scratch(context, &p, factor);
       int rounds = s == 4 ? 4 : 12;
       for (int round = 0; round < rounds; round++) {
@@ -170,6 +172,52 @@ static void random_edits(void **state) {
       free(touched);
       close_problem(&p);
     }
+}
+
+/* In single precision to its digits, whatever the units: those of the matrix, huge or tiny, change
+ * no bit, and those of the force neither. */
+static void units(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {9, 3, 3};
+  problem p;
+  open_problem(context, cells, 2, 3, domain_order, 5, &p);
+  enum { SIDES = 3 };
+  int64_t size = 3 * (int64_t)p.mesh->node_count, entries = 9 * p.graph->pair_count;
+  double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
+  const int exponent[4] = {0, -640, 640, 96};
+  random_field(2, SIDES * size, force);
+  bwi_factor *factor = NULL;
+  check_ok(context, bwi_factor_create(context, p.symbolic, &p.matrix, &factor, NULL));
+  check_ok(context, bwi_solve_fields(context, factor, NULL, SIDES, force, v));
+  bw_release(factor);
+  double *exact = numbers(SIDES * size);
+  memcpy(exact, v, (size_t)(SIDES * size) * sizeof *v);
+  for (int k = 0; k < 4; k++) {
+    for (int64_t i = 0; i < entries; i++)
+      p.stiffness[i] = ldexp(p.stiffness[i], exponent[k] - (k > 0 ? exponent[k - 1] : 0));
+    for (int64_t i = 0; i < SIDES * size; i++)
+      u[i] = ldexp(force[i], k == 3 ? -700 : 0);
+    check_ok(context, bwi_factor_create_in(context, p.symbolic, &p.matrix, p.reach,
+                                           &bwi_kernels_single, &factor, NULL));
+    check_ok(context, bwi_solve_fields(context, factor, NULL, SIDES, u, u));
+    for (int64_t i = 0; i < SIDES * size; i++)
+      u[i] = ldexp(u[i], exponent[k] + (k == 3 ? 700 : 0));
+    if (k > 0)
+      assert_memory_equal(u, v, (size_t)(SIDES * size) * sizeof *u);
+    memcpy(v, u, (size_t)(SIDES * size) * sizeof *u);
+    bw_release(factor);
+  }
+  double most = 0, off = 0;
+  for (int64_t i = 0; i < SIDES * size; i++) {
+    most = fmax(most, fabs(exact[i]));
+    off = fmax(off, fabs(exact[i] - v[i]));
+  }
+  assert_true(off > 0 && off < 1e-3 * most);
+  free(force);
+  free(u);
+  free(v);
+  free(exact);
+  close_problem(&p);
 }
 
 /* A set is that of the elements around the nodes of the supernode and of all below it, found here
@@ -341,7 +389,8 @@ static bw_status whole(bw_context *context, const problem *p, const uint8_t *tou
   BW_TRY(domain_order(context, p, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, p->unknown, &symbolic));
   BW_TRY(bwi_reach_create(context, symbolic, p->mesh, p->domain_count, p->element_domain, &reach));
-  BW_TRY(bwi_factor_create_kept(context, symbolic, &p->matrix, reach, &factor, NULL));
+  BW_TRY(bwi_factor_create_in(context, symbolic, &p->matrix, reach, &bwi_kernels_single, &factor,
+                              NULL));
   BW_TRY(bwi_factor_update(context, factor, &p->matrix, touched, NULL, NULL));
 done:
   bw_release(factor);
@@ -376,8 +425,8 @@ static void memory_failures(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(random_edits), check_test(sets),
-                                     check_test(broken),       check_test(orders),
-                                     check_test(neck),         check_test(memory_failures)};
+  const struct CMUnitTest tests[] = {
+      check_test(random_edits), check_test(units), check_test(sets),           check_test(broken),
+      check_test(orders),       check_test(neck),  check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -275,12 +275,13 @@ static double difference(const double *a, const double *b, int64_t count) {
 
 static const bw_statics_options relief = {.inertia_relief = true};
 
-static void compare(bw_context *context, bw_local_system *local, const bw_model *model,
-                    bw_local_method method, bw_reuse *reuse) {
+static void compare_in(bw_context *context, bw_local_system *local, const bw_model *model,
+                       bw_local_method method, int precision, bw_reuse *reuse) {
   bw_static *fresh = NULL, *mine = NULL;
   bw_local_options options;
   bw_local_options_default(&options);
   options.method = method;
+  options.precision = precision;
   int64_t size = 3 * (int64_t)model->mesh->node_count;
   check_ok(context, bw_local_statics(context, local, model, &relief, &options, &mine, reuse));
   check_ok(context, bw_statics(context, model, NULL, &relief, &fresh));
@@ -294,8 +295,13 @@ static void compare(bw_context *context, bw_local_system *local, const bw_model 
   bw_release(fresh);
 }
 
+static void compare(bw_context *context, bw_local_system *local, const bw_model *model,
+                    bw_local_method method, bw_reuse *reuse) {
+  compare_in(context, local, model, method, 0, reuse);
+}
+
 static void edit_sequences(bw_context *context, int scene, int order, bw_local_method method,
-                           int sequences, uint64_t seed) {
+                           int precision, int sequences, uint64_t seed) {
   bar b;
   bw_random random;
   bw_random_seed(&random, seed);
@@ -319,7 +325,7 @@ static void edit_sequences(bw_context *context, int scene, int order, bw_local_m
       bw_reuse reuse = {0};
       check_ok(context, bw_local_system_update(context, local, model, b.motion, &reuse));
       if (edit % 2 || bw_random_uniform(&random) < 0.5) /* or several edits before a solve */
-        compare(context, local, model, method, &reuse);
+        compare_in(context, local, model, method, precision, &reuse);
       bw_release(model);
     }
     bw_release(local);
@@ -332,8 +338,9 @@ static void random_sequences(void **state) {
   int many = getenv("BARWRIGHT_FULL") ? 400 : 40; /* 520 in all */
   for (int scene = 0; scene < SCENES; scene++)
     for (int method = BW_LOCAL_AUTO; method <= BW_LOCAL_ITERATE; method++)
-      edit_sequences(context, scene, scene == 1 ? 2 : 1, (bw_local_method)method,
-                     scene == 1 ? many / 2 : many, (uint64_t)(10 * scene + method + 1));
+      for (int precision = 64; precision >= 32; precision -= 32)
+        edit_sequences(context, scene, scene == 1 ? 2 : 1, (bw_local_method)method, precision,
+                       (scene == 1 ? many / 2 : many) / 2, (uint64_t)(10 * scene + method + 1));
 }
 
 /* ---- what was reused ----------------------------------------------------------------------- */
@@ -564,7 +571,8 @@ static void too_hopeful(void **state) {
 static void many_sides(void **state) {
   bw_context *context = check_context(state);
   enum { SIDES = 11 };
-  for (int scene = 0; scene < 4; scene += 3) {
+  for (int run = 0; run < 4; run++) {
+    int scene = run % 2 * 3;
     bar b;
     bar_make(context, 2, 1, &b);
     load_bar(context, &b, scene);
@@ -577,18 +585,22 @@ static void many_sides(void **state) {
     turn_domain(&b, 1, 0.05);
     bw_model *model = posed(context, &b);
     bw_system *fresh = NULL;
+    bw_local_options options;
+    bw_local_options_default(&options);
+    options.precision = run < 2 ? 64 : 32;
+    check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, NULL));
     check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
     check_ok(context, bw_system_create(context, model->mesh, b.material, local->system->numbering,
                                        NULL, &fresh));
     check_ok(context, bw_system_solve(context, fresh, SIDES, force, v));
-    bw_local_options options;
-    bw_local_options_default(&options);
     for (int method = BW_LOCAL_ITERATE; method >= BW_LOCAL_REFACTOR; method--) {
       bw_reuse reuse = {0};
       options.method = (bw_local_method)method;
       options.check = true;
       check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, &reuse));
       assert_int_equal(reuse.method, method);
+      assert_int_equal(reuse.refinements > 0,
+                       options.precision == 32 && method == BW_LOCAL_REFACTOR);
       for (int k = 0; k < SIDES; k++)
         check_near(difference(u + k * size, v + k * size, size), 0, 1e-8);
       for (int64_t i = 0; i < size; i++)
@@ -690,7 +702,13 @@ static void view_serves_modes(void **state) {
               bw_modes_elastic(context, local->system, &options, &mine));
   check_fails(context, BW_INVALID, "not up to date",
               bw_system_solve(context, local->system, 1, b.node, b.node));
+  bw_local_options single;
+  bw_local_options_default(&single);
+  single.precision = 32;
+  check_ok(context, bw_local_system_solve(context, local, &single, 1, b.node, b.node, NULL));
   check_ok(context, bw_local_system_refactor(context, local, NULL));
+  assert_int_equal(local->inner->factor->kernels->bits, 32);
+  assert_int_equal(local->system->factor->kernels->bits, 64);
   check_ok(context, bw_modes_elastic(context, local->system, &options, &mine));
   bw_static *fresh = NULL;
   check_ok(context, bw_statics(context, model, NULL, NULL, &fresh));
@@ -916,8 +934,9 @@ static void no_memory(void **state) {
   random_field(3, 3 * (int64_t)b.mesh->node_count, field);
   options.guess = guess;
   options.guess_count = 1;
-  for (int method = BW_LOCAL_ITERATE; method >= BW_LOCAL_REFACTOR; method--) {
-    options.method = (bw_local_method)method;
+  for (int run = 0; run < 3; run++) {
+    options.method = run == 0 ? BW_LOCAL_ITERATE : BW_LOCAL_REFACTOR;
+    options.precision = run < 2 ? 0 : 32;
     bool updated = false;
     for (int64_t n = 1;; n++) {
       bw_static *result = NULL;
@@ -953,23 +972,131 @@ static void threads_agree(void **state) {
   b.now.scale[1][1] = 1.02;
   turn_domain(&b, 2, 0.1);
   bw_model *model = posed(context, &b);
-  bw_static *result[4] = {NULL};
-  for (int k = 0; k < 4; k++) {
+  enum { RUNS = 8 };
+  bw_static *result[RUNS] = {NULL};
+  for (int k = 0; k < RUNS; k++) {
     check_ok(context, bw_set_threads(context, 1 + k % 2));
     bw_local_system *local = local_of(context, &b);
     bw_local_options options;
     bw_local_options_default(&options);
-    options.method = k < 2 ? BW_LOCAL_REFACTOR : BW_LOCAL_ITERATE;
+    options.method = k % 4 < 2 ? BW_LOCAL_REFACTOR : BW_LOCAL_ITERATE;
+    options.precision = k < 4 ? 64 : 32;
     check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
     check_ok(context, bw_local_statics(context, local, model, NULL, &options, &result[k], NULL));
     bw_release(local);
   }
   size_t bytes = 3 * (size_t)b.mesh->node_count * sizeof(double);
-  for (int k = 0; k < 4; k += 2)
+  for (int k = 0; k < RUNS; k += 2)
     assert_memory_equal(result[k]->displacement, result[k + 1]->displacement, bytes);
-  for (int k = 0; k < 4; k++)
+  for (int k = 0; k < RUNS; k++)
     bw_release(result[k]);
   bw_release(model);
+  bar_clear(&b);
+}
+
+/* ---- single precision ---------------------------------------------------------------------- */
+
+/* What it takes and what it says; from one precision to the other. */
+static void precisions(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 3, 2, &b);
+  load_bar(context, &b, 0);
+  bw_local_system *local = local_of(context, &b);
+  size_t factor[2], updates[2];
+  for (int k = 0; k < 2; k++) {
+    bw_reuse r = {0};
+    b.now.scale[1][1] = 1.1 + 0.1 * k;
+    bw_model *model = posed(context, &b);
+    check_ok(context, bw_local_system_update(context, local, model, b.motion, &r));
+    compare_in(context, local, model, BW_LOCAL_REFACTOR, 32 + 32 * k, &r);
+    assert_int_equal(r.precision, 32 + 32 * k);
+    assert_int_equal(r.method, BW_LOCAL_SCRATCH); /* there was one in the other precision */
+    assert_int_equal(r.iterations, 0);
+    assert_int_equal(r.refinements > 0, k == 0);
+    assert_true(r.refinements < 10);
+    bw_local_system_memory(local, &factor[k], &updates[k]);
+    bw_release(model);
+    model = NULL;
+  }
+  assert_int_equal(factor[1], 2 * factor[0]);
+  assert_int_equal(updates[1], 2 * updates[0]);
+  bw_local_options options = {.tolerance = 1e-10, .precision = 16};
+  check_fails(context, BW_INVALID, "32 or 64 bits",
+              bw_local_system_solve(context, local, &options, 1, b.node, b.node, NULL));
+  bw_release(local);
+  bar_clear(&b);
+}
+
+/* A waist of a third still does; one of a tenth, where elements are ten times as long as thick both
+ * ways, is too much for seven digits: the factor in single precision breaks down, the one in double
+ * precision serves, from then on, and that is said. */
+static void too_thin_for_single(void **state) {
+  bw_context *context = check_context(state);
+  for (int k = 0; k < 2; k++) {
+    const double waist[2] = {0.3, 0.1};
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, 0);
+    bw_local_system *local = local_of(context, &b);
+    bw_static *result = NULL, *fresh = NULL;
+    bw_local_options options;
+    bw_local_options_default(&options);
+    options.precision = 32;
+    options.method = BW_LOCAL_REFACTOR;
+    bw_reuse reuse = {0};
+    check_ok(context, bw_local_statics(context, local, b.model, NULL, &options, &result, &reuse));
+    assert_int_equal(reuse.precision, 32);
+    bw_release(result);
+    b.now.scale[1][1] = b.now.scale[1][2] = waist[k];
+    follow(&b);
+    bw_mesh *mesh = NULL;
+    bw_model *model = NULL;
+    check_ok(context, bw_mesh_moved(context, b.mesh, b.node, &mesh));
+    check_ok(context, bw_model_moved(context, b.model, mesh, &model));
+    bw_clear_remarks(context);
+    check_ok(context, bw_local_system_update(context, local, model, b.motion, &reuse));
+    check_ok(context, bw_local_statics(context, local, model, NULL, &options, &result, &reuse));
+    check_ok(context, bw_statics(context, model, NULL, NULL, &fresh));
+    int64_t size = 3 * (int64_t)mesh->node_count;
+    check_near(difference(result->displacement, fresh->displacement, size), 0, 1e-8);
+    bw_release(result);
+    assert_int_equal(reuse.precision, k == 0 ? 32 : 64);
+    if (k == 1) {
+      assert_int_equal(reuse.method, BW_LOCAL_SCRATCH);
+      assert_non_null(strstr(bw_remark_at(context, 0), "double precision from here on"));
+      b.now.scale[1][1] = b.now.scale[1][2] = 1;
+      bw_model *back = posed(context, &b);
+      check_ok(context, bw_local_system_update(context, local, back, b.motion, &reuse));
+      compare_in(context, local, back, BW_LOCAL_AUTO, 32, &reuse);
+      assert_int_equal(reuse.precision, 64);
+      bw_release(back);
+    }
+    bw_release(fresh);
+    bw_release(model);
+    bw_release(mesh);
+    bw_release(local);
+    bar_clear(&b);
+  }
+}
+
+/* By cost: where iterations are cheap single precision, where they are dear double, and no more of
+ * single once it failed. */
+static void choice_of_precision(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 3, 2, &b);
+  load_bar(context, &b, 0);
+  bw_local_system *local = local_of(context, &b);
+  bwi_local *inner = local->inner;
+  for (int k = 0; k < 4; k++) {
+    int bits = k == 3 ? 64 : 0;
+    inner->refinements = k == 1 ? 200 : 0.01;
+    inner->lost = k == 2;
+    check_ok(context, bwi_local_choose_bits(context, local, inner->reach, &bits));
+    assert_int_equal(bits, k == 0 ? 32 : 64);
+  }
+  bw_release(local);
   bar_clear(&b);
 }
 
@@ -988,6 +1115,9 @@ int main(void) {
                                      check_test(no_convergence),
                                      check_test(supports_become_others),
                                      check_test(no_memory),
-                                     check_test(threads_agree)};
+                                     check_test(threads_agree),
+                                     check_test(precisions),
+                                     check_test(too_thin_for_single),
+                                     check_test(choice_of_precision)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

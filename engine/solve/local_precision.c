@@ -1,0 +1,76 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The precision in which the factor of a system that follows edits is kept.
+ *
+ * In single precision factoring takes half the time, and the factor and the update matrices half
+ * the memory; but a solution needs a few applications of the factor instead of one (conjugate
+ * gradients in double precision on the matrix in double precision). So it pays where edits do much
+ * of the factor again, and not where nearly all of it stays. What counts is the sum over the edits
+ * to be expected, in operations and bytes; once double precision was chosen it stays. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/local.h"
+
+/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 11. */
+#define REFINEMENTS 5.0
+/* Single precision is taken where it costs less than this of double precision: by so much that
+ * shapes that are solved for several times (loads, adjoints) do not lose by it. It is left where it
+ * costs more than that: what is in doubt is not worth a whole factor in the other. */
+#define WORTH_TAKING 0.7
+#define WORTH_LEAVING 1.25
+
+/* In single precision, to 1e-10. */
+static double refinements_of(const bwi_local *inner) {
+  return inner->refinements > 0 ? inner->refinements : REFINEMENTS;
+}
+
+double bwi_local_refinements(const bw_local_system *local, double tolerance) {
+  const bwi_local *inner = local->inner;
+  return inner->factor->kernels->bits == 64 ? 0
+                                            : refinements_of(inner) * log(tolerance) / log(1e-10);
+}
+
+/* Update and solution after edits that do `flops` of work again, `edits` in all. */
+static double cost_of(const bw_local_system *local, const bwi_symbolic *symbolic, int bits,
+                      double flops, int32_t edits) {
+  const bwi_local *inner = local->inner;
+  double entries = (double)symbolic->panel[symbolic->order->super_count];
+  double pass = 2 * entries * bits / 8, product = 72.0 * (double)local->system->graph->pair_count;
+  double again = symbolic->flops > 0 ? flops / symbolic->flops : 0;
+  double refinements = refinements_of(inner);
+  double bytes = again * pass + edits * pass;
+  if (bits == 32)
+    bytes += edits * (refinements * product + (refinements - 1) * pass);
+  return flops / bwi_local_flops_per_second(bits) + bytes / BWI_LOCAL_BYTES_PER_SECOND;
+}
+
+bw_status bwi_local_choose_bits(bw_context *context, const bw_local_system *local,
+                                const bwi_reach *reach, int *bits) {
+  const bwi_local *inner = local->inner;
+  const bw_edits *edits = &inner->edits;
+  int32_t count = edits->count > 0 ? edits->count : inner->domain_count;
+  double flops = 0;
+  if (inner->wanted_bits || inner->lost || *bits == 64) {
+    *bits = inner->lost || inner->wanted_bits == 0 ? 64 : inner->wanted_bits;
+    return BW_OK;
+  }
+  uint8_t *touched = BW_NEW(context, uint8_t, inner->domain_count);
+  if (!touched)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < count; e++) {
+    memset(touched, 0, (size_t)inner->domain_count);
+    for (int32_t d = 0; d < inner->domain_count; d++) {
+      if (edits->count == 0)
+        touched[d] = d == e;
+      for (int32_t k = edits->count ? edits->start[d] : 0;
+           k < (edits->count ? edits->start[d + 1] : 0); k++)
+        touched[d] |= edits->edit[k] == e;
+    }
+    flops += bwi_reach_flops(reach, touched);
+  }
+  bw_free(touched);
+  double single = cost_of(local, reach->symbolic, 32, flops, count);
+  double twice = cost_of(local, reach->symbolic, 64, flops, count);
+  *bits = single < (*bits == 32 ? WORTH_LEAVING : WORTH_TAKING) * twice ? 32 : 64;
+  return BW_OK;
+}
