@@ -13,6 +13,7 @@ local raise = core.raise
 
 local outline = {}
 for name, make in pairs(shapes) do outline[name] = make end
+outline.read = core.outline.read
 
 local function kind_of(value)
   local meta = getmetatable(value)

@@ -174,6 +174,38 @@ static int outline_make(lua_State *L) {
   return leave(L, box, out, status);
 }
 
+/* outline.read(path, {unit, tolerance}): the outline, {format, skipped} */
+static int outline_read(lua_State *L) {
+  static const lbw_option list[] = {
+      {"unit", LBW_OTHER, 0},
+      {"tolerance", LBW_REAL, offsetof(bw_outline_read_options, tolerance)},
+      {NULL, LBW_OTHER, 0}};
+  const char *path = lbw_check_text(L, 1, NULL);
+  bw_outline_read_options options = {0, 0};
+  lbw_options(L, 2, "outline.read", list, &options);
+  options.unit = lbw_unit_option(L, 2, "outline.read", 0);
+  lbw_box *box = lbw_box_new(L, &lbw_outline_class);
+  bw_outline *out = NULL;
+  bw_read_info info = {0};
+  bw_status status = bw_outline_read(lbw_enter(L), path, &options, &out, &info);
+  lbw_box_fill(L, box, out);
+  lua_createtable(L, 0, 2);
+  lua_pushstring(L, info.format);
+  lua_setfield(L, -2, "format");
+  lua_pushinteger(L, info.skipped);
+  lua_setfield(L, -2, "skipped");
+  return lbw_leave(L, status, 2);
+}
+
+/* outline:write(path): .svg or .dxf, in millimetres */
+static int outline_write(lua_State *L) {
+  const bw_outline *outline = self(L);
+  const char *path = lbw_check_text(L, 2, NULL);
+  bw_status status = bw_outline_write(lbw_enter(L), outline, path);
+  lua_pushboolean(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
 /* ---- moving and editing: each gives a new outline -------------------------------------------- */
 
 /* outline:with_points(points): the same segments with other points, vertices and control points */
@@ -636,7 +668,8 @@ static int outline_same_topology(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"with_points", outline_with_points},
+static const luaL_Reg methods[] = {{"write", outline_write},
+                                   {"with_points", outline_with_points},
                                    {"moved", outline_moved},
                                    {"weights", outline_weights},
                                    {"with_loop", outline_with_loop},
@@ -672,7 +705,8 @@ static const luaL_Reg meta[] = {{NULL, NULL}};
 const lbw_class lbw_outline_class = {"outline", methods, properties, meta, NULL};
 
 void lbw_open_outline(lua_State *L) {
-  static const luaL_Reg functions[] = {{"make", outline_make}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"make", outline_make}, {"read", outline_read}, {NULL, NULL}};
   lbw_class_register(L, &lbw_outline_class);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);

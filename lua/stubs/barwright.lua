@@ -1358,6 +1358,17 @@ function outline_module.polygon(options) end
 ---@return table? details
 function outline_module.rounded(options) end
 
+---Reads an SVG or DXF drawing: closed curves, and open ones that close when put together. Loops inside
+---an even number of others are material (region 1), the rest holes. Names are the id (SVG), tags the
+---class (SVG) or layer (DXF). `unit`: "mm", ... or metres per unit, left out: what the file says;
+---`tolerance`: how far apart ends may lie that belong together, left out: 1e-5 of the size.
+---@param path string
+---@param options? {unit?: string|number, tolerance?: number}
+---@return bw.Outline?
+---@return table|string info {format, skipped}, or the message
+---@return table? details
+function outline_module.read(path, options) end
+
 ---A shape in the plane with holes and regions, bounded by lines and cubic curves; never changed: what
 ---changes it gives a new one, or nil, message, details.
 ---@class bw.Outline
@@ -1375,6 +1386,14 @@ function outline_module.rounded(options) end
 ---@field edge_count integer
 ---@field region_count integer
 local Outline = {}
+
+---Writes it for cutters, in millimetres: .svg or .dxf (AutoCAD 2000; layers are tags). SVG comes back
+---with names, regions and tags, both with the same curves.
+---@param path string
+---@return true?
+---@return string? message
+---@return table? details
+function Outline:write(path) end
 
 ---Moves a handle: {vertex = n} (with the control points beside it), {edge = n}, or {loop = name} with
 ---the loops inside it. With a loop beside them, vertex and edge count from that loop's first.

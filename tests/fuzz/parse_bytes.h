@@ -97,6 +97,19 @@ static inline void parse_skeleton(const unsigned char *bytes, size_t count) {
   bw_release(skeleton);
 }
 
+static inline void parse_outline(const char *name, const unsigned char *bytes, size_t count) {
+  bw_context *context = parse_context();
+  bw_outline *outline = NULL;
+  bw_status status = bw_outline_parse(context, name, bytes, count, NULL, &outline, NULL);
+  parse_require((status == BW_OK) == (outline != NULL));
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  for (int32_t s = 0; outline && s < outline->segment_count; s++)
+    parse_require(outline->segment[s].point[0] >= 0 &&
+                  outline->segment[s].point[0] < outline->point_count &&
+                  outline->segment[s].tag < outline->tag_count);
+  bw_release(outline);
+}
+
 /* By the name of the format: "stl", "msh", ... The bytes are copied to a block of their exact
  * size, so that the address sanitizer sees a read past the end. */
 static inline void parse_bytes(const char *format, const unsigned char *bytes, size_t count) {
@@ -113,6 +126,8 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
     parse_tetgen(copy, count);
   } else if (strcmp(format, "tgf") == 0) {
     parse_skeleton(copy, count);
+  } else if (strcmp(format, "svg") == 0 || strcmp(format, "dxf") == 0) {
+    parse_outline(name, copy, count);
   } else {
     parse_surface(name, copy, count);
     bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||

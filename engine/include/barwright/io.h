@@ -5,6 +5,7 @@
 #define BARWRIGHT_IO_H
 
 #include "barwright/mesh.h"
+#include "barwright/outline.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -107,6 +108,28 @@ bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, c
 /* Sound, -1 to 1 (clipped), one channel of 16-bit samples. */
 bw_status bw_wav_write(bw_context *context, const char *path, int32_t rate, int64_t count,
                        const double *sample);
+
+/* ---- outlines: SVG DXF ---------------------------------------------------------------------- */
+
+typedef struct bw_outline_read_options {
+  double unit;      /* metres per unit of the file; 0: what the file says, else a pixel of 1/96 inch
+                       (SVG), a millimetre (DXF) */
+  double tolerance; /* ends of open curves this near are put together, m; 0: 1e-5 of the size */
+} bw_outline_read_options;
+/* Lines, curves and arcs (as cubics, off by 4e-6 of the radius) of a drawing. Closed curves, and
+ * open ones that close when put together, are loops; those inside an even number of others are
+ * material (region 0), the rest holes. y goes up: SVG's is mirrored about the middle of the page.
+ * Names are the id (SVG), tags the class (SVG) or layer (DXF). `options` and `info` may be NULL.
+ * What the writers below wrote comes back with its regions, names and tags (SVG) or its layers as
+ * tags (DXF). */
+bw_status bw_outline_read(bw_context *context, const char *path,
+                          const bw_outline_read_options *options, bw_outline **outline,
+                          bw_read_info *info);
+bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                           size_t count, const bw_outline_read_options *options,
+                           bw_outline **outline, bw_read_info *info);
+/* By the ending: .svg, .dxf; in millimetres. */
+bw_status bw_outline_write(bw_context *context, const bw_outline *outline, const char *path);
 
 /* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). */
 typedef struct bw_inp_deck {

@@ -109,12 +109,16 @@ REPLAY(medit)
 REPLAY(tetgen)
 REPLAY(inp)
 REPLAY(tgf)
+REPLAY(svg)
+REPLAY(dxf)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),    cmocka_unit_test(replay_off),
-      cmocka_unit_test(replay_ply),   cmocka_unit_test(replay_msh),    cmocka_unit_test(replay_vtu),
-      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen), cmocka_unit_test(replay_inp),
-      cmocka_unit_test(replay_tgf)};
+      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),
+      cmocka_unit_test(replay_off),   cmocka_unit_test(replay_ply),
+      cmocka_unit_test(replay_msh),   cmocka_unit_test(replay_vtu),
+      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
+      cmocka_unit_test(replay_inp),   cmocka_unit_test(replay_tgf),
+      cmocka_unit_test(replay_svg),   cmocka_unit_test(replay_dxf)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
