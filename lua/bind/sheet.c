@@ -3,6 +3,7 @@
  * mover of its mesh. The applications, with names for options and conditions, are Lua
  * (lua/barwright/responsive.lua). */
 #include "condition.h"
+#include "follow.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,96 +14,6 @@ static bw_sheet *self(lua_State *L) {
 
 static bw_mover *mover_of(lua_State *L) {
   return (bw_mover *)lbw_check_box(L, 1, &lbw_sheet_class)->extra;
-}
-
-static const char *const level_words[] = {"none", "relocation", "reconnecting", "reconstruction",
-                                          NULL};
-static const char *const method_words[] = {"auto", "iterate", "refactor", "scratch", NULL};
-
-/* ---- what was kept --------------------------------------------------------------------------- */
-
-#define KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)                                                     \
-  BOOLEAN(pattern)                                                                                 \
-  BOOLEAN(factor)                                                                                  \
-  BOOLEAN(solution)                                                                                \
-  INTEGER(analyses)                                                                                \
-  INTEGER(factorisations)                                                                          \
-  INTEGER(solves)                                                                                  \
-  INTEGER(iterations)                                                                              \
-  NUMBER(residual)                                                                                 \
-  NUMBER(predicted_iterate)                                                                        \
-  NUMBER(predicted_factor)                                                                         \
-  NUMBER(seconds_mesh)                                                                             \
-  NUMBER(seconds_assemble)                                                                         \
-  NUMBER(seconds_factor)                                                                           \
-  NUMBER(seconds_solve)
-
-/* Writes into the table at `index`. */
-static void store_kept(lua_State *L, int index, const bw_kept *kept) {
-  index = lua_absindex(L, index);
-#define BOOLEAN(key) (lua_pushboolean(L, kept->key), lua_setfield(L, index, #key));
-#define INTEGER(key) (lua_pushinteger(L, kept->key), lua_setfield(L, index, #key));
-#define NUMBER(key) (lua_pushnumber(L, kept->key), lua_setfield(L, index, #key));
-  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
-#undef BOOLEAN
-#undef INTEGER
-#undef NUMBER
-  lua_pushstring(L, level_words[kept->level]);
-  lua_setfield(L, index, "level");
-}
-
-/* Reads back what a former call of the same frame wrote; the table's level is a word. */
-static void load_kept(lua_State *L, int index, bw_kept *kept) {
-  memset(kept, 0, sizeof *kept);
-#define BOOLEAN(key)                                                                               \
-  (lua_getfield(L, index, #key), kept->key = lua_toboolean(L, -1), lua_pop(L, 1));
-#define INTEGER(key)                                                                               \
-  (lua_getfield(L, index, #key), kept->key = (int)lua_tointeger(L, -1), lua_pop(L, 1));
-#define NUMBER(key) (lua_getfield(L, index, #key), kept->key = lua_tonumber(L, -1), lua_pop(L, 1));
-  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
-#undef BOOLEAN
-#undef INTEGER
-#undef NUMBER
-  kept->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
-}
-
-/* The table of a frame is argument 2; it is what the call returns. */
-static int leave_with(lua_State *L, bw_status status, const bw_kept *kept) {
-  lua_pushvalue(L, 2);
-  int results = lbw_leave(L, status, 1);
-  if (status == BW_OK) {
-    store_kept(L, 2, kept);
-    lbw_box_account(L, lbw_check_box(L, 1, &lbw_sheet_class));
-  }
-  return results;
-}
-
-/* ---- making ---------------------------------------------------------------------------------- */
-
-static void read_fill(lua_State *L, int index, bw_plane_options *fill) {
-  static const lbw_option list[] = {
-      {"order", LBW_INT, offsetof(bw_plane_options, order)},
-      {"size", LBW_REAL, offsetof(bw_plane_options, size)},
-      {"elements", LBW_INT, offsetof(bw_plane_options, elements)},
-      {"minimum_angle", LBW_REAL, offsetof(bw_plane_options, minimum_angle)},
-      {"curvature", LBW_REAL, offsetof(bw_plane_options, curvature)},
-      {NULL, LBW_OTHER, 0}};
-  bw_plane_options_default(fill);
-  lbw_options(L, index, "sheet", list, fill);
-}
-
-static void read_follow(lua_State *L, int index, bw_follow_options *follow) {
-  static const char *const ways[] = {"harmonic", "springs", NULL};
-  static const lbw_option list[] = {{"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
-                                    {"rebuild", LBW_REAL, offsetof(bw_follow_options, rebuild)},
-                                    {"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
-                                    {"relocation", LBW_OTHER, 0},
-                                    {"level", LBW_OTHER, 0},
-                                    {NULL, LBW_OTHER, 0}};
-  bw_follow_options_default(follow);
-  lbw_options(L, index, "sheet", list, follow);
-  follow->relocation = (bw_relocation)lbw_word_option(L, index, "sheet", "relocation", ways, 0);
-  follow->force = (bw_level)lbw_word_option(L, index, "sheet", "level", level_words, 0);
 }
 
 /* {{material = , thickness = , strain = }} */
@@ -133,8 +44,8 @@ static int sheet_create(lua_State *L) {
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
   bw_follow_options follow;
   bw_sheet_description description = {0};
-  read_follow(L, 3, &follow);
-  read_fill(L, 2, &follow.fill);
+  lbw_read_follow(L, 3, "sheet", &follow);
+  lbw_read_fill(L, 2, "sheet", &follow.fill);
   description.section = read_sections(L, 4, &description.section_count);
   lbw_conditions *conditions = lbw_conditions_read(L, 5, "conditions", outline);
   int place = lua_gettop(L);
@@ -165,43 +76,14 @@ done:
 
 /* ---- following and solving ------------------------------------------------------------------- */
 
-/* sheet:follow(frame, outline) */
-static int sheet_follow(lua_State *L) {
-  bw_status status = BW_OK;
-  bw_sheet *sheet = self(L);
-  bw_mover *mover = mover_of(L);
-  lbw_check_type(L, 2, LUA_TTABLE);
-  const bw_outline *outline = (const bw_outline *)lbw_check(L, 3, &lbw_outline_class);
-  bw_follow_report report = {0};
-  bw_kept kept;
-  load_kept(L, 2, &kept);
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_mover_follow(context, mover, outline, &report));
-  kept.seconds_mesh += report.seconds;
-  BW_TRY(bw_sheet_follow(context, sheet, mover->mesh, &kept));
-done:
-  leave_with(L, status, &kept);
-  if (status == BW_OK) {
-    lua_pushinteger(L, report.flips);
-    lua_setfield(L, 2, "flips");
-    lua_pushnumber(L, report.worst);
-    lua_setfield(L, 2, "quality");
-    lua_settop(L, 2);
-    return 1;
-  }
-  return 3;
+static bw_status follow_mesh(bw_context *context, void *sheet, const bw_plane_mesh *mesh,
+                             bw_kept *kept) {
+  return bw_sheet_follow(context, (bw_sheet *)sheet, mesh, kept);
 }
 
-static const lbw_option stale_list[] = {
-    {"method", LBW_OTHER, 0},
-    {"tolerance", LBW_REAL, offsetof(bw_stale_options, tolerance)},
-    {"iterations", LBW_INT, offsetof(bw_stale_options, iterations)},
-    {NULL, LBW_OTHER, 0}};
-
-static void read_stale(lua_State *L, int index, bw_stale_options *options) {
-  bw_stale_options_default(options);
-  lbw_options(L, index, "solve", stale_list, options);
-  options->method = (bw_stale_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
+/* sheet:follow(frame, outline) */
+static int sheet_follow(lua_State *L) {
+  return lbw_follow(L, &lbw_sheet_class, follow_mesh);
 }
 
 /* sheet:static(frame, stale options) */
@@ -211,11 +93,11 @@ static int sheet_static(lua_State *L) {
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_stale_options options;
   bw_kept kept;
-  read_stale(L, 3, &options);
-  load_kept(L, 2, &kept);
+  lbw_read_stale(L, 3, &options);
+  lbw_load_kept(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_status status = bw_sheet_static(lbw_enter(L), sheet, &options, &kept);
-  return leave_with(L, status, &kept);
+  return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
 /* sheet:shake(frame, stale options, newmark, steps) */
@@ -234,11 +116,11 @@ static int sheet_shake(lua_State *L) {
   bw_stale_options options;
   bw_newmark newmark;
   bw_kept kept;
-  read_stale(L, 3, &options);
+  lbw_read_stale(L, 3, &options);
   bw_newmark_default(&newmark);
   lbw_options(L, 4, "step", list, &newmark);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
-  load_kept(L, 2, &kept);
+  lbw_load_kept(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   for (lua_Integer i = 0; i < steps; i++) {
@@ -246,7 +128,7 @@ static int sheet_shake(lua_State *L) {
     BW_TRY(bw_sheet_shake(context, sheet, &newmark, &options, &kept));
   }
 done:
-  return leave_with(L, status, &kept);
+  return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
 /* sheet:bend(frame, stale options, newton) */
@@ -264,11 +146,11 @@ static int sheet_bend(lua_State *L) {
   bw_kept kept;
   bw_newton_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
-  read_stale(L, 3, &options.linear);
-  load_kept(L, 2, &kept);
+  lbw_read_stale(L, 3, &options.linear);
+  lbw_load_kept(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_status status = bw_sheet_bend(lbw_enter(L), sheet, &options, &report, &kept);
-  int results = leave_with(L, status, &kept);
+  int results = lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
   if (status == BW_OK) {
     lua_pushinteger(L, report.iterations);
     lua_setfield(L, 2, "newton_iterations");

@@ -1,0 +1,112 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the bodies share that follow an outline while it is dragged (sheets, plates, flows). Each is an
+-- engine object `body` with its mover, and the frame that was last.
+--
+-- An object holds its last good state: a drag that the outline, the mesh or the solution refuses
+-- returns nil, message, details, and everything is as it was before.
+local members = require "barwright.members"
+local options = require "barwright.options"
+local new_frame = require "barwright.frame"
+
+local followed = {}
+
+-- ---- options that all have -----------------------------------------------------------------------
+
+local rules = {
+  outline = {type = "outline", needed = true},
+  elements = {type = "integer", least = 1},
+  size = {type = "number", above = 0},
+  follow = {type = "table", default = {}},
+}
+
+--- The rules of a class: its own and those that all have.
+function followed.with(more)
+  local all = {}
+  for key, rule in pairs(rules) do all[key] = rule end
+  for key, rule in pairs(more) do all[key] = rule end
+  return all
+end
+
+--- An object of the class around an engine body; `class.start` solves for the first time.
+function followed.object(class, wish, body, message, details)
+  if not body then return nil, message, details end
+  local self = setmetatable({body = body, wish = wish, last = new_frame()}, class)
+  if class.start then
+    local fine
+    fine, message, details = class.start(self)
+    if not fine then return nil, message, details end
+  end
+  return self
+end
+
+-- ---- classes -------------------------------------------------------------------------------------
+
+local properties = {
+  outline = function(self) return rawget(self, "body").outline end,
+  reused = function(self) return rawget(self, "last") end,
+  element_count = function(self) return (rawget(self, "body"):counts()) end,
+  node_count = function(self) return (select(2, rawget(self, "body"):counts())) end,
+}
+for _, name in ipairs {"points", "elements"} do
+  properties[name] = function(self) return rawget(self, "body")[name] end
+end
+
+--- A class whose objects print as `what`, with properties of the engine's body by their names, and
+--- others as functions.
+function followed.class(what, names, more)
+  local class, own = {}, {}
+  for name, property in pairs(properties) do own[name] = property end
+  for name, property in pairs(more or {}) do own[name] = property end
+  for _, name in ipairs(names) do
+    own[name] = function(self) return rawget(self, "body")[name] end
+  end
+  class.__index = members(what, class, own)
+  class.__name = "barwright." .. what
+  function class:__tostring()
+    local elements, nodes = self.body:counts()
+    return ("%s: %d triangles, %d nodes; %s"):format(what, elements, nodes, tostring(self.last))
+  end
+  return class
+end
+
+--- `report` is the last frame, where all went well.
+function followed.now_is(self, report, fine, message, details)
+  if not fine then return nil, message, details end
+  rawset(self, "last", report)
+  return self
+end
+
+--- A frame: mesh and body go over to an outline, the class's `finish` solves. What fails is taken back.
+function followed.become(self, outline)
+  options.object("become", "outline", outline, "outline")
+  local body, finish = self.body, getmetatable(self).finish
+  local before, report = body.outline, new_frame()
+  local fine, message, details = body:follow(report, outline)
+  if fine and finish then
+    fine, message, details = finish(self, report)
+    if not fine then
+      local back = new_frame()
+      local returned, why = body:follow(back, before)
+      if returned then returned, why = finish(self, back) end
+      if not returned then
+        message = ("%s; and the state before could not be restored: %s"):format(message, why)
+      end
+    end
+  end
+  return followed.now_is(self, report, fine, message, details)
+end
+
+--- A frame with a handle of the outline moved by {dx, dy}.
+function followed.drag(self, handle, by)
+  local moved, message, details = self.body.outline:moved(handle, by)
+  if not moved then return nil, message, details end
+  return followed.become(self, moved)
+end
+
+--- The class's `finish` again on the shape as it is.
+function followed.solve(self)
+  local report = new_frame()
+  return followed.now_is(self, report, getmetatable(self).finish(self, report))
+end
+
+return followed

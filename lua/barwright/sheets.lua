@@ -1,0 +1,148 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Elastic sheets that keep up with an outline while it is dragged: steady, vibration, cantilever.
+local core = require "barwright.core"
+local conditions = require "barwright.conditions"
+local followed = require "barwright.followed"
+local new_frame = require "barwright.frame"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local sheets = {}
+
+local fields = {"time", "displacement", "velocity", "acceleration", "stress", "von_mises",
+  "error_estimate"}
+
+local function with(more)
+  local all = followed.with {
+    material = {type = "any", needed = true},
+    thickness = {type = "any", default = 1},
+    plane = {type = "string", default = "stress", one_of = {"stress", "strain"}},
+    conditions = {type = "table", default = {}},
+    gravity = {type = "table", default = {0, 0}},
+    order = {type = "integer", default = 1, least = 1, most = 2},
+    solver = {type = "table", default = {}},
+  }
+  for key, rule in pairs(more) do all[key] = rule end
+  return all
+end
+
+local function is_list(value)
+  return type(value) == "table" and #value > 0
+end
+
+-- One section, or one for each region.
+local function read_sections(where, wish)
+  local count = math.max(is_list(wish.material) and #wish.material or 1,
+    is_list(wish.thickness) and #wish.thickness or 1)
+  local sections = {}
+  for i = 1, count do
+    local material = is_list(wish.material) and wish.material[i] or wish.material
+    local thickness = is_list(wish.thickness) and wish.thickness[i] or wish.thickness
+    options.object(where, "material", material, "material")
+    if type(thickness) ~= "number" then
+      raise(("%s: option 'thickness': a number, or one for each region, expected"):format(where))
+    end
+    sections[i] = {material = material, thickness = thickness, strain = wish.plane == "strain"}
+  end
+  return sections
+end
+
+local function create(where, class, given, own_rules, add_conditions)
+  local wish = options.read(where, given, own_rules)
+  if #wish.gravity ~= 2 then raise(("%s: option 'gravity': {x, y} expected"):format(where)) end
+  local list = conditions.read(where, wish.conditions, {"x", "y"})
+  if add_conditions then add_conditions(where, wish, list) end
+  return followed.object(class, wish, core.sheet.create(wish.outline,
+    {order = wish.order, size = wish.size, elements = wish.elements}, wish.follow,
+    read_sections(where, wish), list, wish.gravity))
+end
+
+-- ---- steady --------------------------------------------------------------------------------------
+
+local steady = followed.class("steady sheet", fields)
+steady.drag, steady.become = followed.drag, followed.become
+
+function steady.finish(self, report)
+  return self.body:static(report, self.wish.solver)
+end
+
+steady.solve, steady.start = followed.solve, followed.solve
+
+--- The p-norm of von Mises stresses (their power mean over the area), its gradient by the outline's
+--- points, and by the mesh's nodes.
+function steady:stress_norm(p)
+  return self.body:stress_norm(p)
+end
+
+--- Linear statics of a sheet, solved anew in every drag.
+function sheets.steady(given)
+  return create("steady", steady, given, with {})
+end
+
+-- ---- cantilever: large deflection ----------------------------------------------------------------
+
+local cantilever = followed.class("bent sheet", fields)
+cantilever.drag, cantilever.become = followed.drag, followed.become
+
+function cantilever.finish(self, report)
+  return self.body:bend(report, self.wish.solver, self.wish.newton)
+end
+
+cantilever.solve, cantilever.start = followed.solve, followed.solve
+
+--- Equilibrium of a sheet that bends largely (St. Venant-Kirchhoff), found anew in every drag.
+function sheets.cantilever(given)
+  return create("cantilever", cantilever, given, with {newton = {type = "table", default = {}}})
+end
+
+-- ---- vibration -----------------------------------------------------------------------------------
+
+local vibration = followed.class("shaken sheet", fields)
+vibration.drag, vibration.become = followed.drag, followed.become
+
+-- {x = , y = } of the tags that stand on the ground
+local function stand_on_ground(where, wish, list)
+  local ground = type(wish.ground) == "string" and {wish.ground} or wish.ground or {}
+  if type(ground) ~= "table" then raise(("%s: option 'ground': a tag expected"):format(where)) end
+  for key in pairs(wish.shake) do
+    if key ~= "x" and key ~= "y" then
+      raise(("%s: option 'shake': {x = , y = } expected"):format(where))
+    end
+  end
+  for _, tag in ipairs(ground) do
+    for component, key in ipairs {"x", "y"} do
+      list[#list + 1] = {tag = tag, component = component, value = wish.shake[key] or 0}
+    end
+  end
+end
+
+--- Advances by `count` time steps (default 1).
+function vibration:step(count)
+  local wish, report = self.wish, new_frame()
+  local fine, message, details = self.body:shake(report, wish.solver, {step = wish.step,
+    beta = wish.beta, gamma = wish.gamma, damping_mass = wish.damping[1],
+    damping_stiffness = wish.damping[2]}, count)
+  -- a drag and the steps after it are one frame
+  local last = self.last
+  if last.solves == 0 and last.level ~= "none" then
+    report.level, report.flips, report.quality = last.level, last.flips, last.quality
+    report.seconds_mesh = last.seconds_mesh
+  end
+  return followed.now_is(self, report, fine, message, details)
+end
+
+--- A sheet on ground that shakes: `shake = {x = , y = }`, displacements by number, formula in x, y, t,
+--- or function, at the tags of `ground`. drag moves the outline, step the time.
+function sheets.vibration(given)
+  return create("vibration", vibration, given, with {
+    ground = {type = "any"},
+    shake = {type = "table", default = {}},
+    step = {type = "number", default = 1e-3, above = 0},
+    beta = {type = "number", default = 0.25},
+    gamma = {type = "number", default = 0.5},
+    damping = {type = "table", default = {0, 0}},
+  }, stand_on_ground)
+end
+
+return sheets

@@ -1,0 +1,134 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Frames, and the options of meshes that follow an outline. */
+#include "follow.h"
+
+#include <string.h>
+
+static const char *const level_words[] = {"none", "relocation", "reconnecting", "reconstruction",
+                                          NULL};
+static const char *const method_words[] = {"auto", "iterate", "refactor", "scratch", NULL};
+
+/* ---- what was kept --------------------------------------------------------------------------- */
+
+#define KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)                                                     \
+  BOOLEAN(pattern)                                                                                 \
+  BOOLEAN(factor)                                                                                  \
+  BOOLEAN(solution)                                                                                \
+  INTEGER(analyses)                                                                                \
+  INTEGER(factorisations)                                                                          \
+  INTEGER(solves)                                                                                  \
+  INTEGER(iterations)                                                                              \
+  NUMBER(residual)                                                                                 \
+  NUMBER(predicted_iterate)                                                                        \
+  NUMBER(predicted_factor)                                                                         \
+  NUMBER(seconds_mesh)                                                                             \
+  NUMBER(seconds_assemble)                                                                         \
+  NUMBER(seconds_factor)                                                                           \
+  NUMBER(seconds_solve)
+
+/* Writes into the table at `index`. */
+static void store_kept(lua_State *L, int index, const bw_kept *kept) {
+  index = lua_absindex(L, index);
+#define BOOLEAN(key) (lua_pushboolean(L, kept->key), lua_setfield(L, index, #key));
+#define INTEGER(key) (lua_pushinteger(L, kept->key), lua_setfield(L, index, #key));
+#define NUMBER(key) (lua_pushnumber(L, kept->key), lua_setfield(L, index, #key));
+  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
+#undef BOOLEAN
+#undef INTEGER
+#undef NUMBER
+  lua_pushstring(L, level_words[kept->level]);
+  lua_setfield(L, index, "level");
+}
+
+/* Reads back what a former call of the same frame wrote; the table's level is a word. */
+void lbw_load_kept(lua_State *L, int index, bw_kept *kept) {
+  memset(kept, 0, sizeof *kept);
+#define BOOLEAN(key)                                                                               \
+  (lua_getfield(L, index, #key), kept->key = lua_toboolean(L, -1), lua_pop(L, 1));
+#define INTEGER(key)                                                                               \
+  (lua_getfield(L, index, #key), kept->key = (int)lua_tointeger(L, -1), lua_pop(L, 1));
+#define NUMBER(key) (lua_getfield(L, index, #key), kept->key = lua_tonumber(L, -1), lua_pop(L, 1));
+  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
+#undef BOOLEAN
+#undef INTEGER
+#undef NUMBER
+  kept->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
+}
+
+int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status, const bw_kept *kept) {
+  lua_pushvalue(L, 2);
+  int results = lbw_leave(L, status, 1);
+  if (status == BW_OK) {
+    store_kept(L, 2, kept);
+    lbw_box_account(L, lbw_check_box(L, 1, class));
+  }
+  return results;
+}
+
+/* ---- options --------------------------------------------------------------------------------- */
+
+void lbw_read_fill(lua_State *L, int index, const char *function, bw_plane_options *fill) {
+  static const lbw_option list[] = {
+      {"order", LBW_INT, offsetof(bw_plane_options, order)},
+      {"size", LBW_REAL, offsetof(bw_plane_options, size)},
+      {"elements", LBW_INT, offsetof(bw_plane_options, elements)},
+      {"minimum_angle", LBW_REAL, offsetof(bw_plane_options, minimum_angle)},
+      {"curvature", LBW_REAL, offsetof(bw_plane_options, curvature)},
+      {NULL, LBW_OTHER, 0}};
+  bw_plane_options_default(fill);
+  lbw_options(L, index, function, list, fill);
+}
+
+void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_options *follow) {
+  static const char *const ways[] = {"harmonic", "springs", NULL};
+  static const lbw_option list[] = {{"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
+                                    {"rebuild", LBW_REAL, offsetof(bw_follow_options, rebuild)},
+                                    {"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
+                                    {"relocation", LBW_OTHER, 0},
+                                    {"level", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_follow_options_default(follow);
+  lbw_options(L, index, function, list, follow);
+  follow->relocation = (bw_relocation)lbw_word_option(L, index, function, "relocation", ways, 0);
+  follow->force = (bw_level)lbw_word_option(L, index, function, "level", level_words, 0);
+}
+
+static const lbw_option stale_list[] = {
+    {"method", LBW_OTHER, 0},
+    {"tolerance", LBW_REAL, offsetof(bw_stale_options, tolerance)},
+    {"iterations", LBW_INT, offsetof(bw_stale_options, iterations)},
+    {NULL, LBW_OTHER, 0}};
+
+void lbw_read_stale(lua_State *L, int index, bw_stale_options *options) {
+  bw_stale_options_default(options);
+  lbw_options(L, index, "solve", stale_list, options);
+  options->method = (bw_stale_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
+}
+
+/* ---- following ------------------------------------------------------------------------------- */
+
+int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow) {
+  bw_status status = BW_OK;
+  lbw_box *box = lbw_check_box(L, 1, class);
+  bw_mover *mover = (bw_mover *)box->extra;
+  lbw_check_type(L, 2, LUA_TTABLE);
+  const bw_outline *outline = (const bw_outline *)lbw_check(L, 3, &lbw_outline_class);
+  bw_follow_report report = {0};
+  bw_kept kept;
+  lbw_load_kept(L, 2, &kept);
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_mover_follow(context, mover, outline, &report));
+  kept.level = report.level;
+  kept.seconds_mesh += report.seconds;
+  BW_TRY(follow(context, (void *)box->object, mover->mesh, &kept));
+done:
+  lbw_leave_frame(L, class, status, &kept);
+  if (status != BW_OK)
+    return 3;
+  lua_pushinteger(L, report.flips);
+  lua_setfield(L, 2, "flips");
+  lua_pushnumber(L, report.worst);
+  lua_setfield(L, 2, "quality");
+  lua_settop(L, 2);
+  return 1;
+}

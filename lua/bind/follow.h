@@ -1,0 +1,26 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the bodies that follow an outline (sheets, plates, flows) share in Lua: options of meshes
+ * and movers, and the table of a frame, which says what was kept. A box holds the body and, as its
+ * second reference, the mover of its mesh. Every call that belongs to a frame gets the frame's
+ * table as argument 2, adds to it, and returns it. */
+#ifndef LBW_FOLLOW_H
+#define LBW_FOLLOW_H
+
+#include "bind.h"
+
+/* bw_plane_options and bw_follow_options from tables. */
+void lbw_read_fill(lua_State *L, int index, const char *function, bw_plane_options *fill);
+void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_options *follow);
+void lbw_read_stale(lua_State *L, int index, bw_stale_options *options);
+
+/* What former calls wrote into the frame at `index`. */
+void lbw_load_kept(lua_State *L, int index, bw_kept *kept);
+/* lbw_leave with the frame as the result, `kept` written into it. */
+int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status, const bw_kept *kept);
+/* The mover goes over to the outline at argument 3, `follow` takes the body to its mesh. On failure
+ * of the body the mover stays where it went; the next frame takes both along. */
+typedef bw_status lbw_follow_function(bw_context *context, void *body, const bw_plane_mesh *mesh,
+                                      bw_kept *kept);
+int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow);
+
+#endif
