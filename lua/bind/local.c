@@ -252,11 +252,12 @@ static int local_memory(lua_State *L) {
   return 3;
 }
 
-/* local:baseline(): seconds of stiffness, analysis, factor, solve from scratch; flops, entries */
+/* local:baseline(own_order): seconds of stiffness, analysis, factor, solve from scratch; flops,
+ * entries */
 static int local_baseline(lua_State *L) {
   const bw_local_system *local = self(L);
   bw_baseline_times times;
-  bw_status status = bw_local_baseline(lbw_enter(L), local, &times);
+  bw_status status = bw_local_baseline(lbw_enter(L), local, lua_toboolean(L, 2), &times);
   if (status != BW_OK)
     return lbw_leave(L, status, 1);
   lbw_leave_or_raise(L, BW_OK);

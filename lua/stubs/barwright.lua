@@ -2114,12 +2114,14 @@ function LocalSystem:view() end
 ---@return integer coefficients
 function LocalSystem:memory() end
 
----What the current shape would cost from scratch, in the same order of unknowns: seconds of its
----stiffness from all elements, and of CHOLMOD's analysis, factor and solve. For benchmarks.
+---What the current shape would cost from scratch: seconds of its stiffness from all elements, and of
+---CHOLMOD's analysis, factor and solve, with the unknowns in the order that was chosen for edits, or
+---in that of METIS for a single solution. For benchmarks.
+---@param own_order? boolean METIS's order; default false
 ---@return {stiffness: number, analysis: number, factor: number, solve: number, flops: number, entries: number}?
 ---@return string? message
 ---@return table? details
-function LocalSystem:baseline() end
+function LocalSystem:baseline(own_order) end
 
 function LocalSystem:close() end
 

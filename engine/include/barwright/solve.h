@@ -112,8 +112,8 @@ typedef struct bw_local_options {
      precision ignores them. */
   int guess_count;
   const double *const *guess;
-  /* For the choice by cost: right-hand sides still to come for the same shape; and iterations needed
-     over predicted that may be hoped for (0: as experienced). */
+  /* For the choice by cost: right-hand sides still to come for the same shape; and iterations
+     needed over predicted that may be hoped for (0: as experienced). */
   int further;
   double hope;
 } bw_local_options;
@@ -160,15 +160,16 @@ bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, 
 bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw_model *model,
                            const bw_statics_options *statics, const bw_local_options *options,
                            bw_static **result, bw_reuse *reuse);
-/* What the same shape costs from scratch, with the same graph and order of unknowns: its stiffness
- * gathered from all elements, CHOLMOD's analysis, numeric factorisation and one solve. For
- * benchmarks; needs a factor (BW_INVALID before the first solve), and leaves everything as it is.
- */
+/* What the same shape costs from scratch, with the same graph: its stiffness gathered from all
+ * elements, CHOLMOD's analysis, numeric factorisation and one solve, with the unknowns in the order
+ * that was chosen for edits or (`own_order`) in the one it would be given for a single solution,
+ * METIS's of the nodes, whose making counts as analysis. For benchmarks; needs a factor (BW_INVALID
+ * before the first solve), and leaves everything as it is. */
 typedef struct bw_baseline_times {
   double stiffness, analysis, factor, solve; /* s */
   double flops, entries;                     /* of the factor, as CHOLMOD counts them */
 } bw_baseline_times;
-bw_status bw_local_baseline(bw_context *context, const bw_local_system *local,
+bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, bool own_order,
                             bw_baseline_times *times);
 /* Bytes: of the factor, and of the update matrices kept beside it. */
 void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
