@@ -147,14 +147,19 @@ for name in wish.scenes:gmatch "[^,]+" do
     base.own_total, p.solve, row.seconds_edit, row.ratio, row.ratio_own_order, factor / 1e6, updates / 1e6))
   if wish.optimise then
     start = bw.seconds()
+    local processor = os.clock()
     local report, message, details = session:optimise {von_mises = scenes.threshold, ties = scene.ties}
     row.seconds_optimise, row.optimise_met = bw.seconds() - start, report ~= nil
+    row.seconds_optimise_processor = os.clock() - processor
     report = report or details and details.best
     row.optimise_steps = report and report.iterations
+    row.optimise_factorisations = report and report.factorisations
     row.optimise_max_von_mises_pa = report and report.von_mises
     print(("          optimised in %.2f s (paper %.2f s, %.1f times), %.2f to %.2f MPa%s"):format(
       row.seconds_optimise, p.optimise, p.optimise / row.seconds_optimise, row.max_von_mises_pa / 1e6,
       (report and report.von_mises or 0 / 0) / 1e6, row.optimise_met and "" or ": " .. message))
+    print(("          %d steps, %.2f factorisations, %.1f s of processor time"):format(
+      row.optimise_steps or 0, row.optimise_factorisations or 0, row.seconds_optimise_processor))
   end
   row.paper = p
   rows[#rows + 1] = row
