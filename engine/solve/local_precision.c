@@ -11,13 +11,13 @@
 
 #include "solve/local.h"
 
-/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 11. */
-#define REFINEMENTS 5.0
+/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 15. */
+#define REFINEMENTS 10.0
 /* Single precision is taken where it costs less than this of double precision: by so much that
  * shapes that are solved for several times (loads, adjoints) do not lose by it. It is left where it
  * costs more than that: what is in doubt is not worth a whole factor in the other. */
 #define WORTH_TAKING 0.7
-#define WORTH_LEAVING 1.25
+#define WORTH_LEAVING 1.0
 
 /* In single precision, to 1e-10. */
 static double refinements_of(const bwi_local *inner) {
