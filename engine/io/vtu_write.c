@@ -267,3 +267,48 @@ bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, c
             surface->triangle,    surface->group,          "group",        field_count, fields};
   return write_grid(context, &g, path);
 }
+
+/* Places and fields of two components get a third that is 0: VTK's vectors have three. */
+static bw_status to_space(bw_context *context, const bw_array *flat, bw_array **space) {
+  bw_status status = bw_array_create(context, BW_F64, flat->rows, 3, space);
+  if (status != BW_OK)
+    return status;
+  for (int64_t i = 0; i < flat->rows; i++)
+    for (int64_t k = 0; k < 2; k++)
+      ((double *)(*space)->data)[3 * i + k] = bw_array_get(flat, i, k);
+  return BW_OK;
+}
+
+bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh, const char *path,
+                             int field_count, const bw_field *fields) {
+  bw_status status = BW_OK;
+  const bw_plane_topology *t = mesh->topology;
+  int32_t nodes = t->nodes->node_count;
+  double *point = BW_NEW0(context, double, 3 * (size_t)nodes);
+  bw_field *list = BW_NEW(context, bw_field, field_count);
+  bw_array **space = BW_NEW0(context, bw_array *, field_count);
+  if (!point || !list || !space) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t i = 0; i < nodes; i++)
+    memcpy(point + 3 * i, mesh->point + 2 * i, 2 * sizeof *point);
+  for (int i = 0; i < field_count; i++) {
+    list[i] = fields[i];
+    if (fields[i].array->columns != 2 || fields[i].array->type != BW_F64)
+      continue;
+    BW_TRY(to_space(context, fields[i].array, &space[i]));
+    list[i].array = space[i];
+  }
+  bool six = t->nodes->order == 2;
+  grid g = {nodes,      t->element_count, point,    six ? 6 : 3, six ? 22 : 5,
+            t->element, t->region,        "region", field_count, list};
+  status = write_grid(context, &g, path);
+done:
+  for (int i = 0; space && i < field_count; i++)
+    bw_release(space[i]);
+  bw_free(point);
+  bw_free(list);
+  bw_free(space);
+  return status;
+}

@@ -291,6 +291,8 @@ static bw_status make_mesh(bw_context *context, const bw_outline *outline,
   double *parameter = NULL, *point = NULL;
   *fits = true;
   BW_TRY(open_weave(context, outline, boundary, filling, &corners, &weave));
+  bwi_weave_queue_all(&weave);
+  bwi_weave_flip(&weave);
   for (int round = 0; round < SMOOTHING; round++) {
     bwi_weave_smooth(&weave, 2, 0.75);
     bwi_weave_flip(&weave);

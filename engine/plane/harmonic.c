@@ -129,8 +129,9 @@ static cholmod_sparse *inner_block(const weighted *list, int64_t count, const in
   return a;
 }
 
+/* position: of inner numbers in the factor. */
 static bw_status factored(bw_context *context, const weighted *list, int64_t count,
-                          const int32_t *number, const int32_t *order, bwi_harmonic *made) {
+                          const int32_t *number, int32_t *position, bwi_harmonic *made) {
   bw_status status = BW_OK;
   int32_t inner = made->inner_count;
   cholmod_common common;
@@ -142,7 +143,9 @@ static bw_status factored(bw_context *context, const weighted *list, int64_t cou
   common.supernodal = CHOLMOD_SIMPLICIAL;
   common.final_ll = 1;
   common.nmethods = 1;
-  common.method[0].ordering = order ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  /* an order found for a mesh does not do for one with flipped edges: fill grew tenfold in ten
+   * reconnections */
+  common.method[0].ordering = CHOLMOD_AMD;
   common.postorder = 1;
   if (!diagonal) {
     status = BW_MEMORY;
@@ -150,7 +153,7 @@ static bw_status factored(bw_context *context, const weighted *list, int64_t cou
   }
   a = inner_block(list, count, number, inner, diagonal, &common);
   if (a)
-    l = cholmod_analyze_p(a, (int *)order, NULL, 0, &common);
+    l = cholmod_analyze(a, &common);
   if (l)
     cholmod_factorize(a, l, &common);
   if (l && common.status == CHOLMOD_OK)
@@ -166,16 +169,16 @@ static bw_status factored(bw_context *context, const weighted *list, int64_t cou
     goto done;
   }
   size_t entries = (size_t)((int *)l->p)[inner];
-  made->order = BW_NEW(context, int32_t, inner);
   made->start = BW_NEW(context, int32_t, (size_t)inner + 1);
   made->row = BW_NEW(context, int32_t, entries);
   made->value = BW_NEW(context, double, entries);
   made->work = BW_NEW(context, double, 2 * (size_t)inner);
-  if (!made->order || !made->start || !made->row || !made->value || !made->work) {
+  if (!made->start || !made->row || !made->value || !made->work) {
     status = BW_MEMORY;
     goto done;
   }
-  memcpy(made->order, l->Perm, (size_t)inner * sizeof *made->order);
+  for (int32_t i = 0; i < inner; i++)
+    position[((int *)l->Perm)[i]] = i;
   memcpy(made->start, l->p, ((size_t)inner + 1) * sizeof *made->start);
   memcpy(made->row, l->i, entries * sizeof *made->row);
   memcpy(made->value, l->x, entries * sizeof *made->value);
@@ -188,7 +191,7 @@ done:
 }
 
 bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topology,
-                              const double *point, const int32_t *order, bwi_harmonic **out) {
+                              const double *point, bwi_harmonic **out) {
   bw_status status = BW_OK;
   const bw_plane_nodes *nodes = topology->nodes;
   int32_t corners = nodes->corner_count;
@@ -217,11 +220,8 @@ bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topo
     status = BW_MEMORY;
     goto done;
   }
-  if (made->inner_count > 0) {
-    BW_TRY(factored(context, list, edges, number, order, made));
-    for (int32_t i = 0; i < made->inner_count; i++)
-      position[made->order[i]] = i;
-  }
+  if (made->inner_count > 0)
+    BW_TRY(factored(context, list, edges, number, position, made));
   for (int32_t i = 0; i < corners; i++)
     made->place[i] = number[i] < 0 ? -1 : position[number[i]];
   int32_t link = 0;
@@ -248,7 +248,6 @@ void bwi_harmonic_free(bwi_harmonic *harmonic) {
   if (!harmonic)
     return;
   bw_free(harmonic->place);
-  bw_free(harmonic->order);
   bw_free(harmonic->start);
   bw_free(harmonic->row);
   bw_free(harmonic->value);

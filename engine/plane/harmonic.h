@@ -20,9 +20,8 @@ typedef struct bwi_harmonic {
   double *work; /* inner_count x 2 */
 } bwi_harmonic;
 
-/* `order`: an elimination order found for the same nodes (copied), or NULL. */
 bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topology,
-                              const double *point, const int32_t *order, bwi_harmonic **out);
+                              const double *point, bwi_harmonic **out);
 void bwi_harmonic_free(bwi_harmonic *harmonic);
 /* u: corners x 2, given on the boundary, filled in inside. */
 void bwi_harmonic_extend(const bwi_harmonic *harmonic, double *u);

@@ -73,7 +73,7 @@ bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
     goto done;
   }
   made->inner->reference = bwi_plane_worst(mesh->topology, mesh->point, &which);
-  BW_TRY(bwi_relocator_create(context, mesh, NULL, &made->inner->relocator));
+  BW_TRY(bwi_relocator_create(context, mesh, &made->inner->relocator));
   *out = made;
   made = NULL;
 done:
@@ -108,7 +108,7 @@ static bw_status reconstruct(bw_context *context, const bw_mover *mover, const b
   frame->relocator = NULL;
   frame->guess = mover->inner->guess;
   BW_TRY(bwi_plane_fill(context, outline, &mover->options.fill, &frame->guess, &frame->mesh));
-  BW_TRY(bwi_relocator_create(context, frame->mesh, NULL, &frame->relocator));
+  BW_TRY(bwi_relocator_create(context, frame->mesh, &frame->relocator));
   frame->report.level = BW_LEVEL_RECONSTRUCTION;
   frame->report.flips = 0;
   frame->report.worst = frame->reference =
@@ -118,9 +118,9 @@ done:
 }
 
 /* Reconnect at these places (taken over) and make it the base of relocation from now on. */
-static bw_status reconnect(bw_context *context, const bw_mover *mover,
-                           const bw_plane_topology *topology, const bw_outline *outline,
-                           double *point, attempt *frame, bool *changed) {
+static bw_status reconnect(bw_context *context, const bw_plane_topology *topology,
+                           const bw_outline *outline, double *point, attempt *frame,
+                           bool *changed) {
   bw_status status = BW_OK;
   bwi_reconnected made = {0};
   bw_plane_mesh *mesh = NULL;
@@ -132,7 +132,7 @@ static bw_status reconnect(bw_context *context, const bw_mover *mover,
                                 made.point, &mesh);
     made.point = NULL;
     BW_TRY(status);
-    BW_TRY(bwi_relocator_create(context, mesh, mover->inner->relocator, &relocator));
+    BW_TRY(bwi_relocator_create(context, mesh, &relocator));
     frame->report.flips += made.flips;
     bw_release(frame->mesh);
     bwi_relocator_free(frame->relocator);
@@ -161,11 +161,11 @@ static bw_status recover(bw_context *context, const bw_mover *mover, const bw_ou
     return BW_MEMORY;
   memcpy(copy, mesh->point, bytes);
   frame->report.restored = true;
-  BW_TRY(reconnect(context, mover, mesh->topology, mesh->outline, copy, frame, &changed));
+  BW_TRY(reconnect(context, mesh->topology, mesh->outline, copy, frame, &changed));
   if (!changed && bwi_relocator_base(mover->inner->relocator) == mesh)
     goto done;  /* relocation from here was what failed */
   if (!changed) /* from here rather than from where the topology was new */
-    BW_TRY(bwi_relocator_create(context, mesh, mover->inner->relocator, &frame->relocator));
+    BW_TRY(bwi_relocator_create(context, mesh, &frame->relocator));
   BW_TRY(
       relocate(context, mover, frame->relocator, frame->mesh ? frame->mesh : mesh, outline, point));
 done:
@@ -211,7 +211,7 @@ static bw_status follow(bw_context *context, const bw_mover *mover, const bw_out
     }
     memcpy(copy, point, count * sizeof *copy);
     bw_retain(topology); /* the frame's own may go */
-    status = reconnect(context, mover, topology, outline, copy, frame, &changed);
+    status = reconnect(context, topology, outline, copy, frame, &changed);
     bw_release(topology);
     BW_TRY(status);
     if (changed || options->force == BW_LEVEL_RECONNECTING)

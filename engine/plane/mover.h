@@ -18,9 +18,8 @@ void bwi_reconnected_clear(bwi_reconnected *reconnected);
 /* Places under relocation, computed from a base: a mesh from which displacements are measured
  * (relocate.c). */
 typedef struct bwi_relocator bwi_relocator;
-/* `like`: one on the same nodes, or NULL. Its equations are factored at the first use. */
-bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
-                               const bwi_relocator *like, bwi_relocator **out);
+/* Its equations are factored at the first use. */
+bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base, bwi_relocator **out);
 void bwi_relocator_free(bwi_relocator *relocator);
 const bw_plane_mesh *bwi_relocator_base(const bwi_relocator *relocator);
 /* Nodes of the outline to their places on it, those inside harmonically along. */

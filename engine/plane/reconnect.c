@@ -49,6 +49,7 @@ bw_status bwi_plane_reconnect(bw_context *context, const bw_plane_topology *topo
   int32_t *side_element = NULL;
   memset(out, 0, sizeof *out);
   BW_TRY(bwi_weave_open(context, topology, point, &weave));
+  bwi_weave_queue_all(&weave);
   out->flips = bwi_weave_flip(&weave);
   for (int round = 0; round < ROUNDS; round++) {
     int32_t moved = bwi_weave_smooth(&weave, POOR, ENOUGH);

@@ -14,7 +14,6 @@
 struct bwi_relocator {
   const bw_plane_mesh *base; /* retained */
   bwi_harmonic *harmonic;    /* NULL: not needed yet */
-  int32_t *order;            /* elimination order of an earlier factor of these nodes, or NULL */
   double extent;             /* of the base */
   double *u;                 /* corners x 2 */
   double *shape;             /* corners: w on the boundary and H w inside */
@@ -32,7 +31,7 @@ static double extent_of(const bw_plane_mesh *mesh) {
 }
 
 bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
-                               const bwi_relocator *like, bwi_relocator **out) {
+                               bwi_relocator **out) {
   bw_status status = BW_OK;
   const bw_plane_nodes *nodes = base->topology->nodes;
   bwi_relocator *made = BW_NEW0(context, bwi_relocator, 1);
@@ -47,18 +46,6 @@ bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
     status = BW_MEMORY;
     goto done;
   }
-  const int32_t *order = !like ? NULL : like->harmonic ? like->harmonic->order : like->order;
-  if (order && like->base->topology->nodes == nodes) {
-    int32_t inner = 0;
-    for (int32_t i = 0; i < nodes->corner_count; i++)
-      inner += nodes->segment[i] < 0;
-    made->order = BW_NEW(context, int32_t, inner);
-    if (!made->order) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    memcpy(made->order, order, (size_t)inner * sizeof *order);
-  }
   *out = made;
   made = NULL;
 done:
@@ -71,7 +58,6 @@ void bwi_relocator_free(bwi_relocator *relocator) {
     return;
   bw_release(relocator->base);
   bwi_harmonic_free(relocator->harmonic);
-  bw_free(relocator->order);
   bw_free(relocator->u);
   bw_free(relocator->shape);
   bw_free(relocator);
@@ -84,7 +70,7 @@ const bw_plane_mesh *bwi_relocator_base(const bwi_relocator *relocator) {
 static bw_status need_factor(bw_context *context, bwi_relocator *r) {
   if (r->harmonic)
     return BW_OK;
-  return bwi_harmonic_create(context, r->base->topology, r->base->point, r->order, &r->harmonic);
+  return bwi_harmonic_create(context, r->base->topology, r->base->point, &r->harmonic);
 }
 
 static void put_on_outline(const bw_plane_nodes *nodes, const bw_outline *outline, double *point) {

@@ -17,8 +17,10 @@ typedef struct bwi_weave {
   uint8_t *held;      /* corners: may not move */
   double *point;      /* x 2 */
   int32_t *star;      /* corners: an element around; kept by flips */
-  int32_t *queue;     /* scratch of flips: x 3 */
-  uint8_t *queued;    /* scratch: x 3 */
+  double *quality;    /* elements; kept by flips and moves */
+  int32_t *queue;     /* x 3: a ring of edges that flips will look at, 3 e + k */
+  uint8_t *queued;    /* x 3 */
+  int64_t head, waiting;
 } bwi_weave;
 
 /* Of a mesh: topology, and points that are copied. Sides, edges between regions and their corners
@@ -27,12 +29,16 @@ bw_status bwi_weave_open(bw_context *context, const bw_plane_topology *topology,
                          const double *point, bwi_weave *weave);
 void bwi_weave_clear(bwi_weave *weave); /* frees all of it */
 
-/* Flips until every edge that may be flipped is Delaunay (but for rounding, and where the new
- * elements would be worse than flat or, curved, folded). Returns the number of flips. */
+/* Every edge into the queue. */
+void bwi_weave_queue_all(bwi_weave *weave);
+void bwi_weave_queue(bwi_weave *weave, int32_t element, int k);
+/* Flips until every edge in the queue, and around what was flipped, is Delaunay (but for rounding,
+ * and where the new elements would be worse than flat or, curved, folded). Returns the number of
+ * flips. */
 int32_t bwi_weave_flip(bwi_weave *weave);
 /* One round over the nodes in order: each goes towards the middle of its star where that does not
  * make the worst element around it worse than `enough`. Only nodes with an element worse than
- * `below` around them. Returns the number of nodes moved. */
+ * `below` around them. Their edges go into the queue. Returns the number of nodes moved. */
 int32_t bwi_weave_smooth(bwi_weave *weave, double below, double enough);
 
 #endif

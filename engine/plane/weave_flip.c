@@ -19,10 +19,11 @@ bw_status bwi_weave_open(bw_context *context, const bw_plane_topology *topology,
   weave->held = BW_NEW0(context, uint8_t, nodes->corner_count);
   weave->point = BW_NEW(context, double, 2 * (size_t)nodes->node_count);
   weave->star = BW_NEW(context, int32_t, nodes->corner_count);
+  weave->quality = BW_NEW(context, double, elements);
   weave->queue = BW_NEW(context, int32_t, 3 * elements);
   weave->queued = BW_NEW0(context, uint8_t, 3 * elements);
   if (!weave->element || !weave->neighbour || !weave->kept || !weave->held || !weave->point ||
-      !weave->star || !weave->queue || !weave->queued) {
+      !weave->star || !weave->quality || !weave->queue || !weave->queued) {
     bwi_weave_clear(weave);
     return BW_MEMORY;
   }
@@ -39,6 +40,8 @@ bw_status bwi_weave_open(bw_context *context, const bw_plane_topology *topology,
       weave->kept[3 * e + k] = 1;
       weave->held[corner] = weave->held[weave->element[width * e + (k + 1) % 3]] = 1;
     }
+  for (size_t e = 0; e < elements; e++)
+    weave->quality[e] = bwi_plane_quality(weave->point, weave->element + width * e, weave->order);
   /* a loop between two parts of one region is an outline's as well */
   for (int32_t s = 0; s < topology->side_count; s++)
     for (int i = 0; i < 2; i++) {
@@ -60,6 +63,7 @@ void bwi_weave_clear(bwi_weave *weave) {
   bw_free(weave->held);
   bw_free(weave->point);
   bw_free(weave->star);
+  bw_free(weave->quality);
   bw_free(weave->queue);
   bw_free(weave->queued);
   memset(weave, 0, sizeof *weave);
@@ -127,8 +131,8 @@ static void turned(const bwi_weave *weave, const quad *q, int32_t e[6], int32_t 
 
 /* Both elements must come out right: convexity follows from the sum of the angles but for rounding,
  * curved sides (order 2) may fold the new ones. The middle goes to its new place, or stays. */
-static bool comes_out_right(bwi_weave *weave, const int32_t e[6], const int32_t f[6],
-                            double floor) {
+static bool comes_out_right(bwi_weave *weave, const int32_t e[6], const int32_t f[6], double floor,
+                            double quality[2]) {
   double *middle = NULL, before[2] = {0, 0};
   if (weave->order == 2) {
     middle = weave->point + 2 * (size_t)e[3];
@@ -137,8 +141,9 @@ static bool comes_out_right(bwi_weave *weave, const int32_t e[6], const int32_t 
     for (int i = 0; i < 2; i++)
       middle[i] = (c[i] + d[i]) / 2;
   }
-  if (bwi_plane_quality(weave->point, e, weave->order) > floor &&
-      bwi_plane_quality(weave->point, f, weave->order) > floor)
+  quality[0] = bwi_plane_quality(weave->point, e, weave->order);
+  quality[1] = bwi_plane_quality(weave->point, f, weave->order);
+  if (quality[0] > floor && quality[1] > floor)
     return true;
   if (middle)
     memcpy(middle, before, sizeof before);
@@ -163,13 +168,13 @@ static bool try_flip(bwi_weave *weave, int32_t e, int k) {
   int32_t en[6], fn[6];
   if (!violates(weave, &q))
     return false;
-  double floor =
-      fmin(bwi_plane_quality(weave->point, weave->element + width * (size_t)q.e, weave->order),
-           bwi_plane_quality(weave->point, weave->element + width * (size_t)q.f, weave->order));
+  double floor = fmin(weave->quality[q.e], weave->quality[q.f]), quality[2];
   floor = weave->order == 2 ? fmax(fmin(floor, 0.3), 0) : 0;
   turned(weave, &q, en, fn);
-  if (!comes_out_right(weave, en, fn, floor))
+  if (!comes_out_right(weave, en, fn, floor, quality))
     return false;
+  weave->quality[q.e] = quality[0];
+  weave->quality[q.f] = quality[1];
   const int32_t *around_e = weave->neighbour + 3 * (size_t)q.e;
   const int32_t *around_f = weave->neighbour + 3 * (size_t)q.f;
   const uint8_t *kept_e = weave->kept + 3 * (size_t)q.e, *kept_f = weave->kept + 3 * (size_t)q.f;
@@ -191,33 +196,38 @@ static bool try_flip(bwi_weave *weave, int32_t e, int k) {
   return true;
 }
 
+void bwi_weave_queue(bwi_weave *weave, int32_t element, int k) {
+  int64_t h = 3 * (int64_t)element + k, edges = 3 * (int64_t)weave->element_count;
+  if (weave->kept[h] || weave->neighbour[h] < 0 || weave->queued[h])
+    return;
+  weave->queued[h] = 1;
+  weave->queue[(weave->head + weave->waiting++) % edges] = (int32_t)h;
+}
+
+void bwi_weave_queue_all(bwi_weave *weave) {
+  for (int32_t e = 0; e < weave->element_count; e++)
+    for (int k = 0; k < 3; k++)
+      if (weave->neighbour[3 * (size_t)e + (size_t)k] > e)
+        bwi_weave_queue(weave, e, k);
+}
+
 int32_t bwi_weave_flip(bwi_weave *weave) {
-  int64_t edges = 3 * (int64_t)weave->element_count, head = 0, waiting = 0, flips = 0;
-  /* each edge once, then those around flips again: a queue of at most every edge */
-  for (int64_t h = 0; h < edges; h++) {
-    weave->queued[h] = !weave->kept[h] && weave->neighbour[h] > h / 3;
-    if (weave->queued[h])
-      weave->queue[waiting++] = (int32_t)h;
-  }
-  while (waiting > 0 && flips < 16 * edges) {
-    int32_t h = weave->queue[head];
-    head = head + 1 < edges ? head + 1 : 0;
-    waiting--;
+  int64_t edges = 3 * (int64_t)weave->element_count, flips = 0;
+  while (weave->waiting > 0) {
+    int32_t h = weave->queue[weave->head];
+    weave->head = weave->head + 1 < edges ? weave->head + 1 : 0;
+    weave->waiting--;
     weave->queued[h] = 0;
-    if (weave->kept[h] || weave->neighbour[h] < 0 || !try_flip(weave, h / 3, h % 3))
+    /* rounding cannot make flips go round for ever: beyond any number that is needed they stop */
+    if (weave->kept[h] || weave->neighbour[h] < 0 || flips > 16 * edges ||
+        !try_flip(weave, h / 3, h % 3))
       continue;
     flips++;
-    int32_t pair[2] = {h / 3, 0};
-    pair[1] = weave->neighbour[3 * (size_t)pair[0]];
-    for (int i = 0; i < 2; i++)
-      for (int k = 1; k < 3; k++) {
-        int64_t other = 3 * (int64_t)pair[i] + k;
-        if (weave->kept[other] || weave->neighbour[other] < 0 || weave->queued[other])
-          continue;
-        weave->queued[other] = 1;
-        weave->queue[(head + waiting) % edges] = (int32_t)other;
-        waiting++;
-      }
+    int32_t other = weave->neighbour[3 * (size_t)(h / 3)];
+    for (int k = 1; k < 3; k++) {
+      bwi_weave_queue(weave, h / 3, k);
+      bwi_weave_queue(weave, other, k);
+    }
   }
   return (int32_t)flips;
 }

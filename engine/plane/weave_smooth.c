@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_AROUND = 64 };
+enum { MOST_AROUND = 64, WANTED = 2 };
 
 /* The elements around an inner node, counter-clockwise. 0 when they do not close (or are too many
  * to be worth while). */
@@ -29,12 +29,15 @@ static int around(const bwi_weave *weave, int32_t node, int32_t element[MOST_ARO
   return count;
 }
 
-static double worst_of(const bwi_weave *weave, int count, const int32_t *element) {
+/* Qualities of the elements around as they are now; the worst. */
+static double judge(const bwi_weave *weave, int count, const int32_t *element, double *quality) {
   size_t width = weave->order == 2 ? 6 : 3;
   double worst = INFINITY;
-  for (int i = 0; i < count; i++)
-    worst = fmin(worst, bwi_plane_quality(weave->point, weave->element + width * (size_t)element[i],
-                                          weave->order));
+  for (int i = 0; i < count; i++) {
+    quality[i] =
+        bwi_plane_quality(weave->point, weave->element + width * (size_t)element[i], weave->order);
+    worst = fmin(worst, quality[i]);
+  }
   return worst;
 }
 
@@ -67,33 +70,49 @@ static void middle_of(const bwi_weave *weave, int count, const int32_t *element,
   }
 }
 
-int32_t bwi_weave_smooth(bwi_weave *weave, double below, double enough) {
-  int32_t element[MOST_AROUND], moved = 0;
+static bool smooth_node(bwi_weave *weave, int32_t node, double below, double enough) {
+  int32_t element[MOST_AROUND];
   int corner[MOST_AROUND];
-  for (int32_t node = 0; node < weave->corner_count; node++) {
-    if (weave->held[node])
+  double quality[MOST_AROUND], before = INFINITY, old[2], target[2], part = 1;
+  int count = around(weave, node, element, corner);
+  if (count < 3)
+    return false;
+  for (int i = 0; i < count; i++)
+    before = fmin(before, weave->quality[element[i]]);
+  if (before >= below)
+    return false;
+  memcpy(old, weave->point + 2 * (size_t)node, sizeof old);
+  middle_of(weave, count, element, corner, target);
+  for (int tries = 0; tries < 4; tries++, part /= 2) {
+    double at[2] = {old[0] + part * (target[0] - old[0]), old[1] + part * (target[1] - old[1])};
+    put(weave, node, count, element, corner, at);
+    double after = judge(weave, count, element, quality);
+    if (!(after > before || after >= enough))
       continue;
-    int count = around(weave, node, element, corner);
-    if (count < 3)
-      continue;
-    double before = worst_of(weave, count, element);
-    if (before >= below)
-      continue;
-    double old[2], target[2], part = 1;
-    memcpy(old, weave->point + 2 * (size_t)node, sizeof old);
-    middle_of(weave, count, element, corner, target);
-    int tries = 0;
-    for (; tries < 4; tries++, part /= 2) {
-      double at[2] = {old[0] + part * (target[0] - old[0]), old[1] + part * (target[1] - old[1])};
-      put(weave, node, count, element, corner, at);
-      double after = worst_of(weave, count, element);
-      if (after > before || after >= enough)
-        break;
+    for (int i = 0; i < count; i++) {
+      weave->quality[element[i]] = quality[i];
+      for (int k = 0; k < 3; k++)
+        bwi_weave_queue(weave, element[i], k);
     }
-    if (tries == 4)
-      put(weave, node, count, element, corner, old);
-    else
-      moved++;
+    return true;
+  }
+  put(weave, node, count, element, corner, old);
+  return false;
+}
+
+int32_t bwi_weave_smooth(bwi_weave *weave, double below, double enough) {
+  size_t width = weave->order == 2 ? 6 : 3;
+  int32_t moved = 0;
+  /* mark the nodes that are wanted, so that they come in their order */
+  for (int32_t e = 0; e < weave->element_count; e++)
+    if (weave->quality[e] < below)
+      for (size_t k = 0; k < 3; k++)
+        weave->held[weave->element[width * (size_t)e + k]] |= WANTED;
+  for (int32_t node = 0; node < weave->corner_count; node++) {
+    uint8_t held = weave->held[node];
+    weave->held[node] = held & 1;
+    if (held == WANTED)
+      moved += smooth_node(weave, node, below, enough);
   }
   return moved;
 }

@@ -39,6 +39,7 @@ local bw = {
   domains = core.domains,
   outline = require "barwright.outline",
   responsive = require "barwright.responsive",
+  plane = core.plane,
   edit = require "barwright.edit",
   live = require("barwright.live").run,
   von_mises_gradient = core.von_mises_gradient,

@@ -101,8 +101,8 @@ int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
-    lbw_local_system_class, lbw_live_server_class, lbw_outline_class,
-    lbw_sheet_class;
+    lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
+    lbw_plane_mesh_class, lbw_mover_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -208,6 +208,13 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
 /* A mask of `count` bytes from an array, in a userdata that is pushed. */
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count);
 
+/* {size, elements, ...} at `index`. `field` is pushed: NULL (and nil), or what to begin and end
+ * around the call. */
+void lbw_read_plane_options(lua_State *L, int index, const char *function,
+                            bw_plane_options *options, lbw_field **field);
+/* {worst = , worst_element = , mean = , ...} */
+void lbw_push_plane_quality(lua_State *L, const bw_plane_mesh *mesh);
+
 /* The equations of a model: those it has, or new ones that reuse what they can. Retained by the
  * model's box; between lbw_enter and lbw_leave. */
 bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system);
@@ -234,6 +241,8 @@ void lbw_open_optimise(lua_State *L);
 void lbw_open_live(lua_State *L);
 void lbw_open_outline(lua_State *L);
 void lbw_open_sheet(lua_State *L);
+void lbw_open_plane(lua_State *L);
+void lbw_open_mover(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

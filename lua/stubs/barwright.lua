@@ -27,6 +27,7 @@
 ---@field edit bw.EditModule
 ---@field outline bw.OutlineModule
 ---@field responsive bw.ResponsiveModule
+---@field plane bw.PlaneModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
@@ -2457,5 +2458,137 @@ function Sheet:counts() end
 
 ---Releases it early.
 function Sheet:close() end
+
+-- ---- plane meshes --------------------------------------------------------------------------------
+
+---Triangle meshes of outlines, and movers that let them follow an outline that is dragged.
+---@class bw.PlaneModule
+local plane_module = {}
+
+---Fills an outline with triangles. `size` is the wanted edge length in m; without it (or a `field`)
+---about `elements` triangles are made (2000). `field` gives the edge length by place: a function of
+---x, y, or a formula in them. `minimum_angle` of elements in degrees (25), `curvature`: largest turn of
+---a boundary edge in degrees (20), `limit` of elements (5 million). Every vertex of the outline is a
+---node; with order 2 sides follow the curves.
+---@param outline bw.Outline
+---@param options? {order?: integer, size?: number, elements?: integer, field?: function|string|number, minimum_angle?: number, curvature?: number, limit?: integer}
+---@return bw.PlaneMesh?
+---@return string? message
+---@return table? details
+function plane_module.fill(outline, options) end
+
+---A mesh from arrays: corners first, middles of edges 01, 12, 20 behind them (order 2); elements
+---counter-clockwise. Its boundary becomes an outline with one edge per side, unless `outline` is given
+---with the `edges` (of every node, 0: inside) and `parameters` (0 up to below 1) of its nodes.
+---@param options {points: table|bw.Array, elements: table|bw.Array, regions?: table|bw.Array, order?: integer, outline?: bw.Outline, edges?: table|bw.Array, parameters?: table|bw.Array}
+---@return bw.PlaneMesh?
+---@return string? message
+---@return table? details
+function plane_module.new(options) end
+
+---Squares cut in two; its outline has the tags bottom, right, top, left. `diagonal`: "right" (from
+---lower left to upper right), "left", "union jack".
+---@param options {low?: number[], high?: number[], cells?: integer[], order?: integer, diagonal?: string}
+---@return bw.PlaneMesh?
+---@return string? message
+---@return table? details
+function plane_module.rectangle(options) end
+
+---A mover: a mesh that follows its outline. Elements below the quality `distorted` (0.35) call for
+---reconnecting, below `rebuild` (0.1) after it for a new mesh. `relocation`: "harmonic" or "springs"
+---(with `sweeps` rounds, 2). `force`: at least this level each time. `fill`: options of new meshes; by
+---default as many elements as the mesh has.
+---@param mesh bw.PlaneMesh
+---@param options? {relocation?: string, sweeps?: integer, distorted?: number, rebuild?: number, force?: string, fill?: table}
+---@return bw.Mover?
+---@return string? message
+---@return table? details
+function plane_module.mover(mesh, options) end
+
+---A triangle mesh of an outline; never changed.
+---@class bw.PlaneMesh
+---@field points bw.Array x, y of nodes, m: corners first
+---@field elements bw.Array 3 or 6 nodes, corners counter-clockwise, then middles of edges 01, 12, 20
+---@field regions bw.Array of elements
+---@field neighbours bw.Array of elements: across edges 01, 12, 20 (0: none)
+---@field sides bw.Array edges on the outline, along its edges: start, end (and middle)
+---@field side_elements bw.Array of sides: left, right (0: none)
+---@field side_edges bw.Array of sides: the outline's edge
+---@field node_edges bw.Array of nodes: the outline's edge that they lie on (0: inside)
+---@field node_parameters bw.Array of nodes: where on that edge
+---@field order integer 1 or 2
+---@field node_count integer
+---@field corner_count integer
+---@field element_count integer
+---@field outline bw.Outline
+---@field quality table {worst, worst_element, mean, smallest_angle, largest_angle, area, inverted}
+---@field element_quality bw.Array of elements: 1 equilateral, 0 flat, below 0 inverted
+local PlaneMesh = {}
+
+---The same mesh elsewhere: nodes on the outline must lie on the one given.
+---@param outline bw.Outline of the same topology
+---@param points table|bw.Array x, y of every node
+---@return bw.PlaneMesh?
+---@return string? message
+---@return table? details
+function PlaneMesh:moved(outline, points) end
+
+---Values at nodes carried to the nodes of another mesh: copied where the nodes are the same,
+---interpolated otherwise.
+---@param to bw.PlaneMesh
+---@param values bw.Array a row for every node
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function PlaneMesh:carry(to, values) end
+
+---The element at a place, or the nearest.
+---@param at number[] x, y
+---@return integer element
+---@return number[] barycentric
+---@return number outside distance from the mesh, 0 inside
+function PlaneMesh:locate(at) end
+
+---What two meshes have in common: "topology" (the pattern of matrices holds), "nodes" (preconditioners
+---and solutions hold), or nil.
+---@param other bw.PlaneMesh
+---@return string?
+function PlaneMesh:shares(other) end
+
+---Writes a .vtu file.
+---@param path string
+---@param options? {fields?: table} name = array, of nodes or elements
+---@return boolean?
+---@return string? message
+---@return table? details
+function PlaneMesh:write(path, options) end
+
+---Lets go at once.
+function PlaneMesh:close() end
+
+---@class bw.Mover
+---@field mesh bw.PlaneMesh the current one
+---@field outline bw.Outline the current one
+local Mover = {}
+
+---Takes the mesh to an outline. Of the same topology: relocation of nodes, reconnecting by flips, or
+---reconstruction, whatever is enough; of another: reconstruction. The report has `level` ("none",
+---"relocation", "reconnecting", "reconstruction"), `flips`, `worst` quality and `worst_element`,
+---`restored` and `seconds`. On failure the mover is as it was.
+---@param outline bw.Outline
+---@return table? report
+---@return string? message
+---@return table? details
+function Mover:follow(outline) end
+
+---The adjoint of relocation: how J grows with the outline's points, from how it grows with the nodes.
+---@param gradient table|bw.Array x, y for every node
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Mover:pull_back(gradient) end
+
+---Lets go at once.
+function Mover:close() end
 
 return bw

@@ -15,7 +15,8 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   pressure_basis = "bw.PressureBasis", skeleton = "bw.Skeleton",
   domains = "bw.Domains", local_system = "bw.LocalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
-  sheet = "bw.Sheet"}
+  sheet = "bw.Sheet",
+  plane_mesh = "bw.PlaneMesh", mover = "bw.Mover"}
 
 local function keys(...)
   local out = {}
@@ -54,6 +55,7 @@ describe("the stubs", function()
     same(keys(bw.skeleton), "bw.SkeletonModule")
     same(keys(bw.outline), "bw.OutlineModule")
     same(keys(bw.responsive), "bw.ResponsiveModule")
+    same(keys(bw.plane), "bw.PlaneModule")
     same(keys(bw.edit), "bw.EditModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
     local library = {}

@@ -6,6 +6,7 @@
 
 #include "barwright/mesh.h"
 #include "barwright/outline.h"
+#include "barwright/plane.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -104,6 +105,9 @@ bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *p
 /* A surface with fields on its points or facets, as .vtu (BW_ON_ELEMENTS = facets). */
 bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
                                int field_count, const bw_field *fields);
+/* A plane mesh with fields on its nodes or elements, as .vtu at z = 0. */
+bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh, const char *path,
+                             int field_count, const bw_field *fields);
 
 /* Sound, -1 to 1 (clipped), one channel of 16-bit samples. */
 bw_status bw_wav_write(bw_context *context, const char *path, int32_t rate, int64_t count,

@@ -107,7 +107,7 @@ static void flipped_middles(void **state) {
   memcpy(place, first->point, sizeof place);
   for (int i = 0; i < 8; i++)
     if (place[2 * i] > 0.9 && place[2 * i] < 1.5)
-      place[2 * i] += 0.1;
+      place[2 * i] += 0.25;
   check_ok(context, bw_outline_moved(context, first, place, &outline));
   bw_follow_options options;
   bw_follow_options_default(&options);
