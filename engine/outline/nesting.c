@@ -21,10 +21,9 @@ static int passes(const bwi_curve *curve, const double at[2]) {
     double turn = (q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0]);
     return from == to ? 0 : to ? turn > 0 : -(turn < 0);
   }
-  bwi_curve left, right;
-  bwi_curve_split(curve, 0.5, &left, &right);
-  /* Nothing lies between two neighbouring numbers: then it is a line. */
-  if (bwi_curve_sag(curve) <= 1e-14 * fmax(high[0] - low[0], high[1] - low[1]) + 1e-300) {
+  /* As straight as its coordinates can tell: the gap between segments is far larger. */
+  double far = fmax(fmax(fabs(low[0]), fabs(high[0])), fmax(fabs(low[1]), fabs(high[1])));
+  if (bwi_curve_sag(curve) <= 1e-14 * far) {
     bwi_curve line = {2, {{0, 0}}};
     for (int k = 0; k < 2; k++) {
       line.point[0][k] = curve->point[0][k];
@@ -32,6 +31,8 @@ static int passes(const bwi_curve *curve, const double at[2]) {
     }
     return passes(&line, at);
   }
+  bwi_curve left, right;
+  bwi_curve_split(curve, 0.5, &left, &right);
   return passes(&left, at) + passes(&right, at);
 }
 

@@ -206,6 +206,25 @@ static int outline_write(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* outline:picture(path, {width, height, numbers}): PNG */
+static int outline_picture(lua_State *L) {
+  struct {
+    int width, height;
+    bool numbers;
+  } wish = {1200, 900, false};
+  static const lbw_option list[] = {{"width", LBW_INT, 0},
+                                    {"height", LBW_INT, sizeof(int)},
+                                    {"numbers", LBW_BOOLEAN, 2 * sizeof(int)},
+                                    {NULL, LBW_OTHER, 0}};
+  const bw_outline *outline = self(L);
+  const char *path = lbw_check_text(L, 2, NULL);
+  lbw_options(L, 3, "picture", list, &wish);
+  bw_status status =
+      bw_picture_outline(lbw_enter(L), outline, wish.width, wish.height, wish.numbers, path);
+  lua_pushboolean(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
 /* ---- moving and editing: each gives a new outline -------------------------------------------- */
 
 /* outline:with_points(points): the same segments with other points, vertices and control points */
@@ -669,6 +688,7 @@ static int outline_same_topology(lua_State *L) {
 }
 
 static const luaL_Reg methods[] = {{"write", outline_write},
+                                   {"picture", outline_picture},
                                    {"with_points", outline_with_points},
                                    {"moved", outline_moved},
                                    {"weights", outline_weights},

@@ -1396,6 +1396,14 @@ local Outline = {}
 ---@return table? details
 function Outline:write(path) end
 
+---A picture as PNG: regions, edges coloured by tag, with `numbers` those of the edges.
+---@param path string
+---@param options? {width?: integer, height?: integer, numbers?: boolean} 1200 x 900
+---@return true?
+---@return string? message
+---@return table? details
+function Outline:picture(path, options) end
+
 ---Moves a handle: {vertex = n} (with the control points beside it), {edge = n}, or {loop = name} with
 ---the loops inside it. With a loop beside them, vertex and edge count from that loop's first.
 ---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}

@@ -3,6 +3,7 @@
 #define BARWRIGHT_PICTURE_H
 
 #include "barwright/analysis.h"
+#include "barwright/outline.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -35,6 +36,10 @@ void bw_picture_options_default(bw_picture_options *options);
  * gives the same bytes, for any number of threads. */
 bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
                              bool on_facets, const bw_picture_options *options, const char *path);
+/* An outline, flat, to a PNG file: regions, edges coloured by their tags, with `numbers` those of
+ * the edges (from 1). */
+bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int width, int height,
+                             bool numbers, const char *path);
 /* The colour map (0..1 -> sRGB bytes; nan: grey), shared with the report: even in the OKLab space,
  * lightness falling from a pale blue to a dark red. */
 void bw_colour(double t, unsigned char rgb[3]);
