@@ -276,12 +276,12 @@ static void handles_take_their_control_points(void **state) {
 enum { SAMPLES = 400 };
 
 /* The least distance of samples that are not close along the loop, and whether chords cross. */
-static bool sampled_crossing(const draft *d) {
+static bool sampled_crossing(const draft *d, int samples) {
   static double sample[DRAFT_POINTS * 4][2];
   int32_t n = 0;
   for (int32_t s = 0; s < d->segments; s++) {
     bwi_curve curve = bwi_curve_of(d->point, &d->segment[s]);
-    int parts = curve.count == 2 ? 1 : SAMPLES;
+    int parts = curve.count == 2 ? 1 : samples;
     for (int k = 0; k < parts; k++)
       bwi_curve_at(&curve, (double)k / parts, sample[n++], NULL, NULL);
   }
@@ -325,7 +325,7 @@ static void crossings_agree_with_sampling(void **state) {
     }
     bw_outline *o = NULL;
     bw_status status = draft_try(context, &d, &o);
-    bool expected = sampled_crossing(&d);
+    bool expected = sampled_crossing(&d, SAMPLES);
     crossed += expected;
     if ((status == BW_OK) == expected)
       fail_msg("round %d: samples %s, outline: %s", round, expected ? "cross" : "do not cross",
@@ -336,6 +336,59 @@ static void crossings_agree_with_sampling(void **state) {
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */
+
+/* Handles dragged at random, small and far: what is accepted does not cross when sampled, keeps its
+ * loops in place, and what is refused leaves the outline as it was. */
+static void random_drags_stay_valid(void **state) {
+  bw_context *context = check_context(state);
+  draft d = {0};
+  draft_rectangle(&d, "body", 0, 0, 0, 4, 3);
+  draft_circle(&d, "hole", -1, 1, 1.5, 0.5);
+  draft_rectangle(&d, "island", 1, 0.9, 1.4, 1.1, 1.6);
+  draft_cubics(&d, "drop", -1, 2, (double[]){2.5, 1, 3.5, 1, 3, 2.5, 2.5, 2, 2, 1.8, 2.2, 1});
+  bw_outline *o = draft_make(context, &d);
+  size_t points = (size_t)o->point_count;
+  double *weight = malloc(points * sizeof *weight), *point = malloc(2 * points * sizeof *point);
+  bw_random random;
+  bw_random_seed(&random, 11);
+  int accepted = 0, refused = 0, rounds = getenv("BARWRIGHT_FULL") ? 100000 : 10000;
+  for (int round = 0; round < rounds; round++) {
+    bw_handle_kind kind = (bw_handle_kind)(bw_random_bits(&random) % 3);
+    int32_t count = kind == BW_HANDLE_LOOP ? o->loop_count : o->segment_count;
+    int32_t index = (int32_t)(bw_random_bits(&random) % (uint64_t)count);
+    if (kind == BW_HANDLE_VERTEX)
+      index = o->segment[index].point[0];
+    double reach = round % 10 == 0 ? 2 : 0.1, by[2];
+    for (int k = 0; k < 2; k++)
+      by[k] = reach * bw_random_normal(&random);
+    check_ok(context, bw_outline_handle(context, o, kind, index, weight));
+    for (size_t i = 0; i < 2 * points; i++)
+      point[i] = o->point[i] + weight[i / 2] * by[i % 2];
+    bw_outline *moved = NULL;
+    bw_status status = bw_outline_moved(context, o, point, &moved);
+    if (status != BW_OK) {
+      assert_int_equal(status, BW_GEOMETRY);
+      assert_null(moved);
+      refused++;
+      continue;
+    }
+    bw_release(o);
+    o = moved;
+    accepted++;
+    for (int32_t l = 0; l < o->loop_count && round % 20 == 0; l++) {
+      draft one = {.segments = o->loop[l].count};
+      memcpy(one.point, o->point, 2 * points * sizeof *point);
+      memcpy(one.segment, o->segment + o->loop[l].first,
+             (size_t)o->loop[l].count * sizeof *o->segment);
+      assert_false(sampled_crossing(&one, 40));
+    }
+  }
+  check_outline(context, o);
+  assert_true(accepted > rounds / 10 && refused > rounds / 10);
+  free(weight);
+  free(point);
+  bw_release(o);
+}
 
 static void memory_failures_lose_nothing(void **state) {
   bw_context *context = check_context(state);
@@ -372,6 +425,7 @@ int main(void) {
       check_test(moving_keeps_the_topology),
       check_test(handles_take_their_control_points),
       check_test(crossings_agree_with_sampling),
+      check_test(random_drags_stay_valid),
       check_test(memory_failures_lose_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
