@@ -51,6 +51,12 @@ bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
                         double minimum_angle, int64_t limit, bwi_filling *filling);
 void bwi_filling_clear(bwi_filling *filling);
 
+/* The mesh (fill_mesh.c). *fits false: elements are inverted or folded, and nodes along the curves
+ * must be denser. */
+bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
+                        const bwi_fill_boundary *boundary, bwi_filling *filling, int order,
+                        bool *fits, bw_plane_mesh **mesh);
+
 /* bw_plane_fill with a guess of the edge length for a wanted number of elements (0: none), which
  * comes back as what was used. */
 bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,

@@ -31,10 +31,6 @@ bw_status bwi_plane_topology_like(bw_context *context, const bw_plane_topology *
                                   bw_plane_topology **out);
 bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, const double *point,
                                  int32_t elements, const int32_t *element);
-/* The segment after s in its loop. */
-int32_t bwi_plane_next_segment(const bw_outline *outline, int32_t s);
-/* Whether points can move from one to the other: the same segments and loops. */
-bool bwi_plane_same_shape(const bw_outline *a, const bw_outline *b);
 
 /* ---- quality (quality.c) ------------------------------------------------------------------------
  */
@@ -50,6 +46,13 @@ double bwi_plane_worst(const bw_plane_topology *topology, const double *point, i
 
 /* Shape functions of tri6 and their derivatives at (r, s): corners at (0,0), (1,0), (0,1). */
 void bwi_tri6(double r, double s, double f[6], double fr[6], double fs[6]);
+
+/* Whether points can move from one to the other: the same segments and loops, also when both were
+ * made anew (a script may write its outline down for each frame). */
+bool bwi_plane_same_shape(const bw_outline *a, const bw_outline *b);
+
+/* The numbers of places (x 2) along a Morton curve (morton.c). */
+bw_status bwi_order_places(bw_context *context, int32_t count, const double *place, int32_t *order);
 
 static inline double bwi_cross2(const double a[2], const double b[2], const double c[2]) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);

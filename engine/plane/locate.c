@@ -9,7 +9,6 @@
 #include "plane/internal.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { LEAF = 4 };
@@ -20,27 +19,6 @@ struct bw_plane_locator {
   int64_t leaves;            /* a power of two */
   double (*box)[4];          /* 2 leaves - 1: low, high */
 };
-
-typedef struct coded {
-  uint64_t code;
-  int32_t element;
-} coded;
-
-static int by_code(const void *a, const void *b) {
-  const coded *p = a, *q = b;
-  if (p->code != q->code)
-    return p->code < q->code ? -1 : 1;
-  return (p->element > q->element) - (p->element < q->element);
-}
-
-static uint64_t spread(uint64_t v) {
-  v = (v | v << 16) & 0x0000ffff0000ffff;
-  v = (v | v << 8) & 0x00ff00ff00ff00ff;
-  v = (v | v << 4) & 0x0f0f0f0f0f0f0f0f;
-  v = (v | v << 2) & 0x3333333333333333;
-  v = (v | v << 1) & 0x5555555555555555;
-  return v;
-}
 
 static void corners_of(const bw_plane_mesh *mesh, int32_t element, const double *x[3]) {
   const bw_plane_topology *t = mesh->topology;
@@ -77,9 +55,9 @@ bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh
                                   bw_plane_locator **out) {
   bw_status status = BW_OK;
   int32_t count = mesh->topology->element_count;
-  coded *list = BW_NEW(context, coded, count);
+  double *middle = BW_NEW(context, double, 2 * (size_t)count);
   bw_plane_locator *made = BW_NEW0(context, bw_plane_locator, 1);
-  if (!list || !made) {
+  if (!middle || !made) {
     status = BW_MEMORY;
     goto done;
   }
@@ -93,28 +71,18 @@ bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh
     status = BW_MEMORY;
     goto done;
   }
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-  for (int64_t i = 0; i < mesh->topology->nodes->corner_count; i++)
-    for (int k = 0; k < 2; k++) {
-      low[k] = fmin(low[k], mesh->point[2 * i + k]);
-      high[k] = fmax(high[k], mesh->point[2 * i + k]);
-    }
-  double scale = 4294967295.0 / fmax(high[0] - low[0], high[1] - low[1]);
   for (int32_t i = 0; i < count; i++) {
     const double *x[3];
     corners_of(mesh, i, x);
-    list[i] = (coded){0, i};
-    for (int k = 0; k < 2; k++)
-      list[i].code |= spread((uint64_t)(((x[0][k] + x[1][k] + x[2][k]) / 3 - low[k]) * scale)) << k;
+    for (size_t k = 0; k < 2; k++)
+      middle[2 * (size_t)i + k] = (x[0][k] + x[1][k] + x[2][k]) / 3;
   }
-  qsort(list, (size_t)count, sizeof *list, by_code);
-  for (int32_t i = 0; i < count; i++)
-    made->element[i] = list[i].element;
+  BW_TRY(bwi_order_places(context, count, middle, made->element));
   fill_boxes(made);
   *out = made;
   made = NULL;
 done:
-  bw_free(list);
+  bw_free(middle);
   bw_plane_locator_free(made);
   return status;
 }

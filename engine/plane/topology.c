@@ -27,24 +27,15 @@ static size_t topology_bytes(const void *object) {
 
 static const bw_kind topology_kind = {"plane topology", topology_destroy, topology_bytes};
 
-int32_t bwi_plane_next_segment(const bw_outline *outline, int32_t s) {
-  for (int32_t l = 0; l < outline->loop_count; l++) {
-    const bw_loop *loop = &outline->loop[l];
-    if (s >= loop->first && s < loop->first + loop->count)
-      return s + 1 < loop->first + loop->count ? s + 1 : loop->first;
-  }
-  return s;
-}
-
 bool bwi_plane_same_shape(const bw_outline *a, const bw_outline *b) {
-  if (a == b)
+  if (bw_outline_same_topology(a, b))
     return true;
   if (a->point_count != b->point_count || a->segment_count != b->segment_count ||
       a->loop_count != b->loop_count || a->region_count != b->region_count)
     return false;
   for (int32_t s = 0; s < a->segment_count; s++)
     if (memcmp(a->segment[s].point, b->segment[s].point, sizeof a->segment[s].point) ||
-        a->segment[s].tag != b->segment[s].tag)
+        strcmp(a->tag[a->segment[s].tag].text, b->tag[b->segment[s].tag].text))
       return false;
   for (int32_t l = 0; l < a->loop_count; l++) {
     const bw_loop *p = &a->loop[l], *q = &b->loop[l];
