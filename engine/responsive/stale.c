@@ -18,17 +18,19 @@
 
 /* The model's machine: of the factorisation, operations and passes over the factor (fronts are
  * small, adding them up is memory traffic); of an iteration, reading. */
-#define FLOPS_PER_SECOND 25e9
-#define FACTOR_BYTES_PER_SECOND 6e9
+#define FLOPS_PER_SECOND 20e9
+#define FACTOR_BYTES_PER_SECOND 4e9
 #define BYTES_PER_SECOND 16e9
 #define UMFPACK_FLOPS_PER_SECOND 1.5e9
 /* Per node: analysis under a given order, and finding an order. */
 #define ANALYSIS_SECONDS 2e-7
 #define ORDER_SECONDS 3e-6
-/* Iterations expected of the first solve with an old factor: before there is experience, few, so
- * that it is made; and less by this share each time that the expectation ruled it out, since drags
- * slow down. */
+/* Iterations expected of the first solve with an old factor, and of the first after edges were
+ * flipped: before there is experience, few, so that the former is made, and many, since flips
+ * change entries altogether; and less by this share each time that the expectation ruled it out,
+ * since drags slow down. */
 #define FIRST_GUESS 2.0
+#define FIRST_GUESS_FLIPPED 25.0
 #define FORGETTING 0.9
 
 struct bw_stale {
@@ -39,12 +41,13 @@ struct bw_stale {
   const bw_plane_topology *topology; /* retained: of the factor; NULL: there is none */
   bwi_stale_work work;               /* of the last factorisation */
   /* since it: */
-  int solves;   /* with the factor old */
-  int last;     /* iterations of the last of them */
-  double spent; /* s of the model's machine, the factorisation included */
-  double first; /* iterations expected of the first of them */
-  double *room; /* vectors */
-  size_t size;  /* numbers in each */
+  int solves;                             /* with the factor old */
+  int last;                               /* iterations of the last of them */
+  double spent;                           /* s of the model's machine, the factorisation included */
+  const bw_plane_topology *last_topology; /* of the last solve, retained */
+  double first, first_flipped; /* iterations expected of the first of them, and after flips */
+  double *room;                /* vectors */
+  size_t size;                 /* numbers in each */
 };
 
 enum { SYMMETRIC_VECTORS = 5, UNSYMMETRIC_VECTORS = 8 };
@@ -65,6 +68,7 @@ bw_status bw_stale_create(bw_context *context, bool symmetric, int components, b
   stale->symmetric = symmetric;
   stale->components = components;
   stale->first = FIRST_GUESS;
+  stale->first_flipped = FIRST_GUESS_FLIPPED;
   if (symmetric)
     BW_TRY(bwi_stale_symmetric_create(context, components, &stale->cholesky));
   else
@@ -79,7 +83,8 @@ done:
 
 static void forget_factor(bw_stale *stale) {
   bw_release(stale->topology);
-  stale->topology = NULL;
+  bw_release(stale->last_topology);
+  stale->topology = stale->last_topology = NULL;
   stale->solves = stale->last = 0;
   stale->spent = 0;
 }
@@ -91,6 +96,7 @@ void bw_stale_forget(bw_stale *stale) {
     bwi_stale_unsymmetric_forget(stale->lu);
   forget_factor(stale);
   stale->first = FIRST_GUESS;
+  stale->first_flipped = FIRST_GUESS_FLIPPED;
   bw_free(stale->room);
   stale->room = NULL;
   stale->size = 0;
@@ -113,13 +119,13 @@ bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, 
 
 /* ---- the model's costs --------------------------------------------------------------------- */
 
-/* An old Cholesky factor is read twice in single precision, a new one twice in double; UMFPACK's
- * once for each of two solves. */
+/* An old Cholesky factor is read twice in single precision, a new one twice in double and in
+ * another order than it lies in; UMFPACK's once for each of two solves. */
 static double iteration_seconds(const bw_stale *stale, const bw_plane_graph *graph, bool old) {
   double square = stale->components * stale->components;
   double matrix = (8 * square + 4) * (double)graph->pair_count;
   double vectors = 12 * 8.0 * (double)graph->node_count * stale->components;
-  double factor = stale->symmetric && !old ? 2 * stale->work.bytes : stale->work.bytes;
+  double factor = stale->symmetric && !old ? 4 * stale->work.bytes : stale->work.bytes;
   return (stale->symmetric ? 1 : 2) * (factor + matrix + vectors) / BYTES_PER_SECOND;
 }
 
@@ -140,7 +146,9 @@ static double factor_seconds(const bw_stale *stale, const bw_plane_graph *graph,
 
 /* Iterations that the next solve with the factor as it is should take. Meshes move on, the error
  * of the factor grows about in proportion to the number of moves, and iterations with it. */
-static double expected_iterations(const bw_stale *stale) {
+static double expected_iterations(const bw_stale *stale, const bw_plane_graph *graph) {
+  if (stale->last_topology != graph->topology)
+    return stale->first_flipped;
   if (stale->solves > 0)
     return stale->last * (1 + 1.0 / stale->solves);
   return stale->first;
@@ -358,7 +366,7 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   if (fits) {
     one = iteration_seconds(stale, graph, true);
     anew = factor_seconds(stale, graph, flipped) + iteration_seconds(stale, graph, false);
-    old = copy_seconds(stale) + expected_iterations(stale) * one;
+    old = copy_seconds(stale) + expected_iterations(stale, graph) * one;
     kept->predicted_iterate += old;
     kept->predicted_factor += anew;
   }
@@ -366,10 +374,12 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
     double average = stale->spent / (stale->solves + 1); /* the first was with the factor new */
     double worth = average < anew ? average : anew;
     fresh = old > worth;
-    if (fresh && stale->solves == 0)
+    if (fresh && stale->last_topology != graph->topology)
+      stale->first_flipped *= FORGETTING;
+    else if (fresh && stale->solves == 0)
       stale->first *= FORGETTING;
-    /* No more than half as much again as a new factor would have cost. */
-    limit = (int)fmin(limit, 2 + 1.5 * anew / one);
+    /* No more than a new factor would have cost. */
+    limit = (int)fmin(limit, 2 + anew / one);
   }
   if (!fresh) {
     kept->factor = true;
@@ -379,7 +389,9 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
     stale->spent += copy_seconds(stale) + it.count * one;
     stale->solves++;
     stale->last = it.count;
-    if (stale->solves == 1)
+    if (stale->last_topology != graph->topology)
+      stale->first_flipped = it.count > 0 ? it.count : 1;
+    else if (stale->solves == 1)
       stale->first = it.count > 0 ? it.count : 1;
     fresh = !(it.residual <= it.tolerance);
     if (fresh && !isfinite(it.residual))
@@ -403,6 +415,9 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
     goto done;
   }
   memcpy(x, it.x, n * sizeof *x);
+  bw_retain(graph->topology);
+  bw_release(stale->last_topology);
+  stale->last_topology = graph->topology;
 done:
   return status;
 }

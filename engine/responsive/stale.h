@@ -43,7 +43,9 @@ bw_status bwi_stale_unsymmetric_factor(bw_context *context, bwi_stale_unsymmetri
 bw_status bwi_stale_unsymmetric_apply(bw_context *context, bwi_stale_unsymmetric *s,
                                       const double *r, double *z);
 
-/* An elimination order of the nodes, by METIS: permutation[k] = the node eliminated k-th. */
-bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, int32_t *permutation);
+/* An elimination order of the nodes, by METIS, or quickly by AMD: permutation[k] = the node
+ * eliminated k-th. */
+bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, bool quick,
+                          int32_t *permutation);
 
 #endif

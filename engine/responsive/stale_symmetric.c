@@ -2,19 +2,25 @@
 /* Cholesky factors of symmetric positive definite matrices on plane graphs, by the engine's
  * multifrontal factorisation (solve/).
  *
- * A reconnected mesh has the same nodes, and flips are few: the elimination order stays good, and
- * only the analysis under it is made anew. Numbers are factored in place where the analysis is
- * kept, since the first touch of new memory costs as much as the arithmetic. */
+ * A reconnected mesh has the same nodes, and while flips are few the elimination order stays good:
+ * only the analysis under it is made anew. Flips across separators add fill; an order under which
+ * the work has grown by more than WORN is found anew too. Numbers are factored in place where the
+ * analysis is kept, since the first touch of new memory costs as much as the arithmetic. */
 #include <string.h>
+
+#include <amd.h>
 
 #include "responsive/stale.h"
 #include "responsive/sweep.h"
 #include "solve/order.h"
 
+#define WORN 1.25
+
 struct bwi_stale_symmetric {
   int components;
   const bw_plane_nodes *nodes; /* retained: what the order is of */
   int32_t *permutation;
+  double ordered;                    /* operations under the order when it was new */
   const bw_plane_topology *topology; /* retained: what symbolic is of */
   bwi_symbolic *symbolic;
   bwi_factor *factor; /* of this symbolic or, until the next factorisation, an older one */
@@ -82,12 +88,26 @@ static bw_status adjacency(bw_context *context, const bw_plane_graph *graph, bwi
   return BW_OK;
 }
 
-static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, int32_t *permutation) {
+/* Nested dissection makes the better order; `quick`: approximate minimum degree, at a fraction of
+ * its cost, for orders that will soon be worn again. */
+static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, bool quick,
+                             int32_t *permutation) {
   bw_status status = BW_OK;
   idx_t *wide = BW_NEW(context, idx_t, near->size);
   if (!wide)
     return BW_MEMORY;
-  BW_TRY(bwi_dissect(context, near->size, near->start, near->neighbour, NULL, wide));
+  if (quick && sizeof(idx_t) == sizeof(int32_t)) {
+    int code = amd_order((int32_t)near->size, (const int32_t *)near->start,
+                         (const int32_t *)near->neighbour, (int32_t *)wide, NULL, NULL);
+    if (code == AMD_OUT_OF_MEMORY)
+      status = bw_fail(context, BW_MEMORY, "no memory to order %d nodes", (int)near->size);
+    else if (code != AMD_OK && code != AMD_OK_BUT_JUMBLED)
+      status = bw_fail(context, BW_INTERNAL, "AMD refused to order %d nodes (code %d)",
+                       (int)near->size, code);
+    if (status != BW_OK)
+      goto done;
+  } else
+    BW_TRY(bwi_dissect(context, near->size, near->start, near->neighbour, NULL, wide));
   for (idx_t i = 0; i < near->size; i++)
     permutation[i] = (int32_t)wide[i];
 done:
@@ -95,13 +115,32 @@ done:
   return status;
 }
 
-bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, int32_t *permutation) {
+bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, bool quick,
+                          int32_t *permutation) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   BW_TRY(adjacency(context, graph, &near));
-  BW_TRY(order_nodes(context, &near, permutation));
+  BW_TRY(order_nodes(context, &near, quick, permutation));
 done:
   bwi_adjacency_clear(&near);
+  return status;
+}
+
+/* The analysis under s->permutation. */
+static bw_status analyse_ordered(bw_context *context, bwi_stale_symmetric *s,
+                                 const bwi_adjacency *near, const int32_t *unknown) {
+  bw_status status = BW_OK;
+  bwi_order *order = NULL;
+  idx_t *wide = BW_NEW(context, idx_t, near->size);
+  if (!wide)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < near->size; i++)
+    wide[i] = s->permutation[i];
+  BW_TRY(bwi_order_analyse(context, near, wide, &order));
+  BW_TRY(bwi_symbolic_create(context, order, s->components, unknown, &s->symbolic));
+done:
+  bw_release(order);
+  bw_free(wide);
   return status;
 }
 
@@ -109,40 +148,40 @@ static bw_status analyse(bw_context *context, bwi_stale_symmetric *s, const bw_p
                          bwi_stale_work *work) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
-  bwi_order *order = NULL;
-  idx_t *wide = NULL;
   int32_t *unknown = NULL;
   if (s->topology == graph->topology)
     return BW_OK;
   forget_analysis(s);
   work->analysed = true;
-  BW_TRY(adjacency(context, graph, &near));
-  if (s->nodes != graph->topology->nodes) {
+  if (s->nodes != graph->topology->nodes)
     bwi_stale_symmetric_forget(s);
+  BW_TRY(adjacency(context, graph, &near));
+  unknown = BW_NEW0(context, int32_t, (size_t)graph->node_count * (size_t)s->components);
+  if (!unknown) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (s->nodes)
+    BW_TRY(analyse_ordered(context, s, &near, unknown));
+  if (!s->nodes || s->symbolic->flops > WORN * s->ordered) {
     work->reordered = true;
-    s->permutation = BW_NEW(context, int32_t, graph->node_count);
+    bw_release(s->symbolic);
+    s->symbolic = NULL;
+    if (!s->permutation)
+      s->permutation = BW_NEW(context, int32_t, graph->node_count);
     if (!s->permutation) {
       status = BW_MEMORY;
       goto done;
     }
-    BW_TRY(order_nodes(context, &near, s->permutation));
-    s->nodes = bw_retain(graph->topology->nodes);
+    BW_TRY(order_nodes(context, &near, s->nodes != NULL, s->permutation));
+    BW_TRY(analyse_ordered(context, s, &near, unknown));
+    s->ordered = s->symbolic->flops;
+    if (!s->nodes)
+      s->nodes = bw_retain(graph->topology->nodes);
   }
-  wide = BW_NEW(context, idx_t, graph->node_count);
-  unknown = BW_NEW0(context, int32_t, (size_t)graph->node_count * (size_t)s->components);
-  if (!wide || !unknown) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int32_t i = 0; i < graph->node_count; i++)
-    wide[i] = s->permutation[i];
-  BW_TRY(bwi_order_analyse(context, &near, wide, &order));
-  BW_TRY(bwi_symbolic_create(context, order, s->components, unknown, &s->symbolic));
   s->topology = bw_retain(graph->topology);
 done:
   bwi_adjacency_clear(&near);
-  bw_release(order);
-  bw_free(wide);
   bw_free(unknown);
   return status;
 }

@@ -13,10 +13,14 @@
 #include "responsive/stale.h"
 #include "solve/blas.h"
 
+/* An order under which the work has grown by more than this is found anew. */
+#define WORN 1.25
+
 struct bwi_stale_unsymmetric {
   int components;
   const bw_plane_nodes *nodes;       /* retained: what the order is of */
   int32_t *order;                    /* unknowns as they are eliminated */
+  double ordered;                    /* operations estimated when it was new */
   const bw_plane_topology *topology; /* retained: what the analysis is of */
   int size;
   int *start, *row;
@@ -97,18 +101,22 @@ static bw_status order_unknowns(bw_context *context, bwi_stale_unsymmetric *s,
                                 const bw_plane_graph *graph) {
   bw_status status = BW_OK;
   int32_t *nodes = BW_NEW(context, int32_t, graph->node_count);
-  s->order = BW_NEW(context, int32_t, s->size);
-  s->room_index = BW_NEW(context, int, s->size);
-  s->room = BW_NEW(context, double, s->size);
+  if (!s->order)
+    s->order = BW_NEW(context, int32_t, s->size);
+  if (!s->room_index)
+    s->room_index = BW_NEW(context, int, s->size);
+  if (!s->room)
+    s->room = BW_NEW(context, double, s->size);
   if (!nodes || !s->order || !s->room_index || !s->room) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_stale_order(context, graph, nodes));
+  BW_TRY(bwi_stale_order(context, graph, s->nodes != NULL, nodes));
   for (int32_t i = 0; i < graph->node_count; i++)
     for (int c = 0; c < s->components; c++)
       s->order[i * s->components + c] = nodes[i] * s->components + c;
-  s->nodes = bw_retain(graph->topology->nodes);
+  if (!s->nodes)
+    s->nodes = bw_retain(graph->topology->nodes);
 done:
   bw_free(nodes);
   return status;
@@ -166,9 +174,20 @@ static bw_status analyse(bw_context *context, bwi_stale_unsymmetric *s, const bw
   fill_values(s, graph, values);
   controls(control);
   BW_TRY(bw_check_cancel(context));
-  int code = umfpack_di_qsymbolic(s->size, s->size, s->start, s->row, s->value, s->order,
-                                  &s->symbolic, control, info);
-  BW_TRY(judge(context, s, code, 1));
+  for (;;) {
+    int code = umfpack_di_qsymbolic(s->size, s->size, s->start, s->row, s->value, s->order,
+                                    &s->symbolic, control, info);
+    BW_TRY(judge(context, s, code, 1));
+    double flops = info[UMFPACK_FLOPS_ESTIMATE];
+    if (work->reordered)
+      s->ordered = flops;
+    if (flops <= WORN * s->ordered)
+      break;
+    umfpack_di_free_symbolic(&s->symbolic);
+    s->symbolic = NULL;
+    work->reordered = true;
+    BW_TRY(order_unknowns(context, s, graph));
+  }
   s->topology = bw_retain(graph->topology);
 done:
   if (status != BW_OK)

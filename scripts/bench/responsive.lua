@@ -1,0 +1,135 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The drag of the paper responsive (figure 2: a hole taken from left to right, 159 frames) replayed
+-- with elastic sheets, beside its tables 2 and 3: how often each level of reuse ran, what a frame of
+-- each costs and in which part, frames per second with reuse and without (everything made anew in
+-- every frame), median and slowest hundredth. Seconds of the clock, and of the processor (all threads),
+-- which is what to trust on a busy machine.
+--   build/barwright scripts/bench/responsive.lua [--out FILE.json] [--frames N] [--only NAME]
+local bw = require "barwright"
+
+local paper = {
+  levels = {relocation = 117, reconnecting = 39, reconstruction = 3},
+  vibration = {elements = 1962, reuse = 105.0, anew = 41.8},
+  cantilever = {elements = 990, reuse = 37.6, anew = 7.1},
+}
+
+local wish, i = {frames = "159"}, 1
+while arg[i] do
+  wish[assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")] = arg[i + 1]
+  i = i + 2
+end
+local frames = assert(math.tointeger(tonumber(wish.frames)))
+
+local rubber = bw.material.isotropic {name = "rubber", young = 5e6, poisson = 0.3, density = 1000}
+
+local function plate()
+  return assert(bw.outline {points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}},
+    tags = {left = 4, right = 2, bottom = 1},
+    holes = {bw.outline.circle {centre = {0.4, 0.5}, radius = 0.2, name = "hole"}}})
+end
+
+local make = {
+  vibration = function(options)
+    options.ground, options.shake, options.step = "bottom", {x = "0.01*sin(60*t)"}, 2e-3
+    return bw.responsive.vibration(options)
+  end,
+  cantilever = function(options)
+    options.conditions, options.gravity = {left = "fixed"}, {0, -9.81}
+    return bw.responsive.cantilever(options)
+  end,
+  steady = function(options)
+    options.conditions = {left = "fixed", right = {traction = {0, -1e3}}}
+    return bw.responsive.steady(options)
+  end,
+}
+
+-- The value below which a share of the list lies.
+local function quantile(list, share)
+  if #list == 0 then return 0 / 0 end
+  local sorted = table.move(list, 1, #list, 1, {})
+  table.sort(sorted)
+  return sorted[math.max(1, math.ceil(share * #sorted))]
+end
+
+local parts = {"mesh", "assemble", "factor", "solve"}
+
+local function replay(name, elements, anew)
+  local sheet = assert(make[name] {outline = plate(), material = rubber, elements = elements,
+    follow = anew and {level = "reconstruction"} or {}, solver = {method = anew and "scratch" or "auto"}})
+  local clock, processor, levels, iterations, factors = {}, {}, {}, 0, 0
+  local made = sheet.element_count
+  -- what is made anew costs the same however far the hole has moved: fewer frames do
+  local count = anew and math.max(frames // 10, 10) or frames
+  for _ = 1, count do
+    collectgarbage()
+    local start, cpu = bw.seconds(), os.clock()
+    assert(sheet:drag({loop = "hole"}, {1.2 / count, 0}))
+    if name == "vibration" then assert(sheet:step()) end
+    clock[#clock + 1], processor[#processor + 1] = bw.seconds() - start, os.clock() - cpu
+    local reused = sheet.reused
+    local level = levels[reused.level] or {clock = {}, processor = {}}
+    levels[reused.level] = level
+    table.insert(level.clock, clock[#clock])
+    table.insert(level.processor, processor[#processor])
+    for _, part in ipairs(parts) do
+      level[part] = level[part] or {}
+      table.insert(level[part], reused["seconds_" .. part])
+    end
+    iterations, factors = iterations + reused.iterations, factors + reused.factorisations
+  end
+  local total = 0
+  for _, t in ipairs(processor) do total = total + t end
+  local out = {application = name, elements = made, anew = anew or false, frames = count,
+    frames_per_second = 1 / quantile(clock, 0.5), slowest_hundredth = 1 / quantile(clock, 0.99),
+    frames_per_second_processor = 1 / quantile(processor, 0.5),
+    slowest_hundredth_processor = 1 / quantile(processor, 0.99),
+    mean_processor = count / total, iterations_per_frame = iterations / count, factorisations = factors,
+    levels = {}}
+  for level, seen in pairs(levels) do
+    local row = {count = #seen.clock, seconds = quantile(seen.clock, 0.5),
+      seconds_processor = quantile(seen.processor, 0.5)}
+    for _, part in ipairs(parts) do row["seconds_" .. part] = quantile(seen[part], 0.5) end
+    out.levels[level] = row
+  end
+  return out
+end
+
+local runs = {{"vibration", 1962}, {"cantilever", 990}, {"vibration", 20000}, {"steady", 20000}}
+local rows = bw.json.list {}
+for _, run in ipairs(runs) do
+  local name, elements = run[1], run[2]
+  if not wish.only or wish.only == name then
+    local reuse, anew = replay(name, elements), replay(name, elements, true)
+    rows[#rows + 1] = reuse
+    rows[#rows + 1] = anew
+    print(("\n%s, %d triangles"):format(name, reuse.elements))
+    print "  level            frames | ms a frame (processor) |  mesh  assemble  factor   solve"
+    for _, level in ipairs {"none", "relocation", "reconnecting", "reconstruction"} do
+      local row = reuse.levels[level]
+      if row then
+        print(("  %-14s %5d%s | %8.2f (%.2f) | %6.2f %8.2f %8.2f %8.2f"):format(level, row.count,
+          paper.levels[level] and (" (%d)"):format(paper.levels[level]) or "", 1e3 * row.seconds,
+          1e3 * row.seconds_processor, 1e3 * row.seconds_mesh, 1e3 * row.seconds_assemble,
+          1e3 * row.seconds_factor, 1e3 * row.seconds_solve))
+      end
+    end
+    local function say(what, row, published)
+      print(("  %-8s %7.1f frames/s, slowest hundredth %7.1f; processor %7.1f, %7.1f, mean %.1f%s"):format(what,
+        row.frames_per_second, row.slowest_hundredth, row.frames_per_second_processor,
+        row.slowest_hundredth_processor, row.mean_processor,
+        published and (" (paper: %.1f)"):format(published) or ""))
+    end
+    local published = paper[name] and paper[name].elements == elements and paper[name] or {}
+    say("reuse", reuse, published.reuse)
+    say("anew", anew, published.anew)
+    print(("  gain of reuse %.1f%s; %.1f iterations and %.2f factorisations a frame"):format(
+      reuse.mean_processor / anew.mean_processor,
+      published.anew and (" (paper: %.1f)"):format(published.reuse / published.anew) or "",
+      reuse.iterations_per_frame, reuse.factorisations / frames))
+  end
+end
+if wish.out then
+  local file = assert(io.open(wish.out, "w"))
+  file:write(bw.json.encode(rows), "\n")
+  file:close()
+end
