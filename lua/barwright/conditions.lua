@@ -17,26 +17,30 @@ local function add_pair(list, tag, kind, pair, where)
   end
 end
 
--- {tag = "fixed" | {x = , y = , traction = {x, y}, pressure = }} as the list of the engine, in the
--- order of the tags' names, prescribed values last
+--- {tag = "fixed" | {x = , y = , traction = {x, y}, pressure = }} as the list of the engine, in the
+--- order of the tags' names, prescribed values last.
 --- `components`: names of what may be prescribed, in the engine's order ("" for none at that place).
-function conditions.read(where, given, components)
+--- `word`: what stands for x and y being 0 ("fixed").
+function conditions.read(where, given, components, word)
   local tags, loads, held, keys = {}, {}, {}, {"traction", "pressure"}
-  table.move(components, 1, #components, #keys + 1, keys)
+  word = word or "fixed"
+  for _, name in ipairs(components) do
+    if name ~= "" then keys[#keys + 1] = name end
+  end
   for tag, one in pairs(given) do
     if type(tag) ~= "string" then
       raise(("%s: conditions are named by tags of the outline: {tag = ...}"):format(where))
     end
-    if one ~= "fixed" and type(one) ~= "table" then
-      raise(("%s: condition of '%s': \"fixed\" or a table expected, got %s"):format(where, tag,
-        type(one)))
+    if one ~= word and type(one) ~= "table" then
+      raise(("%s: condition of '%s': \"%s\" or a table expected, got %s"):format(where, tag, word,
+        type(one) == "string" and ("'%s'"):format(one) or type(one)))
     end
     tags[#tags + 1] = tag
   end
   table.sort(tags)
   for _, tag in ipairs(tags) do
     local one = given[tag]
-    if one == "fixed" then one = {[components[1]] = 0, [components[2]] = 0} end
+    if one == word then one = {[components[1]] = 0, [components[2]] = 0} end
     for key in pairs(one) do
       local known = false
       for _, name in ipairs(keys) do known = known or key == name end

@@ -4,9 +4,12 @@
 --
 -- An object holds its last good state: a drag that the outline, the mesh or the solution refuses
 -- returns nil, message, details, and everything is as it was before.
+local core = require "barwright.core"
 local members = require "barwright.members"
 local options = require "barwright.options"
 local new_frame = require "barwright.frame"
+
+local raise = core.raise
 
 local followed = {}
 
@@ -15,7 +18,7 @@ local followed = {}
 local rules = {
   outline = {type = "outline", needed = true},
   elements = {type = "integer", least = 1},
-  size = {type = "number", above = 0},
+  size = {type = "any"},
   follow = {type = "table", default = {}},
 }
 
@@ -25,6 +28,20 @@ function followed.with(more)
   for key, rule in pairs(rules) do all[key] = rule end
   for key, rule in pairs(more) do all[key] = rule end
   return all
+end
+
+--- The options of the mesh; a size that is a formula in x and y or a function of them goes to the end of
+--- the list of conditions, which keeps values that change from place to place.
+function followed.mesh(where, wish, list)
+  local size, kind = wish.size, type(wish.size)
+  if kind == "string" or kind == "function" then
+    list[#list + 1] = {kind = "size", value = size}
+    size = nil
+  elseif size ~= nil and not (kind == "number" and size > 0 and size < math.huge) then
+    raise(("%s: option 'size': a number above 0, a formula in x and y, or a function of them expected")
+      :format(where))
+  end
+  return {order = wish.order, size = size, elements = wish.elements}
 end
 
 --- An object of the class around an engine body; `class.start` solves for the first time.
@@ -101,6 +118,18 @@ function followed.drag(self, handle, by)
   local moved, message, details = self.body.outline:moved(handle, by)
   if not moved then return nil, message, details end
   return followed.become(self, moved)
+end
+
+--- Steps in time, `advance` of the report, are a frame; together with the drags before them, where no
+--- step was between.
+function followed.step(self, advance)
+  local report, last = new_frame(), self.last
+  report.pattern, report.solution = true, true
+  if last.solves == 0 and last.level ~= "none" then
+    for key, value in pairs(last) do report[key] = value end
+  end
+  local fine, message, details = advance(report)
+  return followed.now_is(self, report, fine, message, details)
 end
 
 --- The class's `finish` again on the shape as it is.

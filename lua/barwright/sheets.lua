@@ -3,7 +3,6 @@
 local core = require "barwright.core"
 local conditions = require "barwright.conditions"
 local followed = require "barwright.followed"
-local new_frame = require "barwright.frame"
 local options = require "barwright.options"
 
 local raise = core.raise
@@ -54,7 +53,7 @@ local function create(where, class, given, own_rules, add_conditions)
   local list = conditions.read(where, wish.conditions, {"x", "y"})
   if add_conditions then add_conditions(where, wish, list) end
   return followed.object(class, wish, core.sheet.create(wish.outline,
-    {order = wish.order, size = wish.size, elements = wish.elements}, wish.follow,
+    followed.mesh(where, wish, list), wish.follow,
     read_sections(where, wish), list, wish.gravity))
 end
 
@@ -119,17 +118,11 @@ end
 
 --- Advances by `count` time steps (default 1).
 function vibration:step(count)
-  local wish, report = self.wish, new_frame()
-  local fine, message, details = self.body:shake(report, wish.solver, {step = wish.step,
-    beta = wish.beta, gamma = wish.gamma, damping_mass = wish.damping[1],
-    damping_stiffness = wish.damping[2]}, count)
-  -- a drag and the steps after it are one frame
-  local last = self.last
-  if last.solves == 0 and last.level ~= "none" then
-    report.level, report.flips, report.quality = last.level, last.flips, last.quality
-    report.seconds_mesh = last.seconds_mesh
-  end
-  return followed.now_is(self, report, fine, message, details)
+  local wish = self.wish
+  return followed.step(self, function(report)
+    return self.body:shake(report, wish.solver, {step = wish.step, beta = wish.beta,
+      gamma = wish.gamma, damping_mass = wish.damping[1], damping_stiffness = wish.damping[2]}, count)
+  end)
 end
 
 --- A sheet on ground that shakes: `shake = {x = , y = }`, displacements by number, formula in x, y, t,

@@ -13,10 +13,13 @@ typedef struct value {
   lbw_expression formula;
 } value;
 
+enum { SIZE = BW_PRESSURE + 1 }; /* in the list of words */
+
 struct lbw_conditions {
-  int32_t count;
+  int32_t count; /* with the size */
   bw_condition *condition;
   value *value;
+  bool sized; /* the last one is the size of the mesh */
 };
 
 static const lbw_variable place_and_time[3] = {
@@ -37,6 +40,15 @@ static double value_at(void *data, const double at[2], double time) {
   double result;
   lbw_expression_block(&v->formula, 0, 1, 0, &result);
   return result;
+}
+
+/* A function that failed has its error kept, and the answer counts for nothing: any size will do.
+ */
+static double size_at(void *data, const double at[2]) {
+  value *v = (value *)data;
+  if (v->function)
+    return lbw_call_field(v->state, v->function, (double[3]){at[0], at[1], 0}, INFINITY);
+  return value_at(data, at, 0);
 }
 
 /* The condition's table is on the top, the userdata below it. */
@@ -74,13 +86,14 @@ static void read_value(lua_State *L, const char *what, lbw_conditions *all, int3
 
 lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
                                     const bw_outline *outline) {
-  static const char *const kinds[] = {"prescribed", "traction", "pressure", NULL};
+  static const char *const kinds[] = {"prescribed", "traction", "pressure", "size", NULL};
   index = lua_absindex(L, index);
   lbw_check_type(L, index, LUA_TTABLE);
   size_t count = lua_rawlen(L, index);
   lbw_conditions *all = (lbw_conditions *)lua_newuserdatauv(
       L, sizeof *all + count * (sizeof(bw_condition) + sizeof(value)), 1);
   all->count = (int32_t)count;
+  all->sized = false;
   all->value = (value *)(all + 1);
   all->condition = (bw_condition *)(all->value + count);
   memset(all->value, 0, count * (sizeof(bw_condition) + sizeof(value)));
@@ -104,7 +117,9 @@ lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
       }
     }
     lua_pop(L, 1);
-    c->kind = (bw_condition_kind)lbw_word_option(L, -1, what, "kind", kinds, BW_PRESCRIBED);
+    int kind = lbw_word_option(L, -1, what, "kind", kinds, BW_PRESCRIBED);
+    all->sized = kind == SIZE;
+    c->kind = (bw_condition_kind)kind;
     lua_getfield(L, -1, "component");
     c->component = (int)lua_tointeger(L, -1) - 1;
     lua_pop(L, 1);
@@ -115,8 +130,15 @@ lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
 }
 
 const bw_condition *lbw_conditions_list(const lbw_conditions *all, int32_t *count) {
-  *count = all->count;
+  *count = all->count - all->sized;
   return all->condition;
+}
+
+void lbw_conditions_size(const lbw_conditions *all, bw_plane_options *fill) {
+  if (!all->sized)
+    return;
+  fill->field = size_at;
+  fill->field_data = &all->value[all->count - 1];
 }
 
 void lbw_conditions_keep(lua_State *L, int box, int conditions) {

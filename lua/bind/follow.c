@@ -2,6 +2,8 @@
 /* Frames, and the options of meshes that follow an outline. */
 #include "follow.h"
 
+#include "condition.h"
+
 #include <string.h>
 
 static const char *const level_words[] = {"none", "relocation", "reconnecting", "reconstruction",
@@ -116,14 +118,15 @@ int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow
   bw_follow_report report = {0};
   bw_kept kept;
   lbw_load_kept(L, 2, &kept);
+  lua_settop(L, 3);
+  lbw_conditions_begin(L, 1); /* the mesh's size may be a function */
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_mover_follow(context, mover, outline, &report));
   kept.level = report.level;
   kept.seconds_mesh += report.seconds;
   BW_TRY(follow(context, (void *)box->object, mover->mesh, &kept));
 done:
-  lbw_leave_frame(L, class, status, &kept);
-  if (status != BW_OK)
+  if (lbw_leave_frame(L, class, status, &kept) != 1)
     return 3;
   lua_pushinteger(L, report.flips);
   lua_setfield(L, 2, "flips");

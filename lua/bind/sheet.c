@@ -50,13 +50,16 @@ static int sheet_create(lua_State *L) {
   lbw_conditions *conditions = lbw_conditions_read(L, 5, "conditions", outline);
   int place = lua_gettop(L);
   description.condition = lbw_conditions_list(conditions, &description.condition_count);
+  lbw_conditions_size(conditions, &follow.fill);
   for (int i = 0; i < 2; i++) {
     lua_rawgeti(L, 6, i + 1);
     description.gravity[i] = lua_tonumber(L, -1);
     lua_pop(L, 1);
   }
   lbw_box *box = lbw_box_new(L, &lbw_sheet_class);
-  lbw_conditions_keep(L, -1, place);
+  int made = lua_gettop(L);
+  lbw_conditions_keep(L, made, place);
+  lbw_conditions_begin(L, made);
   bw_plane_mesh *mesh = NULL;
   bw_mover *mover = NULL;
   bw_sheet *sheet = NULL;
@@ -71,6 +74,7 @@ done:
   else
     bw_release(mover);
   lbw_box_fill(L, box, sheet);
+  lua_pushvalue(L, made);
   return lbw_leave(L, status, 1);
 }
 

@@ -2234,7 +2234,8 @@ function Results:write(result) end
 ---last good state: a drag that outline, mesh or solution refuses returns nil, message, details, and
 ---all is as it was before.
 ---Common options: outline; material and thickness (m; each one, or a list of one for each region);
----plane ("stress", "strain"); gravity ({x, y}, m/s2); elements or size (m) and order (1, 2) of the
+---plane ("stress", "strain"); gravity ({x, y}, m/s2); elements or size (m; a number, a formula in x and y, or
+---a function of them) and order (1, 2) of the
 ---mesh; follow ({distorted, rebuild, relocation = "harmonic" | "springs", sweeps, level = at least
 ---this one: "relocation", "reconnecting", "reconstruction"}); solver ({method = "auto" | "iterate" |
 ---"refactor" | "scratch", tolerance, iterations}).
@@ -2245,7 +2246,7 @@ function Results:write(result) end
 local responsive_module = {}
 
 ---Linear statics, solved in every drag.
----@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number, order?: integer, follow?: table, solver?: table}
+---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number|string|function, order?: integer, follow?: table, solver?: table}
 ---@return bw.SteadySheet?
 ---@return string? message
 ---@return table? details
@@ -2253,7 +2254,7 @@ function responsive_module.steady(options) end
 
 ---Large deflection (St. Venant-Kirchhoff), brought to equilibrium in every drag by Newton's method:
 ---newton = {tolerance, iterations, load_steps}.
----@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number, order?: integer, follow?: table, solver?: table, newton?: table}
+---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number|string|function, order?: integer, follow?: table, solver?: table, newton?: table}
 ---@return bw.BentSheet?
 ---@return string? message
 ---@return table? details
@@ -2261,11 +2262,33 @@ function responsive_module.cantilever(options) end
 
 ---Motion on ground that shakes: the tags of `ground` are moved by shake = {x = , y = } (displacements,
 ---m). Newmark's method: step (s), beta, gamma; damping = {of mass, of stiffness} (Rayleigh).
----@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, ground?: string|string[], shake?: table, step?: number, beta?: number, gamma?: number, damping?: number[], conditions?: table, gravity?: number[], elements?: integer, size?: number, order?: integer, follow?: table, solver?: table}
+---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, ground?: string|string[], shake?: table, step?: number, beta?: number, gamma?: number, damping?: number[], conditions?: table, gravity?: number[], elements?: integer, size?: number|string|function, order?: integer, follow?: table, solver?: table}
 ---@return bw.ShakenSheet?
 ---@return string? message
 ---@return table? details
 function responsive_module.vibration(options) end
+
+---Incompressible flow on linear triangles (SUPG, PSPG), implicit in time, at the shape as it is dragged.
+---conditions = {tag = "wall"} or {tag = {x = , y = , traction = {x, y}, pressure = }}: velocities (m/s)
+---and loads (Pa; the pressure beyond an open end), each a number, a formula in x, y and t, or a function
+---of them; fluid leaves freely where there is none. density (kg/m3, default 1), viscosity (Pa s),
+---gravity. Mesh: elements or size (m; a number, a formula in x and y, or a function of them), follow.
+---Time: step (s), bdf (order: 1 or 2, the default), iterations (of a step; 1), ale (nodes that moved
+---carry a velocity; default false). steady = true: every drag finds the steady state anew, to a relative
+---change of tolerance (1e-8). solver as of sheets, tolerance 1e-6.
+---@param options {outline: bw.Outline, viscosity: number, density?: number, conditions?: table, gravity?: number[], step?: number, steady?: boolean, bdf?: integer, iterations?: integer, tolerance?: number, ale?: boolean, elements?: integer, size?: number|string|function, follow?: table, solver?: table}
+---@return bw.Flow?
+---@return string? message
+---@return table? details
+function responsive_module.flow(options) end
+
+---Flow with heat that is carried along and lifts (Boussinesq): also diffusivity (m2/s), expansion (1/K),
+---reference (temperature without lift, and at the start, K), and in the conditions temperature = .
+---@param options {outline: bw.Outline, viscosity: number, diffusivity: number, density?: number, expansion?: number, reference?: number, conditions?: table, gravity?: number[], step?: number, steady?: boolean, bdf?: integer, iterations?: integer, tolerance?: number, ale?: boolean, elements?: integer, size?: number|string|function, follow?: table, solver?: table}
+---@return bw.ThermalFlow?
+---@return string? message
+---@return table? details
+function responsive_module.thermal(options) end
 
 ---What a frame reused and what it cost. Prints as one line.
 ---@class bw.Kept
@@ -2600,3 +2623,247 @@ function Mover:pull_back(gradient) end
 function Mover:close() end
 
 return bw
+
+---A flow whose outline is dragged.
+---@class bw.Flow
+---@field outline bw.Outline as it is now
+---@field reused bw.Kept what the last frame kept
+---@field time number s
+---@field velocity bw.Array x, y at the nodes, m/s
+---@field pressure bw.Array at the nodes, Pa
+---@field vorticity bw.Array at the nodes, 1/s
+---@field signals table<string, number[]> that are recorded
+---@field points bw.Array of the mesh, m
+---@field elements bw.Array corners, from 1
+---@field element_count integer
+---@field node_count integer
+local Flow = {}
+
+---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}; the flow goes on
+---from where it was (steady: is found anew).
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.Flow?
+---@return string? message
+---@return table? details
+function Flow:drag(handle, by) end
+
+---Goes over to another outline, of any topology with the same tags.
+---@param outline bw.Outline
+---@return bw.Flow?
+---@return string? message
+---@return table? details
+function Flow:become(outline) end
+
+---Advances by `count` time steps (default 1).
+---@param count? integer
+---@return bw.Flow?
+---@return string? message
+---@return table? details
+function Flow:step(count) end
+
+---Finds the steady state; where there is none, all is as it was.
+---@return bw.Flow?
+---@return string? message
+---@return table? details
+function Flow:settle() end
+
+---From now on records value(flow), a number, after every step, in signals[name]; without value: no longer.
+---@param name string
+---@param value? fun(flow: bw.Flow): number
+---@return bw.Flow
+function Flow:record(name, value) end
+
+---Of a recorded signal, 1/s, by its last whole periods (default 5); 0 where it does not swing.
+---@param name string
+---@param periods? integer
+---@return number
+function Flow:frequency(name, periods) end
+
+---Of the fluid on the edges with a tag, per depth, N/m (reactions of the last step).
+---@param tag string
+---@return number
+---@return number
+function Flow:force(tag) end
+
+---Coefficients of drag and lift: force along and across the stream (default {1, 0}) over density / 2
+---velocity^2 length.
+---@param tag string
+---@param given {velocity: number, length: number, stream?: number[]}
+---@return number
+---@return number
+function Flow:coefficients(tag, given) end
+
+---Heat flow into the fluid through the edges with a tag, over density times heat capacity, K m2/s.
+---@param tag string
+---@return number
+function Flow:heat(tag) end
+
+---That over diffusivity times a difference of temperatures: of a square heated at one side the Nusselt
+---number.
+---@param tag string
+---@param difference number
+---@return number
+function Flow:nusselt(tag, difference) end
+
+---Velocity x, y, pressure (and temperature) at a place.
+---@param x number
+---@param y number
+---@return number
+---@return number
+---@return number
+function Flow:at(x, y) end
+
+---Pressure at one place less that at another.
+---@param from number[]
+---@param to number[]
+---@return number
+function Flow:pressure_drop(from, to) end
+
+---A flow with heat whose outline is dragged.
+---@class bw.ThermalFlow
+---@field outline bw.Outline as it is now
+---@field reused bw.Kept what the last frame kept
+---@field time number s
+---@field velocity bw.Array x, y at the nodes, m/s
+---@field pressure bw.Array at the nodes, Pa
+---@field temperature bw.Array at the nodes, K
+---@field vorticity bw.Array at the nodes, 1/s
+---@field signals table<string, number[]> that are recorded
+---@field points bw.Array of the mesh, m
+---@field elements bw.Array corners, from 1
+---@field element_count integer
+---@field node_count integer
+local ThermalFlow = {}
+
+---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}; the flow goes on
+---from where it was (steady: is found anew).
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.ThermalFlow?
+---@return string? message
+---@return table? details
+function ThermalFlow:drag(handle, by) end
+
+---Goes over to another outline, of any topology with the same tags.
+---@param outline bw.Outline
+---@return bw.ThermalFlow?
+---@return string? message
+---@return table? details
+function ThermalFlow:become(outline) end
+
+---Advances by `count` time steps (default 1).
+---@param count? integer
+---@return bw.ThermalFlow?
+---@return string? message
+---@return table? details
+function ThermalFlow:step(count) end
+
+---Finds the steady state; where there is none, all is as it was.
+---@return bw.ThermalFlow?
+---@return string? message
+---@return table? details
+function ThermalFlow:settle() end
+
+---From now on records value(flow), a number, after every step, in signals[name]; without value: no longer.
+---@param name string
+---@param value? fun(flow: bw.ThermalFlow): number
+---@return bw.ThermalFlow
+function ThermalFlow:record(name, value) end
+
+---Of a recorded signal, 1/s, by its last whole periods (default 5); 0 where it does not swing.
+---@param name string
+---@param periods? integer
+---@return number
+function ThermalFlow:frequency(name, periods) end
+
+---Of the fluid on the edges with a tag, per depth, N/m (reactions of the last step).
+---@param tag string
+---@return number
+---@return number
+function ThermalFlow:force(tag) end
+
+---Coefficients of drag and lift: force along and across the stream (default {1, 0}) over density / 2
+---velocity^2 length.
+---@param tag string
+---@param given {velocity: number, length: number, stream?: number[]}
+---@return number
+---@return number
+function ThermalFlow:coefficients(tag, given) end
+
+---Heat flow into the fluid through the edges with a tag, over density times heat capacity, K m2/s.
+---@param tag string
+---@return number
+function ThermalFlow:heat(tag) end
+
+---That over diffusivity times a difference of temperatures: of a square heated at one side the Nusselt
+---number.
+---@param tag string
+---@param difference number
+---@return number
+function ThermalFlow:nusselt(tag, difference) end
+
+---Velocity x, y, pressure (and temperature) at a place.
+---@param x number
+---@param y number
+---@return number
+---@return number
+---@return number
+---@return number
+function ThermalFlow:at(x, y) end
+
+---Pressure at one place less that at another.
+---@param from number[]
+---@param to number[]
+---@return number
+function ThermalFlow:pressure_drop(from, to) end
+
+---What stands behind flows: a fluid and the mesh that follows. `frame` is a table that is filled with what
+---was kept (bw.Kept).
+---@class bw.FlowBody
+---@field outline bw.Outline
+---@field velocity bw.Array
+---@field pressure bw.Array
+---@field temperature bw.Array?
+---@field vorticity bw.Array
+---@field points bw.Array
+---@field elements bw.Array
+---@field time number
+local FlowBody = {}
+
+---@param frame table
+---@param outline bw.Outline
+---@return table?
+---@return string? message
+---@return table? details
+function FlowBody:follow(frame, outline) end
+
+---Time steps; with step 0 to the steady state.
+---@param frame table
+---@param solver? table
+---@param options? {step?: number, bdf?: integer, iterations?: integer, tolerance?: number, ale?: boolean}
+---@param steps? integer
+---@return table?
+---@return string? message
+---@return table? details
+function FlowBody:step(frame, solver, options, steps) end
+
+---@param tag string
+---@return number x
+---@return number y
+function FlowBody:force(tag) end
+
+---@param tag string
+---@return number
+function FlowBody:heat(tag) end
+
+---@param x number
+---@param y number
+---@return number ...
+function FlowBody:at(x, y) end
+
+---@return integer elements
+---@return integer nodes
+function FlowBody:counts() end
+
+function FlowBody:close() end

@@ -1,0 +1,182 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Flow and heat that keep up with an outline while it is dragged: time steps or the steady state.
+local core = require "barwright.core"
+local conditions = require "barwright.conditions"
+local followed = require "barwright.followed"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local flows = {}
+
+-- ---- methods that both have ----------------------------------------------------------------------
+
+local methods = {drag = followed.drag, become = followed.become}
+
+local function advance(self, report, step, count)
+  local wish = self.wish
+  return self.body:step(report, wish.solver, {step = step, bdf = wish.bdf, ale = wish.ale,
+    iterations = wish.iterations, tolerance = wish.tolerance}, count)
+end
+
+local function record(self)
+  for name, signal in pairs(self.signals) do
+    local value = self.watched[name](self)
+    if type(value) ~= "number" then
+      raise(("the signal '%s' must be a number, got %s"):format(name, type(value)))
+    end
+    signal[#signal + 1] = value
+  end
+end
+
+-- A drag in a steady flow finds the steady state anew, others only carry the flow to the new shape.
+local function finish(self, report)
+  if not self.wish.steady then return true end
+  return advance(self, report, 0)
+end
+
+--- Advances by `count` time steps (default 1); signals are recorded after each.
+function methods:step(count)
+  local step = self.wish.step
+  if not step then raise "step: this flow was made without a time step: give the option 'step', in s" end
+  count = count or 1
+  if math.type(count) ~= "integer" or count < 1 then
+    raise(("step: a whole number of steps above 0 expected, got %s"):format(tostring(count)))
+  end
+  local function walk(report)
+    if not next(self.signals) then return advance(self, report, step, count) end
+    for _ = 1, count do
+      local fine, message, details = advance(self, report, step)
+      if not fine then return nil, message, details end
+      record(self)
+    end
+    return true
+  end
+  return followed.step(self, walk)
+end
+
+--- Finds the steady state. What fails leaves the flow as it was.
+function methods:settle()
+  return followed.step(self, function(report) return advance(self, report, 0) end)
+end
+
+--- From now on `value(flow)`, a number, is recorded after every step; none: recording ends.
+function methods:record(name, value)
+  if value ~= nil and type(value) ~= "function" then
+    raise(("record: a function of the flow expected, got %s"):format(type(value)))
+  end
+  self.watched[name], self.signals[name] = value, value and {}
+  return self
+end
+
+--- Frequency (1/s) of a recorded signal, by its last whole periods; 0 where it does not swing.
+function methods:frequency(name, periods)
+  local signal = self.signals[name]
+  if not signal then raise(("frequency: no signal '%s' is recorded"):format(tostring(name))) end
+  return core.flow.frequency(signal, self.wish.step, periods or 5)
+end
+
+--- Force x, y of the fluid on the edges with a tag, per depth, N/m.
+function methods:force(tag) return self.body:force(tag) end
+
+--- Heat flow into the fluid through the edges with a tag, over density times heat capacity, K m2/s.
+function methods:heat(tag) return self.body:heat(tag) end
+
+--- Velocity x, y, pressure, and temperature if there is one.
+function methods:at(x, y) return self.body:at(x, y) end
+
+--- Pressure at one place less that at another.
+function methods:pressure_drop(from, to)
+  local _, _, before = self:at(from[1], from[2])
+  local _, _, after = self:at(to[1], to[2])
+  return before - after
+end
+
+--- Drag and lift coefficients of a tag: forces along and across the stream over density / 2 times
+--- velocity squared times length. `stream`: its direction, default {1, 0}.
+function methods:coefficients(tag, given)
+  local wish = options.read("coefficients", given, {
+    velocity = {type = "number", needed = true, above = 0},
+    length = {type = "number", needed = true, above = 0},
+    stream = {type = "table", default = {1, 0}},
+  })
+  local x, y = self:force(tag)
+  local along, across = wish.stream[1], wish.stream[2]
+  local unit = 0.5 * self.wish.density * wish.velocity ^ 2 * wish.length
+    * math.sqrt(along * along + across * across)
+  return (x * along + y * across) / unit, (y * along - x * across) / unit
+end
+
+--- Heat through the edges with a tag, over what conduction carries at a difference of temperatures
+--- through a body as wide as it is thick. For a square heated at one side: the Nusselt number.
+function methods:nusselt(tag, difference)
+  return self:heat(tag) / (self.wish.diffusivity * difference)
+end
+
+local function class(what, names)
+  local made = followed.class(what, names, {signals = function(self) return rawget(self, "recorded") end})
+  for name, method in pairs(methods) do made[name] = method end
+  made.finish = finish
+  function made.start(self)
+    rawset(self, "recorded", {})
+    rawset(self, "watched", {})
+    if not self.wish.steady then return self end
+    return followed.solve(self)
+  end
+  return made
+end
+
+-- ---- making --------------------------------------------------------------------------------------
+
+local function with(more)
+  local all = followed.with {
+    density = {type = "number", default = 1, above = 0},
+    viscosity = {type = "number", needed = true, above = 0},
+    gravity = {type = "table", default = {0, 0}},
+    conditions = {type = "table", default = {}},
+    step = {type = "number", above = 0},
+    steady = {type = "boolean", default = false},
+    bdf = {type = "integer", default = 2, least = 1, most = 2},
+    iterations = {type = "integer", default = 0, least = 0},
+    tolerance = {type = "number", default = 1e-8, above = 0},
+    ale = {type = "boolean", default = false},
+    solver = {type = "table", default = {}},
+  }
+  for key, rule in pairs(more) do all[key] = rule end
+  return all
+end
+
+local function create(where, made, given, rules, components)
+  local wish = options.read(where, given, rules)
+  for i = 1, 2 do
+    if #wish.gravity ~= 2 or type(wish.gravity[i]) ~= "number" then
+      raise(("%s: option 'gravity': {x, y} expected"):format(where))
+    end
+  end
+  local list = conditions.read(where, wish.conditions, components, "wall")
+  return followed.object(made, wish, core.flow.create(wish.outline,
+    followed.mesh(where, wish, list), wish.follow, {density = wish.density,
+      viscosity = wish.viscosity, gravity = wish.gravity, diffusivity = wish.diffusivity,
+      expansion = wish.expansion, reference = wish.reference}, list))
+end
+
+local fields = {"time", "velocity", "pressure", "vorticity"}
+local flow = class("flow", fields)
+local thermal = class("thermal flow", {"temperature", table.unpack(fields)})
+
+--- Incompressible flow. drag moves the outline, step the time; with `steady` every drag finds the
+--- steady state anew.
+function flows.flow(given)
+  return create("flow", flow, given, with {}, {"x", "y"})
+end
+
+--- The same with heat that is carried along and lifts.
+function flows.thermal(given)
+  return create("thermal", thermal, given, with {
+    diffusivity = {type = "number", needed = true, above = 0},
+    expansion = {type = "number", default = 0},
+    reference = {type = "number", default = 0},
+  }, {"x", "y", "", "temperature"})
+end
+
+return flows

@@ -1,0 +1,254 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Flows that follow an outline. A box holds a flow and, as its second reference, the mover of its
+ * mesh. Names for options and conditions are Lua (lua/barwright/flows.lua). */
+#include "condition.h"
+#include "follow.h"
+
+static bw_flow *self(lua_State *L) {
+  return (bw_flow *)lbw_check(L, 1, &lbw_flow_class);
+}
+
+/* flow.create(outline, fill, follow, description, conditions) */
+static int flow_create(lua_State *L) {
+  static const lbw_option list[] = {
+      {"density", LBW_REAL, offsetof(bw_flow_description, density)},
+      {"viscosity", LBW_REAL, offsetof(bw_flow_description, viscosity)},
+      {"diffusivity", LBW_REAL, offsetof(bw_flow_description, diffusivity)},
+      {"expansion", LBW_REAL, offsetof(bw_flow_description, expansion)},
+      {"reference", LBW_REAL, offsetof(bw_flow_description, reference)},
+      {"gravity", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  bw_status status = BW_OK;
+  lua_settop(L, 5);
+  const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
+  bw_follow_options follow;
+  bw_flow_description description = {0};
+  lbw_read_follow(L, 3, "flow", &follow);
+  lbw_read_fill(L, 2, "flow", &follow.fill);
+  lbw_options(L, 4, "flow", list, &description);
+  if (lbw_option_get(L, 4, "gravity") == LUA_TTABLE)
+    for (int i = 0; i < 2; i++) {
+      lua_rawgeti(L, -1, i + 1);
+      description.gravity[i] = lua_tonumber(L, -1);
+      lua_pop(L, 1);
+    }
+  lbw_conditions *conditions = lbw_conditions_read(L, 5, "conditions", outline);
+  int place = lua_gettop(L);
+  description.condition = lbw_conditions_list(conditions, &description.condition_count);
+  lbw_conditions_size(conditions, &follow.fill);
+  lbw_box *box = lbw_box_new(L, &lbw_flow_class);
+  int made = lua_gettop(L);
+  lbw_conditions_keep(L, made, place);
+  lbw_conditions_begin(L, made);
+  bw_plane_mesh *mesh = NULL;
+  bw_mover *mover = NULL;
+  bw_flow *flow = NULL;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_plane_fill(context, outline, &follow.fill, &mesh));
+  BW_TRY(bw_mover_create(context, mesh, &follow, &mover));
+  BW_TRY(bw_flow_create(context, mesh, &description, &flow));
+done:
+  bw_release(mesh);
+  if (status == BW_OK)
+    box->extra = mover;
+  else
+    bw_release(mover);
+  lbw_box_fill(L, box, flow);
+  lua_pushvalue(L, made);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- following and stepping ------------------------------------------------------------------ */
+
+static bw_status follow_mesh(bw_context *context, void *flow, const bw_plane_mesh *mesh,
+                             bw_kept *kept) {
+  return bw_flow_follow(context, (bw_flow *)flow, mesh, kept);
+}
+
+/* flow:follow(frame, outline) */
+static int flow_follow(lua_State *L) {
+  return lbw_follow(L, &lbw_flow_class, follow_mesh);
+}
+
+/* flow:step(frame, stale options, options, steps): option "step" 0: to the steady state */
+static int flow_step(lua_State *L) {
+  static const lbw_option list[] = {{"step", LBW_REAL, offsetof(bw_flow_options, step)},
+                                    {"bdf", LBW_INT, offsetof(bw_flow_options, bdf)},
+                                    {"iterations", LBW_INT, offsetof(bw_flow_options, iterations)},
+                                    {"tolerance", LBW_REAL, offsetof(bw_flow_options, tolerance)},
+                                    {"ale", LBW_BOOLEAN, offsetof(bw_flow_options, ale)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_status status = BW_OK;
+  bw_flow *flow = self(L);
+  lua_settop(L, 5);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  bw_flow_options options;
+  bw_kept kept;
+  bw_flow_options_default(&options);
+  double tolerance = options.linear.tolerance;
+  lbw_read_stale(L, 3, &options.linear);
+  if (lbw_option_get(L, 3, "tolerance") == LUA_TNIL)
+    options.linear.tolerance = tolerance;
+  lua_settop(L, 5);
+  lbw_options(L, 4, "step", list, &options);
+  lua_Integer steps = lbw_integer_or(L, 5, 1);
+  lbw_load_kept(L, 2, &kept);
+  lbw_conditions_begin(L, 1);
+  bw_context *context = lbw_enter(L);
+  for (lua_Integer i = 0; i < steps; i++) {
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bw_flow_step(context, flow, &options, &kept));
+  }
+done:
+  return lbw_leave_frame(L, &lbw_flow_class, status, &kept);
+}
+
+/* ---- results --------------------------------------------------------------------------------- */
+
+static int32_t nodes_of(const bw_flow *flow) {
+  return flow->mesh->topology->nodes->node_count;
+}
+
+static int32_t check_tag(lua_State *L, int index, const bw_flow *flow) {
+  const bw_outline *outline = flow->mesh->outline;
+  const char *text = lbw_check_text(L, index, NULL);
+  int32_t tag = bw_outline_find_tag(outline, text);
+  if (tag < 0) {
+    const char **name =
+        (const char **)lua_newuserdatauv(L, ((size_t)outline->tag_count + 1) * sizeof *name, 0);
+    for (int32_t t = 0; t < outline->tag_count; t++)
+      name[t] = outline->tag[t].text;
+    lbw_error(L, "the outline has no tag '%s': did you mean '%s'?", text,
+              lbw_nearest(text, name, (size_t)outline->tag_count));
+  }
+  return tag;
+}
+
+/* flow:force(tag) */
+static int flow_force(lua_State *L) {
+  const bw_flow *flow = self(L);
+  int32_t tag = check_tag(L, 2, flow);
+  double force[2] = {0, 0};
+  bw_status status = bw_flow_force(lbw_enter(L), flow, tag, force);
+  lbw_leave_or_raise(L, status);
+  lua_pushnumber(L, force[0]);
+  lua_pushnumber(L, force[1]);
+  return 2;
+}
+
+/* flow:heat(tag) */
+static int flow_heat(lua_State *L) {
+  const bw_flow *flow = self(L);
+  int32_t tag = check_tag(L, 2, flow);
+  double heat = 0;
+  bw_status status = bw_flow_heat(lbw_enter(L), flow, tag, &heat);
+  lbw_leave_or_raise(L, status);
+  lua_pushnumber(L, heat);
+  return 1;
+}
+
+/* flow:at(x, y): velocity x, y, pressure and temperature, if there is one */
+static int flow_at(lua_State *L) {
+  const bw_flow *flow = self(L);
+  const double at[2] = {lbw_check_real(L, 2, "x"), lbw_check_real(L, 3, "y")};
+  double value[4] = {0};
+  bw_status status = bw_flow_at(lbw_enter(L), flow, at, value);
+  lbw_leave_or_raise(L, status);
+  for (int i = 0; i < flow->components; i++)
+    lua_pushnumber(L, value[i]);
+  return flow->components;
+}
+
+/* Components `first` and on of the state, as it is now. */
+static int push_part(lua_State *L, int first, int count) {
+  const bw_flow *flow = self(L);
+  if (first + count > flow->components) {
+    lua_pushnil(L);
+    return 1;
+  }
+  bw_array *array = lbw_push_array(L, BW_F64, nodes_of(flow), count);
+  double *out = (double *)array->data;
+  for (int64_t i = 0; i < nodes_of(flow); i++)
+    for (int d = 0; d < count; d++)
+      out[count * i + d] = flow->state[flow->components * i + first + d];
+  return 1;
+}
+
+static int flow_velocity(lua_State *L) {
+  return push_part(L, 0, 2);
+}
+static int flow_pressure(lua_State *L) {
+  return push_part(L, 2, 1);
+}
+static int flow_temperature(lua_State *L) {
+  return push_part(L, 3, 1);
+}
+
+static int flow_vorticity(lua_State *L) {
+  const bw_flow *flow = self(L);
+  bw_array *array = lbw_push_array(L, BW_F64, nodes_of(flow), 1);
+  bw_status status = bw_flow_vorticity(lbw_enter(L), flow, (double *)array->data);
+  lbw_leave_or_raise(L, status);
+  return 1;
+}
+
+static int flow_points(lua_State *L) {
+  const bw_plane_mesh *mesh = self(L)->mesh;
+  return lbw_push_borrowed(L, BW_F64, mesh->topology->nodes->node_count, 2, mesh->point, mesh);
+}
+
+static int flow_elements(lua_State *L) {
+  const bw_plane_topology *topology = self(L)->mesh->topology;
+  return lbw_push_indices(L, topology->element_count, 3, topology->element);
+}
+
+static int flow_counts(lua_State *L) {
+  lua_pushinteger(L, self(L)->mesh->topology->element_count);
+  lua_pushinteger(L, nodes_of(self(L)));
+  return 2;
+}
+
+static int flow_time(lua_State *L) {
+  lua_pushnumber(L, self(L)->time);
+  return 1;
+}
+
+static int flow_outline(lua_State *L) {
+  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
+  return 1;
+}
+
+/* flow.frequency(signal, step, periods) */
+static int flow_frequency(lua_State *L) {
+  lbw_check_type(L, 1, LUA_TTABLE);
+  lua_Integer count = (lua_Integer)lua_rawlen(L, 1), periods = lbw_check_integer(L, 3);
+  double step = lbw_check_number(L, 2);
+  double *signal = (double *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *signal, 0);
+  for (lua_Integer i = 0; i < count; i++) {
+    if (lua_rawgeti(L, 1, i + 1) != LUA_TNUMBER)
+      lbw_error(L, "a signal is a list of numbers; number %I is a %s", i + 1, lbw_type_name(L, -1));
+    signal[i] = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+  lua_pushnumber(L, bw_flow_frequency(count, signal, step, (int)periods));
+  return 1;
+}
+
+static const luaL_Reg methods[] = {
+    {"follow", flow_follow}, {"step", flow_step},     {"force", flow_force}, {"heat", flow_heat},
+    {"at", flow_at},         {"counts", flow_counts}, {NULL, NULL}};
+static const luaL_Reg properties[] = {
+    {"velocity", flow_velocity},   {"pressure", flow_pressure}, {"temperature", flow_temperature},
+    {"vorticity", flow_vorticity}, {"points", flow_points},     {"elements", flow_elements},
+    {"time", flow_time},           {"outline", flow_outline},   {NULL, NULL}};
+static const luaL_Reg meta[] = {{NULL, NULL}};
+const lbw_class lbw_flow_class = {"flow", methods, properties, meta, NULL};
+
+void lbw_open_flow(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"create", flow_create}, {"frequency", flow_frequency}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_flow_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "flow");
+}

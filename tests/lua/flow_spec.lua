@@ -1,0 +1,137 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Flow and heat whose outline is dragged: closed forms, what was reused, forces, signals, refusals.
+local bw = require "barwright"
+local check = require "check"
+
+local function pipe()
+  return assert(bw.outline.rectangle {width = 2, height = 1,
+    tags = {bottom = 1, outlet = 2, top = 3, inlet = 4}})
+end
+
+local function tunnel(x)
+  return assert(bw.outline {points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}},
+    tags = {sides = {1, 3}, outlet = 2, inlet = 4},
+    holes = {bw.outline.circle {centre = {x or 0.5, 0.5}, radius = 0.1, name = "body", tag = "body"}}})
+end
+
+local around = {inlet = {x = 1, y = 0}, sides = {y = 0}, body = "wall"}
+
+local function wind(more)
+  local options = {outline = tunnel(), viscosity = 0.01, elements = 500, conditions = around, step = 0.02}
+  for key, value in pairs(more or {}) do options[key] = value or nil end
+  return bw.responsive.flow(options)
+end
+
+describe("a steady flow", function()
+  it("is Poiseuille's in a channel, also driven by pressure", function()
+    local profile = {x = "4*y*(1 - y)", y = 0}
+    local wanted = 8 * 0.1 * 2 -- 8 mu U / h2 times the length
+    for _, inlet in ipairs {profile, {pressure = wanted, y = 0}} do
+      local s = assert(bw.responsive.flow {outline = pipe(), viscosity = 0.1, size = 0.08, steady = true,
+        conditions = {bottom = "wall", top = "wall", inlet = inlet, outlet = {y = 0}}})
+      check.near(1, s:at(1, 0.5), 0.02)
+      check.near(wanted * 0.5, s:pressure_drop({0.5, 0.5}, {1.5, 0.5}), 0.03)
+      local x = s:force "bottom"
+      check.near(wanted / 2, x, 0.1) -- half of what the pressure drives; the corners are the ends' own
+      check.near(-4, s.vorticity:min(), 0.1)
+    end
+  end)
+
+  it("is found anew in every drag, as from scratch", function()
+    local s = assert(wind {steady = true, elements = 1500})
+    for _ = 1, 6 do assert(s:drag({loop = "body"}, {0.05, 0})) end
+    local anew = assert(wind {steady = true, elements = 1500, outline = tunnel(0.8)})
+    local about = {velocity = 1, length = 0.2}
+    check.near((anew:coefficients("body", about)), (s:coefficients("body", about)), 0.03)
+    assert.is_true(s.reused.solution)
+  end)
+
+  it("conducts where nothing moves", function()
+    local s = assert(bw.responsive.thermal {outline = pipe(), viscosity = 1, diffusivity = 0.5, size = 0.2,
+      steady = true, conditions = {inlet = {x = 0, y = 0, temperature = 3}, top = "wall", bottom = "wall",
+        outlet = {x = 0, y = 0, temperature = 1}}})
+    check.near(0.5, s:heat "inlet", 1e-6) -- alpha dT / length times the height
+    check.near(-0.5, s:heat "outlet", 1e-6)
+    check.near(0.5, s:nusselt("inlet", 2), 1e-6)
+    local _, _, _, temperature = s:at(0.5, 0.5)
+    check.near(2.5, temperature, 1e-6)
+    assert.equal(3, s.temperature:max())
+  end)
+end)
+
+describe("a flow in time", function()
+  it("goes on through drags and says what it reused", function()
+    local s = assert(wind())
+    assert(s:step(5))
+    for _ = 1, 8 do
+      assert(s:drag({loop = "body"}, {0.02, 0}))
+      assert(s:step())
+      assert.equal(1, s.reused.solves)
+      assert.is_true(s.reused.solution)
+    end
+    assert.truthy(tostring(s.reused):find "^re")
+    check.near(13 * 0.02, s.time, 1e-9)
+    assert.equal(s.node_count, #s.pressure)
+    assert.is_nil(rawget(s, "temperature"))
+    assert(s:settle())
+    assert.is_true((s:coefficients("body", {velocity = 1, length = 0.2})) > 0)
+  end)
+
+  it("answers after drags as a solve from scratch on the same mesh does", function()
+    local a = assert(wind {solver = {tolerance = 1e-12}})
+    local b = assert(wind {solver = {tolerance = 1e-12, method = "scratch"}})
+    for _ = 1, 6 do
+      for _, s in ipairs {a, b} do
+        assert(s:drag({loop = "body"}, {0.03, 0.01}))
+        assert(s:step(2))
+      end
+    end
+    local off = (a.velocity - b.velocity):map "abs(a)"
+    assert.is_true(off:max() < 1e-6 * a.velocity:max())
+  end)
+
+  it("records signals and finds their frequency", function()
+    local s = assert(wind {conditions = {inlet = {x = "1 + 0.2*sin(20*t)", y = 0}, sides = {y = 0},
+      body = "wall"}})
+    s:record("speed", function(flow) return (flow:at(0.05, 0.5)) end)
+    assert(s:step(100))
+    assert.equal(100, #s.signals.speed)
+    check.near(20 / (2 * math.pi), s:frequency("speed", 4), 0.02)
+    s:record "speed"
+    check.raises("no signal 'speed'", s.frequency, s, "speed")
+  end)
+
+  it("takes sizes as formulas and functions", function()
+    local even = assert(wind {size = 0.1, elements = nil})
+    for _, size in ipairs {"max(0.02, 0.1*x)", function(x) return math.max(0.02, 0.1 * x) end} do
+      local s = assert(wind {size = size, follow = {level = "reconstruction"}})
+      assert.is_true(s.element_count > 2 * even.element_count)
+      assert(s:drag({loop = "body"}, {0.1, 0}))
+      assert(s:step())
+    end
+    check.raises("no size here", wind, {size = function() error "no size here" end})
+  end)
+
+  it("keeps its last good state when a drag is refused", function()
+    local s = assert(wind())
+    assert(s:step(3))
+    local before = s.velocity:max()
+    check.fails("geometry", "body", s:drag({loop = "body"}, {2, 0}))
+    assert.equal(before, s.velocity:max())
+    assert(s:step())
+  end)
+
+  it("refuses what cannot be, and names the nearest", function()
+    check.raises("'viscosity': is missing", bw.responsive.flow, {outline = pipe()})
+    check.raises("did you mean 'inlet'", wind, {conditions = {inlt = "wall"}})
+    check.raises("\"wall\" or a table", wind, {conditions = {body = "fixed"}})
+    check.raises("unknown key 'temperature'", wind, {conditions = {body = {temperature = 1}}})
+    check.raises("did you mean 'body'", function() wind():force "bodi" end)
+    check.raises("no step has been done", function() wind():force "body" end)
+    check.raises("give the option 'step'", function() wind({step = false}):step() end)
+    check.raises("a whole number of steps", function() wind():step(0) end)
+    check.raises("'size'", wind, {size = -1})
+    check.raises("did you mean 'pressure'", function() return wind().presure end)
+    check.raises("oops", function() wind({conditions = {body = {x = function() error "oops" end}}}):step() end)
+  end)
+end)
