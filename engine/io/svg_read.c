@@ -494,6 +494,8 @@ bw_status bwi_svg_parse(bwi_cursor *cursor, double unit, bwi_contours *contours,
       break;
     while (r.counted < tag.name.at)
       r.line += *r.counted++ == '\n';
+    if (tag.name.length > 4 && memcmp(tag.name.at, "svg:", 4) == 0)
+      tag.name = (bwi_word){tag.name.at + 4, tag.name.length - 4};
     BW_TRY(tag.closing ? close_element(&r, &tag) : open_element(&r, &tag));
     if (r.depth == 0 && r.any)
       break; /* what stands behind the drawing is not looked at */

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What moves with a handle: a vertex with the control points beside it, so that the directions of
- * the curves there stay; a segment; a loop with all that lies in it. */
+ * the curves there stay; a segment; a loop with all that lies in it; a point alone. */
 #include <string.h>
 
 #include "outline/internal.h"
@@ -32,9 +32,16 @@ bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_h
     BW_TRY(bwi_check_vertex(context, outline, index, &segment));
   else if (kind == BW_HANDLE_SEGMENT)
     BW_TRY(bwi_check_segment(context, outline, index));
-  else
+  else if (kind == BW_HANDLE_LOOP)
     BW_TRY(bwi_check_loop(context, outline, index));
+  else if (index < 0 || index >= outline->point_count)
+    return bw_fail(context, BW_INVALID, "point %lld of an outline with %d", (long long)index + 1,
+                   outline->point_count);
   memset(weight, 0, (size_t)outline->point_count * sizeof *weight);
+  if (kind == BW_HANDLE_POINT) {
+    weight[index] = 1;
+    return BW_OK;
+  }
   if (kind == BW_HANDLE_LOOP) {
     for (int32_t l = 0; l < outline->loop_count; l++)
       for (int32_t s = 0; lies_in(outline, l, index) && s < outline->loop[l].count; s++)

@@ -67,13 +67,14 @@ static void copy_name(lua_State *L, int index, const char *what, bw_name *name) 
   memcpy(name->text, text, length);
 }
 
-/* A handle {vertex = n}, {edge = n} or {loop = name}; with a loop beside them, vertex and edge
- * count from that loop's first. */
+/* A handle {vertex = n}, {edge = n}, {edge = n, control = 1 or 2} or {loop = name}; with a loop
+ * beside them, vertex and edge count from that loop's first. */
 static bw_handle_kind check_handle(lua_State *L, int index, const bw_outline *outline,
                                    int32_t *number) {
   static const lbw_option list[] = {{"vertex", LBW_OTHER, 0},
                                     {"edge", LBW_OTHER, 0},
                                     {"loop", LBW_OTHER, 0},
+                                    {"control", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, index, LUA_TTABLE);
   lbw_options(L, index, "handle", list, NULL);
@@ -92,6 +93,13 @@ static bw_handle_kind check_handle(lua_State *L, int index, const bw_outline *ou
   lua_pushvalue(L, vertex ? -3 : -2);
   int32_t n = first + (int32_t)lbw_check_index(L, lua_gettop(L), vertex ? "vertex" : "edge", count);
   *number = vertex ? vertex_of(outline, n) : n;
+  if (lbw_option_get(L, index, "control") != LUA_TNIL) {
+    int which = 1 + (int)lbw_check_index(L, lua_gettop(L), "control", 2);
+    if (vertex || outline->segment[n].point[1] < 0)
+      lbw_error(L, "handle: a control point of an edge that is a curve expected");
+    *number = outline->segment[n].point[which];
+    return BW_HANDLE_POINT;
+  }
   return vertex ? BW_HANDLE_VERTEX : BW_HANDLE_SEGMENT;
 }
 

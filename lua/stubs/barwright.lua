@@ -1404,9 +1404,10 @@ function Outline:write(path) end
 ---@return table? details
 function Outline:picture(path, options) end
 
----Moves a handle: {vertex = n} (with the control points beside it), {edge = n}, or {loop = name} with
----the loops inside it. With a loop beside them, vertex and edge count from that loop's first.
----@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---Moves a handle: {vertex = n} (with the control points beside it), {edge = n}, {loop = name} with the
+---loops inside it, or {edge = n, control = 1 or 2}: a control point alone. With a loop beside them,
+---vertex and edge count from that loop's first.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer, control?: integer}
 ---@param by number[]
 ---@return bw.Outline?
 ---@return string? message
@@ -1414,7 +1415,7 @@ function Outline:picture(path, options) end
 function Outline:moved(handle, by) end
 
 ---How far each point goes with a handle, 0 to 1.
----@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer, control?: integer}
 ---@return bw.Array
 function Outline:weights(handle) end
 

@@ -67,7 +67,8 @@ int32_t bw_outline_find_tag(const bw_outline *outline, const char *name);  /* -1
 typedef enum bw_handle_kind {
   BW_HANDLE_VERTEX,  /* a point; the control points beside a vertex go with it */
   BW_HANDLE_SEGMENT, /* both ends and the controls of an edge, and the control points beside them */
-  BW_HANDLE_LOOP     /* a whole loop with the loops inside it */
+  BW_HANDLE_LOOP,    /* a whole loop with the loops inside it */
+  BW_HANDLE_POINT    /* a single point, vertex or control point, alone */
 } bw_handle_kind;
 /* Displacement of every outline point under a unit move of a handle: weight[i] in 0..1 for each
  * point (the move is the same in x and y). */

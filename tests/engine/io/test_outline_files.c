@@ -103,6 +103,7 @@ static void groups_and_units_of_svg(void **state) {
             "transform='skewX(45),skewY(0)'/></g>",
             2, 7.5, -10, 1e-13);
   check_svg(context, "<svg x='3' y='1'><rect width='1' height='1'/></svg>", 1, 3.5, -1.5, 1e-14);
+  check_svg(context, "<svg:g><svg:rect width='1' height='1'/></svg:g>", 1, 0.5, -0.5, 1e-14);
   check_svg(context,
             "<defs><rect width='9' height='9'/></defs><g display='none'><circle r='3'/></g>"
             "<rect style='fill:red;display : none' width='7' height='7'/>"

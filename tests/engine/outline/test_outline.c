@@ -264,6 +264,11 @@ static void handles_take_their_control_points(void **state) {
   check_near(sum, 16, 0);
   check_fails(context, BW_INVALID, "point 2 is a control point",
               bw_outline_handle(context, o, BW_HANDLE_VERTEX, 1, weight));
+  check_ok(context, bw_outline_handle(context, o, BW_HANDLE_POINT, 4, weight));
+  for (int i = 0; i < 28; i++)
+    check_near(weight[i], i == 4, 0);
+  check_fails(context, BW_INVALID, "point 29",
+              bw_outline_handle(context, o, BW_HANDLE_POINT, 28, weight));
   check_fails(context, BW_INVALID, "segment 13",
               bw_outline_handle(context, o, BW_HANDLE_SEGMENT, 12, weight));
   check_fails(context, BW_INVALID, "loop 0",
@@ -353,8 +358,14 @@ static void random_drags_stay_valid(void **state) {
   bw_random_seed(&random, 11);
   int accepted = 0, refused = 0, rounds = getenv("BARWRIGHT_FULL") ? 100000 : 10000;
   for (int round = 0; round < rounds; round++) {
-    bw_handle_kind kind = (bw_handle_kind)(bw_random_bits(&random) % 3);
-    int32_t count = kind == BW_HANDLE_LOOP ? o->loop_count : o->segment_count;
+    if (round % 500 == 0) { /* from the start again, before all has drifted apart */
+      bw_release(o);
+      o = draft_make(context, &d);
+    }
+    bw_handle_kind kind = (bw_handle_kind)(bw_random_bits(&random) % 4);
+    int32_t count = kind == BW_HANDLE_LOOP    ? o->loop_count
+                    : kind == BW_HANDLE_POINT ? o->point_count
+                                              : o->segment_count;
     int32_t index = (int32_t)(bw_random_bits(&random) % (uint64_t)count);
     if (kind == BW_HANDLE_VERTEX)
       index = o->segment[index].point[0];
