@@ -361,5 +361,6 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_plane(L);
   lbw_open_mover(L);
   lbw_open_flow(L);
+  lbw_open_plate(L);
   return 1;
 }

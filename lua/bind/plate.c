@@ -1,0 +1,231 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Plates that ring. A box holds a plate and, as its second reference, the mover of its mesh. What
+ * makes an instrument of it is Lua (lua/barwright/metallophone.lua). */
+#include "follow.h"
+
+#include <math.h>
+#include <string.h>
+
+static bw_plate *self(lua_State *L) {
+  return (bw_plate *)lbw_check(L, 1, &lbw_plate_class);
+}
+
+static const bw_mover *mover_of(lua_State *L) {
+  return (const bw_mover *)lbw_check_box(L, 1, &lbw_plate_class)->extra;
+}
+
+static int64_t nodes_of(const bw_plate *plate) {
+  return plate->mesh->topology->nodes->node_count;
+}
+
+/* plate.create(outline, fill, follow, material, thickness) */
+static int plate_create(lua_State *L) {
+  bw_status status = BW_OK;
+  lua_settop(L, 5);
+  const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
+  bw_follow_options follow;
+  lbw_read_follow(L, 3, "plate", &follow);
+  lbw_read_fill(L, 2, "plate", &follow.fill);
+  follow.fill.order = 2;
+  const bw_material *material = (const bw_material *)lbw_check(L, 4, &lbw_material_class);
+  double thickness = lbw_check_real(L, 5, "thickness");
+  lbw_box *box = lbw_box_new(L, &lbw_plate_class);
+  bw_plane_mesh *mesh = NULL;
+  bw_mover *mover = NULL;
+  bw_plate *plate = NULL;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_plane_fill(context, outline, &follow.fill, &mesh));
+  BW_TRY(bw_mover_create(context, mesh, &follow, &mover));
+  BW_TRY(bw_plate_create(context, mesh, material, thickness, &plate));
+done:
+  bw_release(mesh);
+  if (status == BW_OK)
+    box->extra = mover;
+  else
+    bw_release(mover);
+  lbw_box_fill(L, box, plate);
+  return lbw_leave(L, status, 1);
+}
+
+static bw_status follow_mesh(bw_context *context, void *plate, const bw_plane_mesh *mesh,
+                             bw_kept *kept) {
+  return bw_plate_follow(context, (bw_plate *)plate, mesh, kept);
+}
+
+/* plate:follow(frame, outline) */
+static int plate_follow(lua_State *L) {
+  return lbw_follow(L, &lbw_plate_class, follow_mesh);
+}
+
+/* plate:solve(frame, {modes, tolerance, scratch}) */
+static int plate_solve(lua_State *L) {
+  static const lbw_option list[] = {{"modes", LBW_INT, offsetof(bw_plate_options, modes)},
+                                    {"tolerance", LBW_REAL, offsetof(bw_plate_options, tolerance)},
+                                    {"scratch", LBW_BOOLEAN, offsetof(bw_plate_options, scratch)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_plate *plate = self(L);
+  lua_settop(L, 3);
+  lbw_check_type(L, 2, LUA_TTABLE);
+  bw_plate_options options;
+  bw_kept kept;
+  bw_plate_options_default(&options);
+  lbw_options(L, 3, "solve", list, &options);
+  lbw_load_kept(L, 2, &kept);
+  bw_status status = bw_plate_solve(lbw_enter(L), plate, &options, &kept);
+  return lbw_leave_frame(L, &lbw_plate_class, status, &kept);
+}
+
+/* Numbers change in place from frame to frame: each is a copy of its moment. */
+static int push_copy(lua_State *L, int64_t rows, int64_t columns, const double *data) {
+  bw_array *array = lbw_push_array(L, BW_F64, rows, columns);
+  if (rows > 0)
+    memcpy(array->data, data, (size_t)(rows * columns) * sizeof *data);
+  return 1;
+}
+
+static int plate_frequencies(lua_State *L) {
+  return push_copy(L, self(L)->mode_count, 1, self(L)->frequency);
+}
+
+static int mode_argument(lua_State *L, const bw_plate *plate) {
+  return lua_isnoneornil(L, 2) ? 0 : (int)lbw_check_index(L, 2, "mode", plate->mode_count);
+}
+
+/* plate:mode(k): deflection and two rotations at every node */
+static int plate_mode(lua_State *L) {
+  const bw_plate *plate = self(L);
+  int mode = mode_argument(L, plate);
+  if (plate->mode_count == 0)
+    return lbw_error(L, "mode: the plate has no modes yet");
+  return push_copy(L, nodes_of(plate), 3, plate->shape + mode * 3 * nodes_of(plate));
+}
+
+/* plate:gradient(k): Hz/m by the outline's points */
+static int plate_gradient(lua_State *L) {
+  bw_status status = BW_OK;
+  const bw_plate *plate = self(L);
+  int mode = mode_argument(L, plate);
+  lua_settop(L, 1);
+  bw_array *nodes = lbw_push_array(L, BW_F64, nodes_of(plate), 2);
+  bw_array *points = lbw_push_array(L, BW_F64, plate->mesh->outline->point_count, 2);
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_plate_gradient(context, plate, mode, (double *)nodes->data));
+  BW_TRY(bw_mover_pull_back(context, (bw_mover *)mover_of(L), (const double *)nodes->data,
+                            (double *)points->data));
+done:
+  lua_settop(L, 3);
+  return lbw_leave(L, status, 1);
+}
+
+/* plate:nodal_lines(k): rows x0 y0 x1 y1 */
+static int plate_nodal_lines(lua_State *L) {
+  const bw_plate *plate = self(L);
+  int mode = mode_argument(L, plate);
+  int32_t count = 0;
+  double *lines = NULL;
+  bw_array *array = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_plate_nodal_lines(context, plate, mode, &count, &lines);
+  if (status == BW_OK)
+    status = bw_array_own(context, BW_F64, count, 4, lines, &array);
+  if (status != BW_OK)
+    bw_free(lines);
+  lbw_leave_or_raise(L, status);
+  lbw_push(L, &lbw_array_class, array);
+  bw_release(array);
+  return 1;
+}
+
+/* plate:tone{at, loss, contact, seconds, rate} */
+static int plate_tone(lua_State *L) {
+  static const lbw_option list[] = {{"loss", LBW_REAL, offsetof(bw_tone, loss)},
+                                    {"contact", LBW_REAL, offsetof(bw_tone, contact)},
+                                    {"seconds", LBW_REAL, offsetof(bw_tone, seconds)},
+                                    {"rate", LBW_INT, offsetof(bw_tone, rate)},
+                                    {"at", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  const bw_plate *plate = self(L);
+  bw_tone tone;
+  lua_settop(L, 2);
+  bw_tone_default(&tone);
+  lbw_options(L, 2, "tone", list, &tone);
+  if (lbw_option_get(L, 2, "at") != LUA_TNIL) {
+    lbw_check_type(L, -1, LUA_TTABLE);
+    for (int i = 0; i < 2; i++) {
+      lua_rawgeti(L, -1, i + 1);
+      tone.at[i] = lbw_check_real(L, -1, "at");
+      lua_pop(L, 1);
+    }
+  }
+  lua_settop(L, 2);
+  if (!(tone.seconds > 0) || !(tone.seconds <= 600))
+    return lbw_option_error(L, "tone", "seconds", "above 0 and at most 600");
+  bw_array *array = lbw_push_array(L, BW_F64, (int64_t)(tone.seconds * tone.rate), 1);
+  bw_status status = bw_plate_tone(lbw_enter(L), plate, &tone, (double *)array->data);
+  return lbw_leave(L, status, 1);
+}
+
+static int plate_points(lua_State *L) {
+  const bw_plane_mesh *mesh = self(L)->mesh;
+  return lbw_push_borrowed(L, BW_F64, mesh->topology->nodes->node_count, 2, mesh->point, mesh);
+}
+
+static int plate_elements(lua_State *L) {
+  const bw_plane_topology *topology = self(L)->mesh->topology;
+  return lbw_push_indices(L, topology->element_count, 6, topology->element);
+}
+
+static int plate_counts(lua_State *L) {
+  const bw_plane_topology *topology = self(L)->mesh->topology;
+  lua_pushinteger(L, topology->element_count);
+  lua_pushinteger(L, topology->nodes->node_count);
+  return 2;
+}
+
+static int plate_outline(lua_State *L) {
+  lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
+  return 1;
+}
+
+static int plate_thickness(lua_State *L) {
+  lua_pushnumber(L, self(L)->thickness);
+  return 1;
+}
+
+/* wav_write(path, rate, samples) */
+static int wav_write(lua_State *L) {
+  const char *path = luaL_checkstring(L, 1);
+  int64_t rows = 0;
+  int rate = (int)luaL_checkinteger(L, 2);
+  const double *sample = lbw_to_doubles(L, 3, "samples", 1, &rows);
+  bw_status status = bw_wav_write(lbw_enter(L), path, rate, rows, sample);
+  lua_pushboolean(L, true);
+  return lbw_leave(L, status, 1);
+}
+
+static const luaL_Reg methods[] = {{"follow", plate_follow},
+                                   {"solve", plate_solve},
+                                   {"mode", plate_mode},
+                                   {"gradient", plate_gradient},
+                                   {"nodal_lines", plate_nodal_lines},
+                                   {"tone", plate_tone},
+                                   {"counts", plate_counts},
+                                   {NULL, NULL}};
+static const luaL_Reg properties[] = {{"frequencies", plate_frequencies},
+                                      {"points", plate_points},
+                                      {"elements", plate_elements},
+                                      {"outline", plate_outline},
+                                      {"thickness", plate_thickness},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{NULL, NULL}};
+const lbw_class lbw_plate_class = {"plate", methods, properties, meta, NULL};
+
+void lbw_open_plate(lua_State *L) {
+  static const luaL_Reg functions[] = {{"create", plate_create}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_plate_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "plate");
+  lua_pushcfunction(L, wav_write);
+  lua_setfield(L, -2, "wav_write");
+}
