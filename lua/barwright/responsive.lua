@@ -9,4 +9,5 @@ return {
   cantilever = sheets.cantilever,
   flow = flows.flow,
   thermal = flows.thermal,
+  metallophone = require("barwright.metallophone").new,
 }

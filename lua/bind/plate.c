@@ -194,9 +194,9 @@ static int plate_thickness(lua_State *L) {
 
 /* wav_write(path, rate, samples) */
 static int wav_write(lua_State *L) {
-  const char *path = luaL_checkstring(L, 1);
+  const char *path = lbw_check_text(L, 1, NULL);
   int64_t rows = 0;
-  int rate = (int)luaL_checkinteger(L, 2);
+  int rate = (int)lbw_check_integer(L, 2);
   const double *sample = lbw_to_doubles(L, 3, "samples", 1, &rows);
   bw_status status = bw_wav_write(lbw_enter(L), path, rate, rows, sample);
   lua_pushboolean(L, true);
@@ -211,12 +211,10 @@ static const luaL_Reg methods[] = {{"follow", plate_follow},
                                    {"tone", plate_tone},
                                    {"counts", plate_counts},
                                    {NULL, NULL}};
-static const luaL_Reg properties[] = {{"frequencies", plate_frequencies},
-                                      {"points", plate_points},
-                                      {"elements", plate_elements},
-                                      {"outline", plate_outline},
-                                      {"thickness", plate_thickness},
-                                      {NULL, NULL}};
+static const luaL_Reg properties[] = {
+    {"frequencies", plate_frequencies}, {"points", plate_points},
+    {"elements", plate_elements},       {"outline", plate_outline},
+    {"thickness", plate_thickness},     {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};
 const lbw_class lbw_plate_class = {"plate", methods, properties, meta, NULL};
 

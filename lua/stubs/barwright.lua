@@ -2290,6 +2290,103 @@ function responsive_module.flow(options) end
 ---@return string? message
 ---@return table? details
 function responsive_module.thermal(options) end
+---A bar that rings: the outline extruded to a free plate (Reissner-Mindlin), solved in every drag from the
+---last frame's modes and factor. `modes`: how many (default 1); `elements`: default 400, six-node.
+---@param options {outline: bw.Outline, material: bw.Material, thickness: number, modes?: integer, elements?: integer, size?: number, tolerance?: number, follow?: table}
+---@return bw.Metallophone?
+---@return string? message
+---@return table? details
+function responsive_module.metallophone(options) end
+
+---A bar that rings. Umetani et al. 2011, section 5.1 and appendix A.
+---@class bw.Metallophone
+---@field outline bw.Outline as it is now
+---@field reused bw.Kept what the last frame kept
+---@field frequency number of the lowest elastic mode, Hz
+---@field frequencies bw.Array of all modes asked for, Hz
+---@field note string nearest note and how far above it: "C5 +3.2 cents"
+---@field nodal_lines bw.Array rows x0, y0, x1, y1: where the lowest mode is at rest
+---@field thickness number m
+---@field points bw.Array of the mesh, m
+---@field elements bw.Array corners and middles of edges 12, 23, 31, from 1
+---@field element_count integer
+---@field node_count integer
+local Metallophone = {}
+
+---Moves a handle of the outline by {dx, dy}: mesh, tone and mode follow.
+---@param handle table {vertex = n}, {edge = n} or {loop = name}
+---@param by number[]
+---@return bw.Metallophone?
+---@return string? message
+---@return table? details
+function Metallophone:drag(handle, by) end
+
+---Goes over to another outline.
+---@param outline bw.Outline
+---@return bw.Metallophone?
+---@return string? message
+---@return table? details
+function Metallophone:become(outline) end
+
+---Solves again on the shape as it is.
+---@return bw.Metallophone?
+---@return string? message
+---@return table? details
+function Metallophone:solve() end
+
+---How a frequency changes with the outline's points, Hz/m.
+---@param mode? integer default 1
+---@return bw.Array? gradient a row for every point
+---@return string? message
+---@return table? details
+function Metallophone:gradient(mode) end
+
+---Deflection and two rotations at every node, mass norm 1.
+---@param mode? integer
+---@return bw.Array
+function Metallophone:mode(mode) end
+
+---Two places to hold the bar, on the nodal lines of its lowest mode.
+---@return number[][]? places
+---@return string? message
+---@return table? details
+function Metallophone:holes() end
+
+---The sound of a stroke at `at` (default: where the lowest mode moves most): loss factor (default
+---0.002), contact of the mallet (s, default 0.0003), seconds (default 2), rate (default 44100).
+---@param options? {at?: number[], loss?: number, contact?: number, seconds?: number, rate?: integer}
+---@return bw.Array? samples between -1 and 1
+---@return string? message
+---@return table? details
+function Metallophone:tone(options) end
+
+---The same as a .wav file.
+---@param path string
+---@param options? {at?: number[], loss?: number, contact?: number, seconds?: number, rate?: integer}
+---@return boolean?
+---@return string? message
+---@return table? details
+function Metallophone:write_tone(path, options) end
+
+---Changes the outline until the tone is `target` (Hz, or a note like "C5"), moving it least in the mean
+---square and as evenly as the length `smooth` asks (default: a tenth of the size). `keep`: numbers of
+---points that stay. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
+---@param target number|string
+---@param options? {keep?: integer[], smooth?: number, finer?: integer}
+---@return {frequency: number, cents: number, moved: number, rounds: integer, mesh_cents: number}?
+---@return string? message
+---@return table? details
+function Metallophone:tune(target, options) end
+
+---Where to take material off the edge of a bar that was made and sounds at `measured` Hz: places, the
+---best first, each alone enough as far as the change is linear.
+---@param measured number Hz
+---@param target number|string
+---@param options? {places?: integer, width?: number}
+---@return {at: number[], depth: number, cents: number, per_mm: number}[]?
+---@return string? message
+---@return table? details
+function Metallophone:trim(measured, target, options) end
 
 ---What a frame reused and what it cost. Prints as one line.
 ---@class bw.Kept

@@ -1,0 +1,284 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A bar that rings: an outline extruded to a plate, its tone while it is dragged, how to tune it, where
+-- to hold it, what it sounds like (responsive, section 5.1).
+local core = require "barwright.core"
+local followed = require "barwright.followed"
+local options = require "barwright.options"
+local outlines = require "barwright.outline"
+local pitch = require "barwright.pitch"
+local tune = require "barwright.tune"
+
+local raise = core.raise
+
+local metallophone = {}
+
+local rules = followed.with {
+  material = {type = "material", needed = true},
+  thickness = {type = "number", needed = true, above = 0},
+  modes = {type = "integer", default = 1, least = 1, most = 200},
+  tolerance = {type = "number", default = 1e-5, above = 0},
+}
+
+local bar = followed.class("metallophone bar", {"frequencies", "thickness"}, {
+  frequency = function(self) return rawget(self, "body").frequencies[1] end,
+  note = function(self)
+    local name, above = pitch.note(rawget(self, "body").frequencies[1])
+    return ("%s %+.1f cents"):format(name, above)
+  end,
+  nodal_lines = function(self) return rawget(self, "body"):nodal_lines(1) end,
+})
+
+bar.drag, bar.become, bar.solve, bar.start = followed.drag, followed.become, followed.solve,
+  followed.solve
+
+function bar.finish(self, report)
+  return self.body:solve(report, {modes = self.wish.modes, tolerance = self.wish.tolerance})
+end
+
+local describe = bar.__tostring
+function bar:__tostring()
+  return ("%s; %.2f Hz, %s"):format(describe(self), self.frequency, self.note)
+end
+
+--- How the frequency of a mode (default 1) changes with the outline's points, Hz/m: an array.
+function bar:gradient(mode)
+  return self.body:gradient(mode)
+end
+
+--- Deflection and two rotations of a mode at every node.
+function bar:mode(mode)
+  return self.body:mode(mode)
+end
+
+-- ---- holding -------------------------------------------------------------------------------------
+
+-- Unit vector along which the shape is longest, by its second moments.
+local function long_axis(outline)
+  local m = outline.second_moment
+  local angle = 0.5 * math.atan(-2 * m.xy, m.xx - m.yy)
+  -- moment about the axis at `angle` is least: the shape lies along it
+  local function about(t)
+    return m.xx * math.cos(t) ^ 2 + m.yy * math.sin(t) ^ 2 - 2 * m.xy * math.sin(t) * math.cos(t)
+  end
+  if about(angle) > about(angle + math.pi / 2) then angle = angle + math.pi / 2 end
+  return {math.cos(angle), math.sin(angle)}
+end
+
+--- Two places to hold the bar where the lowest mode is at rest, one on either side of the centroid, as
+--- near the long axis as the nodal lines come.
+function bar:holes()
+  local outline = self.outline
+  local axis, middle = long_axis(outline), outline.centroid
+  local best = {}
+  for _, line in ipairs(self.nodal_lines:totable()) do
+    for part = 0, 4 do
+      local t = part / 4
+      local x = line[1] + t * (line[3] - line[1]) - middle[1]
+      local y = line[2] + t * (line[4] - line[2]) - middle[2]
+      local along, across = x * axis[1] + y * axis[2], math.abs(y * axis[1] - x * axis[2])
+      local side = along < 0 and 1 or 2
+      if not best[side] or across < best[side].across then
+        best[side] = {across = across, x + middle[1], y + middle[2]}
+      end
+    end
+  end
+  if not (best[1] and best[2]) then
+    return nil, "the lowest mode is not at rest on both sides of the centroid: it is no bending of "
+      .. "the bar", {status = "geometry"}
+  end
+  return {{best[1][1], best[1][2]}, {best[2][1], best[2][2]}}
+end
+
+-- ---- sound ---------------------------------------------------------------------------------------
+
+--- The sound of a stroke, an array of samples: at = {x, y}, loss, contact, seconds, rate. With the modes
+--- that the bar has; ask for some more in `modes`.
+function bar:tone(given)
+  return self.body:tone(given)
+end
+
+--- The same as a .wav file.
+function bar:write_tone(path, given)
+  local samples, message, details = self.body:tone(given)
+  if not samples then return nil, message, details end
+  return core.wav_write(path, given and given.rate or 44100, samples)
+end
+
+-- ---- tuning --------------------------------------------------------------------------------------
+
+local tune_rules = {
+  keep = {type = "table", default = {}},
+  smooth = {type = "number", above = 0},
+  finer = {type = "integer", default = 4, least = 1},
+}
+
+local function wanted_frequency(where, target)
+  local wanted = type(target) == "string" and pitch.frequency(target) or target
+  if type(wanted) ~= "number" or not (wanted > 0 and wanted < math.huge) then
+    raise(("%s: a frequency in Hz or a note like \"C5\" expected"):format(where))
+  end
+  return wanted
+end
+
+-- The bar's frequency on a finer mesh of the same outline.
+local function on_finer(self, finer)
+  local elements = self.element_count * finer
+  return metallophone.new {outline = self.outline, material = self.wish.material,
+    thickness = self.wish.thickness, elements = elements, tolerance = self.wish.tolerance}
+end
+
+--- Changes the outline until the tone is `target` (Hz, or a note), moving it least: |p|^2 along the
+--- outline and, over the length `smooth` (default: a tenth of the size), its unevenness. `keep`: numbers
+--- of points that stay. The tone is met on a mesh `finer` times as fine (default 4; 1: on the bar's own).
+--- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents}.
+function bar:tune(target, given)
+  local wanted = wanted_frequency("tune", target)
+  local wish = options.read("tune", given, tune_rules)
+  local keep = {}
+  for _, point in ipairs(wish.keep) do keep[point] = true end
+  local first = self.outline
+  local box = first.box
+  local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
+  local search = {keep = keep, smooth = wish.smooth or 0.1 * size}
+  local aim, rounds, checked, off = wanted, 0, nil, 0
+  for _ = 1, 6 do
+    local met, message, details = tune.search(self, aim, first, search)
+    if not met then
+      self:become(first)
+      return nil, message, details
+    end
+    rounds = rounds + message
+    if wish.finer == 1 then
+      checked = self.frequency
+    else
+      local fine
+      fine, message, details = on_finer(self, wish.finer)
+      if not fine then
+        self:become(first)
+        return nil, message, details
+      end
+      checked = fine.frequency
+    end
+    off = pitch.cents(checked, self.frequency)
+    if math.abs(pitch.cents(checked, wanted)) < 0.1 then break end
+    aim = wanted * self.frequency / checked
+  end
+  local moved = 0
+  local from, to = first.points:totable(), self.outline.points:totable()
+  for i = 1, #from do
+    moved = math.max(moved, math.sqrt((to[i][1] - from[i][1]) ^ 2 + (to[i][2] - from[i][2]) ^ 2))
+  end
+  return {frequency = checked, cents = pitch.cents(checked, wanted), moved = moved, rounds = rounds,
+    mesh_cents = off}
+end
+
+-- ---- trimming ------------------------------------------------------------------------------------
+
+local trim_rules = {
+  places = {type = "integer", default = 3, least = 1},
+  width = {type = "number", above = 0},
+}
+
+-- The outline as one polygon per loop with corners about `spacing` apart.
+local function polygonal(outline, spacing)
+  local loops = {}
+  for k = 1, #outline.loops do
+    local loop, list = outline.loops[k], {}
+    for edge = loop.first, loop.first + loop.count - 1 do
+      local length, last = 0, outline:at(edge, 0)
+      for i = 1, 16 do
+        local at = outline:at(edge, i / 16)
+        length = length + math.sqrt((at[1] - last[1]) ^ 2 + (at[2] - last[2]) ^ 2)
+        last = at
+      end
+      local parts = math.max(1, math.ceil(length / spacing))
+      for i = 0, parts - 1 do list[#list + 1] = outline:at(edge, i / parts) end
+    end
+    loops[k] = list
+  end
+  return loops
+end
+
+-- The loops of the outline, the same nesting, as polygons.
+local function outline_of(loops)
+  local wish = {points = loops[1], holes = {}}
+  for k = 2, #loops do wish.holes[k - 1] = loops[k] end
+  return outlines(wish)
+end
+
+--- Where to take material off a bar that was made and sounds at `measured` instead of `target`: places on
+--- the edge, best first, {at = {x, y}, depth = m, cents = what it brings, per_mm = cents per mm}. Each
+--- place alone, over `width` (default: a tenth of the perimeter), would do as far as a change that
+--- small is linear; the model's own mistuning is taken out by the ratio of measured to computed.
+function bar:trim(measured, target, given)
+  if type(measured) ~= "number" or measured <= 0 then
+    raise "trim: the measured frequency in Hz expected"
+  end
+  local wanted = wanted_frequency("trim", target)
+  local wish = options.read("trim", given, trim_rules)
+  local needed = pitch.cents(wanted, measured)
+  local width = wish.width or self.outline.perimeter / 10
+  local loops = polygonal(self.outline, width / 4)
+  local drawn, message, details = outline_of(loops)
+  if not drawn then return nil, message, details end
+  local fine
+  fine, message, details = metallophone.new {outline = drawn, material = self.wish.material,
+    thickness = self.wish.thickness, elements = self.element_count}
+  if not fine then return nil, message, details end
+  local gradient = fine:gradient():totable()
+  local points, places = drawn.points:totable(), {}
+  for _, ring in ipairs(tune.rings(drawn)) do
+    local n = #ring
+    local inward = {}
+    for i = 1, n do
+      local a, b = points[ring[(i - 2) % n + 1]], points[ring[i % n + 1]]
+      local tx, ty = b[1] - a[1], b[2] - a[2]
+      local length = math.sqrt(tx * tx + ty * ty)
+      -- loops run with the material on their left
+      inward[i] = {-ty / length, tx / length}
+    end
+    for i = 1, n do
+      local change, here = 0, points[ring[i]]
+      for j = 1, n do
+        local at = points[ring[j]]
+        local d = math.sqrt((at[1] - here[1]) ^ 2 + (at[2] - here[2]) ^ 2)
+        if d < width / 2 then
+          local part = 0.5 * (1 + math.cos(2 * math.pi * d / width))
+          local g = gradient[ring[j]]
+          change = change + part * (g[1] * inward[j][1] + g[2] * inward[j][2])
+        end
+      end
+      local per_m = 1200 / math.log(2) * change / fine.frequency
+      if per_m * needed > 0 then
+        places[#places + 1] = {at = {here[1], here[2]}, depth = needed / per_m, cents = needed,
+          per_mm = per_m / 1000}
+      end
+    end
+  end
+  table.sort(places, function(a, b) return a.depth < b.depth end)
+  -- the best ones that are apart
+  local chosen = {}
+  for _, place in ipairs(places) do
+    local apart = true
+    for _, other in ipairs(chosen) do
+      local d = math.sqrt((place.at[1] - other.at[1]) ^ 2 + (place.at[2] - other.at[2]) ^ 2)
+      apart = apart and d >= width
+    end
+    if apart and #chosen < wish.places then chosen[#chosen + 1] = place end
+  end
+  if #chosen == 0 then
+    return nil, ("taking material off nowhere changes the tone by %+.1f cents"):format(needed),
+      {status = "infeasible"}
+  end
+  return chosen
+end
+
+--- A bar from {outline, material, thickness}; options modes, tolerance, elements, size, follow.
+function metallophone.new(given)
+  local wish = options.read("metallophone", given, rules)
+  return followed.object(bar, wish, core.plate.create(wish.outline,
+    {size = wish.size, elements = wish.elements or (not wish.size and 400 or nil)}, wish.follow,
+    wish.material, wish.thickness))
+end
+
+return metallophone

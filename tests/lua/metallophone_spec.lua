@@ -1,0 +1,141 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Bars that ring: pitches, drags, tuning, holding, sound, trimming.
+local bw = require "barwright"
+local check = require "check"
+local pitch = require "barwright.pitch"
+
+local function bar_of(length, width, given)
+  local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {length, width}})
+  for _ = 1, 3 do outline = assert(outline:split(1, 0.5)) end
+  return assert(bw.responsive.metallophone {outline = outline, thickness = 0.004,
+    material = bw.material.aluminium, elements = given or 60})
+end
+
+local function fish(length)
+  local s = length / 0.2
+  local function p(x, y) return {x * s, y * s} end
+  return assert(bw.outline {
+    {p(0.1, 0.035), p(0.03, 0.035), p(0, 0)}, {p(0.03, -0.035), p(0.1, -0.035), p(0.15, -0.012)},
+    p(0.2, -0.03), p(0.19, 0), p(0.2, 0.03), p(0.15, 0.012)})
+end
+
+describe("pitches", function()
+  it("have names and cents", function()
+    check.near(440, pitch.frequency "A4", 1e-12)
+    check.near(523.2511306, pitch.frequency "C5", 1e-9)
+    assert.equal(pitch.frequency "A#3", pitch.frequency "Bb3")
+    assert.is_nil(pitch.frequency "H5")
+    local name, above = pitch.note(445)
+    assert.equal("A4", name)
+    check.near(1200 * math.log(445 / 440, 2), above, 1e-9)
+    check.near(1200, pitch.cents(880, 440), 1e-9)
+  end)
+end)
+
+describe("a metallophone bar", function()
+  it("rings as a slender free beam, and says so while it is dragged", function()
+    local bar = bar_of(0.2, 0.02)
+    local m = bw.material.aluminium
+    local young, density = m.young, m.density
+    local beam = 4.730040744862704 ^ 2 / (2 * math.pi * 0.2 ^ 2) *
+      math.sqrt(young * 0.004 ^ 2 / 12 / density)
+    check.near(1, bar.frequency / beam, 0.005)
+    local before = bar.frequency
+    local n = bar.outline:nearest({0.2, 0.01}).edge
+    assert(bar:drag({edge = n}, {0.01, 0}))
+    assert.is_true(bar.frequency < before)
+    check.near(1, bar.frequency / (beam * (0.2 / 0.21) ^ 2), 0.005)
+    assert.truthy(tostring(bar):find("Hz", 1, true))
+    assert.truthy(tostring(bar.reused):find("relocation", 1, true))
+    local fresh = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.004,
+      material = m, elements = 60})
+    check.near(1, bar.frequency / fresh.frequency, 5e-4)
+  end)
+
+  it("has a gradient that is that of differences", function()
+    local bar = bar_of(0.2, 0.03)
+    local g = assert(bar:gradient()):totable()
+    local outline, values, predicted = bar.outline, {}, 0
+    for side, by in ipairs {1e-5, -1e-5} do
+      local points = outline.points:totable()
+      for i, point in ipairs(points) do
+        local dx, dy = math.sin(3 * i), math.cos(5 * i)
+        point[1], point[2] = point[1] + by * dx, point[2] + by * dy
+        if side == 1 then predicted = predicted + 2e-5 * (g[i][1] * dx + g[i][2] * dy) end
+      end
+      assert(bar:become(assert(outline:with_points(points))))
+      values[side] = bar.frequency
+    end
+    check.near(1, (values[1] - values[2]) / predicted, 1e-3)
+  end)
+
+  it("is tuned to a pitch within a cent, moved little", function()
+    local bar = assert(bw.responsive.metallophone {outline = fish(0.2), thickness = 0.004,
+      material = bw.material.aluminium, elements = 150})
+    local result = assert(bar:tune("C5"))
+    assert.is_true(math.abs(result.cents) < 1)
+    assert.is_true(result.moved < 0.05)
+    local fine = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.004,
+      material = bw.material.aluminium, elements = 2000})
+    assert.is_true(math.abs(pitch.cents(fine.frequency, pitch.frequency "C5")) < 1)
+    assert.has_error(function() bar:tune("H5") end)
+  end)
+
+  it("moves the outline less than other changes that hit the pitch", function()
+    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.2, 0.03}})
+    for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
+    local bar = assert(bw.responsive.metallophone {outline = outline, thickness = 0.004,
+      material = bw.material.aluminium, elements = 100})
+    local wanted = bar.frequency * 2 ^ (50 / 1200)
+    local result = assert(bar:tune(wanted, {finer = 1}))
+    -- scaling in the plane by 1 - e hits it too: f goes with the inverse square of the size
+    local scale = 1 - 2 ^ (-25 / 1200)
+    local size = math.sqrt(0.1 ^ 2 + 0.015 ^ 2)
+    assert.is_true(result.moved < scale * size)
+    check.near(wanted, bar.frequency, 1e-3)
+  end)
+
+  it("says where to hold and where to trim it", function()
+    local bar = bar_of(0.2, 0.02, 120)
+    local holes = assert(bar:holes())
+    table.sort(holes, function(a, b) return a[1] < b[1] end)
+    check.near(0.2242 * 0.2, holes[1][1], 0.03)
+    check.near((1 - 0.2242) * 0.2, holes[2][1], 0.01)
+    for _, hole in ipairs(holes) do check.near(0.01, hole[2], 0.4) end
+    -- too low: the ends; too high: the middle
+    local up = assert(bar:trim(515, 523))
+    assert.is_true(math.min(up[1].at[1], 0.2 - up[1].at[1]) < 0.03)
+    local down = assert(bar:trim(531, 523))
+    assert.is_true(math.abs(down[1].at[1] - 0.1) < 0.02)
+    assert.is_true(up[1].depth > 0 and down[1].depth > 0)
+    assert.is_true(up[1].cents > 0 and down[1].cents < 0)
+  end)
+
+  it("sounds", function()
+    local bar = assert(bw.responsive.metallophone {outline = fish(0.2), thickness = 0.004,
+      material = bw.material.aluminium, elements = 100, modes = 4})
+    local samples = assert(bar:tone {seconds = 0.5, rate = 8000})
+    assert.equal(4000, samples.row_count)
+    check.near(0.9, math.max(samples:max(), -samples:min()), 1e-12)
+    local path = os.tmpname()
+    assert(bar:write_tone(path, {seconds = 0.1}))
+    local file = assert(io.open(path, "rb"))
+    local text = file:read "a"
+    file:close()
+    os.remove(path)
+    assert.equal("RIFF", text:sub(1, 4))
+    assert.equal(44 + 2 * 4410, #text)
+    local ok, message = bar:write_tone("/nowhere/x.wav")
+    assert.is_nil(ok)
+    assert.truthy(message:find("nowhere", 1, true))
+  end)
+
+  it("refuses a drag that folds it, and keeps its tone", function()
+    local bar = bar_of(0.2, 0.02)
+    local before = bar.frequency
+    local ok, message = bar:drag({vertex = 1}, {0.5, 0.5})
+    assert.is_nil(ok)
+    assert.is_string(message)
+    assert.equal(before, bar.frequency)
+  end)
+end)
