@@ -2588,6 +2588,56 @@ function Sheet:counts() end
 ---Releases it early.
 function Sheet:close() end
 
+---The engine's plate under a metallophone bar; scripts take bw.Metallophone.
+---@class bw.Plate
+---@field outline bw.Outline
+---@field frequencies bw.Array
+---@field thickness number
+---@field points bw.Array
+---@field elements bw.Array
+local Plate = {}
+
+---@param frame table
+---@param outline bw.Outline
+---@return table?
+---@return string? message
+---@return table? details
+function Plate:follow(frame, outline) end
+
+---@param frame table
+---@param options? {modes?: integer, tolerance?: number, scratch?: boolean}
+---@return table?
+---@return string? message
+---@return table? details
+function Plate:solve(frame, options) end
+
+---@param mode? integer
+---@return bw.Array
+function Plate:mode(mode) end
+
+---@param mode? integer
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Plate:gradient(mode) end
+
+---@param mode? integer
+---@return bw.Array
+function Plate:nodal_lines(mode) end
+
+---@param options? table
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Plate:tone(options) end
+
+---@return integer elements
+---@return integer nodes
+function Plate:counts() end
+
+---Releases it early.
+function Plate:close() end
+
 -- ---- plane meshes --------------------------------------------------------------------------------
 
 ---Triangle meshes of outlines, and movers that let them follow an outline that is dragged.
