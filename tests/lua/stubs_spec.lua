@@ -15,7 +15,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   pressure_basis = "bw.PressureBasis", skeleton = "bw.Skeleton",
   domains = "bw.Domains", local_system = "bw.LocalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
-  sheet = "bw.Sheet",
+  sheet = "bw.Sheet", plate = "bw.Plate",
   plane_mesh = "bw.PlaneMesh", mover = "bw.Mover", flow = "bw.FlowBody"}
 
 local function keys(...)
