@@ -210,6 +210,38 @@ describe("an outline", function()
     check.fails("io", "cannot write", o:picture(folder .. "/none/a.png"))
   end)
 
+  it("tells when memory runs out, and loses nothing", function()
+    local core = require "barwright.core"
+    local folder, o = check.folder(), plate()
+    assert(o:write(folder .. "/a.svg"))
+    local works = {
+      function() return o:moved({loop = "bore"}, {0.01, 0}) end,
+      function() return o:polygons() end,
+      function() return bw.outline {{0, 0}, {1, 0}, {0, 1}} end,
+      function() return o:pull(1, {0.01, 0.01}, {reach = 0.1}) end,
+      function() return o:without "bore" end,
+      function() return bw.outline.read(folder .. "/a.svg") end,
+    }
+    for _, work in ipairs(works) do
+      assert(work())
+      collectgarbage()
+      collectgarbage()
+      local _, blocks = core.external()
+      for n = 1, 300 do
+        core.fail_allocation(n)
+        local fine, value, _, details = pcall(work)
+        core.fail_allocation(0)
+        if fine and value then break end
+        assert.is_true(n < 300)
+        if fine then assert.equal("memory", details.status) end
+      end
+      collectgarbage()
+      collectgarbage()
+      local _, after = core.external()
+      assert.equal(blocks, after)
+    end
+  end)
+
   it("says in words what it is", function()
     local text = tostring(plate())
     assert.truthy(text:find("outline, 400 x 300 mm: area 1.121e+05 mm2", 1, true))

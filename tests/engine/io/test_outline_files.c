@@ -426,9 +426,8 @@ static void wrong_dxf_is_refused(void **state) {
       {"0 SPLINE|71 1|40 0|40 0|40 1|40 1|10 1|20 1|10 2", "2 x and 1 y", BW_FORMAT},
       {"0 LWPOLYLINE|10 1|10 2|20 2", "the y of a vertex", BW_FORMAT},
       {"0 LINE|10 0|20 0|11 1|21 0", "a.dxf:16: a curve is open at (0, 0) m", BW_GEOMETRY},
-      {"0 LINE|10 0|20 0|11 1|21 0|0 LINE|10 0|20 0|11 1|21 0|0 LINE|10 0|20 0|11 1|21 1|0 LINE|10 "
-       "1|20 "
-       "0|11 1|21 1",
+      {"0 LINE|10 0|20 0|11 1|21 0|0 LINE|10 0|20 0|11 0|21 2|0 LINE|10 0|20 0|11 1|21 1|0 LINE|10 "
+       "1|20 0|11 1|21 1",
        "more than two curves end at (", BW_GEOMETRY},
       {"0 TEXT|1 x", "there is no curve", BW_FORMAT},
       {"0 EOF", "where an entity or ENDSEC", BW_FORMAT},
@@ -471,6 +470,21 @@ static void ends_are_put_together_within_the_tolerance(void **state) {
   bw_release(o);
 }
 
+static void what_is_drawn_twice_is_dropped(void **state) {
+  bw_context *context = check_context(state);
+  bw_outline *o = NULL;
+  check_ok(context, dxf(context, "9 $INSUNITS|70 6",
+                        "0 LINE|10 0|20 0|11 3|21 0|0 LINE|10 3|20 0|11 0|21 0|0 LINE|10 3|20 0|11 "
+                        "0|21 3|0 LINE|10 0|20 3|11 0|21 0|0 LINE|10 0|20 3|11 0|21 0|0 CIRCLE|10 "
+                        "1|20 1|40 0.5|0 CIRCLE|10 1|20 1|40 0.5",
+                        &o));
+  assert_int_equal(o->loop_count, 2);
+  check_near(measure(context, o).area, 4.5 - PI / 4, 1e-4);
+  assert_non_null(strstr(bw_remark_at(context, 0), "3 curves lie on others"));
+  bw_clear_remarks(context);
+  bw_release(o);
+}
+
 static void memory_failures_lose_nothing(void **state) {
   bw_context *context = check_context(state);
   static const char *const text[2] = {
@@ -510,6 +524,7 @@ int main(void) {
       check_test(wrong_svg_is_refused),
       check_test(wrong_dxf_is_refused),
       check_test(ends_are_put_together_within_the_tolerance),
+      check_test(what_is_drawn_twice_is_dropped),
       check_test(memory_failures_lose_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
