@@ -22,6 +22,7 @@
 #define FACTOR_BYTES_PER_SECOND 4e9
 #define BYTES_PER_SECOND 16e9
 #define UMFPACK_FLOPS_PER_SECOND 1.5e9
+#define BLOCKS_FLOPS_PER_SECOND 8e9
 /* Per node: analysis under a given order, and finding an order. */
 #define ANALYSIS_SECONDS 2e-7
 #define ORDER_SECONDS 3e-6
@@ -38,6 +39,8 @@ struct bw_stale {
   int components;
   bwi_stale_symmetric *cholesky;
   bwi_stale_unsymmetric *lu;
+  bwi_stale_blocks *blocks;          /* unsymmetric ones too, */
+  bool pivoting;                     /* until they were no good for these nodes: */
   const bw_plane_topology *topology; /* retained: of the factor; NULL: there is none */
   bwi_stale_work work;               /* of the last factorisation */
   /* since it: */
@@ -50,6 +53,8 @@ struct bw_stale {
   size_t size;                 /* numbers in each */
 };
 
+/* Iterations on a new factor without pivoting before pivoting is called for. */
+enum { ENOUGH = 15 };
 enum { SYMMETRIC_VECTORS = 5, UNSYMMETRIC_VECTORS = 8 };
 
 void bw_stale_options_default(bw_stale_options *options) {
@@ -73,12 +78,24 @@ bw_status bw_stale_create(bw_context *context, bool symmetric, int components, b
     BW_TRY(bwi_stale_symmetric_create(context, components, &stale->cholesky));
   else
     BW_TRY(bwi_stale_unsymmetric_create(context, components, &stale->lu));
+  if (!symmetric)
+    BW_TRY(bwi_stale_blocks_create(context, components, &stale->blocks));
 done:
   if (status == BW_OK)
     *out = stale;
   else
     bw_stale_free(stale);
   return status;
+}
+
+/* Orders, analyses, numbers. */
+static void forget_kept(bw_stale *stale) {
+  if (stale->cholesky)
+    bwi_stale_symmetric_forget(stale->cholesky);
+  if (stale->lu)
+    bwi_stale_unsymmetric_forget(stale->lu);
+  if (stale->blocks)
+    bwi_stale_blocks_forget(stale->blocks);
 }
 
 static void forget_factor(bw_stale *stale) {
@@ -90,11 +107,9 @@ static void forget_factor(bw_stale *stale) {
 }
 
 void bw_stale_forget(bw_stale *stale) {
-  if (stale->symmetric)
-    bwi_stale_symmetric_forget(stale->cholesky);
-  else
-    bwi_stale_unsymmetric_forget(stale->lu);
+  forget_kept(stale);
   forget_factor(stale);
+  stale->pivoting = false;
   stale->first = FIRST_GUESS;
   stale->first_flipped = FIRST_GUESS_FLIPPED;
   bw_free(stale->room);
@@ -105,14 +120,18 @@ void bw_stale_forget(bw_stale *stale) {
 void bw_stale_free(bw_stale *stale) {
   if (!stale)
     return;
-  if (stale->cholesky || stale->lu)
-    bw_stale_forget(stale);
+  bw_stale_forget(stale);
   bwi_stale_symmetric_free(stale->cholesky);
   bwi_stale_unsymmetric_free(stale->lu);
+  bwi_stale_blocks_free(stale->blocks);
   bw_free(stale);
 }
 
 bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z) {
+  if (!stale->symmetric && !stale->pivoting && stale->topology) {
+    bwi_stale_blocks_apply(stale->blocks, r, z);
+    return BW_OK;
+  }
   return stale->symmetric ? bwi_stale_symmetric_apply(context, stale->cholesky, false, r, z)
                           : bwi_stale_unsymmetric_apply(context, stale->lu, r, z);
 }
@@ -139,8 +158,9 @@ static double copy_seconds(const bw_stale *stale) {
 static double factor_seconds(const bw_stale *stale, const bw_plane_graph *graph, bool analysis) {
   double seconds = stale->symmetric ? stale->work.flops / FLOPS_PER_SECOND +
                                           2 * stale->work.bytes / FACTOR_BYTES_PER_SECOND
-                                    : stale->work.flops / UMFPACK_FLOPS_PER_SECOND +
-                                          4 * stale->work.bytes / FACTOR_BYTES_PER_SECOND;
+                   : !stale->pivoting ? stale->work.flops / BLOCKS_FLOPS_PER_SECOND
+                                      : stale->work.flops / UMFPACK_FLOPS_PER_SECOND +
+                                            4 * stale->work.bytes / FACTOR_BYTES_PER_SECOND;
   return seconds + (analysis ? ANALYSIS_SECONDS * graph->node_count : 0);
 }
 
@@ -159,17 +179,22 @@ static double expected_iterations(const bw_stale *stale, const bw_plane_graph *g
 static bw_status factor(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
                         const double *values, bw_stale_method method, bw_kept *kept) {
   double start = bw_seconds();
-  bwi_stale_work work;
-  if (method == BW_STALE_SCRATCH) {
-    if (stale->symmetric)
-      bwi_stale_symmetric_forget(stale->cholesky);
-    else
-      bwi_stale_unsymmetric_forget(stale->lu);
-  }
+  bwi_stale_work work = {0};
+  bw_status status = BW_OK;
+  if (method == BW_STALE_SCRATCH)
+    forget_kept(stale);
   forget_factor(stale);
-  bw_status status =
-      stale->symmetric ? bwi_stale_symmetric_factor(context, stale->cholesky, graph, values, &work)
-                       : bwi_stale_unsymmetric_factor(context, stale->lu, graph, values, &work);
+  if (stale->symmetric)
+    status = bwi_stale_symmetric_factor(context, stale->cholesky, graph, values, &work);
+  else {
+    if (!stale->pivoting) {
+      bool done = false;
+      status = bwi_stale_blocks_factor(context, stale->blocks, graph, values, &done, &work);
+      stale->pivoting = status == BW_OK && !done;
+    }
+    if (stale->pivoting)
+      status = bwi_stale_unsymmetric_factor(context, stale->lu, graph, values, &work);
+  }
   kept->analyses += work.analysed;
   kept->factorisations++;
   kept->factor = false;
@@ -398,8 +423,19 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
       memcpy(it.x, x, n * sizeof *x);
   }
   if (fresh) {
+    if (!fits)
+      stale->pivoting = false;
     BW_TRY(factor(context, stale, graph, values, options->method, kept));
-    BW_TRY(iterate(&it, options->iterations, kept));
+    bool blocks = !stale->symmetric && !stale->pivoting;
+    BW_TRY(
+        iterate(&it, blocks && options->iterations > ENOUGH ? ENOUGH : options->iterations, kept));
+    if (blocks && !(it.residual <= it.tolerance)) {
+      stale->pivoting = true;
+      if (!isfinite(it.residual))
+        memcpy(it.x, x, n * sizeof *x);
+      BW_TRY(factor(context, stale, graph, values, options->method, kept));
+      BW_TRY(iterate(&it, options->iterations, kept));
+    }
     stale->spent += it.count * iteration_seconds(stale, graph, false);
   }
   if (!(it.residual <= kept->residual))

@@ -43,6 +43,17 @@ bw_status bwi_stale_unsymmetric_factor(bw_context *context, bwi_stale_unsymmetri
 bw_status bwi_stale_unsymmetric_apply(bw_context *context, bwi_stale_unsymmetric *s,
                                       const double *r, double *z);
 
+/* The cheaper one, without pivoting between nodes, in single precision; not `done` where that will
+ * not do (stale_blocks.c). */
+typedef struct bwi_stale_blocks bwi_stale_blocks;
+bw_status bwi_stale_blocks_create(bw_context *context, int components, bwi_stale_blocks **out);
+void bwi_stale_blocks_free(bwi_stale_blocks *s);
+void bwi_stale_blocks_forget(bwi_stale_blocks *s);
+bw_status bwi_stale_blocks_factor(bw_context *context, bwi_stale_blocks *s,
+                                  const bw_plane_graph *graph, const double *values, bool *done,
+                                  bwi_stale_work *work);
+void bwi_stale_blocks_apply(const bwi_stale_blocks *s, const double *r, double *z);
+
 /* An elimination order of the nodes, by METIS, or quickly by AMD: permutation[k] = the node
  * eliminated k-th. */
 bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, bool quick,
