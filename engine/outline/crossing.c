@@ -214,6 +214,8 @@ static bool meet_once(contact *c, const bwi_curve *a, const bwi_curve *b) {
 
 static bool simple(contact *c, const bwi_curve *curve) {
   double d[2];
+  if (curve->count == 2)
+    return true;
   heading(curve, c->gap, d);
   if (climbs(curve, c->gap, d))
     return true;

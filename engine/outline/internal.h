@@ -50,6 +50,8 @@ int bwi_loop_winding(const double *point, const bw_loop *loop, const bw_segment 
  * for clockwise loops. */
 void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment *segment,
                       const double origin[2], double moment[6]);
+/* The first of them alone, about any origin. */
+double bwi_loop_area(const double *point, const bw_loop *loop, const bw_segment *segment);
 double bwi_curve_length(const bwi_curve *curve);
 /* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
 int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region);

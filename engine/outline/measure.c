@@ -44,6 +44,30 @@ void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment
   }
 }
 
+static double cross(const double *a, const double *b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
+/* The integral of B_i B_j' over a cubic in closed form, relative to the loop's first point. */
+double bwi_loop_area(const double *point, const bw_loop *loop, const bw_segment *segment) {
+  const double *origin = point + 2 * (int64_t)segment[loop->first].point[0];
+  double area = 0;
+  for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
+    bwi_curve curve = bwi_curve_of(point, &segment[s]);
+    double(*p)[2] = curve.point;
+    for (int i = 0; i < curve.count; i++)
+      for (int k = 0; k < 2; k++)
+        p[i][k] -= origin[k];
+    if (curve.count == 2)
+      area += cross(p[0], p[1]) / 2;
+    else
+      area += (6 * cross(p[0], p[1]) + 3 * cross(p[0], p[2]) + cross(p[0], p[3]) +
+               3 * cross(p[1], p[2]) + 3 * cross(p[1], p[3]) + 6 * cross(p[2], p[3])) /
+              20;
+  }
+  return area;
+}
+
 int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region) {
   const bw_loop *l = &outline->loop[loop];
   int32_t around = l->parent < 0 ? -1 : outline->loop[l->parent].region;

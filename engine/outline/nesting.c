@@ -56,10 +56,8 @@ bw_status bwi_outline_nesting(bw_context *context, const double *point, int32_t 
   if (!box)
     return BW_MEMORY;
   for (int32_t l = 0; l < loops; l++) {
-    double moment[6], *low = box + 4 * (int64_t)l, *high = low + 2;
-    const double *origin = point + 2 * (int64_t)segment[loop[l].first].point[0];
-    bwi_loop_moments(point, &loop[l], segment, origin, moment);
-    area[l] = moment[0];
+    double *low = box + 4 * (int64_t)l, *high = low + 2;
+    area[l] = bwi_loop_area(point, &loop[l], segment);
     for (int32_t s = loop[l].first; s < loop[l].first + loop[l].count; s++) {
       bwi_curve curve = bwi_curve_of(point, &segment[s]);
       double a[2], b[2];

@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Measures against closed forms; the area's gradient against differences. */
+#include "outline/internal.h"
 #include "shapes.h"
 
 static bw_outline_measures measure(bw_context *context, const bw_outline *o, int32_t region) {
@@ -109,6 +110,7 @@ static void a_circle_is_nearly_round(void **state) {
   check_near(m.perimeter, 4 * pi, 4 * pi * 2e-4);
   check_near(m.second_moment[0], 4 * pi, 4 * pi * 8e-4);
   check_near(m.second_moment[0], m.second_moment[1], 1e-12);
+  check_near(bwi_loop_area(o->point, &o->loop[0], o->segment), m.area, 1e-13);
   check_near(m.centroid[0], 3, 1e-13);
   bw_release(o);
 }
