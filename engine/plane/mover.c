@@ -278,6 +278,30 @@ bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline
   return status;
 }
 
+bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh) {
+  bw_status status = BW_OK;
+  struct bwi_mover *inner = mover->inner;
+  int32_t which = 0;
+  if (mesh == mover->mesh)
+    return BW_OK;
+  if (mesh->topology->nodes->order != mover->options.fill.order)
+    return bw_fail(context, BW_INVALID, "a mesh of order %d for a mover of order %d",
+                   mesh->topology->nodes->order, mover->options.fill.order);
+  if (mesh->topology != bwi_relocator_base(inner->relocator)->topology) {
+    bwi_relocator *relocator = NULL;
+    BW_TRY(bwi_relocator_create(context, mesh, &relocator));
+    bwi_relocator_free(inner->relocator);
+    inner->relocator = relocator;
+    inner->reference = bwi_plane_worst(mesh->topology, mesh->point, &which);
+  }
+  bw_retain(mesh);
+  bw_release(mover->mesh);
+  mover->mesh = mesh;
+  mover->object.revision++;
+done:
+  return status;
+}
+
 bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const double *node_gradient,
                              double *point_gradient) {
   return bwi_relocate_adjoint(context, mover->inner->relocator, mover->mesh->outline, node_gradient,

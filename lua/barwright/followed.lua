@@ -93,18 +93,25 @@ function followed.now_is(self, report, fine, message, details)
   return self
 end
 
---- A frame: mesh and body go over to an outline, the class's `finish` solves. What fails is taken back.
+--- A frame: mesh and body go over to an outline, the class's `finish` solves. What fails is taken back:
+--- by the function that the class's `keep` gave before, else by going back and solving again.
 function followed.become(self, outline)
   options.object("become", "outline", outline, "outline")
   local body, finish = self.body, getmetatable(self).finish
   local before, report = body.outline, new_frame()
+  local keep = getmetatable(self).keep
+  local restore = keep and keep(self)
   local fine, message, details = body:follow(report, outline)
   if fine and finish then
     fine, message, details = finish(self, report)
     if not fine then
-      local back = new_frame()
-      local returned, why = body:follow(back, before)
-      if returned then returned, why = finish(self, back) end
+      local back, returned, why = new_frame(), nil, nil
+      if restore then
+        returned, why = restore()
+      else
+        returned, why = body:follow(back, before)
+        if returned then returned, why = finish(self, back) end
+      end
       if not returned then
         message = ("%s; and the state before could not be restored: %s"):format(message, why)
       end

@@ -10,7 +10,7 @@ local raise = core.raise
 local sheets = {}
 
 local fields = {"time", "displacement", "velocity", "acceleration", "stress", "von_mises",
-  "error_estimate"}
+  "error_estimate", "mesh"}
 
 local function with(more)
   local all = followed.with {
@@ -89,6 +89,13 @@ function cantilever.finish(self, report)
 end
 
 cantilever.solve, cantilever.start = followed.solve, followed.solve
+
+-- Which equilibrium a sheet is in may depend on how it came there: what is to be had back is kept.
+function cantilever.keep(self)
+  local body = self.body
+  local mesh, displacement = body.mesh, body.displacement
+  return function() return body:return_to(mesh, displacement) end
+end
 
 --- Equilibrium of a sheet that bends largely (St. Venant-Kirchhoff), found anew in every drag.
 function sheets.cantilever(given)

@@ -251,6 +251,33 @@ static int sheet_outline(lua_State *L) {
   return 1;
 }
 
+static int sheet_mesh(lua_State *L) {
+  lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh);
+  return 1;
+}
+
+/* sheet:return_to(mesh, displacement): as it was on a mesh that it had */
+static int sheet_return_to(lua_State *L) {
+  bw_status status = BW_OK;
+  bw_sheet *sheet = self(L);
+  bw_mover *mover = mover_of(L);
+  lua_settop(L, 3);
+  const bw_plane_mesh *mesh = (const bw_plane_mesh *)lbw_check(L, 2, &lbw_plane_mesh_class);
+  const bw_array *u = lbw_check_array(L, 3, "displacement");
+  if (u->rows != mesh->topology->nodes->node_count || u->columns != 2)
+    lbw_error(L, "displacement: x and y for every node expected");
+  lbw_conditions_begin(L, 1);
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_mover_return(context, mover, mesh));
+  BW_TRY(bw_sheet_follow(context, sheet, mesh, NULL));
+  for (int64_t i = 0; i < u->rows; i++)
+    for (int k = 0; k < 2; k++)
+      sheet->displacement[2 * i + k] = bw_array_get(u, i, k);
+done:
+  lua_settop(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
 /* sheet:stress_norm(p): the norm, and its gradient by the outline's points */
 static int sheet_stress_norm(lua_State *L) {
   bw_status status = BW_OK;
@@ -276,6 +303,7 @@ static const luaL_Reg methods[] = {{"follow", sheet_follow},
                                    {"shake", sheet_shake},
                                    {"bend", sheet_bend},
                                    {"stress_norm", sheet_stress_norm},
+                                   {"return_to", sheet_return_to},
                                    {"counts", sheet_counts},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
@@ -284,6 +312,7 @@ static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
                                       {"stress", sheet_stress},
                                       {"von_mises", sheet_von_mises},
                                       {"error_estimate", sheet_error},
+                                      {"mesh", sheet_mesh},
                                       {"points", sheet_points},
                                       {"elements", sheet_elements},
                                       {"order", sheet_order},

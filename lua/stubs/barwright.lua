@@ -2415,6 +2415,7 @@ function Metallophone:trim(measured, target, options) end
 ---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
 ---@field von_mises bw.Array at the nodes, Pa
 ---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
+---@field mesh bw.PlaneMesh as it is now
 ---@field points bw.Array of the mesh, m
 ---@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
 ---@field element_count integer
@@ -2460,6 +2461,7 @@ function SteadySheet:stress_norm(p) end
 ---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
 ---@field von_mises bw.Array at the nodes, Pa
 ---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
+---@field mesh bw.PlaneMesh as it is now
 ---@field points bw.Array of the mesh, m
 ---@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
 ---@field element_count integer
@@ -2497,6 +2499,7 @@ function BentSheet:solve() end
 ---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
 ---@field von_mises bw.Array at the nodes, Pa
 ---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
+---@field mesh bw.PlaneMesh as it is now
 ---@field points bw.Array of the mesh, m
 ---@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
 ---@field element_count integer
@@ -2538,6 +2541,7 @@ function ShakenSheet:step(count) end
 ---@field stress bw.Array
 ---@field von_mises bw.Array
 ---@field error_estimate number
+---@field mesh bw.PlaneMesh
 ---@field points bw.Array
 ---@field elements bw.Array
 ---@field order integer
@@ -2574,6 +2578,14 @@ function Sheet:shake(frame, solver, newmark, steps) end
 ---@return string? message
 ---@return table? details
 function Sheet:bend(frame, solver, newton) end
+
+--- Back to a mesh and the solution on it that it had before.
+---@param mesh bw.PlaneMesh
+---@param displacement bw.Array
+---@return table?
+---@return string? message
+---@return table? details
+function Sheet:return_to(mesh, displacement) end
 
 ---@param p number
 ---@return number?

@@ -172,6 +172,9 @@ bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
  * the mover is as it was. */
 bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
                           bw_follow_report *report);
+/* Back to a mesh that the mover had before, bit for bit: following its outline back may end
+ * elsewhere. */
+bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh);
 /* d J / d outline points (point_count x 2) from d J / d nodes (node_count x 2): the adjoint of
  * harmonic relocation. For shape optimisation. */
 bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const double *node_gradient,
