@@ -1,0 +1,193 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A metallophone: bars of an artistic outline tuned to a scale, with cutting files, sounds, places for
+-- the screws, and a table beside the one of the paper (responsive, table 4).
+--   build/barwright scripts/metallophone/run.lua --out DIR [--shape fish|leaf|bone|FILE.svg|FILE.dxf]
+--       [--notes C5,D5,E5,F5,G5,A5,B5] [--thickness 0.004] [--material aluminium] [--elements 300]
+--       [--screw 0.003]
+-- Exit status 0: every bar within 1 cent. 1: one is not. 2: the input was refused. 130: interrupted;
+-- what is done is kept.
+local folder = arg[0]:match "^(.*)/" or "."
+package.path = folder .. "/?.lua;" .. package.path
+local bw = require "barwright"
+local page = require "page"
+local pitch = require "barwright.pitch"
+local shapes = require "shapes"
+local tune = require "barwright.tune"
+
+local MET, NOT_MET, REFUSED, INTERRUPTED = 0, 1, 2, 130
+
+-- Table 4 of the paper, Hz.
+local paper = {
+  C = {target = 523, simulated = 525, measured = 506, adjusted = 523},
+  D = {target = 587, simulated = 588, measured = 604, adjusted = 587},
+  E = {target = 659, simulated = 661, measured = 621, adjusted = 659},
+  F = {target = 698, simulated = 699, measured = 698, adjusted = 698},
+  G = {target = 783, simulated = 786, measured = 787, adjusted = 783},
+  A = {target = 880, simulated = 880, measured = 860, adjusted = 881},
+  B = {target = 987, simulated = 989, measured = 993, adjusted = 987},
+}
+
+local wish = {shape = "fish", notes = "C5,D5,E5,F5,G5,A5,B5", thickness = 0.004,
+  material = "aluminium", elements = 300, screw = 0.003}
+
+local function stop(status, message)
+  io.stdout:flush()
+  io.stderr:write("metallophone: ", (message:gsub("%s*\n%s*", " ")), "\n")
+  os.exit(status, true)
+end
+
+local function read_arguments()
+  local i = 1
+  while i <= #arg do
+    local name = arg[i]:match "^%-%-(.+)$"
+    if name == "help" then
+      for line in io.lines(arg[0]) do
+        local text = line:match "^%-%- ?(.*)"
+        if not text then break end
+        if not text:match "^Copyright" then print(text) end
+      end
+      os.exit(MET, true)
+    end
+    if not name or (wish[name] == nil and name ~= "out") then
+      local names = {"out"}
+      for key in pairs(wish) do names[#names + 1] = key end
+      stop(REFUSED, ("'%s' is not known: did you mean '--%s'?"):format(arg[i],
+        require "barwright.core".nearest(name or arg[i], names)))
+    end
+    local value = arg[i + 1]
+    if type(wish[name]) == "number" then
+      value = tonumber(value)
+      if not value or value <= 0 or value == math.huge then
+        stop(REFUSED, ("option --%s: a number above 0 expected, got '%s'"):format(name,
+          tostring(arg[i + 1])))
+      end
+    elseif not value then
+      stop(REFUSED, ("option --%s: a value expected"):format(name))
+    end
+    wish[name] = value
+    i = i + 2
+  end
+  if not wish.out then stop(REFUSED, "where to? --out DIR is missing (--help tells the options)") end
+end
+
+local function read_outline()
+  if shapes[wish.shape] then return assert(shapes[wish.shape]()), 0.2 end
+  local outline, message = bw.outline.read(wish.shape)
+  if not outline then stop(REFUSED, message) end
+  return outline
+end
+
+-- With a hole for a screw at each place.
+local function drilled(outline, places)
+  for k, at in ipairs(places) do
+    local hole = assert(bw.outline.circle {centre = at, radius = wish.screw / 2,
+      name = "screw " .. k})
+    local more, message = outline:hole(hole)
+    if not more then return nil, message end
+    outline = more
+  end
+  return outline
+end
+
+-- The points of all loops but the first.
+local function points_of_holes(outline)
+  local list = {}
+  for k, ring in ipairs(tune.rings(outline)) do
+    if k > 1 then table.move(ring, 1, #ring, #list + 1, list) end
+  end
+  return list
+end
+
+local function make(note, base, material, results)
+  local target = pitch.frequency(note)
+  if not target then stop(REFUSED, ("'%s' is no note: C5, F#4, Bb3"):format(note)) end
+  local clock = bw.seconds()
+  -- Plates go with the inverse square of their size: first the size, then the shape.
+  local first = assert(bw.responsive.metallophone {outline = base, thickness = wish.thickness,
+    material = material, elements = wish.elements})
+  local size = math.sqrt(first.frequency / target)
+  local bar, message, details = bw.responsive.metallophone {outline = assert(base:scaled(size)),
+    thickness = wish.thickness, material = material, elements = wish.elements, modes = 6}
+  if not bar then return nil, message, details end
+  local from, rounds = bar.frequency, 0
+  local tuned
+  tuned, message, details = bar:tune(target)
+  if not tuned then return nil, message, details end
+  -- Screws take a few cents: they are drilled, and the bar is tuned once more around them.
+  local holes = bar:holes()
+  local with = holes and drilled(bar.outline, holes)
+  if with then
+    rounds = tuned.rounds
+    bar, message, details = bw.responsive.metallophone {outline = with, thickness = wish.thickness,
+      material = material, elements = 2 * wish.elements, modes = 6}
+    if not bar then return nil, message, details end
+    tuned, message, details = bar:tune(target, {keep = points_of_holes(with)})
+    if not tuned then return nil, message, details end
+  end
+  local made = {note = note, target_hz = target, before_hz = from, simulated_hz = tuned.frequency,
+    cents = tuned.cents, rounds = rounds + tuned.rounds, mesh_cents = tuned.mesh_cents,
+    area_m2 = bar.outline.area, scaled_by = size, holes_m = holes,
+    overtones_hz = bar.frequencies:totable(), paper = paper[note:match "^%a"]}
+  local start, finish = base:scaled(size).points:totable(), bar.outline.points:totable()
+  made.moved_m = 0
+  for k, point in ipairs(start) do
+    made.moved_m = math.max(made.moved_m,
+      math.sqrt((point[1] - finish[k][1]) ^ 2 + (point[2] - finish[k][2]) ^ 2))
+  end
+  local cut = bar.outline
+  assert(cut:write(results:path(note .. ".svg")))
+  assert(cut:write(results:path(note .. ".dxf")))
+  assert(bar:write_tone(results:path(note .. ".wav")))
+  -- The paper's bars came out mistuned: what should be taken off ours, were they as theirs.
+  if made.paper and made.paper.measured ~= made.paper.target then
+    local places, why = bar:trim(made.paper.measured, made.paper.target)
+    made.trim = places or {refused = why}
+  end
+  made.seconds = bw.seconds() - clock
+  return made, bar
+end
+
+local function main()
+  io.stdout:setvbuf "line"
+  read_arguments()
+  local material, message = bw.material.named(wish.material)
+  if not material then stop(REFUSED, message) end
+  local base, length = read_outline()
+  if length then base = assert(base:scaled(length)) end
+  local results
+  results, message = bw.results.open(wish.out, {script = "scripts/metallophone/run.lua",
+    inputs = shapes[wish.shape] and {} or {wish.shape}, options = wish, seed = bw.json.null})
+  if not results then stop(REFUSED, message) end
+  local result = {shape = wish.shape, thickness_m = wish.thickness, material = wish.material,
+    bars = bw.json.list {}, finished = false}
+  local pictures, status = {}, MET
+  print "note   target   before    tuned   cents   moved mm   rounds   paper's simulation"
+  for note in wish.notes:gmatch "[^,%s]+" do
+    local made, bar = make(note, base, material, results)
+    if bw.interrupted() then
+      status = INTERRUPTED
+      break
+    end
+    if not made then
+      result.bars[#result.bars + 1] = {note = note, message = bar}
+      print(("%-4s %s"):format(note, bar))
+      status = NOT_MET
+    else
+      result.bars[#result.bars + 1] = made
+      pictures[#pictures + 1] = bar
+      if math.abs(made.cents) >= 1 then status = NOT_MET end
+      print(("%-4s %8.2f %8.2f %8.2f %7.2f %10.2f %8d   %s"):format(note, made.target_hz,
+        made.before_hz, made.simulated_hz, made.cents, 1e3 * made.moved_m, made.rounds,
+        made.paper and made.paper.simulated or ""))
+    end
+  end
+  result.finished = status ~= INTERRUPTED
+  assert(results:write(result))
+  assert(page.write(results:path "report.html", result, pictures))
+  print("written: " .. wish.out)
+  os.exit(status, true)
+end
+
+local fine, message = xpcall(main, debug.traceback)
+if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
+if not fine then error(message, 0) end
