@@ -50,6 +50,12 @@ function bar:mode(mode)
   return self.body:mode(mode)
 end
 
+--- The lowest frequencies of vibrations within the bar's plane (`count` of them, default 1): where one
+--- lies below bar.frequency, the bar is too narrow for its thickness to sound as bending says.
+function bar:inplane(count)
+  return self.body:inplane(count)
+end
+
 -- ---- holding -------------------------------------------------------------------------------------
 
 -- Unit vector along which the shape is longest, by its second moments.

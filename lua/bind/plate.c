@@ -165,6 +165,17 @@ static int plate_tone(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* plate:inplane(count): frequencies of vibrations within the plane */
+static int plate_inplane(lua_State *L) {
+  const bw_plate *plate = self(L);
+  int count = (int)lbw_integer_or(L, 2, 1);
+  if (count < 1 || count > 1000)
+    return lbw_argument_error(L, 2, "from 1 to 1000 expected");
+  bw_array *array = lbw_push_array(L, BW_F64, count, 1);
+  bw_status status = bw_plate_inplane(lbw_enter(L), plate, count, (double *)array->data);
+  return lbw_leave(L, status, 1);
+}
+
 static int plate_points(lua_State *L) {
   const bw_plane_mesh *mesh = self(L)->mesh;
   return lbw_push_borrowed(L, BW_F64, mesh->topology->nodes->node_count, 2, mesh->point, mesh);
@@ -209,6 +220,7 @@ static const luaL_Reg methods[] = {{"follow", plate_follow},
                                    {"gradient", plate_gradient},
                                    {"nodal_lines", plate_nodal_lines},
                                    {"tone", plate_tone},
+                                   {"inplane", plate_inplane},
                                    {"counts", plate_counts},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {

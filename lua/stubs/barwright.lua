@@ -2346,6 +2346,14 @@ function Metallophone:gradient(mode) end
 ---@return bw.Array
 function Metallophone:mode(mode) end
 
+---The lowest frequencies of vibrations within the bar's plane, Hz: where one lies below `frequency`, the
+---bar is too narrow for its thickness to sound as bending says.
+---@param count? integer default 1
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Metallophone:inplane(count) end
+
 ---Two places to hold the bar, on the nodal lines of its lowest mode.
 ---@return number[][]? places
 ---@return string? message
@@ -2642,6 +2650,12 @@ function Plate:nodal_lines(mode) end
 ---@return string? message
 ---@return table? details
 function Plate:tone(options) end
+
+---@param count? integer
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Plate:inplane(count) end
 
 ---@return integer elements
 ---@return integer nodes

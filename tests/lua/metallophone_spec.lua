@@ -111,6 +111,31 @@ describe("a metallophone bar", function()
     assert.is_true(up[1].cents > 0 and down[1].cents < 0)
   end)
 
+  it("knows vibrations within its plane", function()
+    local narrow = bar_of(0.2, 0.003)
+    assert.is_true(narrow:inplane(1)(1) < narrow.frequency)
+    local wide = bar_of(0.2, 0.02)
+    assert.is_true(wide:inplane(1)(1) > wide.frequency)
+  end)
+
+  it("makes a scale from one command", function()
+    local folder = os.tmpname()
+    os.remove(folder)
+    local script = check.root .. "/scripts/metallophone/run.lua"
+    local status, out = check.run(("'%s' --out %s --notes B5 --shape leaf --elements 100"):format(
+      script, folder))
+    assert.equal(0, status, out)
+    local result = bw.json.decode(assert(io.open(folder .. "/result.json")):read "a")
+    assert.is_true(math.abs(result.bars[1].cents) < 1)
+    local cut = assert(bw.outline.read(folder .. "/B5.dxf"))
+    assert.equal(3, #cut.loops)
+    check.near(result.bars[1].area_m2, cut.area, 1e-6)
+    os.execute("rm -r " .. folder)
+    local refused, _, message = check.run(("'%s' --out %s --shap fish"):format(script, folder))
+    assert.equal(2, refused)
+    assert.truthy(message:find("--shape", 1, true))
+  end)
+
   it("sounds", function()
     local bar = assert(bw.responsive.metallophone {outline = fish(0.2), thickness = 0.004,
       material = bw.material.aluminium, elements = 100, modes = 4})

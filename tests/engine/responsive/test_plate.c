@@ -300,6 +300,28 @@ static void test_nodal_lines(void **state) {
   bw_release(material);
 }
 
+/* In the plane a slender bar is a beam of another height. */
+static void test_inplane(void **state) {
+  bw_context *context = check_context(state);
+  bw_isotropic beam = aluminium;
+  beam.poisson = 0;
+  bw_material *material = make_material(context, &beam);
+  bw_plane_mesh *mesh = rectangle(context, 1, 0.02, 40, 2);
+  bw_plate *plate;
+  double frequency[2], beta[2] = {4.730040744862704, 7.853204624095838};
+  check_ok(context, bw_plate_create(context, mesh, material, 0.05, &plate));
+  check_ok(context, bw_plate_inplane(context, plate, 2, frequency));
+  for (int i = 0; i < 2; i++) {
+    double exact =
+        beta[i] * beta[i] / (2 * PI) * sqrt(beam.young * 0.02 * 0.02 / 12 / beam.density);
+    check_near(frequency[i] / exact, 1, 0.005);
+  }
+  check_fails(context, BW_INVALID, "0 modes", bw_plate_inplane(context, plate, 0, frequency));
+  bw_release(plate);
+  bw_release(mesh);
+  bw_release(material);
+}
+
 static void test_wrong_input(void **state) {
   bw_context *context = check_context(state);
   bw_isotropic weightless = aluminium;
@@ -357,7 +379,8 @@ int main(void) {
       check_test(test_bar),           check_test(test_solid),
       check_test(test_curved_inside), check_test(test_stale_equals_scratch),
       check_test(test_gradient),      check_test(test_nodal_lines),
-      check_test(test_wrong_input),   check_test(test_memory),
+      check_test(test_inplane),       check_test(test_wrong_input),
+      check_test(test_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,144 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Vibrations within the plane of a plate: a bar narrower than it is thick rings sideways first, and
+ * what is heard is then not what bending says. The plate as a sheet in plane stress, free. */
+#include <math.h>
+#include <string.h>
+
+#include "responsive/plate.h"
+#include "responsive/sheet.h"
+
+enum { RIGID = 3, GUARDS = 2, ROUNDS = 400 };
+
+typedef struct inplane {
+  bw_context *context;
+  const bw_sheet *sheet;
+  bwi_stale_symmetric *factor;
+} inplane;
+
+static bw_status times_stiffness(void *data, const double *x, double *y) {
+  const inplane *p = data;
+  return bw_plane_multiply(p->context, p->sheet->inner->graph, 2, p->sheet->inner->stiffness, x, y);
+}
+
+static bw_status times_mass(void *data, const double *x, double *y) {
+  const inplane *p = data;
+  const bw_plane_graph *g = p->sheet->inner->graph;
+  const double *mass = p->sheet->inner->mass;
+  for (int64_t i = 0; i < g->node_count; i++) {
+    double sum[2] = {0};
+    for (int64_t k = g->start[i]; k < g->start[i + 1]; k++)
+      for (int c = 0; c < 2; c++)
+        sum[c] += mass[k] * x[2 * (int64_t)g->column[k] + c];
+    y[2 * i] = sum[0];
+    y[2 * i + 1] = sum[1];
+  }
+  return BW_OK;
+}
+
+static bw_status precondition(void *data, const double *x, double *y) {
+  const inplane *p = data;
+  return bwi_stale_symmetric_apply(p->context, p->factor, false, x, y);
+}
+
+/* Two translations and the rotation, M-orthonormal, and M times them. */
+static bw_status rigid_motions(inplane *p, double *rigid, double *mass_rigid) {
+  bw_status status = BW_OK;
+  const bw_plane_mesh *mesh = p->sheet->mesh;
+  int64_t nodes = mesh->topology->nodes->node_count, n = 2 * nodes;
+  for (int64_t i = 0; i < nodes; i++) {
+    const double motion[RIGID][2] = {{1, 0}, {0, 1}, {-mesh->point[2 * i + 1], mesh->point[2 * i]}};
+    for (int k = 0; k < RIGID; k++)
+      memcpy(rigid + k * n + 2 * i, motion[k], sizeof motion[k]);
+  }
+  for (int k = 0; k < RIGID; k++) {
+    double *v = rigid + k * n, *m = mass_rigid + k * n, size = 0;
+    for (int turn = 0; turn < 2; turn++)
+      for (int j = 0; j < k; j++) {
+        double along = 0;
+        for (int64_t i = 0; i < n; i++)
+          along += mass_rigid[j * n + i] * v[i];
+        for (int64_t i = 0; i < n; i++)
+          v[i] -= along * rigid[j * n + i];
+      }
+    BW_TRY(times_mass(p, v, m));
+    for (int64_t i = 0; i < n; i++)
+      size += v[i] * m[i];
+    for (int64_t i = 0; i < n; i++) {
+      v[i] /= sqrt(size);
+      m[i] /= sqrt(size);
+    }
+  }
+done:
+  return status;
+}
+
+bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count,
+                           double *frequency) {
+  bw_status status = BW_OK;
+  const double pi = 3.14159265358979323846;
+  bw_sheet_section section = {plate->material, plate->thickness, false};
+  bw_sheet_description description = {.section_count = 1, .section = &section};
+  bw_sheet *sheet = NULL;
+  bwi_stale_symmetric *factor = NULL;
+  bwi_stale_work work;
+  bool made;
+  double *shifted = NULL, *vector = NULL, *rigid = NULL, *value = NULL;
+  int64_t nodes = plate->mesh->topology->nodes->node_count, n = 2 * nodes;
+  int block = count + GUARDS, iterations;
+  if (count < 1 || block + RIGID >= n)
+    return bw_fail(context, BW_INVALID, "%d modes of a plate with %lld unknowns in its plane",
+                   count, (long long)n);
+  BW_TRY(bw_sheet_create(context, plate->mesh, &description, &sheet));
+  BW_TRY(bwi_sheet_prepare(context, sheet, &made));
+  BW_TRY(bwi_sheet_stiffness(context, sheet));
+  BW_TRY(bwi_sheet_mass(context, sheet));
+  BW_TRY(bwi_stale_symmetric_create(context, 2, &factor));
+  const bw_plane_graph *graph = sheet->inner->graph;
+  shifted = BW_NEW(context, double, 4 * graph->pair_count);
+  vector = BW_NEW0(context, double, block *n);
+  rigid = BW_NEW(context, double, 2 * RIGID * n);
+  value = BW_NEW(context, double, 2 * block);
+  if (!shifted || !vector || !rigid || !value) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  /* waves of the plate's size: makes the free matrix definite */
+  const double *x = plate->mesh->point;
+  double low[2] = {x[0], x[1]}, high[2] = {x[0], x[1]};
+  for (int64_t i = 0; i < n; i++) {
+    low[i % 2] = fmin(low[i % 2], x[i]);
+    high[i % 2] = fmax(high[i % 2], x[i]);
+  }
+  double size = hypot(high[0] - low[0], high[1] - low[1]);
+  double shift = plate->material->young[0] / plate->material->density / (size * size);
+  for (int64_t k = 0; k < graph->pair_count; k++)
+    for (int c = 0; c < 4; c++)
+      shifted[4 * k + c] =
+          sheet->inner->stiffness[4 * k + c] + (c % 3 == 0 ? shift * sheet->inner->mass[k] : 0);
+  BW_TRY(bwi_stale_symmetric_factor(context, factor, graph, shifted, &work));
+  inplane data = {context, sheet, factor};
+  BW_TRY(rigid_motions(&data, rigid, rigid + RIGID * n));
+  bwi_ritz ritz = {.size = n,
+                   .stiffness = times_stiffness,
+                   .mass = times_mass,
+                   .precondition = precondition,
+                   .data = &data,
+                   .rigid_count = RIGID,
+                   .rigid = rigid,
+                   .mass_rigid = rigid + RIGID * n,
+                   .wanted = count,
+                   .block = block,
+                   .tolerance = 1e-6,
+                   .limit = ROUNDS};
+  BW_TRY(bwi_ritz_solve(context, &ritz, vector, value, value + block, &iterations));
+  for (int k = 0; k < count; k++)
+    frequency[k] = sqrt(fmax(value[k], 0)) / (2 * pi);
+done:
+  bwi_stale_symmetric_free(factor);
+  bw_release(sheet);
+  bw_free(shifted);
+  bw_free(vector);
+  bw_free(rigid);
+  bw_free(value);
+  return status;
+}
