@@ -70,30 +70,34 @@ static void subtract(double factor, const double *a, double *from, int64_t n) {
     from[i] -= factor * a[i];
 }
 
-/* x made M-orthogonal to the rigid motions. */
-static void drop_rigid(const bwi_ritz *p, double *x) {
-  for (int k = 0; k < p->rigid_count; k++)
-    subtract(dot(p->mass_rigid + k * p->size, x, p->size), p->rigid + k * p->size, x, p->size);
-}
-
-/* Take basis[count] in, orthonormalised; leave it out where it depends on the others. */
-static bw_status admit(workspace *w, bool *taken) {
+/* Take basis[count] in, orthonormalised; leave it out where it depends on the others. Its images
+ * under M and K go through the same combinations; K times a new vector is taken at the end, since
+ * what K makes of rigid motions is rounding, and large beside the lowest modes of a thin plate.
+ * `known`: the images are there already. */
+static bw_status admit(workspace *w, bool known, bool *taken) {
   const bwi_ritz *p = w->problem;
   bw_status status = BW_OK;
   int64_t n = p->size;
-  double *x = w->basis + w->count * n, *m = w->heavy + w->count * n;
+  double *x = w->basis + w->count * n, *m = w->heavy + w->count * n, *s = w->stiff + w->count * n;
   *taken = false;
-  for (int round = 0; round < 3; round++) {
+  if (!known)
     BW_TRY(p->mass(p->data, x, m));
+  for (int round = 0; round < 3; round++) {
     double before = dot(x, m, n);
     if (!(before > 0) || !isfinite(before))
       goto done;
-    for (int turn = 0; turn < 2; turn++) {
-      drop_rigid(p, x);
-      for (int k = 0; k < w->count; k++)
-        subtract(dot(w->heavy + k * n, x, n), w->basis + k * n, x, n);
+    for (int k = 0; k < p->rigid_count; k++) {
+      double along = dot(p->mass_rigid + k * n, x, n);
+      subtract(along, p->rigid + k * n, x, n);
+      subtract(along, p->mass_rigid + k * n, m, n);
     }
-    BW_TRY(p->mass(p->data, x, m));
+    for (int k = 0; k < w->count; k++) {
+      double along = dot(w->heavy + k * n, x, n);
+      subtract(along, w->basis + k * n, x, n);
+      subtract(along, w->heavy + k * n, m, n);
+      if (known)
+        subtract(along, w->stiff + k * n, s, n);
+    }
     double size = dot(x, m, n);
     if (!(size > 1e-20 * before))
       goto done;
@@ -101,11 +105,14 @@ static bw_status admit(workspace *w, bool *taken) {
     for (int64_t i = 0; i < n; i++) {
       x[i] *= scale;
       m[i] *= scale;
+      if (known)
+        s[i] *= scale;
     }
     if (size > 0.25 * before)
       break; /* little was taken off: what is left is exact enough */
   }
-  BW_TRY(p->stiffness(p->data, x, w->stiff + w->count * n));
+  if (!known)
+    BW_TRY(p->stiffness(p->data, x, s));
   w->count++;
   *taken = true;
 done:
@@ -147,8 +154,11 @@ static void advance(workspace *w, int block, int *directions) {
   combine(w, w->stiff, 0, block, w->next_stiff);
   combine(w, w->heavy, 0, block, w->next_heavy);
   *directions = w->count > old ? block : 0;
-  if (*directions)
+  if (*directions) {
     combine(w, w->basis, old, block, w->next + block * n);
+    combine(w, w->stiff, old, block, w->next_stiff + block * n);
+    combine(w, w->heavy, old, block, w->next_heavy + block * n);
+  }
   memcpy(w->basis, w->next, bytes * (size_t)block);
   memcpy(w->stiff, w->next_stiff, bytes * (size_t)block);
   memcpy(w->heavy, w->next_heavy, bytes * (size_t)block);
@@ -169,7 +179,7 @@ static bw_status start(bw_context *context, workspace *w, const double *vector) 
       else
         for (int64_t i = 0; i < p->size; i++)
           x[i] = bw_random_uniform(&random) - 0.5;
-      BW_TRY(admit(w, &taken));
+      BW_TRY(admit(w, false, &taken));
       if (attempt == 8 && !taken) {
         status =
             bw_fail(context, BW_INVALID,
@@ -236,12 +246,14 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
       bool taken;
       memcpy(w.basis + w.count * n, z + k * n, (size_t)n * sizeof *z);
       if (residual[k] > 0.1 * p->tolerance)
-        BW_TRY(admit(&w, &taken));
+        BW_TRY(admit(&w, false, &taken));
     }
     for (int k = 0; k < directions; k++) {
       bool taken;
       memcpy(w.basis + w.count * n, w.next + (block + k) * n, (size_t)n * sizeof *z);
-      BW_TRY(admit(&w, &taken));
+      memcpy(w.stiff + w.count * n, w.next_stiff + (block + k) * n, (size_t)n * sizeof *z);
+      memcpy(w.heavy + w.count * n, w.next_heavy + (block + k) * n, (size_t)n * sizeof *z);
+      BW_TRY(admit(&w, true, &taken));
     }
     BW_TRY(project(context, &w));
     advance(&w, block, &directions);

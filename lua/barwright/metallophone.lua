@@ -16,7 +16,7 @@ local rules = followed.with {
   material = {type = "material", needed = true},
   thickness = {type = "number", needed = true, above = 0},
   modes = {type = "integer", default = 1, least = 1, most = 200},
-  tolerance = {type = "number", default = 1e-5, above = 0},
+  tolerance = {type = "number", default = 1e-4, above = 0},
 }
 
 local bar = followed.class("metallophone bar", {"frequencies", "thickness"}, {
