@@ -58,14 +58,21 @@ static bw_status workspace_create(bw_context *context, const bwi_ritz *problem, 
 /* Relative change of a value that counts as none. */
 static const double STILL = 1e-13;
 
+/* Eight sums side by side, for the vector registers; the order is fixed. */
 static double dot(const double *a, const double *b, int64_t n) {
-  double sum = 0;
-  for (int64_t i = 0; i < n; i++)
+  double part[8] = {0}, sum = 0;
+  int64_t i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++)
+      part[k] += a[i + k] * b[i + k];
+  for (; i < n; i++)
     sum += a[i] * b[i];
+  for (int k = 0; k < 8; k++)
+    sum += part[k];
   return sum;
 }
 
-static void subtract(double factor, const double *a, double *from, int64_t n) {
+static void subtract(double factor, const double *restrict a, double *restrict from, int64_t n) {
   for (int64_t i = 0; i < n; i++)
     from[i] -= factor * a[i];
 }
