@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "responsive/sheet.h"
+#include "responsive/vectors.h"
 
 static void sheet_destroy(void *object) {
   bw_sheet *sheet = object;
@@ -26,6 +27,7 @@ static void sheet_destroy(void *object) {
     bw_free(inner->force);
     bw_free(inner->rhs);
     bw_free(inner->work);
+    bw_free(inner->before);
     bw_free(inner);
   }
   bw_release(sheet->mesh);
@@ -113,6 +115,31 @@ done:
   return status;
 }
 
+/* A drag goes on as it went: from the last solution the guess in inner->work is moved along the
+ * last change as far as is best in energy. */
+static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t size) {
+  bw_status status = BW_OK;
+  const struct bwi_sheet *inner = sheet->inner;
+  double *room = BW_NEW(context, double, 2 * size), along, curvature;
+  double *change = room, *product = room + size;
+  if (!room)
+    return BW_MEMORY;
+  for (size_t i = 0; i < size; i++)
+    change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->before[i];
+  BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, inner->work, product));
+  BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, &along));
+  BW_TRY(bwi_dot(context, size, change, product, &along));
+  BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, change, product));
+  BW_TRY(bwi_dot(context, size, change, product, &curvature));
+  double length = along / curvature;
+  if (curvature > 0 && isfinite(length))
+    for (size_t i = 0; i < size; i++)
+      inner->work[i] += length * change[i];
+done:
+  bw_free(room);
+  return status;
+}
+
 bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
                           bw_kept *kept) {
   bw_status status = BW_OK;
@@ -138,9 +165,23 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_o
                             inner->rhs));
   for (size_t i = 0; i < size; i++)
     inner->work[i] = inner->held[i] ? inner->prescribed[i] : sheet->displacement[i];
+  if (inner->before)
+    BW_TRY(extrapolate(context, sheet, size));
+  else if (inner->solved)
+    inner->before = BW_NEW(context, double, size);
+  if (inner->solved && !inner->before) {
+    status = BW_MEMORY;
+    goto done;
+  }
   kept->seconds_assemble += bw_seconds() - start;
-  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
-                        options, kept));
+  if ((status = bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs,
+                               inner->work, options, kept)) != BW_OK) {
+    bw_free(inner->before);
+    inner->before = NULL;
+    goto done;
+  }
+  if (inner->before)
+    memcpy(inner->before, sheet->displacement, size * sizeof(double));
   memcpy(sheet->displacement, inner->work, size * sizeof(double));
   inner->matrix_step[0] = -1;
   inner->solved = true;

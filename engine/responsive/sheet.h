@@ -78,6 +78,8 @@ struct bwi_sheet {
   uint8_t *held;                           /* node_count x 2 */
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */
 
+  double *before; /* node_count x 2: the solution before the last; NULL: none */
+
   bool stiffness_current; /* of the mesh as it is; so also mass */
   double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: nothing that
                              lasts, -1: the statics of the mesh as it is */

@@ -45,6 +45,7 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
       BW_TRY(carry(context, sheet, mesh, sheet->acceleration, &a));
     }
     if (u) {
+      drop(&inner->before);
       double *swap = sheet->displacement;
       sheet->displacement = u, u = swap;
       swap = sheet->velocity;

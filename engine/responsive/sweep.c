@@ -139,7 +139,8 @@ static void forward(const float *entry, int32_t n, int64_t ld, float *x, float *
       *(wide *)(y + i) += *(const wide *)(entry + i) * x[j];
 }
 
-static float total(wide v) {
+static float total(const wide *sum) {
+  wide v = *sum;
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 
@@ -156,16 +157,16 @@ static void backward(const float *entry, int32_t n, int64_t ld, float *x, const 
       s2 += *(const wide *)(l + 2 * ld + i) * v;
       s3 += *(const wide *)(l + 3 * ld + i) * v;
     }
-    x[j] -= total(s0);
-    x[j + 1] -= total(s1);
-    x[j + 2] -= total(s2);
-    x[j + 3] -= total(s3);
+    x[j] -= total(&s0);
+    x[j + 1] -= total(&s1);
+    x[j + 2] -= total(&s2);
+    x[j + 3] -= total(&s3);
   }
   for (; j < n; j++, l += ld) {
     wide s = {0};
     for (int64_t i = 0; i < ld; i += WIDE)
       s += *(const wide *)(l + i) * *(const wide *)(y + i);
-    x[j] -= total(s);
+    x[j] -= total(&s);
   }
   for (j = n - 1; j >= 0; j--) {
     triangle -= n - j;

@@ -52,7 +52,7 @@ bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, i
  * --------------------------------------------
  *
  * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a CHOLMOD
- * factor for symmetric positive definite matrices, BiCGSTAB on a UMFPACK factor for others. The
+ * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
  * paper uses ILU(k); a complete factor costs little in the plane and keeps its worth for longer. */
 typedef enum bw_stale_method {
   BW_STALE_AUTO,     /* by predicted cost: operations and bytes counted, and the iterations that

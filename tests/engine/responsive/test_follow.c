@@ -158,6 +158,65 @@ static void test_bent(void **state) {
   drag(check_context(state), BENT, 2);
 }
 
+/* Memory that runs out anywhere in a frame: the frame fails, the sheet is as it was, and goes on.
+ */
+static void memory(bw_context *context, kind what, int order, double by) {
+  bw_material *material = isotropic(context, 1e4, 0.3, 1);
+  bw_outline *outline = plate(context, 0.6, 0.5, 0.2), *moved;
+  bw_plane_options fill;
+  bw_plane_mesh *mesh;
+  bw_follow_options follow;
+  bw_status status = BW_MEMORY;
+  check_ok(context, bw_set_threads(context, 1));
+  bw_plane_options_default(&fill);
+  fill.order = order;
+  fill.elements = 60;
+  bw_follow_options_default(&follow);
+  follow.fill = fill;
+  follow.force = by > 0.2 ? BW_LEVEL_RECONSTRUCTION : BW_LEVEL_NONE;
+  check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
+  moved = hole_at(context, outline, by, 0);
+  bw_mover *mover;
+  check_ok(context, bw_mover_create(context, mesh, &follow, &mover));
+  check_ok(context, bw_mover_follow(context, mover, moved, NULL));
+  for (int n = 1; status != BW_OK; n += 3) {
+    bw_sheet *sheet = make(context, mesh, material, what);
+    step(context, sheet, what, BW_STALE_AUTO, NULL);
+    bw_kept kept = {0};
+    double norm, *gradient = BW_NEW(context, double, 2 * mover->mesh->topology->nodes->node_count);
+    bw_fail_allocation(n, true);
+    status = bw_sheet_follow(context, sheet, mover->mesh, &kept);
+    if (status == BW_OK && what == STATIC)
+      status = bw_sheet_static(context, sheet, NULL, &kept);
+    else if (status == BW_OK && what == SHAKEN)
+      status = bw_sheet_shake(context, sheet, NULL, NULL, &kept);
+    else if (status == BW_OK)
+      status = bw_sheet_bend(context, sheet, NULL, NULL, &kept);
+    if (status == BW_OK && what == STATIC)
+      status = bw_sheet_stress_gradient(context, sheet, 6, &norm, gradient);
+    bw_fail_allocation(0, false);
+    assert_true(status == BW_OK || status == BW_MEMORY);
+    assert_true(n < 3000);
+    check_ok(context, bw_sheet_follow(context, sheet, mover->mesh, &kept));
+    step(context, sheet, what, BW_STALE_AUTO, NULL);
+    bw_free(gradient);
+    bw_release(sheet);
+  }
+  bw_release(mover);
+  bw_release(moved);
+  bw_release(mesh);
+  bw_release(outline);
+  bw_release(material);
+}
+
+static void test_memory(void **state) {
+  for (int order = 1; order <= 2; order++)
+    for (kind what = STATIC; what <= BENT; what++) {
+      memory(check_context(state), what, order, 0.02);
+      memory(check_context(state), what, order, 0.3);
+    }
+}
+
 /* ---- curved outlines ------------------------------------------------------------------------- */
 
 /* A quarter of an ellipse from (a, 0) to (0, b), or backwards. */
@@ -268,7 +327,7 @@ static void test_kirsch(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_static), check_test(test_shaken),
-                                     check_test(test_bent), check_test(test_le1),
-                                     check_test(test_kirsch)};
+                                     check_test(test_bent),   check_test(test_memory),
+                                     check_test(test_le1),    check_test(test_kirsch)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
