@@ -51,7 +51,7 @@ bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, i
 /* ---- stale factors (responsive, sections 3.2 and 3.3)
  * --------------------------------------------
  *
- * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a CHOLMOD
+ * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a Cholesky
  * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
  * paper uses ILU(k); a complete factor costs little in the plane and keeps its worth for longer. */
 typedef enum bw_stale_method {

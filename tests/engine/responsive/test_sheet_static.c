@@ -284,6 +284,64 @@ static void test_gravity(void **state) {
   bw_release(material);
 }
 
+/* 1000 Pa over 1 MPa on the left, over 4 MPa on the right of x = 1. */
+static double pulled_x(void *data, const double at[2], double time) {
+  (void)data, (void)time;
+  return fmin(at[0], 1) * 1e-3 + fmax(at[0] - 1, 0) * 0.25e-3;
+}
+
+/* Two materials side by side, pulled: the stress is the same in both, the stretch is each one's
+ * own, and the estimate sees no error although a mean over both at their border would. */
+static void test_regions(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *soft = isotropic(context, 1e6, 0, 10), *stiff = isotropic(context, 4e6, 0, 30);
+  for (int order = 1; order <= 2; order++) {
+    bw_plane_mesh *grid = rectangle(context, order, 2, 1, 8, 4), *mesh;
+    const bw_plane_topology *t = grid->topology;
+    int width = order == 1 ? 3 : 6;
+    int32_t *region = BW_NEW(context, int32_t, t->element_count);
+    for (int32_t e = 0; e < t->element_count; e++) {
+      double x = 0;
+      for (int a = 0; a < 3; a++)
+        x += grid->point[2 * t->element[e * width + a]] / 3;
+      region[e] = x > 1;
+    }
+    check_ok(context, bw_plane_mesh_copy(context, order, t->nodes->node_count, grid->point,
+                                         t->element_count, t->element, region, &mesh));
+    bw_sheet_section section[2] = {{soft, 0.5, false}, {stiff, 0.5, false}};
+    bw_condition conditions[2] = {{.tag = -1, .component = 0, .function = pulled_x},
+                                  {.tag = -1, .component = 1}};
+    bw_sheet_description description = {
+        .section_count = 2, .section = section, .condition_count = 2, .condition = conditions};
+    bw_sheet *sheet;
+    check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
+    check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
+    int32_t nodes = mesh->topology->nodes->node_count;
+    double *stress = BW_NEW(context, double, 4 * nodes), error;
+    check_ok(context, bw_sheet_stress(context, sheet, stress, NULL));
+    for (int32_t i = 0; i < nodes; i++) {
+      check_near(sheet->displacement[2 * i], pulled_x(NULL, mesh->point + 2 * i, 0), 1e-9);
+      check_near(stress[4 * i], 1e3, 1e-3);
+    }
+    check_ok(context, bw_sheet_error(context, sheet, &error));
+    assert_true(error < 1e-6);
+    /* of one material the same displacement of the border is no solution */
+    bw_release(sheet);
+    description.section_count = 1;
+    check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
+    check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
+    check_ok(context, bw_sheet_error(context, sheet, &error));
+    assert_true(error > 0.01);
+    bw_release(sheet);
+    bw_free(stress);
+    bw_free(region);
+    bw_release(mesh);
+    bw_release(grid);
+  }
+  bw_release(soft);
+  bw_release(stiff);
+}
+
 static void test_threads(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = isotropic(context, 1e9, 0.3, 0);
@@ -343,7 +401,7 @@ static void test_memory(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_patch),   check_test(test_orders),
                                      check_test(test_cook),    check_test(test_not_held),
-                                     check_test(test_gravity), check_test(test_threads),
-                                     check_test(test_memory)};
+                                     check_test(test_gravity), check_test(test_regions),
+                                     check_test(test_threads), check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
