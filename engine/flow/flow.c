@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "flow/internal.h"
+#include "responsive/internal.h"
 
 void bwi_flow_room_clear(bwi_flow_room *room) {
   bw_free(room->values);
@@ -166,6 +167,7 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
   bw_plane_graph *graph = NULL;
   bwi_flow_room room = {0};
   double *state = NULL, *earlier = NULL, *reaction = NULL, *old = NULL;
+  bw_condition *conditions = NULL;
   int c = flow->components;
   size_t nodes = (size_t)now->nodes->node_count;
   double started = bw_seconds();
@@ -179,6 +181,9 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
     status = BW_MEMORY;
     goto done;
   }
+  if (!same_nodes) /* it may be quite another outline, with the same tags in another order */
+    BW_TRY(bwi_conditions_renamed(context, flow->mesh->outline, mesh->outline,
+                                  in->about.condition_count, in->condition, &conditions));
   BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->state, state));
   BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->before, earlier));
   if (!same_topology) {
@@ -195,6 +200,11 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
     bwi_flow_room former_room = in->room;
     in->room = room;
     room = former_room;
+  }
+  if (conditions) {
+    bw_condition *former = in->condition;
+    in->about.condition = in->condition = conditions;
+    conditions = former;
   }
   exchange(&flow->state, &state);
   exchange(&flow->before, &earlier);
@@ -215,6 +225,7 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
   }
 done:
   bw_release(graph);
+  bw_free(conditions);
   bwi_flow_room_clear(&room);
   bw_free(state);
   bw_free(earlier);

@@ -36,6 +36,29 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
   return BW_OK;
 }
 
+bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, const bw_outline *to,
+                                 int32_t count, const bw_condition *condition, bw_condition **out) {
+  bw_condition *renamed = BW_NEW(context, bw_condition, count);
+  if (!renamed)
+    return BW_MEMORY;
+  for (int32_t k = 0; k < count; k++) {
+    renamed[k] = condition[k];
+    if (condition[k].tag < 0)
+      continue;
+    const char *name = condition[k].tag < from->tag_count ? from->tag[condition[k].tag].text : "";
+    renamed[k].tag = bw_outline_find_tag(to, name);
+    if (renamed[k].tag < 0) {
+      bw_free(renamed);
+      bw_fail(context, BW_INVALID, "the other outline has no tag '%s', which a condition is on",
+              name);
+      bw_detail_text(context, "tag", name);
+      return BW_INVALID;
+    }
+  }
+  *out = renamed;
+  return BW_OK;
+}
+
 static bw_status value_at(bw_context *context, const bw_condition *condition, const double at[2],
                           double time, double *value) {
   *value = condition->function ? condition->function(condition->data, at, time) : condition->value;

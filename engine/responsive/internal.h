@@ -36,6 +36,10 @@ static inline size_t bwi_plane_room(const bw_plane_graph *graph, int components)
 /* BW_INVALID for components, tags and values that are none, BW_EMPTY for tags without a segment. */
 bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, int components,
                                int32_t count, const bw_condition *condition);
+/* A copy of conditions for another outline, by the names of their tags; BW_INVALID where it has
+ * none of a name. */
+bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, const bw_outline *to,
+                                 int32_t count, const bw_condition *condition, bw_condition **out);
 /* Shape functions of a side of 2 or 3 nodes (start, end, middle) at t in 0..1, and by t; the place
  * there and its derivative by t. */
 void bwi_side_shape(int width, double t, double n[3], double d[3]);

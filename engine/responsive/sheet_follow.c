@@ -22,6 +22,7 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
   struct bwi_sheet *inner = sheet->inner;
   const bw_plane_topology *was = sheet->mesh->topology, *now = mesh->topology;
   double *u = NULL, *v = NULL, *a = NULL, start = bw_seconds();
+  bw_condition *conditions = NULL;
   bw_level level = mesh == sheet->mesh        ? BW_LEVEL_NONE
                    : now == was               ? BW_LEVEL_RELOCATION
                    : now->nodes == was->nodes ? BW_LEVEL_RECONNECTING
@@ -35,7 +36,9 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
       if (inner->section_count != 1 && inner->section_count < regions)
         return bw_fail(context, BW_INVALID, "%d sections for the %d regions of the new mesh",
                        inner->section_count, regions);
-      BW_TRY(bwi_conditions_check(context, mesh, 2, inner->condition_count, inner->condition));
+      BW_TRY(bwi_conditions_renamed(context, sheet->mesh->outline, mesh->outline,
+                                    inner->condition_count, inner->condition, &conditions));
+      BW_TRY(bwi_conditions_check(context, mesh, 2, inner->condition_count, conditions));
     }
     /* With order 1 and the same nodes every value stays with its node. */
     if (level == BW_LEVEL_RECONSTRUCTION ||
@@ -43,6 +46,10 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
       BW_TRY(carry(context, sheet, mesh, sheet->displacement, &u));
       BW_TRY(carry(context, sheet, mesh, sheet->velocity, &v));
       BW_TRY(carry(context, sheet, mesh, sheet->acceleration, &a));
+    }
+    if (conditions) {
+      bw_condition *former = inner->condition;
+      inner->condition = conditions, conditions = former;
     }
     if (u) {
       drop(&inner->before);
@@ -82,6 +89,7 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
 done:
   if (kept)
     kept->seconds_mesh += bw_seconds() - start;
+  bw_free(conditions);
   bw_free(u);
   bw_free(v);
   bw_free(a);

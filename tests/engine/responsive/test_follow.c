@@ -219,6 +219,49 @@ static void test_memory(void **state) {
 
 /* ---- curved outlines ------------------------------------------------------------------------- */
 
+/* Conditions go by the names of tags: another outline may have them in another order. */
+static void test_renamed(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *material = isotropic(context, 1e4, 0.3, 1);
+  bw_outline *outline = plate(context, 0.6, 0.5, 0.2), *other, *without;
+  bw_segment segment[8];
+  bw_name tag[5];
+  memcpy(segment, outline->segment, sizeof segment);
+  for (int i = 0; i < 8; i++)
+    segment[i].tag = 4 - segment[i].tag;
+  for (int i = 0; i < 5; i++)
+    tag[i] = outline->tag[4 - i];
+  check_ok(context, bw_outline_create(context, outline->point_count, outline->point, 8, segment, 2,
+                                      outline->loop, 5, tag, &other));
+  strcpy(tag[1].text, "Left");
+  check_ok(context, bw_outline_create(context, outline->point_count, outline->point, 8, segment, 2,
+                                      outline->loop, 5, tag, &without));
+  bw_plane_options fill;
+  bw_plane_mesh *mesh[3];
+  const bw_outline *const of[3] = {outline, other, without};
+  bw_plane_options_default(&fill);
+  fill.elements = 300;
+  for (int i = 0; i < 3; i++)
+    check_ok(context, bw_plane_fill(context, of[i], &fill, &mesh[i]));
+  bw_sheet *sheet = make(context, mesh[0], material, STATIC);
+  step(context, sheet, STATIC, BW_STALE_AUTO, NULL);
+  int32_t corner = node_at(mesh[0], 2, 1);
+  double before = sheet->displacement[2 * corner + 1];
+  check_fails(context, BW_INVALID, "no tag 'left'", bw_sheet_follow(context, sheet, mesh[2], NULL));
+  step(context, sheet, STATIC, BW_STALE_AUTO, NULL);
+  check_near(sheet->displacement[2 * corner + 1], before, 1e-6 * fabs(before));
+  check_ok(context, bw_sheet_follow(context, sheet, mesh[1], NULL));
+  step(context, sheet, STATIC, BW_STALE_AUTO, NULL);
+  check_near(sheet->displacement[2 * node_at(mesh[1], 2, 1) + 1], before, 1e-6 * fabs(before));
+  bw_release(sheet);
+  for (int i = 0; i < 3; i++)
+    bw_release(mesh[i]);
+  bw_release(outline);
+  bw_release(other);
+  bw_release(without);
+  bw_release(material);
+}
+
 /* A quarter of an ellipse from (a, 0) to (0, b), or backwards. */
 static void quarter(double a, double b, bool back, double p[8]) {
   const double k = 0.5522847498307936;
@@ -326,8 +369,9 @@ static void test_kirsch(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_static), check_test(test_shaken),
-                                     check_test(test_bent),   check_test(test_memory),
-                                     check_test(test_le1),    check_test(test_kirsch)};
+  const struct CMUnitTest tests[] = {check_test(test_static),  check_test(test_shaken),
+                                     check_test(test_bent),    check_test(test_memory),
+                                     check_test(test_renamed), check_test(test_le1),
+                                     check_test(test_kirsch)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
