@@ -108,6 +108,39 @@ static void center_pressure(const bw_flow *flow, double *state) {
     state[c * i + 2] -= sum / area;
 }
 
+/* The residual that ends an iteration is one number for equations of different units. Rows are
+ * multiplied so that each kind counts alike: those of continuity by what makes its diagonal as
+ * large as that of momentum, those of heat so that its right-hand side is. (What a row is
+ * multiplied by does not change the solution.) */
+static void balance(const bw_flow *flow) {
+  const bw_plane_graph *graph = flow->inner->graph;
+  const bwi_flow_room *room = &flow->inner->room;
+  int c = flow->components;
+  double diagonal[BWI_MOST] = {0}, right[BWI_MOST] = {0}, by[BWI_MOST] = {1, 1, 1, 1};
+  for (int64_t i = 0; i < graph->node_count; i++)
+    for (int d = 0; d < c; d++) {
+      diagonal[d] += fabs(room->system[c * (c * graph->diagonal[i] + d) + d]);
+      right[d] += room->rhs[c * i + d] * room->rhs[c * i + d];
+    }
+  double momentum = diagonal[0] + diagonal[1], force = sqrt(right[0] + right[1]);
+  if (diagonal[2] > 0)
+    by[2] = sqrt(0.5 * momentum / diagonal[2]);
+  if (c == 4 && right[3] > 0 && force > 0)
+    by[3] = force / sqrt(right[3]);
+  else if (c == 4 && diagonal[3] > 0)
+    by[3] = sqrt(0.5 * momentum / diagonal[3]);
+  for (int d = 2; d < c; d++)
+    if (!isfinite(by[d]) || !(by[d] > 0))
+      by[d] = 1;
+  for (int64_t p = 0; p < graph->pair_count; p++)
+    for (int d = 2; d < c; d++)
+      for (int e = 0; e < c; e++)
+        room->system[c * (c * p + d) + e] *= by[d];
+  for (int64_t i = 0; i < graph->node_count; i++)
+    for (int d = 2; d < c; d++)
+      room->rhs[c * i + d] *= by[d];
+}
+
 /* Assembles and solves; room.solution is the first guess and the result, `reaction` follows. */
 static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *linear, double time,
                        const bw_flow_options *options, bw_kept *kept) {
@@ -137,6 +170,7 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   memcpy(room->rhs, room->load, unknowns * sizeof *room->rhs);
   BW_TRY(bw_plane_prescribe(context, in->graph, c, room->held, room->prescribed, room->system,
                             room->rhs));
+  balance(flow);
   for (size_t i = 0; i < unknowns; i++)
     if (room->held[i])
       room->solution[i] = room->prescribed[i];

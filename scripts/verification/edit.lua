@@ -10,6 +10,7 @@
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../agile/?.lua;" .. package.path
+local manual = require "manual"
 
 io.stdout:setvbuf "line"
 local wish = {models = os.getenv "BARWRIGHT_SHARED" or "../shared"}
@@ -24,40 +25,8 @@ for i, a in ipairs(arg) do
   if a == "--out" then out = arg[i + 1] end
 end
 
-local lines, count, failed = {}, 0, 0
-local function write(...) lines[#lines + 1] = (...):format(select(2, ...)) end
-
-local function number(x)
-  if math.type(x) == "integer" then return tostring(x) end
-  return ("%.3g"):format(x)
-end
-
--- A row: {quantity, figure, "at most" | "at least", bound, how}.
-local function show_row(part, row)
-  local quantity, figure, word, bound, how = table.unpack(row, 1, 5)
-  local good = word == "at most" and figure <= bound or word == "at least" and figure >= bound
-  local allowed = word .. " " .. number(bound)
-  count, failed = count + 1, failed + (good and 0 or 1)
-  write("| %s | %s%s | %s | %s |", quantity, number(figure), good and "" or " **outside**", allowed, how or "")
-  print(("%s %s: %s (%s; %s)"):format(good and "ok" or "OUTSIDE", quantity, number(figure), allowed,
-    how or part))
-end
-
-local function show_table(heads, rows)
-  write("| %s |", table.concat(heads, " | "))
-  write("|%s", ("---|"):rep(#heads))
-  for _, row in ipairs(rows) do
-    write("| %s |", table.concat(row, " | "))
-    print("   " .. table.concat(row, ", "))
-  end
-  write ""
-end
-
-write "## Edit sessions"
-write ""
-write("Made by `build/barwright scripts/verification/edit.lua%s`. Theory: [edit.md](theory/edit.md).",
-  wish.full and " --full" or "")
-write ""
+local page = manual.new("Edit sessions", ("Made by `build/barwright scripts/verification/edit.lua%s`. Theory: "
+  .. "[edit.md](theory/edit.md)."):format(wish.full and " --full" or ""))
 local parts = {}
 for _, name in ipairs {"equations", "calculix", "slopes", "optimum", "mending", "skeletons"} do
   local part = (not only or name:find(only, 1, true)) and require("edit_" .. name)
@@ -70,35 +39,5 @@ if wish.json then
   for _, named in ipairs(parts) do print("rows " .. bw.json.encode((named[2].run(wish)))) end
   os.exit(0, true)
 end
-for _, named in ipairs(parts) do
-  local name, part = named[1], named[2]
-  local start = bw.seconds()
-  local rows, tables = part.run(wish)
-  print(("   %s took %.0f s"):format(name, bw.seconds() - start))
-  if rows then
-    write("### %s", part.title)
-    write ""
-    write("%s", part.text)
-    write ""
-    if #rows > 0 then
-      write "| quantity | figure | allowed | how |"
-      write "|---|---|---|---|"
-      for _, row in ipairs(rows) do show_row(part.title, row) end
-      write ""
-    end
-    for _, t in ipairs(tables or {}) do
-      if t.text then write("%s\n", t.text) end
-      show_table(t.heads, t.rows)
-    end
-  end
-end
-
-print(("%d of %d within what is allowed"):format(count - failed, count))
-if not only then
-  local file = assert(io.open(out .. ".partial", "w"))
-  file:write(table.concat(lines, "\n"), "\n")
-  file:close()
-  assert(os.rename(out .. ".partial", out))
-  print("wrote " .. out)
-end
-os.exit(failed == 0 and 0 or 1, true)
+for _, named in ipairs(parts) do page:section(named[1], named[2], wish) end
+os.exit(page:finish(not only and out or nil) and 0 or 1, true)

@@ -135,3 +135,45 @@ describe("a flow in time", function()
     check.raises("oops", function() wind({conditions = {body = {x = function() error "oops" end}}}):step() end)
   end)
 end)
+
+-- Drags of every kind of handle, small and far too large, with a step after each: done or refused, and
+-- the state is good after it. All 10,000 with BARWRIGHT_FULL=1.
+describe("random drags", function()
+  local count = os.getenv "BARWRIGHT_FULL" and 10000 or 200
+  local function kettle(more)
+    return bw.responsive.thermal {ale = more.ale, outline = tunnel(), viscosity = 0.01, diffusivity = 0.01, elements = 200,
+      expansion = 1, gravity = {0, -1}, step = 0.1, conditions = {sides = {x = 0, y = 0, temperature = 1},
+        inlet = "wall", outlet = "wall", body = {x = 0, y = 0, temperature = 0}}}
+  end
+  for name, make in pairs {flow = wind, thermal = kettle} do
+    for _, ale in ipairs {false, true} do
+      it(("leave a good state: %s%s"):format(name, ale and ", moving mesh" or ""), function()
+        local s = assert(make {elements = 200, ale = ale})
+        local seed = 4321
+        local function random()
+          seed = (seed * 1103515245 + 12345) % 2147483648
+          return seed / 2147483648
+        end
+        local done, refused = 0, 0
+        for i = 1, count do
+          local handle = random() < 0.5 and {loop = "body"}
+            or {vertex = 1 + math.floor(random() * s.outline.edge_count)}
+          local reach = random() < 0.1 and 3 or 0.1
+          local fine, message, details = s:drag(handle, {reach * (random() - 0.5), reach * (random() - 0.5)})
+          if fine then
+            done = done + 1
+            assert.is_true(s.reused.level == "none" or s.reused.quality > 0)
+          else
+            refused = refused + 1
+            assert(type(message) == "string" and details.status ~= "internal", message)
+          end
+          assert(s:step())
+          local most = s.velocity:max()
+          assert(most == most and most < 1e4, most) -- 1 m/s through gaps of a millimetre
+          if i % 40 == 0 then assert(s:become(tunnel())) end -- wandered off: begin again
+        end
+        assert.is_true(done > 0.5 * count and refused > 0)
+      end)
+    end
+  end
+end)

@@ -1,5 +1,5 @@
 -- A cylinder in the wind: vortices part from it in turn. It is dragged up and back while they do.
---   build/barwright examples/12_wind.lua [FOLDER]
+--   build/barwright examples/13_wind.lua [FOLDER]
 local bw = require "barwright"
 local folder = arg[1] or "."
 
