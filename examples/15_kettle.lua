@@ -1,5 +1,5 @@
 -- A kettle heated from below: how much heat goes in, for the shape that it has, while its bottom is drawn out.
---   build/barwright examples/14_kettle.lua [FOLDER]
+--   build/barwright examples/15_kettle.lua [FOLDER]
 local bw = require "barwright"
 local folder = arg[1] or "."
 
