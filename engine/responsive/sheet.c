@@ -127,7 +127,7 @@ static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t 
   for (size_t i = 0; i < size; i++)
     change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->before[i];
   BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, inner->work, product));
-  BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, &along));
+  BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, NULL));
   BW_TRY(bwi_dot(context, size, change, product, &along));
   BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, change, product));
   BW_TRY(bwi_dot(context, size, change, product, &curvature));

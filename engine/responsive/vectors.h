@@ -7,7 +7,7 @@
 #include "barwright/base.h"
 
 bw_status bwi_dot(bw_context *context, size_t n, const double *a, const double *b, double *sum);
-/* r = b - r; *square = r . r */
+/* r = b - r; *square = r . r (may be NULL) */
 bw_status bwi_subtract_from(bw_context *context, size_t n, const double *b, double *r,
                             double *square);
 /* p = z + beta p; p is not read when beta is 0 */

@@ -152,15 +152,18 @@ typedef struct bw_sheet {
 } bw_sheet;
 bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
                           const bw_sheet_description *description, bw_sheet **sheet);
-/* Go over to another mesh of the same problem; the solution is carried over (bw_plane_carry). */
+/* Go over to another mesh of the same problem; the solution is carried over (bw_plane_carry).
+ * Conditions go by the names of their tags: the outline may be another one. On failure all is as it
+ * was. */
 bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
                           bw_kept *kept);
 /* (e) Linear statics. BW_FREE when rigid motions are free. */
 bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
                           bw_kept *kept);
 /* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2): beta, gamma (defaults 1/4, 1/2),
- * Rayleigh damping. Prescribed displacements are of the ground, as functions of time; the other
- * conditions' functions are read at the new time. */
+ * Rayleigh damping. Prescribed displacements are of the ground, as functions of time (read at the
+ * new time and a step before and after it, at 0 and after; never below 0); the other conditions'
+ * functions are read at the new time. */
 typedef struct bw_newmark {
   double step, beta, gamma;
   double damping_mass, damping_stiffness;
