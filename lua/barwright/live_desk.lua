@@ -14,6 +14,9 @@ local json = require "barwright.json"
 local live_frame = require "barwright.live_frame"
 local live_loads = require "barwright.live_loads"
 local live_message = require "barwright.live_message"
+local room = require "barwright.live_room"
+
+local tell, tell_all, refuse, send_all = room.tell, room.tell_all, room.refuse, room.send_all
 
 local desk = {}
 desk.__index = desk
@@ -23,20 +26,6 @@ local function state_of(session)
 end
 
 -- ---- telling -------------------------------------------------------------------------------------
-
--- A browser closes a socket on text that is not UTF-8; names of bones come from files.
-local function tell(self, client, message)
-  local text = json.encode(message)
-  self.server:send(client, utf8.len(text) and text or (text:gsub("[\128-\255]", "?")))
-end
-
-local function tell_all(self, message)
-  for client in pairs(self.clients) do tell(self, client, message) end
-end
-
-local function refuse(self, client, message, why)
-  tell(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
-end
 
 local function history(session)
   local list = json.list {}
@@ -50,33 +39,6 @@ end
 local patience = 0.1
 -- Seconds that a drag may go without new stresses: then a solve is seen through however the hand moves.
 local longest = 2
-
-local function send_all(self, bytes, key)
-  for client in pairs(self.clients) do
-    self.server:send(client, bytes, {binary = true, replace = key})
-  end
-end
-
--- While the engine works: what arrives is kept for later. `gives_up(client, kind, text)` is asked of
--- each; the work is given up once it was true.
-local function meanwhile(self, gives_up, work, ...)
-  local going = true
-  local before = core.progress(function(stage, fraction)
-    while #self.later < 1000 do
-      local client, kind, text = self.server:receive(0)
-      if not client then break end
-      local wanted, keep = gives_up(client, kind, text)
-      if wanted then going = false end
-      if not wanted or keep then self.later[#self.later + 1] = {client, kind, text} end
-    end
-    if self.telling then self.telling(stage, fraction) end
-    return going
-  end)
-  local results = table.pack(pcall(work, ...))
-  core.progress(before)
-  if not results[1] then error(results[2], 0) end
-  return table.unpack(results, 2, results.n)
-end
 
 -- Whether what arrived makes the stresses of a drag's move obsolete: its end does, and for a while
 -- whatever else is of the same window.
@@ -109,7 +71,7 @@ local function publish(self, shown)
   end
   local result, why, details
   if drag and self.seconds > patience then
-    result, why, details = meanwhile(self, overtakes(self), live_loads.solve, self, shown)
+    result, why, details = room.meanwhile(self, overtakes(self), live_loads.solve, self, shown)
   else
     result, why, details = live_loads.solve(self, shown)
   end
@@ -269,35 +231,13 @@ end
 
 -- ---- optimising ----------------------------------------------------------------------------------
 
--- Long work that every page is told of, and any may stop: the results of `work`.
-local function told_of(self, what, work, ...)
-  local shown = -1
-  tell_all(self, {type = "progress", stage = what, fraction = 0})
-  self.telling = function(stage, fraction)
-    local now = core.seconds()
-    if now - shown < 0.2 then return end
-    shown = now
-    tell_all(self, {type = "progress", stage = stage, fraction = fraction})
-  end
-  local results = table.pack(pcall(meanwhile, self, function(_, kind, text)
-    return kind == "message" and live_message.is(text, "stop")
-  end, work, ...))
-  self.telling = nil
-  if not results[1] then return nil, tostring(results[2]) end
-  return table.unpack(results, 2, results.n)
-end
-
-local function stopped(details)
-  return details and details.status == "cancelled"
-end
-
 function handlers.optimise(self, client, message)
   if not no_drag(self, client, message) then return end
   self.limit = message.von_mises
-  local report, why, details = told_of(self, "optimising", self.session.optimise, self.session,
+  local report, why, details = room.told_of(self, "optimising", self.session.optimise, self.session,
     {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones,
       ties = self.ties, loads = self.loads.kind, worst = self.about.worst})
-  if not report and stopped(details) then why = "stopped: the shape is as it was" end
+  if not report and room.stopped(details) then why = "stopped: the shape is as it was" end
   tell_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
   return publish(self, self.session)
 end
@@ -306,8 +246,8 @@ end
 function handlers.loads(self, client, message)
   if not no_drag(self, client, message) then return end
   if message.loads == "worst" then
-    local fine, why, details = told_of(self, "looking for the worst load", live_loads.find, self)
-    if not fine and stopped(details) then why = "stopped: the loads are what they were" end
+    local fine, why, details = room.told_of(self, "looking for the worst load", live_loads.find, self)
+    if not fine and room.stopped(details) then why = "stopped: the loads are what they were" end
     tell_all(self, {type = "optimised", met = fine ~= nil, message = fine and live_loads.words(self) or why})
     if not fine then return publish(self, self.session) end
   else
@@ -320,19 +260,6 @@ end
 function handlers.stop() end
 
 -- ---- files ---------------------------------------------------------------------------------------
-
--- What a function writes to a path, as text.
-local function written(ending, write)
-  local name = os.tmpname()
-  local path = name .. ending
-  local fine, why = write(path)
-  local file = fine and io.open(path, "rb")
-  local bytes = file and file:read "a"
-  if file then file:close() end
-  os.remove(path)
-  os.remove(name)
-  return bytes, why or "a temporary file could not be read"
-end
 
 local files = {
   stl = {path = "part.stl", mime = "model/stl", write = function(session, path)
@@ -347,7 +274,7 @@ local files = {
 
 function handlers.export(self, client, message)
   local file = files[message.format]
-  local bytes, why = written("." .. message.format, function(path) return file.write(self.session, path) end)
+  local bytes, why = room.written("." .. message.format, function(path) return file.write(self.session, path) end)
   if not bytes then return refuse(self, client, message, why) end
   self.server:serve(file.path, file.mime, bytes, self.about.name .. "." .. message.format)
   tell(self, client, {type = "file", path = file.path, format = message.format, bytes = #bytes})
@@ -383,69 +310,22 @@ local function open(self, client)
   self.server:send(client, self.state, {binary = true, replace = "state"})
 end
 
--- Runs a handler. What neither a check nor the session caught is told too; the session is then as
--- the last whole edit left it.
-local function protected(self, client, message, handler)
-  local fine, result, why = pcall(handler, self, client, message)
-  if fine and (result ~= nil or not why) then return end
-  if self.drag and self.drag.client == client then self.drag = nil end
-  refuse(self, client, message, tostring(fine and why or result))
-end
-
 -- A window that is closed ends its drag.
 local function close(self, client)
   self.clients[client] = nil
   if self.drag and self.drag.client == client then
-    protected(self, client, {type = "end"}, function()
+    room.protected(self, client, {type = "end"}, function()
       finish(self, true)
       return publish(self, self.session)
     end)
   end
 end
 
--- Events with their messages read; of moves of one window in a row only the newest counts, and that
--- which the end of the drag follows is not solved.
-local function read_all(self, events)
-  local out, last = {}, nil
-  for _, event in ipairs(events) do
-    local client, kind, text = event[1], event[2], event[3]
-    local entry = {client = client, kind = kind}
-    if kind == "message" then
-      entry.message, entry.why = live_message.read(text, self)
-    end
-    if last and entry.message and last.message and entry.message.type == "move"
-      and last.message.type == "move" and last.client == client then
-      last.message = entry.message
-    else
-      if last and last.client == client and last.message and entry.message
-        and last.message.type == "move" and entry.message.type == "end" then
-        last.message.ends = true
-      end
-      out[#out + 1], last = entry, entry
-    end
-  end
-  return out
-end
+local events = {read = live_message.read, open = open, close = close, handlers = handlers}
 
 --- Handles what arrived: {client, "open" | "message" | "close", text}, ...
-function desk:handle(events)
-  for _, entry in ipairs(read_all(self, events)) do
-    if entry.kind == "open" then
-      open(self, entry.client)
-    elseif entry.kind == "close" then
-      close(self, entry.client)
-    elseif entry.message then
-      protected(self, entry.client, entry.message, handlers[entry.message.type])
-    else
-      tell(self, entry.client, {type = "error", message = entry.why})
-    end
-    if core.interrupted() then return end
-  end
-  if #self.later > 0 then
-    local later = self.later
-    self.later = {}
-    self:handle(later)
-  end
+function desk:handle(list)
+  room.handle(self, list, events)
 end
 
 --- The session will not go on: a drag is ended, the pages are told.

@@ -1,31 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the live view's page is told: a scene (what stays through edits) and states. Both are binary
--- messages: the length of a JSON text (u32), the text, padded to a multiple of four, then the blocks
--- that it lists, little-endian. docs/live.md has the fields.
-local core = require "barwright.core"
+-- What the live view's page is told of an edit session: a scene (what stays through edits) and states,
+-- binary messages (live_pack). docs/live.md has the fields.
 local json = require "barwright.json"
+local live_pack = require "barwright.live_pack"
 
 local live_frame = {}
 
--- blocks: {{name, "f4" | "u4", bytes}, ...}
-local function pack(header, blocks)
-  header.blocks = json.list {}
-  local bytes = {}
-  for i, block in ipairs(blocks) do
-    header.blocks[i] = {name = block[1], type = block[2], count = #block[3] // 4}
-    bytes[i] = block[3]
-  end
-  local text = json.encode(header)
-  text = text .. (" "):rep(-#text % 4)
-  return ("<I4"):pack(#text) .. text .. table.concat(bytes)
-end
-
---- Colours of the map, for a page: 33 knots of red, green, blue from 0 to 255.
-function live_frame.colours()
-  local knots = json.list {}
-  for i = 0, 32 do knots[i + 1] = {core.colour(i / 32)} end
-  return knots
-end
+local pack = live_pack.pack
 
 --- What stays while the topology does: {topology, id, surface's nodes, size, bytes}.
 function live_frame.scene(state, id, about)
@@ -48,7 +29,7 @@ function live_frame.scene(state, id, about)
   return {topology = topology, id = id, nodes = nodes, size = size, bytes = pack({type = "scene",
     scene = id, title = about.title, bones = bones, joints = json.list(skeleton.joint_names),
     root = skeleton.root,
-    colours = live_frame.colours(), strength = about.strength, size = size,
+    colours = live_pack.colours(), strength = about.strength, size = size,
     elements = state.shape.mesh.element_count},
     {{"triangles", "u4", surface.triangles:tostring("<u4", -1)}})}
 end
@@ -125,16 +106,6 @@ function live_frame.state(scene, state, result, header)
   return pack(header, blocks)
 end
 
---- The header of such a message, and its blocks by name as text: for scripts that talk to a desk.
-function live_frame.read(bytes)
-  local length = ("<I4"):unpack(bytes)
-  local header = assert(json.decode(bytes:sub(5, 4 + length)))
-  local at, blocks = 5 + length, {}
-  for _, block in ipairs(header.blocks) do
-    blocks[block.name] = bytes:sub(at, at + 4 * block.count - 1)
-    at = at + 4 * block.count
-  end
-  return header, blocks
-end
+live_frame.read = live_pack.read
 
 return live_frame

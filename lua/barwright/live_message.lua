@@ -1,37 +1,13 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Messages of the live view's pages, checked: a JSON object with a known type and exactly the fields
--- of that type, each of its kind and within its range. Anything else is a sentence of what is wrong.
+-- Messages of the pages of an edit session's live view, checked by live_check.
+local checks = require "barwright.live_check"
 local json = require "barwright.json"
 
+local is_object, number_between, whole, flag = checks.is_object, checks.number_between, checks.whole,
+  checks.flag
+local one_of, or_null, read_object = checks.one_of, checks.or_null, checks.read_object
+
 local live_message = {}
-
-local function is_object(value)
-  return type(value) == "table" and value ~= json.null
-end
-
--- What a page sent, to be shown in a message: no more than a line, and plain.
-local function shown(value)
-  return (tostring(value):sub(1, 40):gsub("[^\32-\126]", "?"))
-end
-
--- Each check returns the value to use, or nil and what is expected.
-
-local function number_between(low, high)
-  return function(value)
-    if type(value) == "number" and value >= low and value <= high then return value end -- NaN fails
-    return nil, ("a number from %g to %g"):format(low, high)
-  end
-end
-
-local function whole(value)
-  if math.type(value) == "integer" and value >= 0 and value <= 2 ^ 53 then return value end
-  return nil, "a whole number"
-end
-
-local function flag(value)
-  if type(value) == "boolean" then return value end
-  return nil, "true or false"
-end
 
 local function vector(check, what)
   return function(value)
@@ -107,39 +83,7 @@ local function ties(value, desk)
   return out
 end
 
-local function one_of(...)
-  local known, words = {...}, {}
-  for i, word in ipairs(known) do words[i] = tostring(word) end
-  local expected = table.concat(words, " or ")
-  return function(value)
-    for _, word in ipairs(known) do
-      if word == value then return value end
-    end
-    return nil, expected
-  end
-end
-
--- ---- objects ---------------------------------------------------------------------------------------
-
--- fields: name -> {check, needed}
-local function read_object(where, value, fields, desk)
-  if not is_object(value) then return nil, where .. ": an object expected" end
-  local out = {}
-  for key in pairs(value) do
-    if not fields[key] then return nil, ("%s: unknown field '%s'"):format(where, shown(key)) end
-  end
-  for key, field in pairs(fields) do
-    local given = value[key]
-    if given ~= nil then
-      local read, expected = field[1](given, desk)
-      if read == nil then return nil, ("%s: '%s': %s expected"):format(where, key, expected) end
-      out[key] = read
-    elseif field[2] then
-      return nil, ("%s: '%s' is missing"):format(where, key)
-    end
-  end
-  return out
-end
+-- ---- messages --------------------------------------------------------------------------------------
 
 local turn_fields = {axis = {axis, true}, degrees = {number_between(-3600, 3600), true}}
 
@@ -164,13 +108,6 @@ local function change(value, desk)
 end
 
 local stress = number_between(1e-3, 1e15)
-
-local function or_null(check)
-  return function(value)
-    if value == json.null then return false end
-    return check(value)
-  end
-end
 
 local function twist(value)
   local low, high
@@ -201,30 +138,14 @@ local types = {
 
 --- The message of a text, or nil and why it is none.
 function live_message.read(text, desk)
-  local value, why = json.decode(text)
-  if value == nil then return nil, "not JSON: " .. why end
-  if not is_object(value) then return nil, "a JSON object with a 'type' expected" end
-  local kind = value.type
-  local fields = type(kind) == "string" and types[kind]
-  if not fields then
-    return nil, ("unknown type of message '%s'"):format(shown(kind))
-  end
-  value.type = nil
-  local message
-  message, why = read_object(kind, value, fields, desk)
+  local message, why = checks.read(text, types, desk)
   if not message then return nil, why end
-  if fields.joint and (message.bone == nil) == (message.joint == nil) then
-    return nil, kind .. ": one of 'bone' and 'joint' expected"
+  if types[message.type].joint and (message.bone == nil) == (message.joint == nil) then
+    return nil, message.type .. ": one of 'bone' and 'joint' expected"
   end
-  message.type = kind
   return message
 end
 
---- Whether a text is a message of a type that has few fields ("stop", "end").
-function live_message.is(text, kind)
-  if #text > 100 then return false end
-  local value = json.decode(text)
-  return is_object(value) and value.type == kind
-end
+live_message.is = checks.is
 
 return live_message

@@ -1,0 +1,150 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the desks of the live views share: talking with windows, long work during which messages still
+-- arrive, newest moves first, files to be downloaded.
+--
+-- A desk has `server`, `clients` (set), `later` (what arrived while the engine worked), `drag` or nil
+-- (with its `client`), and `telling` while windows are told of progress.
+local core = require "barwright.core"
+local json = require "barwright.json"
+local live_check = require "barwright.live_check"
+
+local room = {}
+
+-- ---- telling -------------------------------------------------------------------------------------
+
+--- A browser closes a socket on text that is not UTF-8; names of bones come from files.
+function room.tell(self, client, message)
+  local text = json.encode(message)
+  self.server:send(client, utf8.len(text) and text or (text:gsub("[\128-\255]", "?")))
+end
+
+function room.tell_all(self, message)
+  for client in pairs(self.clients) do room.tell(self, client, message) end
+end
+
+function room.refuse(self, client, message, why)
+  room.tell(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
+end
+
+function room.send_all(self, bytes, key)
+  for client in pairs(self.clients) do
+    self.server:send(client, bytes, {binary = true, replace = key})
+  end
+end
+
+--- While the engine works: what arrives is kept for later. `gives_up(client, kind, text)` is asked of
+-- each; the work is given up once it was true.
+function room.meanwhile(self, gives_up, work, ...)
+  local going = true
+  local before = core.progress(function(stage, fraction)
+    while #self.later < 1000 do
+      local client, kind, text = self.server:receive(0)
+      if not client then break end
+      local wanted, keep = gives_up(client, kind, text)
+      if wanted then going = false end
+      if not wanted or keep then self.later[#self.later + 1] = {client, kind, text} end
+    end
+    if self.telling then self.telling(stage, fraction) end
+    return going
+  end)
+  local results = table.pack(pcall(work, ...))
+  core.progress(before)
+  if not results[1] then error(results[2], 0) end
+  return table.unpack(results, 2, results.n)
+end
+
+--- Long work that every page is told of, and any may stop: the results of `work`.
+function room.told_of(self, what, work, ...)
+  local shown = -1
+  room.tell_all(self, {type = "progress", stage = what, fraction = 0})
+  self.telling = function(stage, fraction)
+    local now = core.seconds()
+    if now - shown < 0.2 then return end
+    shown = now
+    room.tell_all(self, {type = "progress", stage = stage, fraction = fraction})
+  end
+  local results = table.pack(pcall(room.meanwhile, self, function(_, kind, text)
+    return kind == "message" and live_check.is(text, "stop")
+  end, work, ...))
+  self.telling = nil
+  if not results[1] then return nil, tostring(results[2]) end
+  return table.unpack(results, 2, results.n)
+end
+
+function room.stopped(details)
+  return details and details.status == "cancelled"
+end
+
+-- ---- files ---------------------------------------------------------------------------------------
+
+--- What a function writes to a path, as text.
+function room.written(ending, write)
+  local name = os.tmpname()
+  local path = name .. ending
+  local fine, why = write(path)
+  local file = fine and io.open(path, "rb")
+  local bytes = file and file:read "a"
+  if file then file:close() end
+  os.remove(path)
+  os.remove(name)
+  return bytes, why or "a temporary file could not be read"
+end
+
+-- ---- what arrives --------------------------------------------------------------------------------
+
+--- Runs a handler. What neither a check nor the session caught is told too; the session is then as
+-- the last whole edit left it.
+function room.protected(self, client, message, handler)
+  local fine, result, why = pcall(handler, self, client, message)
+  if fine and (result ~= nil or not why) then return end
+  if self.drag and self.drag.client == client then self.drag = nil end
+  room.refuse(self, client, message, tostring(fine and why or result))
+end
+
+-- Events with their messages read; of moves of one window in a row only the newest counts, and that
+-- which the end of the drag follows is not solved.
+local function read_all(self, events, how)
+  local out, last = {}, nil
+  for _, event in ipairs(events) do
+    local client, kind, text = event[1], event[2], event[3]
+    local entry = {client = client, kind = kind}
+    if kind == "message" then
+      entry.message, entry.why = how.read(text, self)
+    end
+    if last and entry.message and last.message and entry.message.type == "move"
+      and last.message.type == "move" and last.client == client then
+      last.message = entry.message
+    else
+      if last and last.client == client and last.message and entry.message
+        and last.message.type == "move" and entry.message.type == "end" then
+        last.message.ends = true
+      end
+      out[#out + 1], last = entry, entry
+    end
+  end
+  return out
+end
+
+--- Handles what arrived: {client, "open" | "message" | "close", text}, ... `how` = {read = of a text,
+--- open, close = of a client, handlers = by type of message}
+function room.handle(self, events, how)
+  for _, entry in ipairs(read_all(self, events, how)) do
+    if entry.kind == "open" then
+      how.open(self, entry.client)
+    elseif entry.kind == "close" then
+      how.close(self, entry.client)
+    elseif entry.message then
+      room.protected(self, entry.client, entry.message, how.handlers[entry.message.type])
+    else
+      room.tell(self, entry.client, {type = "error", message = entry.why})
+    end
+    if core.interrupted() then return end
+  end
+  if #self.later > 0 then
+    local later = self.later
+    self.later = {}
+    room.handle(self, later, how)
+  end
+end
+
+return room
