@@ -9,3 +9,7 @@ export function colourMap(knots) {
     return [0, 1, 2].map((k) => Math.round(knots[i][k] * (1 - f) + knots[i + 1][k] * f));
   };
 }
+
+// For values about zero: blue below, nearly white at 0.5, red above.
+export const diverging = colourMap([[33, 72, 160], [74, 128, 201], [150, 190, 229], [243, 243, 241], [240, 178, 140],
+  [212, 98, 72], [150, 24, 40]]);

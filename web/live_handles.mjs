@@ -1,25 +1,19 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The handles on the chosen bone or joint. A drag is told as begin, moves, end. One move at a time is
-// under way, until its shape is back: meanwhile only the newest wish is kept. The stresses of a move
-// are not waited for: the session gives them up for the next. So the part follows the hand as fast as
-// it can and never lags behind it.
+// The handles on the chosen bone or joint. The stresses of a move are not waited for: the session gives
+// them up for the next.
 import * as THREE from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
+import { Drag, rounded } from "./live_drag.mjs";
 
 const least = 0.2;
 const most = 5;
-
-// A hand is not exact, and the script is to be read.
-const rounded = (x, digits) => Number(x.toFixed(digits)) + 0;
 
 export class Handles {
   // send(message): whether it went out. orbit: switched off while a handle is dragged.
   constructor(stage, send) {
     this.stage = stage;
-    this.send = send;
+    this.drag = new Drag(send);
     this.mode = "rotate";
-    this.seq = 0;
-    this.dragging = false;
     this.proxy = new THREE.Object3D();
     stage.scene.add(this.proxy);
     this.controls = new TransformControls(stage.camera, stage.renderer.domElement);
@@ -32,6 +26,14 @@ export class Handles {
     });
     this.controls.addEventListener("objectChange", () => this.moved());
     this.setMode("rotate");
+  }
+
+  get dragging() {
+    return this.drag.going;
+  }
+
+  get waiting() {
+    return this.drag.waiting;
   }
 
   // What a drag does: a joint can be pulled to a place only.
@@ -68,10 +70,7 @@ export class Handles {
 
   begin() {
     this.start = { position: this.proxy.position.clone(), turn: this.proxy.quaternion.clone().invert() };
-    this.wanted = null;
-    this.waiting = 0;
-    this.dragging = this.send({ type: "begin", seq: ++this.seq,
-      ...(this.bone.joint ? { joint: this.bone.joint } : { bone: this.bone.name }) });
+    this.drag.begin(this.bone.joint ? { joint: this.bone.joint } : { bone: this.bone.name });
   }
 
   change() {
@@ -91,44 +90,31 @@ export class Handles {
   }
 
   moved() {
-    if (!this.dragging) return;
-    this.wanted = this.change();
-    if (!this.waiting) this.go();
+    if (this.dragging) this.drag.move({ change: this.change() });
   }
 
-  go() {
-    if (!this.wanted) return;
-    this.waiting = ++this.seq;
-    this.send({ type: "move", seq: this.waiting, change: this.wanted });
-    this.wanted = null;
-  }
-
-  // The session has handled a move, well or not.
   handled(seq) {
-    if (seq !== this.waiting) return;
-    this.waiting = 0;
-    if (this.dragging) this.go();
+    this.drag.handled(seq);
   }
 
   end() {
-    if (!this.dragging) return;
-    this.go();
-    this.dragging = false;
-    this.send({ type: "end", seq: ++this.seq });
+    this.drag.end();
   }
 
   // Takes the drag back.
   cancel() {
     if (!this.dragging) return;
-    this.drop();
-    this.send({ type: "end", seq: ++this.seq, cancel: true });
+    this.drag.cancel();
+    this.release();
   }
 
   // The drag is over without more being told: it was refused, or the connection was lost.
   drop() {
-    this.dragging = false;
-    this.wanted = null;
-    this.waiting = 0;
+    this.drag.drop();
+    this.release();
+  }
+
+  release() {
     this.controls.pointerUp({ button: 0 });
     this.place();
   }

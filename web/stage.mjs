@@ -55,14 +55,14 @@ export function makeStage(view, frame) {
   return { renderer, scene, camera, controls, aim, start };
 }
 
-// A surface of triangles whose points have colours.
-export function makeBody(points, triangles) {
+// A surface of triangles whose points have colours: lit, unless the material is given.
+export function makeBody(points, triangles, given) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
   geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(points.length), 3));
   geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
   geometry.computeBoundingBox();
-  const material = new THREE.MeshStandardMaterial({
+  const material = given || new THREE.MeshStandardMaterial({
     vertexColors: true,
     flatShading: true,
     roughness: 0.75,

@@ -1,24 +1,40 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The live view of an edit session: a page on this machine's loopback address where a person picks a
--- bone and drags it. The desk (live_desk) does the work; this file makes the server and keeps it
--- going until Ctrl-C.
+-- Live views: a page on this machine's loopback address where a person picks a bone of an edit session
+-- and drags it, or a handle of an outline (bw.responsive). A desk (live_desk, live_plane_desk) does the
+-- work; this file makes the server and keeps it going until Ctrl-C.
 local beside = require "barwright.beside"
 local core = require "barwright.core"
+local kinds = require "barwright.live_plane_kinds"
 local live_desk = require "barwright.live_desk"
+local live_plane_desk = require "barwright.live_plane_desk"
 local options = require "barwright.options"
 
 local live = {}
 
-local rules = {
-  port = {type = "integer", default = 0, least = 0, most = 65535},
-  title = {type = "string"},
-  name = {type = "string"}, -- of the files that are exported
+local function with(more)
+  local all = {
+    port = {type = "integer", default = 0, least = 0, most = 65535},
+    title = {type = "string"},
+    name = {type = "string"}, -- of the files that are exported
+    von_mises = {type = "number", above = 0}, -- the limit shown; of a session left out: the material's strength
+    saved = {type = "string"}, -- where the edits go, to be shown
+    ready = {type = "function"}, -- called with the address
+  }
+  for key, rule in pairs(more) do all[key] = rule end
+  return all
+end
+
+local session_rules = with {
   solve = {type = "table"}, -- options of session:solve
-  von_mises = {type = "number", above = 0}, -- the limit shown; left out: the material's strength
   worst = {type = "table"}, -- options of bw.worst_case, for the worst load
   ties = {type = "table"}, -- lists of names of bones that change alike in the optimisation
-  saved = {type = "string"}, -- where the edits go, to be shown
-  ready = {type = "function"}, -- called with the address
+}
+
+local outline_rules = with {
+  script = {type = "string"}, -- what makes the object, as seen from the file of edits
+  lines = {type = "table"}, -- edits that are made first
+  pace = {type = "integer", least = 1, most = 1000}, -- steps of time in a frame
+  paused = {type = "boolean"},
 }
 
 -- In place of the page where it was not bundled. Everything else of the session goes on.
@@ -34,18 +50,26 @@ session goes on with the edits that it has. Until then it can be edited by Lua s
 (<code>bw.edit</code>).</p></body></html>
 ]]
 
---- The page, or what is said in its place. As for the report: beside this file when installed, else in
---- the tree that was built.
-function live.serve_page(server)
-  local html, script = beside.find "live.html", beside.find "live.js"
-  server:serve("", "text/html; charset=utf-8", html and script and html or missing)
-  if html and script then server:serve("live.js", "text/javascript; charset=utf-8", script) end
+--- The page `name` ("live", "plane"), or what is said in its place. As for the report: beside this file
+--- when installed, else in the tree that was built.
+function live.serve_page(server, name)
+  name = name or "live"
+  local html, script = beside.find(name .. ".html"), beside.find(name .. ".js")
+  local style = beside.find "live.css"
+  if not (html and script and style) then
+    server:serve("", "text/html; charset=utf-8", missing)
+    return
+  end
+  -- the page's policy allows styles in the page only
+  html = html:gsub("/%* live%.css %*/", function() return style end)
+  server:serve("", "text/html; charset=utf-8", html)
+  server:serve(name .. ".js", "text/javascript; charset=utf-8", script)
 end
 
 -- Waits for something to happen, then takes all that is there: what came while the engine worked.
 -- False after Ctrl-C.
-local function take(server)
-  local client, kind, text = server:receive(3600)
+local function take(server, seconds)
+  local client, kind, text = server:receive(seconds)
   if not client and kind then return false end
   local events = {}
   while client do
@@ -57,9 +81,10 @@ end
 
 local function serve(desk, server)
   while not core.interrupted() do
-    local events = take(server)
+    local events = take(server, desk.wait and desk:wait() or 3600)
     if not events then return end
     desk:handle(events)
+    if desk.idle then desk:idle() end
   end
 end
 
@@ -71,21 +96,32 @@ local function part_with(desk, server)
   while server.client_count > 0 and core.seconds() < until_ do server:receive(0.02) end
 end
 
---- Serves a session until Ctrl-C. Options: port, title, name, solve, von_mises, worst, ties, saved,
---- ready.
-function live.run(session, given)
-  local wish = options.read("live", given, rules)
+-- A desk of what is served, and its page.
+local function desk_for(served, server, wish)
+  local about = {title = wish.title, name = wish.name, limit = wish.von_mises, saved = wish.saved}
+  if kinds.of(served) then
+    about.script, about.lines, about.pace, about.paused = wish.script, wish.lines, wish.pace, wish.paused
+    local desk, message, details = live_plane_desk.new(served, server, about)
+    return desk, desk and "plane" or message, details
+  end
+  about.solve, about.worst, about.ties = wish.solve, wish.worst, wish.ties
+  local desk, message, details = live_desk.new(served, server, about)
+  return desk, desk and "live" or message, details
+end
+
+--- Serves a session, or an object of bw.responsive, until Ctrl-C. Options: port, title, name,
+--- von_mises, saved, ready; of sessions also solve, worst, ties; of objects pace, paused, script, lines.
+function live.run(served, given)
+  local wish = options.read("live", given, kinds.of(served) and outline_rules or session_rules)
   local server, message, details = core.live_server {port = wish.port}
   if not server then return nil, message, details end
   local desk
-  desk, message, details = live_desk.new(session, server, {title = wish.title, name = wish.name,
-    solve = wish.solve, limit = wish.von_mises, saved = wish.saved, worst = wish.worst,
-    ties = wish.ties})
+  desk, message, details = desk_for(served, server, wish)
   if not desk then
     server:close()
     return nil, message, details
   end
-  live.serve_page(server)
+  live.serve_page(server, message)
   -- Ctrl-C while Lua works is an error; the edits are in the journal by then.
   local fine, why = pcall(function()
     if wish.ready then wish.ready(server.address) end
@@ -94,7 +130,7 @@ function live.run(session, given)
   if fine or core.interrupted() then pcall(part_with, desk, server) end
   server:close()
   if not fine and not core.interrupted() then error(why, 0) end
-  return session
+  return served
 end
 
 return live

@@ -1,10 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright live FILE: the live view of the session that a file makes. The file returns a session, or
--- a part and the options of bw.edit; or it is a saved session. docs/live.md tells more.
+-- barwright live FILE: the live view of what a file makes: a session, a part and the options of bw.edit,
+-- or an object of bw.responsive; or of saved edits of one. docs/live.md tells more.
 local core = require "barwright.core"
 local edit = require "barwright.edit"
 local edit_script = require "barwright.edit_script"
+local kinds = require "barwright.live_plane_kinds"
 local live = require "barwright.live"
+local plane_edits = require "barwright.live_plane_edits"
 
 local command = {}
 
@@ -15,7 +17,8 @@ usage: barwright live SESSION.lua [options]
                 when they are there already)
   --fresh       begin without the edits kept before; the file is kept as FILE~
   --no-open     print the address only, do not open a browser
-SESSION.lua returns a session (bw.edit), or a part and the options of bw.edit, or is a saved session.
+SESSION.lua returns a session (bw.edit), a part and the options of bw.edit, or an object of
+bw.responsive; or is a file of edits that was kept of one.
 Only this machine can reach the page, and only with the address that is printed. Ctrl-C ends it.]]
 
 -- Nothing, after one sentence on standard error: the caller's next word is "return".
@@ -94,16 +97,34 @@ local function open_edits(wish)
   return session, {}, wish.save or wish.file
 end
 
+-- Edits of an outline that were kept before: their lines are done again by the view.
+local function open_outline(wish, object, about, save)
+  local lines = {}
+  if exists(save) and not wish.fresh then
+    local script
+    script, lines = plane_edits.read(read(save))
+    if not script then fail(save .. ": there, but not a file of edits of an outline (--save, --fresh)") end
+    print(("%s: %d edits made again (--fresh begins without them)"):format(save, #lines))
+  elseif exists(save) then
+    os.rename(save, save .. "~")
+  end
+  about.lines, about.script = lines, name_for(wish.file, save)
+  return object, about, save
+end
+
 local function open_script(wish)
   local fine, made, about = pcall(dofile, wish.file)
   if not fine then fail(tostring(made)) end
+  if made == nil and type(about) == "string" then fail(wish.file .. ": " .. about) end
   local save = wish.save or wish.file:gsub("%.lua$", "") .. ".edits.lua"
   local session = made
   about = type(about) == "table" and about or {}
+  if kinds.of(made) then return open_outline(wish, made, about, save) end
   if core.classes.model and getmetatable(made) == core.classes.model then
     session, about = checked(wish.file, edit(made, about)), {}
   elseif getmetatable(made) ~= edit.class then
-    fail(wish.file .. ": the file must return a session (bw.edit), or a part and options of bw.edit")
+    fail(wish.file .. ": the file must return a session (bw.edit), a part and options of bw.edit, or an "
+      .. "object of bw.responsive")
   end
   session.wish.script = name_for(wish.file, save)
   if exists(save) and not wish.fresh then
@@ -114,6 +135,15 @@ local function open_script(wish)
     checked(save, edit_script.keep(session, save))
   end
   return session, about, save
+end
+
+-- A file of edits of an outline stands for the script that it names.
+local function open_kept(wish, text)
+  local script = plane_edits.read(text)
+  wish.save = wish.save or wish.file
+  if script:sub(1, 1) ~= "/" then script = folder(wish.file) .. script end
+  wish.file = script
+  return open_script(wish)
 end
 
 -- ---- the browser -----------------------------------------------------------------------------------
@@ -134,25 +164,45 @@ local function open_browser(address)
   return path
 end
 
+-- What of a script's table of options goes on to the view.
+local function passed(about, served)
+  local list = kinds.of(served) and {"von_mises", "pace", "paused", "script", "lines"}
+    or {"von_mises", "solve", "worst", "ties"}
+  local out = {}
+  for _, name in ipairs(list) do out[name] = about[name] end
+  return out
+end
+
+local function open_file(wish)
+  local text = read(wish.file)
+  if plane_edits.read(text) then return open_kept(wish, text) end
+  return (text:find('require%("barwright"%)%.edit%.begin%(') and open_edits or open_script)(wish)
+end
+
 --- The program's subcommand.
 function command.run(...)
   local wish = read_arguments {...}
-  local is_edits = read(wish.file):find('require%("barwright"%)%.edit%.begin%(')
-  local session, about, saved = (is_edits and open_edits or open_script)(wish)
+  local served, about, saved = open_file(wish)
   local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
   local opened
-  local fine, message = live.run(session, {port = wish.port, title = about.title or name, name = name,
-    solve = about.solve, von_mises = about.von_mises, worst = about.worst, ties = about.ties,
-    saved = saved, ready = function(address)
-      print(address)
-      print(("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends."):format(saved))
-      io.stdout:flush()
-      if wish.open then opened = open_browser(address) end
-    end})
+  local given = passed(about, served)
+  given.port, given.title, given.name, given.saved = wish.port, about.title or name, name, saved
+  function given.ready(address)
+    print(address)
+    print(("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends."):format(saved))
+    io.stdout:flush()
+    if wish.open then opened = open_browser(address) end
+  end
+  local fine, message = live.run(served, given)
   if opened then os.remove(opened) end
   if not fine then fail(message) end
-  print(("%d edits in force, kept in %s"):format(#session.edits, saved))
-  session:close()
+  if kinds.of(served) then
+    local _, lines = plane_edits.read(read(saved))
+    print(("%d edits in force, kept in %s"):format(#lines, saved))
+    return
+  end
+  print(("%d edits in force, kept in %s"):format(#served.edits, saved))
+  served:close()
 end
 
 return command

@@ -116,6 +116,7 @@ local tune_rules = {
   keep = {type = "table", default = {}},
   smooth = {type = "number", above = 0},
   finer = {type = "integer", default = 4, least = 1},
+  watch = {type = "function"},
 }
 
 local function wanted_frequency(where, target)
@@ -136,6 +137,7 @@ end
 --- Changes the outline until the tone is `target` (Hz, or a note), moving it least: |p|^2 along the
 --- outline and, over the length `smooth` (default: a tenth of the size), its unevenness. `keep`: numbers
 --- of points that stay. The tone is met on a mesh `finer` times as fine (default 4; 1: on the bar's own).
+--- `watch` is called with the bar after every round; when it returns false, all is as before.
 --- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)
@@ -145,7 +147,7 @@ function bar:tune(target, given)
   local first = self.outline
   local box = first.box
   local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
-  local search = {keep = keep, smooth = wish.smooth or 0.1 * size}
+  local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch}
   local aim, rounds, checked, off = wanted, 0, nil, 0
   for _ = 1, 6 do
     local met, message, details = tune.search(self, aim, first, search)

@@ -123,7 +123,8 @@ end
 local STRIDE, EXACT, STILL, ROUNDS = 0.08, 1e-6, 1e-3, 60
 
 --- Moves `bar` (a metallophone bar) until its frequency is `wanted`, from `outline`. `wish`: keep (set
---- of points), smooth (length). Returns the bar's outline, rounds.
+--- of points), smooth (length), watch (called with the bar after every round; false ends the search).
+--- Returns the bar's outline, rounds.
 function tune.search(bar, wanted, outline, wish)
   local count = outline.points.row_count
   local origin = outline.points:totable()
@@ -170,6 +171,7 @@ function tune.search(bar, wanted, outline, wish)
       part = part / 2
     end
     if not fine then return nil, message, details end
+    if wish.watch and wish.watch(bar) == false then return nil, "stopped", {status = "cancelled"} end
     for i = 1, count do
       p[i] = {p[i][1] + part * step[i][1], p[i][2] + part * step[i][2]}
     end

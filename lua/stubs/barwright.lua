@@ -2379,8 +2379,9 @@ function Metallophone:write_tone(path, options) end
 ---Changes the outline until the tone is `target` (Hz, or a note like "C5"), moving it least in the mean
 ---square and as evenly as the length `smooth` asks (default: a tenth of the size). `keep`: numbers of
 ---points that stay. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
+---`watch` is called with the bar after every round; where it returns false, tuning ends as a failure.
 ---@param target number|string
----@param options? {keep?: integer[], smooth?: number, finer?: integer}
+---@param options? {keep?: integer[], smooth?: number, finer?: integer, watch?: fun(bar: bw.Metallophone): boolean?}
 ---@return {frequency: number, cents: number, moved: number, rounds: integer, mesh_cents: number}?
 ---@return string? message
 ---@return table? details

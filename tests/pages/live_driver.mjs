@@ -8,7 +8,8 @@ export const difference = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i
 
 // Starts `barwright live` on a copy of a session's file; gives its address and a way to end it.
 function start(root, folder, session, before) {
-  const file = path.join(folder, "hook.lua");
+  const name = path.basename(session) === "live_session.lua" ? "hook" : path.basename(session, ".lua");
+  const file = path.join(folder, `${name}.lua`);
   fs.copyFileSync(path.join(root, session), file);
   const run = before
     ? ["-e", `${before} require("barwright.live_command").run("${file}", "--no-open")`]
@@ -30,7 +31,7 @@ function start(root, folder, session, before) {
     ended.then((code) => reject(new Error(`ended with ${code}: ${out}${err}`)));
   });
   address.catch(() => {});
-  return { child, address, ended, text: () => out + err, edits: path.join(folder, "hook.edits.lua") };
+  return { child, address, ended, text: () => out + err, edits: path.join(folder, `${name}.edits.lua`) };
 }
 
 // A server on a session's file, in a folder of its own, and a browser's windows on it. `before`: Lua to
@@ -55,7 +56,7 @@ export async function begin({ browser, root, folder, pictures, session, before }
   async function until(page, what, argument) {
     for (const since = Date.now(); Date.now() - since < 20000; await page.waitForTimeout(30))
       if (await page.evaluate(what, argument)) return;
-    throw new Error(`in vain: ${what} with ${argument}; ${JSON.stringify({ ...(await state(page)), positions: 0 })}`);
+    throw new Error(`in vain: ${what} with ${argument}; ${JSON.stringify({ ...(await state(page)), positions: 0, points: 0 })}`);
   }
   const picture = (page, name) => pictures && page.screenshot({ path: path.join(pictures, `${name}.png`) });
 

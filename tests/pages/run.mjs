@@ -8,6 +8,7 @@ import path from "node:path";
 import { fileURLToPath } from "node:url";
 import { live } from "./live.mjs";
 import { liveMore } from "./live_more.mjs";
+import { plane } from "./plane.mjs";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
 const { chromium } = await import(path.join(root, "web/node_modules/playwright-core/index.mjs"));
@@ -161,6 +162,7 @@ await test("the report of a session shows the shape as it was drawn, in its true
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await liveMore({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await live({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
+await plane({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 
 await browser.close();
 fs.rmSync(folder, { recursive: true });

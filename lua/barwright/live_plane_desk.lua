@@ -1,0 +1,380 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The desk of the plane's live view: takes the messages of the pages, moves the outline of an object of
+-- bw.responsive, lets its time go on, tells every page how it stands. docs/live.md has the protocol.
+--
+-- The object changes by whole edits: each is an outline and a line of Lua, kept in `history`; a drag,
+-- however long, is one. A move of a drag starts from the outline where the drag began, so that moves
+-- need no order and a newer one takes the place of all that wait. What the outline, the mesh or the
+-- solution refuses leaves the last good state, and is told to the page that asked.
+local core = require "barwright.core"
+local edits = require "barwright.live_plane_edits"
+local json = require "barwright.json"
+local kinds = require "barwright.live_plane_kinds"
+local live_check = require "barwright.live_check"
+local live_plane_frame = require "barwright.live_plane_frame"
+local live_plane_message = require "barwright.live_plane_message"
+local room = require "barwright.live_room"
+
+local tell, tell_all, refuse, send_all = room.tell, room.tell_all, room.refuse, room.send_all
+
+local desk = {}
+desk.__index = desk
+
+-- Seconds between frames of what goes on in time, at least, and for the steps of one frame, at most.
+local frame_time, step_time = 1 / 60, 0.05
+
+-- ---- telling -------------------------------------------------------------------------------------
+
+local function size_of(outline)
+  local box = outline.box
+  return math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
+end
+
+local function drag_told(drag)
+  return drag and {client = drag.client, seq = drag.seq} or nil
+end
+
+local function lines(self)
+  local list = {}
+  for i = 2, self.position do list[#list + 1] = self.history[i].line end
+  return list
+end
+
+local function last_lines(self)
+  local all, list = lines(self), json.list {}
+  for i = math.max(1, #all - 19), #all do list[#list + 1] = all[i] end
+  return list
+end
+
+-- Fields that some window looks at.
+local function shown(self)
+  local keys = {}
+  for _, key in pairs(self.clients) do keys[key] = true end
+  keys[self.kind.fields[1].key] = true
+  return keys
+end
+
+-- Tells how the object stands. What stays is told again only where it is another one.
+local function publish(self)
+  local object = self.object
+  if not (self.scene and object.outline:same_topology(self.scene.outline)) then
+    self.size = size_of(object.outline)
+    local id = self.scene and self.scene.id + 1 or 1
+    self.scene = {id = id, outline = object.outline, bytes = live_plane_frame.scene(self, id)}
+    send_all(self, self.scene.bytes, "scene")
+  end
+  local triangles = live_plane_frame.triangles(object)
+  if not (self.mesh and self.mesh.triangles == triangles) then
+    local id = self.mesh and self.mesh.id + 1 or 1
+    self.mesh = {id = id, triangles = triangles, bytes = live_plane_frame.mesh(object, id, triangles)}
+    send_all(self, self.mesh.bytes, "mesh")
+  end
+  self.revision = self.revision + 1
+  local header = {scene = self.scene.id, mesh = self.mesh.id, revision = self.revision,
+    seconds = self.seconds, levels = self.levels, limit = self.limit, edits = self.position - 1,
+    can_undo = self.position > 1, can_redo = #self.history > self.position,
+    script = last_lines(self), drag = drag_told(self.drag), trouble = self.trouble}
+  if self.steps then header.running, header.pace = self.running, self.pace end
+  self.state = live_plane_frame.state(object, self.kind, shown(self), header)
+  send_all(self, self.state, "state")
+  return true
+end
+
+-- Counts a frame that took so long.
+local function frame(self, since)
+  self.seconds = core.seconds() - since
+  local level = self.object.reused.level
+  self.levels[level] = (self.levels[level] or 0) + 1
+end
+
+-- The object goes over to an outline: true, or nil and why it stays as it is.
+local function become(self, outline)
+  local since = core.seconds()
+  local fine, why, details = self.object:become(outline)
+  if not fine then return nil, why, details end
+  frame(self, since)
+  self.trouble = nil
+  return true
+end
+
+-- ---- edits ---------------------------------------------------------------------------------------
+
+-- Keeps the lines in the file of edits: before they are told.
+local function keep(self)
+  if not self.about.saved then return true end
+  local fine, why = edits.write(self.about.saved, self.about.script, lines(self))
+  if not fine then return nil, "the edits cannot be kept: " .. tostring(why) end
+  return true
+end
+
+-- What the object is now, as an edit.
+local function push(self, line)
+  for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
+  self.position = self.position + 1
+  self.history[self.position] = {outline = self.object.outline, line = line}
+  return keep(self)
+end
+
+local function go_to(self, position)
+  local fine, why = become(self, self.history[position].outline)
+  if not fine then return nil, why end
+  self.position = position
+  return keep(self)
+end
+
+local handlers = {}
+
+function handlers.begin(self, client, message)
+  if self.drag then
+    return refuse(self, client, message, ("the outline is being dragged in %s window"):format(
+      self.drag.client == client and "this" or "another"))
+  end
+  self.drag = {client = client, seq = message.seq, handle = message.handle, pins = message.pins,
+    reach = message.reach, base = self.object.outline}
+end
+
+local function own_drag(self, client, message)
+  if self.drag and self.drag.client == client then return self.drag end
+  refuse(self, client, message, "no drag of this window is going on")
+end
+
+function handlers.move(self, client, message)
+  local drag = own_drag(self, client, message)
+  if not drag then return end
+  drag.seq = message.seq
+  local outline, why, line = edits.dragged(drag.base, drag, message.by)
+  local fine = outline
+  if outline then fine, why = become(self, outline) end
+  if not fine then return refuse(self, client, message, why) end
+  drag.line = line
+  if message.ends then return end -- the end of the drag is there already
+  if self.steps and self.running then
+    self.due = 0 -- the next step shows it
+    return
+  end
+  return publish(self)
+end
+
+-- The last shape that went well becomes an edit, or the one where the drag began comes back.
+local function finish(self, wanted)
+  local drag = self.drag
+  self.drag = nil
+  if not drag.line then return true end
+  if wanted then return push(self, drag.line) end
+  return become(self, drag.base)
+end
+
+local function done(self, client, message, fine, why)
+  if not fine then refuse(self, client, message, why) end
+  return publish(self)
+end
+
+handlers["end"] = function(self, client, message)
+  if not own_drag(self, client, message) then return end
+  return done(self, client, message, finish(self, not message.cancel))
+end
+
+local function no_drag(self, client, message)
+  if not self.drag then return true end
+  refuse(self, client, message, "the outline is being dragged")
+end
+
+function handlers.edit(self, client, message)
+  if not no_drag(self, client, message) then return end
+  local outline, why, line = edits.make(self.object, message.edit)
+  local fine = outline
+  if outline then fine, why = become(self, outline) end
+  if not fine then return refuse(self, client, message, why) end
+  return done(self, client, message, push(self, line))
+end
+
+local function travel(way)
+  return function(self, client, message)
+    if not no_drag(self, client, message) then return end
+    local position = way(self)
+    if not self.history[position] then
+      return refuse(self, client, message, "there is nothing to " .. message.type)
+    end
+    return done(self, client, message, go_to(self, position))
+  end
+end
+
+handlers.undo = travel(function(self) return self.position - 1 end)
+handlers.redo = travel(function(self) return self.position + 1 end)
+handlers.reset = travel(function() return 1 end)
+
+-- ---- what is looked at ---------------------------------------------------------------------------
+
+function handlers.show(self, client, message)
+  self.clients[client] = message.field
+  return publish(self)
+end
+
+function handlers.limit(self, _, message)
+  self.limit = message.von_mises or nil
+  return publish(self)
+end
+
+--- Whether time goes on, and by how many steps a frame at most.
+function handlers.pace(self, client, message)
+  if not self.steps then return refuse(self, client, message, "time does not go on here") end
+  if message.running ~= nil then self.running = message.running end
+  if message.steps then self.pace = math.floor(message.steps) end
+  self.trouble = nil
+  return publish(self)
+end
+
+-- ---- tuning --------------------------------------------------------------------------------------
+
+-- Takes what arrived in the midst of work: whether somebody asked to stop.
+local function asked_to_stop(self)
+  local stop = false
+  while #self.later < 1000 do
+    local client, kind, text = self.server:receive(0)
+    if not client then break end
+    if kind == "message" and live_check.is(text, "stop") then
+      stop = true
+    else
+      self.later[#self.later + 1] = {client, kind, text}
+    end
+  end
+  return stop
+end
+
+function handlers.tune(self, client, message)
+  if not no_drag(self, client, message) then return end
+  if not self.kind.tune then return refuse(self, client, message, "this has no tone to be tuned") end
+  local since, first, told = core.seconds(), nil, nil
+  local object = self.object
+  local function watch()
+    frame(self, since)
+    since = core.seconds()
+    publish(self)
+    tell_all(self, {type = "progress", stage = ("tuning: %.2f Hz, %s"):format(object.frequency, object.note)})
+    return not (asked_to_stop(self) or core.interrupted())
+  end
+  tell_all(self, {type = "progress", stage = "tuning"})
+  first, told = object:tune(message.target, {watch = watch})
+  local line = edits.tuned(message.target)
+  local words = first and ("tuned to %.2f Hz (%+.2f cents) by moving the outline by %.3g mm at most; this "
+    .. "mesh is %.1f cents off a finer one"):format(first.frequency, first.cents, 1e3 * first.moved, first.mesh_cents)
+    or (told == "stopped" and "stopped: the shape is as it was" or told)
+  tell_all(self, {type = "tuned", met = first ~= nil, message = words})
+  if not first then return publish(self) end
+  return done(self, client, message, push(self, line))
+end
+
+--- Nothing to stop.
+function handlers.stop() end
+
+-- ---- files ---------------------------------------------------------------------------------------
+
+local mimes = {svg = "image/svg+xml", dxf = "image/vnd.dxf", lua = "text/plain; charset=utf-8"}
+
+function handlers.export(self, client, message)
+  local format, bytes, why = message.format, nil, nil
+  if format == "lua" then
+    bytes = edits.text(self.about.script or "the_script_that_made_it.lua", lines(self))
+  else
+    bytes, why = room.written("." .. format, function(path) return self.object.outline:write(path) end)
+  end
+  if not bytes then return refuse(self, client, message, why) end
+  local path = "outline." .. format
+  self.server:serve(path, mimes[format], bytes, self.about.name .. "." .. format)
+  tell(self, client, {type = "file", path = path, format = format, bytes = #bytes})
+end
+
+-- ---- time ----------------------------------------------------------------------------------------
+
+--- Seconds until `idle` is to be called.
+function desk:wait()
+  if not (self.steps and self.running and next(self.clients)) then return 3600 end
+  return math.max(0, self.due - core.seconds())
+end
+
+-- Some steps, or as many of them as a frame has time for.
+local function advance(self)
+  local since = core.seconds()
+  for _ = 1, self.pace do
+    local fine, why = self.object:step(1)
+    if not fine then return nil, why end
+    if core.seconds() - since > step_time then break end
+  end
+  frame(self, since)
+  return true
+end
+
+--- A frame of what goes on in time, where one is due. What fails stops the time.
+function desk:idle()
+  local now = core.seconds()
+  if not (self.steps and self.running and next(self.clients)) or now < self.due then return end
+  local fine, stepped, why = pcall(advance, self)
+  if not fine or not stepped then
+    self.running = false
+    self.trouble = tostring(fine and why or stepped)
+  end
+  publish(self)
+  self.due = math.max(self.due + frame_time, now)
+end
+
+-- ---- the desk ------------------------------------------------------------------------------------
+
+--- A desk for an object of bw.responsive. about: {title, name, limit, saved = file of edits, script =
+--- the script that makes the object as seen from that file, lines = edits of it to be made first,
+--- paused, pace = steps a frame}
+function desk.new(object, server, about)
+  local kind = kinds.of(object)
+  local steps = kind.steps
+  if type(steps) == "function" then steps = steps(object) end
+  about = {title = about.title or kind.title, name = about.name or "outline", limit = about.limit,
+    saved = about.saved, script = about.script, lines = about.lines or {}, pace = about.pace,
+    paused = about.paused}
+  local self = setmetatable({object = object, server = server, kind = kind, about = about,
+    clients = {}, later = {}, levels = {}, revision = 0, seconds = 0, size = size_of(object.outline),
+    limit = about.limit, steps = steps or false, running = not about.paused, pace = about.pace or 1,
+    due = 0, history = {{outline = object.outline}}, position = 1}, desk)
+  for i, line in ipairs(about.lines) do
+    local fine, why = edits.replay(object, line)
+    if not fine then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end
+    self.position = i + 1
+    self.history[self.position] = {outline = object.outline, line = line}
+  end
+  local fine, why = keep(self)
+  if not fine then return nil, why, {status = "io"} end
+  publish(self)
+  return self
+end
+
+local function open(self, client)
+  self.clients[client] = self.kind.fields[1].key
+  tell(self, client, {type = "welcome", client = client, saved = self.about.saved})
+  self.server:send(client, self.scene.bytes, {binary = true, replace = "scene"})
+  self.server:send(client, self.mesh.bytes, {binary = true, replace = "mesh"})
+  self.server:send(client, self.state, {binary = true, replace = "state"})
+end
+
+-- A window that is closed ends its drag.
+local function close(self, client)
+  self.clients[client] = nil
+  if self.drag and self.drag.client == client then
+    room.protected(self, client, {type = "end"}, function()
+      finish(self, true)
+      return publish(self)
+    end)
+  end
+end
+
+local events = {read = live_plane_message.read, open = open, close = close, handlers = handlers}
+
+--- Handles what arrived: {client, "open" | "message" | "close", text}, ...
+function desk:handle(list)
+  room.handle(self, list, events)
+end
+
+--- The view will not go on: a drag is ended, the pages are told.
+function desk:finish()
+  if self.drag then pcall(finish, self, true) end
+  tell_all(self, {type = "bye"})
+end
+
+return desk

@@ -1,0 +1,160 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The analyses that the plane's live view shows, a table each by the name of its class: what can be
+-- coloured, how the shape is drawn bent, whether time goes on by itself, what is told in numbers.
+--
+-- A field has `key`, `name`, `unit` with the `scale` that leads to it from SI, `signed` (the colours
+-- are symmetric about zero), `spread` (they go from the lowest to the highest), and `values` of an
+-- object: an array of a number a node, or nil while there are none. `arrows`: rows x, y.
+-- `deform`: displacements (rows x, y) or deflections out of the plane (a number each).
+local pitch = require "barwright.pitch"
+
+local kinds = {}
+
+local function property(name)
+  return function(object) return object[name] end
+end
+
+local function length_of(name)
+  return function(object)
+    local rows = object[name]
+    return rows and rows:map "sqrt(a[1]^2 + a[2]^2)"
+  end
+end
+
+local function stress(column)
+  return function(object) return object.stress:column(column) end
+end
+
+local von_mises = {key = "von_mises", name = "von Mises stress", unit = "MPa", scale = 1e-6,
+  values = property "von_mises"}
+local displacement = {key = "displacement", name = "displacement", unit = "mm", scale = 1e3,
+  values = length_of "displacement"}
+local stresses = {
+  {key = "stress_xx", name = "stress xx", unit = "MPa", scale = 1e-6, signed = true, values = stress(1)},
+  {key = "stress_yy", name = "stress yy", unit = "MPa", scale = 1e-6, signed = true, values = stress(2)},
+  {key = "stress_xy", name = "stress xy", unit = "MPa", scale = 1e-6, signed = true, values = stress(3)},
+}
+
+local function largest(array)
+  return array and array:max() or 0
+end
+
+local function moved(object)
+  return {"largest displacement", ("%.4g mm"):format(1e3 * largest(length_of "displacement"(object)))}
+end
+
+kinds["steady sheet"] = {
+  title = "Sheet under load",
+  fields = {von_mises, displacement, table.unpack(stresses)},
+  deform = property "displacement",
+  stress = true,
+  told = function(object) return {moved(object)} end,
+}
+
+kinds["bent sheet"] = {
+  title = "Bent sheet",
+  fields = {von_mises, displacement, table.unpack(stresses)},
+  deform = property "displacement",
+  true_size = true, -- drawn as bent as it is
+  stress = true,
+  told = function(object)
+    return {moved(object), {"Newton iterations", tostring(object.reused.newton_iterations or 0)}}
+  end,
+}
+
+kinds["shaken sheet"] = {
+  title = "Shaken sheet",
+  fields = {von_mises, displacement, {key = "velocity", name = "velocity", unit = "m/s", scale = 1,
+    values = length_of "velocity"}, table.unpack(stresses)},
+  deform = property "displacement",
+  stress = true,
+  steps = true,
+  told = function(object) return {moved(object)} end,
+}
+
+-- How loudly every mode sounds of a stroke where the lowest one deflects most: as in the bar's :tone.
+local function tone(object, loss, contact)
+  local frequencies = object.frequencies:totable()
+  local at = object:mode(1):column(1):map("abs(a)"):argmax()
+  local gains, most = {}, 0
+  for k, f in ipairs(frequencies) do
+    local x = 2 * f * contact
+    local off = 1 - x * x
+    local softened = math.abs(off) < 1e-6 and math.pi / 4 or math.abs(math.cos(math.pi * x / 2) / off)
+    gains[k] = math.abs(object:mode(k)[at][1]) * softened
+    most = math.max(most, gains[k])
+  end
+  for k = 1, #gains do gains[k] = gains[k] / most end
+  return {frequencies = frequencies, gains = gains, loss = loss}
+end
+
+kinds["metallophone bar"] = {
+  title = "Metallophone bar",
+  fields = {{key = "mode", name = "lowest mode", unit = "", scale = 1, signed = true,
+    values = function(object) return object:mode(1):column(1) end}},
+  deform = function(object) return object:mode(1):column(1) end,
+  tune = true,
+  lines = property "nodal_lines",
+  header = function(object, header)
+    header.frequency = object.frequency
+    header.note, header.cents = pitch.note(object.frequency)
+    header.tone = tone(object, 0.002, 0.3e-3)
+    local holes = object:holes()
+    header.holes = holes or nil
+  end,
+  told = function(object)
+    local list = {}
+    local frequencies = object.frequencies:totable()
+    for k = 2, math.min(6, #frequencies) do
+      list[#list + 1] = {("mode %d"):format(k), ("%.1f Hz, %.3f times"):format(frequencies[k],
+        frequencies[k] / frequencies[1])}
+    end
+    return list
+  end,
+}
+
+local speed = {key = "speed", name = "speed", unit = "m/s", scale = 1, values = length_of "velocity"}
+local pressure = {key = "pressure", name = "pressure", unit = "Pa", scale = 1, spread = true,
+  values = property "pressure"}
+local vorticity = {key = "vorticity", name = "vorticity", unit = "1/s", scale = 1, signed = true,
+  values = property "vorticity"}
+
+-- Whether a flow goes on in time: one without a step is steady.
+local function flow_steps(object) return object.wish.step ~= nil end
+
+kinds["flow"] = {
+  title = "Flow",
+  fields = {pressure, speed, vorticity},
+  arrows = property "velocity",
+  steps = flow_steps,
+  told = function() return {} end,
+}
+
+kinds["thermal flow"] = {
+  title = "Flow with heat",
+  fields = {{key = "temperature", name = "temperature", unit = "K", scale = 1, spread = true,
+    values = property "temperature"}, speed, pressure, vorticity},
+  arrows = property "velocity",
+  steps = flow_steps,
+  told = function() return {} end,
+}
+
+--- What is known of an object's class, or nil.
+local function of(object)
+  local meta = getmetatable(object)
+  local name = type(meta) == "table" and type(meta.__name) == "string" and type(object) == "table"
+    and meta.__name:match "^barwright%.(.*)$"
+  return name and kinds[name] or nil
+end
+
+--- The fields of an object's kind that it has.
+local function fields(kind)
+  local out = {}
+  for i, field in ipairs(kind.fields) do
+    out[i] = {key = field.key, name = field.name, unit = field.unit, scale = field.scale,
+      signed = field.signed or false, spread = field.spread or false}
+  end
+  return out
+end
+
+return {of = of, fields = fields, kinds = kinds}
