@@ -25,7 +25,7 @@
 #define BLOCKS_FLOPS_PER_SECOND 8e9
 /* Per node: analysis under a given order, and finding an order. */
 #define ANALYSIS_SECONDS 2e-7
-#define ORDER_SECONDS 3e-6
+#define ORDER_SECONDS 3e-7
 /* Iterations expected of the first solve with an old factor, and of the first after edges were
  * flipped: before there is experience, few, so that the former is made, and many, since flips
  * change entries altogether; and less by this share each time that the expectation ruled it out,

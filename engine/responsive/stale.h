@@ -54,8 +54,8 @@ bw_status bwi_stale_blocks_factor(bw_context *context, bwi_stale_blocks *s,
                                   bwi_stale_work *work);
 void bwi_stale_blocks_apply(const bwi_stale_blocks *s, const double *r, double *z);
 
-/* An elimination order of the nodes, by METIS, or quickly by AMD: permutation[k] = the node
- * eliminated k-th. */
+/* An elimination order of the nodes, by METIS, or quickly (or where there are few) by AMD:
+ * permutation[k] = the node eliminated k-th. */
 bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, bool quick,
                           int32_t *permutation);
 
