@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Square grids of triangles, as topologies alone: for what needs no positions. */
 #ifndef GRIDS_H
 #define GRIDS_H

@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Plane meshes and materials for the tests of sheets. */
 #ifndef SHEETS_H
 #define SHEETS_H

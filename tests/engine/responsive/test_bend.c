@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sheets that bend largely: force and tangent against finite differences of the energy, the
  * elastica, Cook's membrane of St. Venant-Kirchhoff's material, uniform stretch by its closed form,
  * rigid rotation without stress, inversion told. */

@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sheets that follow a dragged outline: after every drag the answer with everything reused is that
  * of a sheet made anew on the same mesh, for statics, shaking and large bending; and curved
  * outlines: NAFEMS LE1, Kirsch's hole. */

@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Matrices on plane meshes: the graph against a dense sum of element matrices, the product, what
  * prescribing unknowns does to the solution, and the same bits on any number of threads. */
 #include "grids.h"

@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Shaken sheets: order 2 in time against an exact motion, energy kept without damping, resonance at
  * the eigenfrequency of a cantilever and nowhere else, Rayleigh's damping of a free vibration. */
 #include "responsive/sheet.h"

@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The p-norm of stresses and its gradient by node positions, against central differences of the
  * whole analysis: straight and curved, plane stress and strain, gravity, traction, pressure. */
 #include "sheets.h"

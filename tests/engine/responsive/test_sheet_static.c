@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Linear statics of sheets: patch tests, manufactured solutions with their orders, Cook's membrane,
  * Kirsch's hole, supports that do not hold, the same bits on any number of threads. */
 #include <complex.h>

@@ -1,3 +1,4 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Systems solved on factors of former matrices: the solution is that of the present matrix,
  * whatever the factor is of; what is kept is kept and said; what cannot be solved is refused. */
 #include "grids.h"
