@@ -292,14 +292,13 @@ function desk:wait()
   return math.max(0, self.due - core.seconds())
 end
 
--- Some steps, or as many of them as a frame has time for.
+-- Steps, as many as a frame has time for by what the last ones took, as one frame with the drags before.
 local function advance(self)
   local since = core.seconds()
-  for _ = 1, self.pace do
-    local fine, why = self.object:step(1)
-    if not fine then return nil, why end
-    if core.seconds() - since > step_time then break end
-  end
+  local count = math.max(1, math.min(self.pace, math.floor(step_time / self.a_step)))
+  local fine, why = self.object:step(count)
+  if not fine then return nil, why end
+  self.a_step = math.max(1e-6, (core.seconds() - since) / count)
   frame(self, since)
   return true
 end
@@ -314,7 +313,7 @@ function desk:idle()
     self.trouble = tostring(fine and why or stepped)
   end
   publish(self)
-  self.due = math.max(self.due + frame_time, now)
+  self.due = now + frame_time
 end
 
 -- ---- the desk ------------------------------------------------------------------------------------
@@ -332,7 +331,7 @@ function desk.new(object, server, about)
   local self = setmetatable({object = object, server = server, kind = kind, about = about,
     clients = {}, later = {}, levels = {}, revision = 0, seconds = 0, size = size_of(object.outline),
     limit = about.limit, steps = steps or false, running = not about.paused, pace = about.pace or 1,
-    due = 0, history = {{outline = object.outline}}, position = 1}, desk)
+    due = 0, a_step = 1e-3, history = {{outline = object.outline}}, position = 1}, desk)
   for i, line in ipairs(about.lines) do
     local fine, why = edits.replay(object, line)
     if not fine then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end

@@ -2065,13 +2065,16 @@ function Bone:set(change) end
 ---@return table? details
 function Bone:reset() end
 
----The live view: serves a session as a page on this machine until Ctrl-C. See docs/live.md.
----@param session bw.Session
----@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, worst: bw.WorstCaseOptions, ties: string[][], saved: string, ready: fun(address: string)}
----@return bw.Session?
+---The live view: serves a session, or an object of bw.responsive, as a page on this machine until Ctrl-C.
+---See docs/live.md. `solve`, `worst` and `ties` are for sessions; `pace` (steps of time in a frame) and
+---`paused` for what goes on in time; `script` (what makes the object, named from the file `saved`) and
+---`lines` (edits made first) for objects of bw.responsive.
+---@param served bw.Session|bw.SteadySheet|bw.BentSheet|bw.ShakenSheet|bw.Metallophone|bw.Flow|bw.ThermalFlow
+---@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, worst: bw.WorstCaseOptions, ties: string[][], saved: string, ready: fun(address: string), pace: integer, paused: boolean, script: string, lines: string[]}
+---@return table?
 ---@return string? message
 ---@return table? details
-function bw.live(session, options) end
+function bw.live(served, options) end
 
 ---The equations of a part cut into pieces, kept up to date through edits. Changed by `update`.
 ---@class bw.LocalSystem
