@@ -134,10 +134,15 @@ local function on_finer(self, finer)
     thickness = self.wish.thickness, elements = elements, tolerance = self.wish.tolerance}
 end
 
+-- Farther from the pitch than this (in ln f) the size is changed first.
+local FAR = 0.05
+
 --- Changes the outline until the tone is `target` (Hz, or a note), moving it least: |p|^2 along the
 --- outline and, over the length `smooth` (default: a tenth of the size), its unevenness. `keep`: numbers
---- of points that stay. The tone is met on a mesh `finer` times as fine (default 4; 1: on the bar's own).
---- `watch` is called with the bar after every round; when it returns false, all is as before.
+--- of points that stay. Where the pitch is more than 5 % off, the size is changed first (the tone of a
+--- thin bar goes with its inverse square), and `keep` holds from there. The tone is met on a mesh `finer`
+--- times as fine (default 4; 1: on the bar's own). `watch` is called with the bar after every round; when
+--- it returns false, all is as before.
 --- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)
@@ -145,12 +150,19 @@ function bar:tune(target, given)
   local keep = {}
   for _, point in ipairs(wish.keep) do keep[point] = true end
   local first = self.outline
-  local box = first.box
+  local far = math.log(self.frequency / wanted)
+  if math.abs(far) > FAR then
+    local scaled, message, details = first:scaled(math.exp(far / 2))
+    if scaled then scaled, message, details = self:become(scaled) end
+    if not scaled then return nil, message, details end
+  end
+  local base = self.outline
+  local box = base.box
   local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
   local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch}
   local aim, rounds, checked, off = wanted, 0, nil, 0
   for _ = 1, 6 do
-    local met, message, details = tune.search(self, aim, first, search)
+    local met, message, details = tune.search(self, aim, base, search)
     if not met then
       self:become(first)
       return nil, message, details

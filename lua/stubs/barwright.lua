@@ -2380,8 +2380,9 @@ function Metallophone:tone(options) end
 function Metallophone:write_tone(path, options) end
 
 ---Changes the outline until the tone is `target` (Hz, or a note like "C5"), moving it least in the mean
----square and as evenly as the length `smooth` asks (default: a tenth of the size). `keep`: numbers of
----points that stay. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
+---square and as evenly as the length `smooth` asks (default: a tenth of the size), no point by more than a
+---fifth of the width where it is. More than 5 % off, the size is changed first. `keep`: numbers of points
+---that stay (from there). Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
 ---`watch` is called with the bar after every round; where it returns false, tuning ends as a failure.
 ---@param target number|string
 ---@param options? {keep?: integer[], smooth?: number, finer?: integer, watch?: fun(bar: bw.Metallophone): boolean?}

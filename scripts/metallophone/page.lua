@@ -20,15 +20,16 @@ local function colour(value)
   return ("#%02x%02xff"):format(fade, fade)
 end
 
-local function picture(bar, made)
+--- An <svg> of a bar: deflection of its lowest mode, outline, nodal lines.
+function page.picture(bar, name)
   local box = bar.outline.box
   local scale = WIDTH / (box.high[1] - box.low[1])
   local margin = 8
   local height = (box.high[2] - box.low[2]) * scale
   local function x(value) return (value - box.low[1]) * scale + margin end
   local function y(value) return (box.high[2] - value) * scale + margin end
-  local out = {('<svg width="%.0f" height="%.0f" role="img" aria-label="%s">'):format(
-    WIDTH + 2 * margin, height + 2 * margin, made.note)}
+  local out = {('<svg xmlns="http://www.w3.org/2000/svg" width="%.0f" height="%.0f" role="img" aria-label="%s">'):format(
+    WIDTH + 2 * margin, height + 2 * margin, report.escape(name))}
   local points, mode = bar.points:totable(), bar:mode(1):totable()
   local largest = 0
   for _, row in ipairs(mode) do largest = math.max(largest, math.abs(row[1])) end
@@ -82,7 +83,7 @@ function page.write(path, result, bars)
   body[#body + 1] = "</table>"
   for k, made in ipairs(done) do
     body[#body + 1] = ("<figure>%s<figcaption>%s, %.2f Hz, %.0f mm long<br><audio controls src=\"%s.wav\"></audio></figcaption></figure>")
-      :format(picture(bars[k], made), report.escape(made.note), made.simulated_hz,
+      :format(page.picture(bars[k], made.note), report.escape(made.note), made.simulated_hz,
         1e3 * (bars[k].outline.box.high[1] - bars[k].outline.box.low[1]), report.escape(made.note))
   end
   local file, message = io.open(path .. ".partial", "w")
