@@ -22,6 +22,7 @@ local function describe_page(page, least_blocks, prepare)
       local count = 0
       for line in text:gmatch "build/barwright ([se]%l+/[^\n`]*)" do
         line = line:gsub("part%.stl", folder .. "/part.stl"):gsub("out/", folder .. "/")
+          :gsub("whale%.svg", folder .. "/whale.svg")
           :gsub("%-%-elements %d+", "--elements " .. small):gsub(" %.$", " " .. folder)
         local code, _, complaint = check.run(line)
         assert.message(line .. "\n" .. complaint).are.equal(0, code)
@@ -55,3 +56,8 @@ describe_page("tutorial.md", 3, function(folder)
 end)
 
 describe_page("tutorial_edit.md", 10)
+
+describe_page("tutorial_responsive.md", 8, function(folder)
+  local page = check.read(check.root .. "/docs/tutorial_responsive.md")
+  check.write(folder .. "/whale.svg", page:match "```svg\n(.-)```")
+end)
