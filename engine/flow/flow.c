@@ -54,6 +54,7 @@ static void flow_destroy(void *object) {
     bwi_flow_room_clear(&in->room);
     bw_free(in->reaction);
     bw_free(in->old_point);
+    bw_free(in->older_point);
     bw_free(in);
   }
   bw_release(flow->mesh);
@@ -211,8 +212,11 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
   exchange(&in->reaction, &reaction);
   exchange(&in->old_point, &old);
   in->reacted = false;
-  if (!same_nodes)
+  if (!same_nodes) {
+    bw_free(in->older_point);
+    in->older_point = NULL;
     in->known = 1; /* interpolated fields are not free of divergence: damp by implicit Euler */
+  }
   bw_plane_locator_free(in->locator);
   in->locator = NULL;
   bw_retain(mesh);

@@ -61,12 +61,12 @@ struct bwi_flow {
   bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
   bw_stale *stale;
   bwi_flow_room room;
-  double *reaction; /* node_count x components: A x - b of the last step, before prescriptions */
-  bool reacted;     /* `reaction` is of the current state and mesh */
-  double
-      *old_point; /* node_count x 2: where these nodes were at the last step; NULL: they were not */
-  int known;      /* states that the next step may start from: 1, or 2 with `before` */
-  double last_step; /* between `before` and `state` */
+  double *reaction;    /* node_count x components: A x - b of the last step, before prescriptions */
+  bool reacted;        /* `reaction` is of the current state and mesh */
+  double *old_point;   /* node_count x 2: where these nodes were at the last step; NULL: here */
+  double *older_point; /* and at the step before that; NULL: where they were at the last */
+  int known;           /* states that the next step may start from: 1, or 2 with `before` */
+  double last_step;    /* between `before` and `state` */
 };
 
 #endif

@@ -16,8 +16,7 @@ void bw_flow_options_default(bw_flow_options *options) {
   options->linear.tolerance = 1e-6;
 }
 
-/* ---- one linear problem ------------------------------------------------------------------------
- */
+/* ---- one linear problem -------------------------------------------------------------------- */
 
 typedef struct assembly {
   bw_context *context;
@@ -204,18 +203,26 @@ static double change(const bw_flow *flow, const double *from, const double *to) 
   return isfinite(velocity + heat) ? fmax(velocity, heat) : INFINITY;
 }
 
-/* ---- a time step
- * ----------------------------------------------------------------------------------- */
+/* ---- a time step --------------------------------------------------------------------------- */
 
-static void carried_by(const bw_flow *flow, const double *state, double step, bool ale) {
+/* u' = rate u - one u(before) + two u(before that), along the paths of the nodes. */
+typedef struct scheme {
+  double rate, one, two;
+} scheme;
+
+/* What carries is the velocity less that of the nodes, by the same scheme: then a field that is
+ * steady and linear in space stays what it is however the nodes move through it. */
+static void carried_by(const bw_flow *flow, const double *state, const scheme *moving) {
   const struct bwi_flow *in = flow->inner;
   int c = flow->components;
+  const double *now = flow->mesh->point, *old = in->old_point ? in->old_point : now,
+               *older = in->older_point ? in->older_point : old;
   for (int64_t i = 0; i < in->graph->node_count; i++)
     for (int d = 0; d < 2; d++) {
-      double mesh = 0;
-      if (ale && in->old_point)
-        mesh = (flow->mesh->point[2 * i + d] - in->old_point[2 * i + d]) / step;
-      in->room.convect[2 * i + d] = state[c * i + d] - mesh;
+      int64_t k = 2 * i + d;
+      double mesh =
+          moving ? moving->rate * now[k] - moving->one * old[k] + moving->two * older[k] : 0;
+      in->room.convect[k] = state[c * i + d] - mesh;
     }
 }
 
@@ -229,17 +236,18 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   bool second = options->bdf == 2 && in->known == 2;
   double *x = in->room.solution, *last = NULL;
   /* u' = rate u - history, from the parabola through the new and the two former states */
-  double rate = second ? (1 + 2 * ratio) / (1 + ratio) / dt : 1 / dt;
-  double one = second ? (1 + ratio) / dt : 1 / dt,
-         two = second ? ratio * ratio / (1 + ratio) / dt : 0;
+  scheme s = {1 / dt, 1 / dt, 0};
+  if (second)
+    s = (scheme){(1 + 2 * ratio) / (1 + ratio) / dt, (1 + ratio) / dt,
+                 ratio * ratio / (1 + ratio) / dt};
   for (size_t i = 0; i < unknowns; i++) {
-    in->room.history[i] = one * flow->state[i] - two * flow->before[i];
+    in->room.history[i] = s.one * flow->state[i] - s.two * flow->before[i];
     x[i] = flow->state[i] + ratio * (flow->state[i] - flow->before[i]);
   }
   bwi_linear linear = {.mesh = flow->mesh,
                        .about = &in->about,
                        .components = c,
-                       .rate = rate,
+                       .rate = s.rate,
                        .convect = in->room.convect,
                        .laplacian = in->room.laplacian,
                        .history = in->room.history};
@@ -248,7 +256,7 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   if (!last)
     return BW_MEMORY;
   for (int k = 0; k < rounds; k++) {
-    carried_by(flow, x, dt, options->ale);
+    carried_by(flow, x, options->ale ? &s : NULL);
     memcpy(last, x, unknowns * sizeof *x);
     BW_TRY(solve(context, flow, &linear, flow->time + dt, options, kept));
     if (k > 0 && change(flow, last, x) <= options->tolerance)
@@ -259,15 +267,15 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   flow->time += dt;
   in->last_step = dt;
   in->known = 2;
-  bw_free(in->old_point);
+  bw_free(in->older_point);
+  in->older_point = in->old_point;
   in->old_point = NULL;
 done:
   bw_free(last);
   return status;
 }
 
-/* ---- the steady state
- * ------------------------------------------------------------------------------ */
+/* ---- the steady state ---------------------------------------------------------------------- */
 
 /* The fastest rate at which anything crosses an element: sets the first step of the search. */
 static double fastest(const bw_flow *flow, const bwi_linear *linear) {
@@ -292,7 +300,7 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
   *reached = INFINITY;
   for (int k = 0; k < rounds; k++) {
     BW_TRY(bw_check_cancel(context));
-    carried_by(flow, x, 1, false);
+    carried_by(flow, x, NULL);
     memcpy(last, x, unknowns * sizeof *x);
     for (size_t i = 0; i < unknowns; i++)
       in->room.history[i] = rate * x[i];
@@ -341,7 +349,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
   BW_TRY(search(context, flow, options, 0, rounds, &reached, last, kept));
   if (!(reached <= options->tolerance)) {
     memcpy(x, flow->state, unknowns * sizeof *x);
-    carried_by(flow, x, 1, false);
+    carried_by(flow, x, NULL);
     bwi_linear linear = {.mesh = flow->mesh,
                          .about = &in->about,
                          .components = flow->components,
@@ -361,7 +369,8 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
   memcpy(flow->before, x, unknowns * sizeof *x);
   in->known = 1;
   bw_free(in->old_point);
-  in->old_point = NULL;
+  bw_free(in->older_point);
+  in->old_point = in->older_point = NULL;
 done:
   bw_free(last);
   return status;

@@ -19,7 +19,7 @@ end
 
 local function number(x)
   if math.type(x) == "integer" then return tostring(x) end
-  return ("%.3g"):format(x)
+  return ("%.4g"):format(x)
 end
 
 function manual:row(part, row)

@@ -218,6 +218,58 @@ static void test_following(void **state) {
   free(point);
 }
 
+static double shear(void *data, const double at[2], double time) {
+  (void)data;
+  (void)time;
+  return at[1];
+}
+
+/* Couette's flow is linear in space: nodes that wander through it, at steps of any length, do not
+ * disturb it if the equations are told their velocity; if not, they carry it along. */
+static void test_moving_mesh(void **state) {
+  bw_context *context = check_context(state);
+  static const bw_condition plates[5] = {{LEFT, BW_PRESCRIBED, 0, 0, shear, NULL},
+                                         {LEFT, BW_PRESCRIBED, 1, 0, NULL, NULL},
+                                         {BOTTOM, BW_PRESCRIBED, 0, 0, NULL, NULL},
+                                         {TOP, BW_PRESCRIBED, 0, 1, NULL, NULL},
+                                         {-1, BW_PRESCRIBED, 1, 0, NULL, NULL}};
+  double off[2] = {0};
+  for (int ale = 0; ale < 2; ale++) {
+    bw_plane_mesh *mesh = rectangle(context, 2, 1, 12, 6, 0);
+    const bw_plane_nodes *nodes = mesh->topology->nodes;
+    double *point = malloc(2 * (size_t)nodes->node_count * sizeof *point);
+    bw_flow *flow = make_flow(context, mesh, 0.01, 5, plates);
+    bw_flow_options options;
+    bw_flow_options_default(&options);
+    options.ale = ale;
+    options.iterations = 12; /* what is extrapolated goes along the paths of nodes */
+    options.tolerance = 1e-11;
+    options.linear.tolerance = 1e-12;
+    check_ok(context, bw_flow_step(context, flow, NULL, NULL));
+    for (int k = 1; k <= 8; k++) {
+      bw_plane_mesh *moved;
+      options.step = k % 3 ? 0.02 : 0.05;
+      for (int64_t i = 0; i < nodes->node_count; i++) {
+        const double *x = mesh->point + 2 * i;
+        double wave = nodes->segment[i] < 0 ? sin(2 * x[0] + 3 * k) * sin(3 * x[1] + k * k) : 0;
+        point[2 * i] = x[0] + 0.03 * wave;
+        point[2 * i + 1] = x[1] - 0.02 * wave;
+      }
+      check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
+      check_ok(context, bw_flow_follow(context, flow, moved, NULL));
+      check_ok(context, bw_flow_step(context, flow, &options, NULL));
+      bw_release(moved);
+    }
+    for (int64_t i = 0; i < nodes->node_count; i++)
+      off[ale] = fmax(off[ale], fabs(flow->state[3 * i] - flow->mesh->point[2 * i + 1]));
+    bw_release(flow);
+    bw_release(mesh);
+    free(point);
+  }
+  if (!(off[1] < 1e-9) || !(off[0] > 1e-3))
+    fail_msg("off by %g, without the velocity of nodes by %g", off[1], off[0]);
+}
+
 static void test_frequency(void **state) {
   (void)state;
   double signal[1000];
@@ -283,9 +335,9 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_channel),       check_test(test_cavity),    check_test(test_heated_square),
-      check_test(test_order_in_time), check_test(test_following), check_test(test_frequency),
-      check_test(test_wrong_input),   check_test(test_memory),
+      check_test(test_channel),       check_test(test_cavity),      check_test(test_heated_square),
+      check_test(test_order_in_time), check_test(test_following),   check_test(test_moving_mesh),
+      check_test(test_frequency),     check_test(test_wrong_input), check_test(test_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
