@@ -146,7 +146,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
     status = BW_MEMORY;
     goto done;
   }
-  if (!options.scratch)
+  if (!options.scratch && in->known > 0)
     memcpy(vector, plate->shape,
            (size_t)((in->known < block ? in->known : block) * n) * sizeof *vector);
   bool fresh = options.scratch || !in->factored || in->last > 2 * in->fresh + 6;
