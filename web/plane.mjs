@@ -163,10 +163,15 @@ function deform() {
     else if (bend.states++ < 60) bend.most = Math.max(bend.most, largest(state.deform, mesh.nodes));
     if (bend.most > 0) factor = (slider * 0.1 * scene.size) / bend.most;
   } else if (scene.true_size && slider > 0) factor = 1 + 9 * slider;
-  field.place(state.positions, state.deform, factor);
+  field.place(state.positions, state.deform, scene.tune ? factor * Math.cos(performance.now() / 160) : factor);
   byId("times").textContent = factor > 0 ? number(factor) : "0";
   plane.touch();
 }
+
+// Stresses and pressures in the unit that suits their size.
+const pascals = [["Pa", 1], ["kPa", 1e-3], ["MPa", 1e-6], ["GPa", 1e-9]];
+const unitOf = (f, most) => /^[kMG]?Pa$/.test(f.unit)
+  ? pascals[Math.min(3, Math.max(0, Math.floor(Math.log10(most || 1) / 3)))] : [f.unit, f.scale];
 
 const described = () => scene.fields.find((f) => f.key === chosen);
 
@@ -175,7 +180,7 @@ function recolour() {
   const values = state[chosen];
   const [low, high] = state.fields[chosen] || [0, 0];
   const most = Math.max(Math.abs(low), Math.abs(high));
-  highest = Math.max(highest, most);
+  highest = Math.max(0.995 * highest, most); // a jolt is forgotten in some seconds
   const wanted = byId("range").value;
   const limited = wanted === "limit" && state.limit && chosen === "von_mises";
   const map = f.signed ? diverging : colour;
@@ -185,13 +190,18 @@ function recolour() {
   const from = f.signed ? -end : f.spread ? low : 0;
   const to = f.spread && !f.signed ? high : end;
   field.paint(values, from, to > from ? to : from + 1, map);
-  byId("low").textContent = number(from * f.scale);
-  byId("unit").textContent = f.unit;
-  byId("high").textContent = `${limited ? "≥ " : ""}${number(to * f.scale)}`;
+  const [unit, scale] = unitOf(f, Math.max(Math.abs(from), Math.abs(to)));
+  byId("low").textContent = number(from * scale);
+  byId("unit").textContent = unit;
+  byId("high").textContent = `${limited ? "≥ " : ""}${number(to * scale)}`;
   plane.touch();
 }
 
+// A mode swings, slowly, where it is drawn bent.
+const swings = () => scene?.tune && state?.deform && Number(byId("deflection").value) > 0;
+
 function draw(pen) {
+  if (swings()) deform();
   if (!state || !scene) return;
   if (scene.arrows && state.arrows) arrowCount = field.arrows(pen, state.positions, state.arrows);
   if (state.lines) drawLines(pen);
@@ -235,9 +245,10 @@ function fit() {
 
 // ---- readouts ------------------------------------------------------------------------------------------
 
-// Frames of the last second; a rest shows no rate.
+// Frames of the last second; a rest shows no rate. What was said long enough ago goes.
 function rate() {
   const now = performance.now();
+  if (now > keptUntil && byId("said").textContent && !state?.trouble && !busy) say("", false, 0);
   const recent = arrivals.filter((t) => now - t < 1000);
   byId("fps").textContent = recent.length > 1
     ? ((1000 * (recent.length - 1)) / Math.max(1, recent[recent.length - 1] - recent[0])).toFixed(0) : "–";
@@ -268,7 +279,8 @@ function readouts() {
   byId("edits").textContent = state.edits;
   if (scene.stress) {
     const over = state.limit && state.maximum > state.limit;
-    withUnit(byId("maximum"), number(state.maximum / 1e6), over ? "MPa, above the limit" : "MPa");
+    const [unit, scale] = unitOf({ unit: "Pa" }, state.maximum);
+    withUnit(byId("maximum"), number(state.maximum * scale), over ? `${unit}, above the limit` : unit);
     byId("maximum").classList.toggle("over", !!over);
     if (document.activeElement !== byId("limit"))
       byId("limit").value = state.limit ? Number((state.limit / 1e6).toPrecision(6)) : "";

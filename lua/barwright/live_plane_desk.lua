@@ -148,10 +148,7 @@ function handlers.move(self, client, message)
   if not fine then return refuse(self, client, message, why) end
   drag.line = line
   if message.ends then return end -- the end of the drag is there already
-  if self.steps and self.running then
-    self.due = 0 -- the next step shows it
-    return
-  end
+  if self.steps and self.running then return end -- the next step, which is due soon, shows it
   return publish(self)
 end
 

@@ -51,13 +51,14 @@ function makers.smooth(object, e)
 end
 
 function makers.hole(object, e)
-  local hole = outlines.circle {centre = e.at, radius = e.radius, tag = tag_for_hole(object),
+  local wish = {centre = e.at, radius = e.radius, tag = tag_for_hole(object),
     name = free_name(object.outline)}
-  if not hole then return nil, "no hole of that radius can be made there" end
-  local list = hole:loop(1)
-  list.region = nil
-  local made, why = object.outline:hole(list)
-  return made, why, become("hole", list)
+  local hole, why = outlines.circle(wish)
+  if not hole then return nil, why end
+  local made
+  made, why = object.outline:hole(hole)
+  return made, why, ('assert(object:become(assert(object.outline:hole(require("barwright").outline.circle(%s)))))')
+    :format(value(wish))
 end
 
 function makers.remove(object, e)
@@ -132,7 +133,7 @@ end
 
 --- Does one line: true, or nil and why.
 function edits.replay(object, line)
-  local chunk, why = load(line, "=edit", "t", {object = object, assert = assert})
+  local chunk, why = load(line, "=edit", "t", {object = object, assert = assert, require = require})
   if not chunk then return nil, why end
   local fine
   fine, why = pcall(chunk)

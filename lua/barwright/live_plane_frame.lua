@@ -59,15 +59,17 @@ function live_plane_frame.state(object, kind, shown, header)
   local blocks = {{"outline", "f4", outline.points:tostring "<f4"},
     {"positions", "f4", object.points:tostring "<f4"}}
   header.fields = {}
+  local von_mises -- once, where it is also a field
   for _, field in ipairs(kind.fields) do
     local values = shown[field.key] and field.values(object)
     if values then
+      if field.key == "von_mises" then von_mises = values end
       blocks[#blocks + 1] = {field.key, "f4", values:tostring "<f4"}
       header.fields[field.key] = json.list {values:min(), values:max()}
     end
   end
   if kind.stress then
-    local von_mises = object.von_mises
+    von_mises = von_mises or object.von_mises
     local at = von_mises:argmax()
     header.maximum, header.at = von_mises[at], json.list(object.points:rows(at, at):totable()[1])
   end

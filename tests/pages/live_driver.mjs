@@ -6,11 +6,8 @@ import path from "node:path";
 
 export const difference = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i])));
 
-// Starts `barwright live` on a copy of a session's file; gives its address and a way to end it.
-function start(root, folder, session, before) {
-  const name = path.basename(session) === "live_session.lua" ? "hook" : path.basename(session, ".lua");
-  const file = path.join(folder, `${name}.lua`);
-  fs.copyFileSync(path.join(root, session), file);
+// Starts `barwright live` on a file; gives its address and a way to end it.
+export function serve(root, file, before) {
   const run = before
     ? ["-e", `${before} require("barwright.live_command").run("${file}", "--no-open")`]
     : ["live", file, "--no-open"];
@@ -31,7 +28,15 @@ function start(root, folder, session, before) {
     ended.then((code) => reject(new Error(`ended with ${code}: ${out}${err}`)));
   });
   address.catch(() => {});
-  return { child, address, ended, text: () => out + err, edits: path.join(folder, `${name}.edits.lua`) };
+  return { child, address, ended, text: () => out + err, edits: file.replace(/\.lua$/, ".edits.lua") };
+}
+
+// The same on a copy of a session's file.
+function start(root, folder, session, before) {
+  const name = path.basename(session) === "live_session.lua" ? "hook.lua" : path.basename(session);
+  const file = path.join(folder, name);
+  fs.copyFileSync(path.join(root, session), file);
+  return serve(root, file, before);
 }
 
 // A server on a session's file, in a folder of its own, and a browser's windows on it. `before`: Lua to
@@ -43,11 +48,11 @@ export async function begin({ browser, root, folder, pictures, session, before }
   const context = await browser.newContext({ viewport: { width: 1280, height: 860 }, acceptDownloads: true });
   const problems = [];
 
-  async function open() {
+  async function open(at = address) {
     const page = await context.newPage();
     page.on("pageerror", (error) => problems.push(error.message));
     page.on("console", (line) => line.type() === "error" && problems.push(line.text()));
-    await page.goto(address);
+    await page.goto(at);
     if (!before) await until(page, () => window.barwright?.state().revision > 0);
     return page;
   }

@@ -4,7 +4,7 @@
 import fs from "node:fs";
 import path from "node:path";
 import { execFileSync } from "node:child_process";
-import { begin, difference } from "./live_driver.mjs";
+import { begin, difference, serve } from "./live_driver.mjs";
 
 // A view of a script of tests/lua/live_plane, and what the mouse does in it.
 async function view(all, name) {
@@ -32,7 +32,7 @@ async function view(all, name) {
   const state = () => drive.state(page);
   const until = (what, argument) => drive.until(page, what, argument);
   const picture = (title) => drive.picture(page, `plane_${name}_${title}`);
-  return { ...drive, page, place, grab, drag, state, until, picture };
+  return { ...drive, drive: drive.state, page, place, grab, drag, state, until, picture };
 }
 
 const levels = /^(none|relocation|reconnecting|reconstruction)$/;
@@ -220,6 +220,24 @@ async function steady(all) {
     const off = difference(last.points, numbers);
     assert(numbers.length === last.points.length && off < 1e-7, `off by ${off} m`);
     assert(v.problems.length === 0, v.problems.join("; "));
+  });
+
+  await test("a view that is begun again goes on where it was, and undoes what was done before", async () => {
+    const last = await v.state();
+    for (const file of [v.server.edits, v.server.edits.replace(".edits", "")]) {
+      const again = serve(all.root, file);
+      const later = await v.open(await again.address);
+      const now = await v.drive(later);
+      assert(now.edits === last.edits && difference(now.points, last.points) === 0, `${now.edits} edits: ${again.text()}`);
+      await later.click("#undo");
+      for (const since = Date.now(); (await v.drive(later)).edits === last.edits && Date.now() - since < 5000;) await later.waitForTimeout(30);
+      assert((await v.drive(later)).edits === last.edits - 1, "no undo");
+      await later.click("#redo");
+      for (const since = Date.now(); (await v.drive(later)).edits < last.edits && Date.now() - since < 5000;) await later.waitForTimeout(30);
+      await later.close();
+      again.child.kill("SIGINT");
+      await again.ended;
+    }
   });
   await v.end();
 }
