@@ -91,18 +91,24 @@ static double gauss_length(const bwi_curve *curve) {
   return sum;
 }
 
-static double halved_length(const bwi_curve *curve, double whole, int depth) {
+static double halved_length(const bwi_curve *curve, double whole, double tolerance, int depth) {
   bwi_curve left, right;
   bwi_curve_split(curve, 0.5, &left, &right);
   double a = gauss_length(&left), b = gauss_length(&right);
-  if (depth == 0 || fabs(a + b - whole) <= 1e-13 * whole)
+  if (depth == 0 || fabs(a + b - whole) <= tolerance)
     return a + b;
-  return halved_length(&left, a, depth - 1) + halved_length(&right, b, depth - 1);
+  return halved_length(&left, a, tolerance, depth - 1) +
+         halved_length(&right, b, tolerance, depth - 1);
 }
 
+/* Far from the origin lengths are rounded like coordinates: no halving would get below that. */
 double bwi_curve_length(const bwi_curve *curve) {
-  double whole = gauss_length(curve);
-  return curve->count == 2 ? whole : halved_length(curve, whole, 24);
+  double whole = gauss_length(curve), farthest = 0;
+  if (curve->count == 2)
+    return whole;
+  for (int i = 0; i < curve->count; i++)
+    farthest = fmax(farthest, fmax(fabs(curve->point[i][0]), fabs(curve->point[i][1])));
+  return halved_length(curve, whole, fmax(1e-13 * whole, 16 * DBL_EPSILON * farthest), 24);
 }
 
 /* ---- measures -------------------------------------------------------------------------------- */

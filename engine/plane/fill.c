@@ -61,7 +61,7 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
     int64_t limit = options->limit;
     if (!field->function && *angle > 0) {
       double expected = area / (EQUILATERAL * field->size * field->size);
-      limit = (int64_t)fmin((double)limit, 8 * expected + 60.0 * boundary->count + 20000);
+      limit = (int64_t)fmin((double)limit, 6 * expected + 16.0 * boundary->count + 4000);
     }
     BW_TRY(bwi_fill_cgal(context, outline, boundary, field, *angle, limit, filling));
     BW_TRY(bwi_size_check(context, field));
@@ -81,7 +81,7 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
                          options->limit);
         goto done;
       }
-      *angle = *angle > 20 ? 20 : *angle > 10 ? 10 : 0;
+      *angle = *angle > 20 ? 20 : 0;
     } else {
       return BW_OK;
     }
@@ -106,8 +106,11 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
   bwi_size_field field = {
       .size = options.size, .function = options.field, .data = options.field_data};
   if (counted)
-    field.size =
-        *guess > 0 ? *guess : fmin(sqrt(measures.area / (EQUILATERAL * options.elements)), across);
+    field.size = *guess > 0
+                     ? *guess /* thin shapes have about as many triangles as boundary edges */
+                     : fmin(fmax(sqrt(measures.area / (EQUILATERAL * options.elements)),
+                                 measures.perimeter / options.elements),
+                            across);
   else if (options.size == 0)
     field.size = across;
   if (!options.field &&

@@ -11,6 +11,7 @@
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
+#include <CGAL/Delaunay_mesher_no_edge_refinement_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
@@ -45,12 +46,19 @@ using Triangulation =
 using Vertex = Triangulation::Vertex_handle;
 using Face = Triangulation::Face_handle;
 
+/* Everything is done about the middle of the boundary: far from the origin CGAL's constructions
+ * would be rounded to the size of small elements, and refinement would not end. */
+struct Origin {
+  double x, y;
+};
+
 /* What a triangle may be: its longest edge at most `reach` times the wanted length at its middle,
  * the squared sine of its smallest angle at least `sine`. Large triangles are refined first, the
  * largest before all. */
 class Criteria {
 public:
-  Criteria(bwi_size_field *field, double sine) : field_(field), sine_(sine) {
+  Criteria(bwi_size_field *field, double sine, const Origin &origin)
+      : field_(field), sine_(sine), origin_(origin) {
   }
   struct Quality {
     double size = 0, sine = 1;
@@ -62,7 +70,8 @@ public:
   };
   class Is_bad {
   public:
-    Is_bad(bwi_size_field *field, double sine) : field_(field), sine_(sine) {
+    Is_bad(bwi_size_field *field, double sine, const Origin &origin)
+        : field_(field), sine_(sine), origin_(origin) {
     }
     CGAL::Mesh_2::Face_badness operator()(const Quality &quality) const {
       return quality.size > 1       ? CGAL::Mesh_2::IMPERATIVELY_BAD
@@ -83,8 +92,8 @@ public:
       double shortest = std::fmin(square[0], std::fmin(square[1], square[2]));
       double other = square[0] + square[1] + square[2] - longest - shortest;
       double twice = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
-      double wanted =
-          reach * bwi_plane_size_at(field_, (x[0] + x[1] + x[2]) / 3, (y[0] + y[1] + y[2]) / 3);
+      double wanted = reach * bwi_plane_size_at(field_, origin_.x + (x[0] + x[1] + x[2]) / 3,
+                                                origin_.y + (y[0] + y[1] + y[2]) / 3);
       quality.size = longest / (wanted * wanted);
       quality.sine = longest * other > 0 ? twice * twice / (longest * other) : 0;
       return (*this)(quality);
@@ -93,9 +102,10 @@ public:
   private:
     bwi_size_field *field_;
     double sine_;
+    Origin origin_;
   };
   Is_bad is_bad_object() const {
-    return Is_bad(field_, sine_);
+    return Is_bad(field_, sine_, origin_);
   }
 
 private:
@@ -104,6 +114,7 @@ private:
   static constexpr double reach = 1.4;
   bwi_size_field *field_;
   double sine_;
+  Origin origin_;
 };
 
 /* The loops around faces: from outside inwards, across constraints. `of` says which loop a
@@ -174,6 +185,8 @@ bool walk_chords(Triangulation &t, const bwi_fill_boundary *boundary, std::int32
         while (at->info().at < 0 || static_cast<std::size_t>(at->info().at) >= vertex.size()) {
           Vertex ends[2];
           passed.push_back(at);
+          if (passed.size() > t.number_of_vertices())
+            return false;
           if (!constrained_others(at, ends))
             return false;
           Vertex on = ends[0] == before ? ends[1] : ends[0];
@@ -199,7 +212,7 @@ bool walk_chords(Triangulation &t, const bwi_fill_boundary *boundary, std::int32
 
 bw_status take_over(bw_context *context, const bw_outline *outline, Triangulation &t,
                     const std::vector<Vertex> &number, const std::vector<Put> &put,
-                    bwi_filling *filling) {
+                    const Origin &origin, bwi_filling *filling) {
   std::int64_t elements = 0;
   for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f)
     elements += is_material(outline, f->info().at);
@@ -214,8 +227,8 @@ bw_status take_over(bw_context *context, const bw_outline *outline, Triangulatio
   if (!filling->point || !filling->chord || !filling->along || !filling->element || !filling->loop)
     return BW_MEMORY;
   for (std::size_t i = 0; i < nodes; i++) {
-    filling->point[2 * i] = number[i]->point().x();
-    filling->point[2 * i + 1] = number[i]->point().y();
+    filling->point[2 * i] = number[i]->point().x() + origin.x;
+    filling->point[2 * i + 1] = number[i]->point().y() + origin.y;
     filling->chord[i] = put[i].chord;
     filling->along[i] = put[i].along;
   }
@@ -230,6 +243,50 @@ bw_status take_over(bw_context *context, const bw_outline *outline, Triangulatio
   return BW_OK;
 }
 
+/* Between boundary edges with a smaller angle than this, splitting them towards each other can come
+ * to vertices that rounding puts at one place, where CGAL's splitting of edges in clusters does not
+ * return. Edges are left as they are then. */
+constexpr double SHARP = 2e-3;
+
+/* The smallest angle between two edges that follow each other. */
+double sharpest_turn(const bwi_fill_boundary *boundary, std::int32_t loops) {
+  double sharpest = 4;
+  for (std::int32_t l = 0; l < loops; l++) {
+    std::int32_t begin = boundary->loop_start[l], end = boundary->loop_start[l + 1];
+    for (std::int32_t i = begin; i < end; i++) {
+      const double *a = boundary->point + 2 * static_cast<std::size_t>(i);
+      const double *b = boundary->point + 2 * static_cast<std::size_t>(i > begin ? i - 1 : end - 1);
+      const double *c = boundary->point + 2 * static_cast<std::size_t>(i + 1 < end ? i + 1 : begin);
+      double u[2] = {b[0] - a[0], b[1] - a[1]}, v[2] = {c[0] - a[0], c[1] - a[1]};
+      sharpest = std::fmin(
+          sharpest, std::fabs(std::atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])));
+    }
+  }
+  return sharpest;
+}
+
+template <class Mesher>
+bw_status refine(bw_context *context, Triangulation &t, Mesher &mesher, bwi_size_field *field,
+                 std::int64_t limit, bwi_filling *filling) {
+  std::size_t before = 0;
+  mesher.init(true);
+  for (std::int64_t step = 0; mesher.try_one_step_refine_mesh(); step++) {
+    if (step % 1024 != 0)
+      continue;
+    bw_status status = bw_check_cancel(context);
+    if (status != BW_OK || field->failed)
+      return status;
+    /* where rounding leaves no place for another vertex, steps lead nowhere */
+    bool stuck = step > 0 && t.number_of_vertices() == before;
+    before = t.number_of_vertices();
+    if (stuck || static_cast<std::int64_t>(t.number_of_faces()) > limit) {
+      filling->full = true;
+      return BW_OK;
+    }
+  }
+  return BW_OK;
+}
+
 bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_boundary *boundary,
                bwi_size_field *field, double minimum_angle, std::int64_t limit,
                bwi_filling *filling) {
@@ -237,14 +294,22 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
   std::vector<Vertex> vertex(static_cast<std::size_t>(boundary->count));
   std::vector<std::int32_t> loop_of(vertex.size());
   std::int32_t loops = outline->loop_count;
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (std::size_t i = 0; i < vertex.size(); i++)
+    for (std::size_t k = 0; k < 2; k++) {
+      low[k] = std::fmin(low[k], boundary->point[2 * i + k]);
+      high[k] = std::fmax(high[k], boundary->point[2 * i + k]);
+    }
+  Origin origin{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2};
   /* boundary nodes one after the other: near each other along a loop, so that each is found quickly
    * from the one before */
   Face hint;
   for (std::int32_t l = 0; l < loops; l++)
     for (std::int32_t i = boundary->loop_start[l]; i < boundary->loop_start[l + 1]; i++) {
       std::size_t at = static_cast<std::size_t>(i);
-      Vertex v =
-          t.insert(Kernel::Point_2(boundary->point[2 * at], boundary->point[2 * at + 1]), hint);
+      Vertex v = t.insert(Kernel::Point_2(boundary->point[2 * at] - origin.x,
+                                          boundary->point[2 * at + 1] - origin.y),
+                          hint);
       if (v->info().at >= 0) { /* two nodes at one place */
         filling->crossed = true;
         return BW_OK;
@@ -293,19 +358,17 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
     f->set_in_domain(!t.is_infinite(f) && is_material(outline, f->info().at));
 
   double sine = std::sin(minimum_angle * 0.017453292519943295);
-  CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(t, Criteria(field, sine * sine));
-  mesher.init(true);
-  for (std::int64_t step = 0; mesher.try_one_step_refine_mesh(); step++) {
-    if (step % 1024 != 0)
-      continue;
-    bw_status status = bw_check_cancel(context);
-    if (status != BW_OK || field->failed)
-      return status;
-    if (static_cast<std::int64_t>(t.number_of_faces()) > limit) {
-      filling->full = true;
-      return BW_OK;
-    }
+  Criteria criteria(field, sine * sine, origin);
+  bw_status status;
+  if (sharpest_turn(boundary, outline->loop_count) < SHARP) {
+    CGAL::Delaunay_mesher_no_edge_refinement_2<Triangulation, Criteria> mesher(t, criteria);
+    status = refine(context, t, mesher, field, limit, filling);
+  } else {
+    CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(t, criteria);
+    status = refine(context, t, mesher, field, limit, filling);
   }
+  if (status != BW_OK || filling->full)
+    return status;
   std::vector<Vertex> number(vertex);
   for (auto v = t.finite_vertices_begin(); v != t.finite_vertices_end(); ++v)
     if (v->info().at < 0) {
@@ -313,15 +376,17 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
       number.push_back(v);
     }
   std::vector<Put> put(number.size(), Put{-1, 0});
-  if (!walk_chords(t, boundary, loops, vertex, put))
-    return bw_fail(context, BW_INTERNAL, "filling: a boundary edge was lost");
+  if (!walk_chords(t, boundary, loops, vertex, put)) {
+    filling->full = true; /* rounding let two boundary edges meet */
+    return BW_OK;
+  }
   flood(t, outline, [&](Face face, int i) {
     std::int32_t a = face->vertex(Triangulation::cw(i))->info().at;
     if (put[static_cast<std::size_t>(a)].chord >= 0)
       a = put[static_cast<std::size_t>(a)].chord;
     return loop_of[static_cast<std::size_t>(a)];
   });
-  return take_over(context, outline, t, number, put, filling);
+  return take_over(context, outline, t, number, put, origin, filling);
 }
 
 } // namespace

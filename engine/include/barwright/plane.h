@@ -67,7 +67,7 @@ typedef struct bw_plane_options {
 } bw_plane_options;
 void bw_plane_options_default(bw_plane_options *options);
 /* Boundary nodes are placed along the segments first (vertices of the outline always are nodes),
- * then the inside is filled (CGAL: constrained Delaunay, refinement, Lloyd smoothing).
+ * then the inside is filled (CGAL: constrained Delaunay, refinement; then smoothing with flips).
  * Deterministic. */
 bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
                         const bw_plane_options *options, bw_plane_mesh **mesh);
@@ -145,7 +145,8 @@ typedef struct bw_follow_options {
   double distorted;      /* quality below which an element calls for reconnecting; default 0.35 */
   double rebuild;        /* quality below which, after reconnecting, everything is made anew; 0.1 */
   bw_level force;        /* at least this level each time (for tests, baselines); default NONE */
-  bw_plane_options fill; /* of reconstructions */
+  bw_plane_options fill; /* of reconstructions; the order is the mesh's, elements 0 (the default):
+                            as many as the mesh has */
 } bw_follow_options;
 void bw_follow_options_default(bw_follow_options *options);
 

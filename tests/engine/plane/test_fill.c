@@ -172,6 +172,28 @@ static void hard_shapes(void **state) {
   }
 }
 
+/* Far from the origin, tiny, huge, thinner than its boundary edges: in no more time. */
+static void scales(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_options options;
+  bw_plane_options_default(&options);
+  options.elements = 50;
+  static const double place[4][2] = {{1e6, 1}, {0, 1e-9}, {1e10, 1e9}, {0, 1}};
+  for (int i = 0; i < 4; i++) {
+    shape s = {.points = 0};
+    add_ellipse(&s, 0, "disc", place[i][0], place[i][0], place[i][1], place[i][1]);
+    bw_plane_mesh *mesh = filled(context, &s, &options);
+    assert_in_range(mesh->topology->element_count, 40, 60);
+    bw_release(mesh);
+  }
+  shape s = {.points = 0};
+  const double sliver[3][2] = {{0, 0}, {1, 0}, {0.5, 1e-6}};
+  add_polygon(&s, 0, "sliver", 3, sliver);
+  bw_plane_mesh *mesh = filled(context, &s, &options);
+  assert_in_range(mesh->topology->element_count, 40, 60);
+  bw_release(mesh);
+}
+
 static void same_every_time(void **state) {
   bw_context *context = check_context(state);
   shape s;
@@ -260,9 +282,9 @@ static void large(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(block),           check_test(size_field),
-                                     check_test(regions),         check_test(hard_shapes),
-                                     check_test(same_every_time), check_test(refusals),
-                                     check_test(memory_failures), check_test(large)};
+  const struct CMUnitTest tests[] = {
+      check_test(block),       check_test(size_field),      check_test(regions),
+      check_test(hard_shapes), check_test(scales),          check_test(same_every_time),
+      check_test(refusals),    check_test(memory_failures), check_test(large)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
