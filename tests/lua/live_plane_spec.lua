@@ -384,3 +384,31 @@ describe("live views of other things", function()
     check.raises("unknown option 'ties'", bw.live, made "steady", {ties = {}})
   end)
 end)
+
+describe("barwright live, given an outline's analysis,", function()
+  it("says in a sentence what it cannot go on with", function()
+    local folder = check.folder()
+    check.write(folder .. "/sheet.lua", check.read(check.root .. "/tests/lua/live_plane/steady.lua"))
+    check.write(folder .. "/failed.lua", 'return nil, "the mesh is too fine"')
+    local begun = edits.text("sheet.lua", {"assert(object:drag({vertex = 3}, {-1, 0}))"})
+    for text, expected in pairs {
+      ["return 5"] = "not a file of edits of an outline",
+      [begun] = "edit 1, assert(object:drag({vertex = 3}, {-1, 0}))",
+      [begun:gsub("drag%(.-}%)", "drag(")] = "edit 1, assert(object:drag(",
+    } do
+      check.write(folder .. "/sheet.edits.lua", text)
+      local status, _, err = check.run("live --no-open " .. folder .. "/sheet.lua")
+      assert.equal(2, status, err)
+      assert.truthy(err:find(expected, 1, true), err)
+      assert.is_nil(err:find "traceback")
+      assert.equal(text, check.read(folder .. "/sheet.edits.lua")) -- left as it was
+    end
+    local status, _, err = check.run("live --no-open " .. folder .. "/failed.lua")
+    assert.equal(2, status)
+    assert.truthy(err:find("the mesh is too fine", 1, true), err)
+    check.write(folder .. "/lost.lua", (begun:gsub("sheet", "nowhere")))
+    status, _, err = check.run("live --no-open " .. folder .. "/lost.lua")
+    assert.equal(2, status)
+    assert.truthy(err:find("nowhere.lua", 1, true), err)
+  end)
+end)
