@@ -204,6 +204,7 @@ function draw(pen) {
   if (swings()) deform();
   if (!state || !scene) return;
   if (scene.arrows && state.arrows) arrowCount = field.arrows(pen, state.positions, state.arrows);
+  if (scene.goal) drawGoal(pen);
   if (state.lines) drawLines(pen);
   outline.draw(pen, tools.tool);
   tools.draw(pen);
@@ -215,6 +216,22 @@ function draw(pen) {
     pen.lineWidth = 2;
     pen.stroke();
   }
+}
+
+// The shape that is to be met.
+function drawGoal(pen) {
+  pen.beginPath();
+  for (let i = 0, on = false; i < scene.goal.length; i += 2) {
+    const [x, y] = [scene.goal[i], scene.goal[i + 1]];
+    if (Number.isNaN(x)) on = false;
+    else {
+      pen[on ? "lineTo" : "moveTo"](...plane.toScreen(x, y));
+      on = true;
+    }
+  }
+  pen.strokeStyle = "#c62828";
+  pen.lineWidth = 2;
+  pen.stroke();
 }
 
 // Nodal lines, and where the bar may be held.
@@ -272,6 +289,7 @@ function readouts() {
   byId("area").textContent = state.area < 0.01 ? `${number(state.area * 1e6)} mm²` : `${number(state.area)} m²`;
   byId("elements").textContent = state.elements;
   byId("iterations").textContent = state.iterations;
+  byId("quality").textContent = state.quality === undefined ? "–" : number(state.quality);
   byId("time").textContent = state.seconds ? `${number(1000 * state.seconds)} ms` : "–";
   byId("levels").textContent = ["relocation", "reconnecting", "reconstruction"]
     .map((name) => state.levels[name] || 0).join(" / ");
@@ -426,7 +444,7 @@ window.barwright = {
       canUndo: state.can_undo, canRedo: state.can_redo, script: state.script, time: state.time, running: state.running,
       frequency: state.frequency, note: state.note, cents: state.cents, holes: state.holes, seconds: state.seconds,
       limit: state.limit, fields: state.fields, trouble: state.trouble, points: Array.from(state.outline),
-      lines: state.lines?.length || 0, elements: state.elements }),
+      lines: state.lines?.length || 0, goal: scene.goal?.length || 0, elements: state.elements }),
     field: chosen, arrows: arrowCount, pins: [...outline.pins], sound: sound.state(),
     loops: scene?.loops.map((loop) => loop.name),
   }),

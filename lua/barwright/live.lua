@@ -35,6 +35,7 @@ local outline_rules = with {
   lines = {type = "table"}, -- edits that are made first
   pace = {type = "integer", least = 1, most = 1000}, -- steps of time in a frame
   paused = {type = "boolean"},
+  goal = {type = "outline"}, -- drawn in red: a shape to be met
 }
 
 -- In place of the page where it was not bundled. Everything else of the session goes on.
@@ -101,6 +102,7 @@ local function desk_for(served, server, wish)
   local about = {title = wish.title, name = wish.name, limit = wish.von_mises, saved = wish.saved}
   if kinds.of(served) then
     about.script, about.lines, about.pace, about.paused = wish.script, wish.lines, wish.pace, wish.paused
+    about.goal = wish.goal
     local desk, message, details = live_plane_desk.new(served, server, about)
     return desk, desk and "plane" or message, details
   end
@@ -110,7 +112,7 @@ local function desk_for(served, server, wish)
 end
 
 --- Serves a session, or an object of bw.responsive, until Ctrl-C. Options: port, title, name,
---- von_mises, saved, ready; of sessions also solve, worst, ties; of objects pace, paused, script, lines.
+--- von_mises, saved, ready; of sessions also solve, worst, ties; of objects pace, paused, goal, script, lines.
 function live.run(served, given)
   local wish = options.read("live", given, kinds.of(served) and outline_rules or session_rules)
   local server, message, details = core.live_server {port = wish.port}

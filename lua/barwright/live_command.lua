@@ -166,7 +166,7 @@ end
 
 -- What of a script's table of options goes on to the view.
 local function passed(about, served)
-  local list = kinds.of(served) and {"von_mises", "pace", "paused", "script", "lines"}
+  local list = kinds.of(served) and {"von_mises", "pace", "paused", "goal", "script", "lines"}
     or {"von_mises", "solve", "worst", "ties"}
   local out = {}
   for _, name in ipairs(list) do out[name] = about[name] end

@@ -317,14 +317,14 @@ end
 
 --- A desk for an object of bw.responsive. about: {title, name, limit, saved = file of edits, script =
 --- the script that makes the object as seen from that file, lines = edits of it to be made first,
---- paused, pace = steps a frame}
+--- paused, pace = steps a frame, goal = an outline to be met}
 function desk.new(object, server, about)
   local kind = kinds.of(object)
   local steps = kind.steps
   if type(steps) == "function" then steps = steps(object) end
   about = {title = about.title or kind.title, name = about.name or "outline", limit = about.limit,
     saved = about.saved, script = about.script, lines = about.lines or {}, pace = about.pace,
-    paused = about.paused}
+    paused = about.paused, goal = about.goal}
   local self = setmetatable({object = object, server = server, kind = kind, about = about,
     clients = {}, later = {}, levels = {}, revision = 0, seconds = 0, size = size_of(object.outline),
     limit = about.limit, steps = steps or false, running = not about.paused, pace = about.pace or 1,

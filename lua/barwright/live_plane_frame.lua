@@ -15,6 +15,16 @@ local function segments(outline)
   return table.concat(bytes)
 end
 
+-- An outline as lines to be drawn, x, y each; nan between the loops.
+local function polygons(outline)
+  local bytes = {}
+  for _, loop in ipairs(outline:polygons()) do
+    local first = loop:rows(1, 1)
+    bytes[#bytes + 1] = loop:tostring "<f4" .. first:tostring "<f4" .. ("<ff"):pack(0 / 0, 0 / 0)
+  end
+  return table.concat(bytes)
+end
+
 --- The scene of an object: segments, loops, fields, what the page offers.
 function live_plane_frame.scene(desk, id)
   local object, kind, about = desk.object, desk.kind, desk.about
@@ -24,12 +34,13 @@ function live_plane_frame.scene(desk, id)
     loops[i] = {name = loop.name, first = loop.first, count = loop.count, region = loop.region or 0,
       parent = loop.parent}
   end
+  local blocks = {{"segments", "u4", segments(outline)}}
+  if about.goal then blocks[2] = {"goal", "f4", polygons(about.goal)} end
   return live_pack.pack({type = "scene", scene = id, title = about.title, kind = kind.title,
     fields = json.list(kinds.fields(kind)), deform = kind.deform ~= nil, arrows = kind.arrows ~= nil,
     true_size = kind.true_size or false, stress = kind.stress or false, tune = kind.tune or false,
     steps = desk.steps, step = desk.steps and object.wish.step or nil, size = desk.size,
-    colours = live_pack.colours(), loops = loops, tags = json.list(outline.tags)},
-    {{"segments", "u4", segments(outline)}})
+    colours = live_pack.colours(), loops = loops, tags = json.list(outline.tags)}, blocks)
 end
 
 --- The triangles, corners and middles; as text, to be compared.

@@ -122,12 +122,44 @@ local vorticity = {key = "vorticity", name = "vorticity", unit = "1/s", scale = 
 -- Whether a flow goes on in time: one without a step is steady.
 local function flow_steps(object) return object.wish.step ~= nil end
 
+-- Names of tags whose condition is so.
+local function tags_where(object, is_so)
+  local list = {}
+  for _, tag in ipairs(object.outline.tags) do
+    local condition = object.wish.conditions[tag]
+    if condition ~= nil and is_so(condition) then list[#list + 1] = tag end
+  end
+  table.sort(list)
+  return list
+end
+
+-- Forces on bodies: on walls, drag first.
+local function forces(object)
+  local list = {}
+  if not (object.time > 0 or object.wish.steady) then return list end
+  for _, tag in ipairs(tags_where(object, function(c) return c == "wall" end)) do
+    local x, y = object:force(tag)
+    list[#list + 1] = {"force on " .. tag, ("%.4g, %.4g N/m"):format(x, y)}
+  end
+  return list
+end
+
+-- Heat through what has a temperature, over density times heat capacity.
+local function heats(object)
+  local list = {}
+  if not (object.time > 0 or object.wish.steady) then return list end
+  for _, tag in ipairs(tags_where(object, function(c) return type(c) == "table" and c.temperature end)) do
+    list[#list + 1] = {"heat in at " .. tag, ("%.4g K m²/s"):format(object:heat(tag))}
+  end
+  return list
+end
+
 kinds["flow"] = {
   title = "Flow",
   fields = {pressure, speed, vorticity},
   arrows = property "velocity",
   steps = flow_steps,
-  told = function() return {} end,
+  told = forces,
 }
 
 kinds["thermal flow"] = {
@@ -136,7 +168,7 @@ kinds["thermal flow"] = {
     values = property "temperature"}, speed, pressure, vorticity},
   arrows = property "velocity",
   steps = flow_steps,
-  told = function() return {} end,
+  told = heats,
 }
 
 --- What is known of an object's class, or nil.

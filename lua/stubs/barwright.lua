@@ -2067,10 +2067,10 @@ function Bone:reset() end
 
 ---The live view: serves a session, or an object of bw.responsive, as a page on this machine until Ctrl-C.
 ---See docs/live.md. `solve`, `worst` and `ties` are for sessions; `pace` (steps of time in a frame) and
----`paused` for what goes on in time; `script` (what makes the object, named from the file `saved`) and
+---`paused` for what goes on in time; `goal` (a shape to be met, drawn in red), `script` (what makes the object, named from the file `saved`) and
 ---`lines` (edits made first) for objects of bw.responsive.
 ---@param served bw.Session|bw.SteadySheet|bw.BentSheet|bw.ShakenSheet|bw.Metallophone|bw.Flow|bw.ThermalFlow
----@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, worst: bw.WorstCaseOptions, ties: string[][], saved: string, ready: fun(address: string), pace: integer, paused: boolean, script: string, lines: string[]}
+---@param options? {port: integer, title: string, name: string, solve: table, von_mises: number, worst: bw.WorstCaseOptions, ties: string[][], saved: string, ready: fun(address: string), pace: integer, paused: boolean, goal: bw.Outline, script: string, lines: string[]}
 ---@return table?
 ---@return string? message
 ---@return table? details

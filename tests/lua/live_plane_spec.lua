@@ -301,6 +301,7 @@ describe("a desk in the plane", function()
       assert.is_nil(state.trouble)
       assert.equal(8 * talk.object.node_count, #talk.server.blocks.state.arrows)
       assert.is_true(state.time > 0)
+      assert.truthy(state.told[1][1]:find(name == "flow" and "force on cylinder" or "heat in at bottom"))
     end
     -- a hole in a stream is a wall
     local stream = desk_on(made "flow")
