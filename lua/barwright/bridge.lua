@@ -1,0 +1,391 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Bridges (the paper *responsive*, section 5.2): a span, a load on its centre, a limit of stress, and the
+-- smallest area that passes. Shapes are symmetric: what is held, meshed and moved is the right half, its
+-- outline with the tags "foot", "pad", "hold" (the middle of the pad), "axis" and "free".
+local core = require "barwright.core"
+local members = require "barwright.members"
+local mirror = require "barwright.mirror"
+local options = require "barwright.options"
+local picture = require "barwright.bridge_picture"
+local shapes = require "barwright.outline_shapes"
+local shape_design = require "barwright.shape_design"
+local sheets = require "barwright.sheets"
+local starts = require "barwright.bridge_starts"
+
+local raise = core.raise
+
+local rules = {
+  span = {type = "number", needed = true, above = 0}, -- between the banks, m
+  load = {type = "number", needed = true, above = 0}, -- N
+  stress_limit = {type = "number", needed = true, above = 0}, -- von Mises, Pa
+  material = {type = "any", needed = true},
+  thickness = {type = "number", needed = true, above = 0},
+  depth = {type = "number", above = 0}, -- of the load above the banks; span / 2
+  bearing = {type = "number", above = 0}, -- how far a foot reaches onto its bank
+  pad = {type = "number", above = 0}, -- width under the load
+  wall = {type = "number", above = 0}, -- least width of any member; span / 50
+  size = {type = "number", above = 0}, -- of elements; span / 100
+  start = {type = "string", default = "gable"},
+  outline = {type = "outline"}, -- a right half to begin with
+}
+
+local order_of_starts = {"truss", "gable", "beam", "arch"}
+
+local bridge = {}
+
+-- ---- the problem ---------------------------------------------------------------------------------
+
+local function complete(wish)
+  options.object("bridge", "material", wish.material, "material")
+  -- width of a bar that carries the load at the limit
+  local bar = wish.load / (wish.thickness * wish.stress_limit)
+  wish.bar = bar
+  wish.deck = wish.depth or wish.span / 2
+  wish.bearing = wish.bearing or math.max(bar, wish.span / 25)
+  wish.pad = wish.pad or math.max(2 * bar, wish.span / 12)
+  wish.wall = wish.wall or wish.span / 50
+  wish.size = wish.size or wish.span / 100
+  wish.spacing = 2.2 * wish.size
+  wish.hold = 0.02 * wish.pad
+  wish.member = math.max(0.75 * bar, 1.5 * wish.wall)
+  local pressed = wish.load / (wish.thickness * math.min(wish.pad, 2 * wish.bearing))
+  if pressed > wish.stress_limit then
+    raise(("bridge: %.4g N on a pad of %.4g m and two bearings of %.4g m press with %.4g Pa: more than"
+      .. " the limit of %.4g Pa. Make them wider, or the bridge thicker"):format(wish.load, wish.pad,
+      wish.bearing, pressed, wish.stress_limit))
+  end
+  if wish.pad >= wish.span then
+    raise(("bridge: a pad of %.4g m is as long as the span of %.4g m"):format(wish.pad, wish.span))
+  end
+  if wish.deck < 4 * wish.wall then
+    raise(("bridge: a depth of %.4g m has no room for walls of %.4g m: four of them expected"):format(
+      wish.deck, wish.wall))
+  end
+  return wish
+end
+
+local function conditions_of(wish)
+  return {axis = {x = 0}, hold = {y = 0},
+    pad = {traction = {0, -wish.load / (wish.thickness * wish.pad)}},
+    foot = {traction = {0, wish.load / (2 * wish.thickness * wish.bearing)}}}
+end
+
+local function problem_of(wish, more)
+  local problem = {material = wish.material, thickness = wish.thickness, limit = wish.stress_limit,
+    conditions = conditions_of(wish), wall = wish.wall, gap = 0.8 * wish.wall, size = wish.size,
+    spacing = wish.spacing, box = {{0, 0}, {wish.span / 2 + wish.bearing, wish.deck}}, axis = true,
+    smooth = 0.3, margin = 0.003, idle = 0.35, holes = 0}
+  for name, value in pairs(more or {}) do problem[name] = value end
+  return problem
+end
+
+-- ---- the object ----------------------------------------------------------------------------------
+
+local class = {}
+local properties = {
+  outline = function(self) return rawget(self, "sheet").outline end,
+  whole = function(self) return assert(mirror.outline(self.outline, "axis")) end,
+  area = function(self) return 2 * self.outline.area end,
+  stress_limit = function(self) return rawget(self, "wish").stress_limit end,
+  utilisation = function(self) return self.von_mises:max() / self.stress_limit end,
+  passes = function(self) return self.utilisation <= 1 end,
+  options = function(self) return rawget(self, "wish") end,
+}
+for _, name in ipairs {"points", "elements", "von_mises", "stress", "displacement", "reused",
+  "element_count", "node_count", "error_estimate"} do
+  properties[name] = function(self) return rawget(self, "sheet")[name] end
+end
+class.__index = members("bridge", class, properties)
+class.__name = "barwright.bridge"
+
+function class:__tostring()
+  return ("bridge of %.4g mm: %.5g mm2, %.3g %% of %.4g MPa: %s; %s"):format(self.options.span * 1e3,
+    self.area * 1e6, self.utilisation * 100, self.stress_limit / 1e6,
+    self.passes and "passes" or "fails", tostring(self.reused))
+end
+
+-- Points that must stay, {number = "fixed" or "axis"}.
+local function protected(outline)
+  local kept = {}
+  for n, segment in ipairs(outline.segments:totable()) do
+    local tag = outline:edge(n).tag
+    local how = tag == "axis" and "axis" or tag ~= "free" and "fixed"
+    if how == "fixed" or how == "axis" then
+      for _, k in ipairs {1, 4} do
+        local point = segment[k]
+        if kept[point] ~= "fixed" then kept[point] = how end
+      end
+    end
+  end
+  return kept
+end
+
+-- `wanted` with supports, pad and axis as they are in `outline`.
+local function with_supports(outline, wanted)
+  local now, points = outline.points, wanted.points:totable()
+  for point, how in pairs(protected(outline)) do
+    points[point][1] = now[point][1]
+    if how == "fixed" then points[point][2] = now[point][2] end
+  end
+  return wanted:with_points(points)
+end
+
+local function same_place(a, b, span)
+  return math.abs(a[1] - b[1]) + math.abs(a[2] - b[2]) <= 1e-9 * span
+end
+
+-- The edges that carry: where they have to be.
+local function check_supports(wish, outline)
+  local a, H = wish.span / 2, wish.deck
+  local wanted = {foot = {{a, 0}, {a + wish.bearing, 0}}, pad = {{wish.pad / 2, H}, {wish.hold, H}},
+    hold = {{wish.hold, H}, {0, H}}}
+  local found = {}
+  for n = 1, outline.edge_count do
+    local edge = outline:edge(n)
+    local ends = wanted[edge.tag]
+    if ends then
+      found[edge.tag] = same_place(edge.from, ends[1], wish.span) and same_place(edge.to, ends[2], wish.span)
+    elseif edge.tag == "axis" then
+      found.axis = edge.from[1] == 0 and edge.to[1] == 0
+    end
+  end
+  for _, tag in ipairs {"foot", "pad", "hold", "axis"} do
+    if not found[tag] then
+      return nil, ("the bridge's %s is not where it has to stay"):format(tag), {status = "geometry",
+        tag = tag}
+    end
+  end
+  return true
+end
+
+--- Becomes another right half, with the same feet and pad. Refused (nil, message, details), it stays.
+function class.become(self, outline)
+  options.object("become", "outline", outline, "outline")
+  local fine, message, details = check_supports(self.wish, outline)
+  if not fine then return nil, message, details end
+  if self.sheet.outline:same_topology(outline) then
+    fine, message, details = self.sheet:become(outline)
+  else
+    fine, message, details = sheets.steady {outline = outline, material = self.wish.material,
+      thickness = self.wish.thickness, size = self.wish.size, order = 2,
+      conditions = conditions_of(self.wish)}
+    if fine then rawset(self, "sheet", fine) end
+  end
+  if not fine then return nil, message, details end
+  return self
+end
+
+local function changed(self, outline, message, details)
+  if not outline then return nil, message, details end
+  outline, message, details = with_supports(self.outline, outline)
+  if not outline then return nil, message, details end
+  return class.become(self, outline)
+end
+
+--- Moves a handle of the outline by {dx, dy}; feet and pad stay, and the axis on itself.
+function class.drag(self, handle, by)
+  local outline = self.outline
+  local weights, points = outline:weights(handle), outline.points:totable()
+  local kept = protected(outline)
+  for i, p in ipairs(points) do
+    if kept[i] ~= "fixed" then
+      if kept[i] ~= "axis" then p[1] = p[1] + weights[i] * by[1] end
+      p[2] = p[2] + weights[i] * by[2]
+    end
+  end
+  local moved, message, details = outline:with_points(points)
+  if not moved then return nil, message, details end
+  return class.become(self, moved)
+end
+
+--- Push-pin pulling of a curve: outline:pull.
+function class.pull(self, vertex, to, how)
+  return changed(self, self.outline:pull(vertex, to, how))
+end
+
+--- outline:smooth.
+function class.smooth(self, how)
+  return changed(self, self.outline:smooth(how))
+end
+
+--- A round hole at {x, y}; on the other half is its image.
+function class.hole(self, centre, radius)
+  local n, names = 1, {}
+  for _, loop in ipairs(self.outline.loops) do names[loop.name] = true end
+  while names["hole " .. n] do n = n + 1 end
+  local name = "hole " .. n
+  local outline, message, details = self.outline:hole(shapes.circle {centre = centre,
+    radius = radius, name = name, tag = "free"})
+  if not outline then return nil, message, details end
+  return class.become(self, outline)
+end
+
+--- Takes a hole away.
+function class.without(self, loop)
+  local outline, message, details = self.outline:without(loop)
+  if not outline then return nil, message, details end
+  return class.become(self, outline)
+end
+
+--- Largest von Mises stress on another mesh: size of its elements, order.
+function class.check(self, size, order)
+  local sheet, message, details = shape_design.sheet(problem_of(self.wish), self.outline, size, order)
+  if not sheet then return nil, message, details end
+  return sheet.von_mises:max(), sheet.element_count
+end
+
+class.picture, class.body = picture.write, picture.body
+
+-- ---- what it is compared with ----------------------------------------------------------------------
+
+--- The lowest beam of one height that passes: height, area (of the whole).
+function class.uniform_beam(self)
+  local wish = self.wish
+  local a, e, c, d = wish.span / 2, wish.span / 2 + wish.bearing, wish.pad / 2, wish.hold
+  local problem = problem_of(wish)
+  local function most(h)
+    local outline = core.outline.make({{0, 0}, {a, 0}, {e, 0}, {e, h}, {c, h}, {d, h}, {0, h}},
+      {{1, 0, 0, 2, 1}, {2, 0, 0, 3, 2}, {3, 0, 0, 4, 1}, {4, 0, 0, 5, 1}, {5, 0, 0, 6, 3},
+      {6, 0, 0, 7, 4}, {7, 0, 0, 1, 5}}, {{count = 7, region = 1, name = "beam"}},
+      {"free", "foot", "pad", "hold", "axis"})
+    local sheet, message, details = shape_design.sheet(problem, outline, math.max(wish.size, h / 20))
+    if not sheet then return nil, message, details end
+    return sheet.von_mises:max()
+  end
+  local guess = math.sqrt(1.5 * wish.bar * wish.span)
+  local low, high = 0.5 * guess, 2 * guess
+  for _ = 1, 12 do
+    local h = (low + high) / 2
+    local stress, message, details = most(h)
+    if not stress then return nil, message, details end
+    if stress > wish.stress_limit then low = h else high = h end
+  end
+  return high, 2 * e * high
+end
+
+--- Michell's least area of bars for a force in the middle between two feet in an unlimited plane:
+--- (1 + pi/2) F a / (t limit), a half the distance of the middles of the feet.
+function class.michell_area(self)
+  local wish = self.wish
+  return (1 + math.pi / 2) * wish.bar * (wish.span + wish.bearing) / 2
+end
+
+-- ---- automatic design ----------------------------------------------------------------------------
+
+local design_rules = {
+  starts = {type = "table", default = order_of_starts},
+  rounds = {type = "integer", default = 120, least = 1},
+  holes = {type = "integer", default = 6, least = 0}, -- in the half, besides one across the axis
+  polish = {type = "integer", default = 40, least = 0},
+  report = {type = "function"}, -- of {start, round, rounds, area, utilisation, passes, outline}
+}
+
+local function told(self, wish, name, first, count, report_total)
+  return function(round, here, best, form)
+    local fraction = (first + round / count) / report_total
+    core.report_progress(("bridge: %s, %.4g mm2"):format(name, 2e6 * best.area), math.min(fraction, 1))
+    if core.interrupted() then return false end
+    if wish.report then
+      return wish.report {start = name, round = round, rounds = count, area = 2 * here.area,
+        utilisation = here.most / self.wish.stress_limit, best_area = 2 * best.area,
+        passes = best.passes, outline = here.outline, form = form}
+    end
+  end
+end
+
+-- The best of the starts again on finer meshes, until it passes on one finer still.
+local function polished(self, wish, best, report)
+  local size, margin = 0.6 * self.wish.size, 0.004
+  local found
+  for _ = 1, 4 do
+    local problem = problem_of(self.wish, {size = size, rounds = math.max(wish.polish, 1),
+      margin = margin, polish = true})
+    local message, details
+    found, message, details = shape_design.search(problem, best.form:copy(), report)
+    if not found then return nil, message, details end
+    if core.interrupted() then return found end
+    local outline = found.form:outline()
+    local sheet
+    sheet, message, details = shape_design.sheet(problem, outline, 0.4 * self.wish.size)
+    if not sheet then return nil, message, details end
+    found.checked = sheet.von_mises:max()
+    found.checked_elements = sheet.element_count
+    if found.checked <= self.wish.stress_limit then return found end
+    margin = margin + math.log(found.checked / self.wish.stress_limit) + 0.002
+    best = found
+  end
+  return found
+end
+
+--- Finds the shape of least area that passes, from several starts, and becomes it.
+function class.design(self, given)
+  local wish = options.read("design", given, design_rules)
+  local results, best = {}, nil
+  local total = #wish.starts + 1
+  for i, name in ipairs(wish.starts) do
+    if not starts[name] then
+      raise(("design: start '%s' is not known: did you mean '%s'?"):format(tostring(name),
+        core.nearest(tostring(name), order_of_starts)))
+    end
+    local problem = problem_of(self.wish, {holes = wish.holes, rounds = wish.rounds})
+    local found, message = shape_design.search(problem, starts[name](self.wish),
+      told(self, wish, name, i - 1, wish.rounds, total))
+    if found then
+      results[i] = {start = name, area = 2 * found.area, utilisation = found.most / self.wish.stress_limit,
+        passes = found.passes, rounds = found.rounds, history = found.history}
+      found.start = name
+      if not best or found.passes and (not best.passes or found.area < best.area)
+        or not found.passes and not best.passes and found.most < best.most then
+        best = found
+      end
+    else
+      results[i] = {start = name, message = message, passes = false}
+    end
+    if core.interrupted() then break end
+  end
+  if not best then
+    return nil, ("no start could be analysed: %s"):format(results[1] and results[1].message or ""),
+      {status = "infeasible"}
+  end
+  local last = best
+  if wish.polish > 0 and not core.interrupted() then
+    local found, message, details = polished(self, wish, best,
+      told(self, wish, best.start, total - 1, wish.polish, total))
+    if not found then return nil, message, details end
+    last = found
+  end
+  local fine, message, details = class.become(self, (last.form:outline()))
+  if not fine then return nil, message, details end
+  return {starts = results, start = best.start, area = self.area, utilisation = self.utilisation,
+    checked_utilisation = last.checked and last.checked / self.wish.stress_limit,
+    checked_elements = last.checked_elements, interrupted = core.interrupted(),
+    passes = (last.checked or last.most) <= self.wish.stress_limit}
+end
+
+-- ---- making --------------------------------------------------------------------------------------
+
+--- A bridge from {span, load, stress_limit, material, thickness, depth, bearing, pad, wall, size, start,
+--- outline}.
+function bridge.create(given)
+  local wish = complete(options.read("bridge", given, rules))
+  local outline, message, details = wish.outline, nil, nil
+  if outline then
+    local fine
+    fine, message, details = check_supports(wish, outline)
+    if not fine then return nil, message, details end
+  else
+    local start = starts[wish.start]
+    if not start then
+      raise(("bridge: start '%s' is not known: did you mean '%s'?"):format(wish.start,
+        core.nearest(wish.start, order_of_starts)))
+    end
+    outline, message, details = start(wish):outline()
+    if not outline then return nil, message, details end
+  end
+  local sheet
+  sheet, message, details = shape_design.sheet(problem_of(wish), outline, wish.size)
+  if not sheet then return nil, message, details end
+  return setmetatable({sheet = sheet, wish = wish}, class)
+end
+
+return bridge

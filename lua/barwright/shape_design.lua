@@ -1,0 +1,362 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Shapes of least area under a stress limit: the controls of a free form are moved until no smaller
+-- shape nearby passes. docs/theory/responsive.md, "Bridges: shapes under a stress limit".
+--
+-- A round: statics of the form as it is; the p-norm N of von Mises stresses with its gradient; the largest
+-- stress M = c N, c taken as it is now; then the quadratic programme
+--
+--   min  a . s + 1/2 s . H s   such that   ln (c N / limit) + g . s <= 0,  walls, gaps, box, |s_i| <= r,
+--
+-- a the gradient of the area, g that of ln N, s the moves of the controls along normals.
+local core = require "barwright.core"
+local form_of = require "barwright.free_form"
+local sheets = require "barwright.sheets"
+
+local design = {}
+
+-- ---- analysis of a form --------------------------------------------------------------------------
+
+--- Statics of an outline under the problem's conditions.
+function design.sheet(problem, outline, size, order)
+  return sheets.steady {outline = outline, material = problem.material, size = size,
+    thickness = problem.thickness, order = order or 2, conditions = problem.conditions}
+end
+
+-- The sheet goes over to the form's outline; a new one where that has another topology.
+local function analyse(problem, state, form)
+  local outline, message, details = form:outline()
+  if not outline then return nil, message, details end
+  local sheet = state.sheet
+  if sheet and sheet.outline:same_topology(outline) then
+    local fine
+    fine, message, details = sheet:become(outline)
+    if not fine then return nil, message, details end
+  else
+    sheet, message, details = design.sheet(problem, outline, problem.size)
+    if not sheet then return nil, message, details end
+    state.sheet = sheet
+  end
+  return {outline = outline, area = outline.area, most = sheet.von_mises:max()}
+end
+
+-- ---- one round -----------------------------------------------------------------------------------
+
+local function dot(a, b)
+  local sum = 0
+  for i = 1, #a do sum = sum + a[i] * b[i] end
+  return sum
+end
+
+-- Local width of the material at every control, from samples at knots.
+local function widths(form, samples, inner, wall)
+  local width = {}
+  for c = 1, #form.controls do width[c] = 6 * wall end
+  for i, found in pairs(inner) do
+    local s = samples[i]
+    local w = math.min(math.max(found[1], wall), 6 * wall)
+    for _, term in ipairs(s.row) do
+      if math.abs(term[2]) > 0.3 then width[term[1]] = math.min(width[term[1]], w) end
+    end
+  end
+  return width
+end
+
+-- Bounds of every control's move: the trust radius, and the box.
+local function bounds(problem, form, directions, radius)
+  local low, high = {}, {}
+  local box = problem.box
+  for c, control in ipairs(form.controls) do
+    local d = directions[c]
+    local l, h = -radius, radius
+    if d[1] == 0 and d[2] == 0 then l, h = 0, 0 end
+    for axis = 1, 2 do
+      if box and math.abs(d[axis]) > 1e-6 then
+        local a = (box[1][axis] - control[axis]) / d[axis]
+        local b = (box[2][axis] - control[axis]) / d[axis]
+        -- what is outside comes back in steps
+        l = math.max(l, math.min(math.min(a, b), radius))
+        h = math.min(h, math.max(math.max(a, b), -radius))
+      end
+    end
+    if l > h then l, h = math.min(l, h), math.min(l, h) end
+    low[c], high[c] = l, h
+  end
+  return low, high
+end
+
+-- The moves: {s}, and the multiplier of the stress constraint.
+local function programme(problem, state, form, here, radius)
+  local directions = form:directions()
+  local scale = here.area
+  local a = form:pull_back(here.outline.area_gradient:totable(), directions)
+  for c = 1, #a do a[c] = a[c] / scale end
+  local norms = {}
+  for i, p in ipairs {state.p, 3 * state.p} do
+    local norm, by_points, details = state.sheet:stress_norm(p)
+    if not norm then return nil, by_points, details end
+    norms[i] = form:pull_back(by_points:totable(), directions)
+    for c = 1, #a do norms[i][c] = norms[i][c] / norm end
+  end
+  local g = norms[1]
+  local samples = form:samples(problem.axis)
+  local A, b, thinnest, narrowest, inner = form:distance_rows(samples, directions, problem.wall,
+    problem.gap, radius)
+  local width = widths(form, samples, inner, problem.wall)
+  local price = state.price
+  if not price then
+    price = {math.max(-dot(a, g) / math.max(dot(g, g), 1e-300), 1e-3), 0}
+  end
+  -- The norm of members whose stress falls with their width w has the curvature p |g_i| / w_i in move i.
+  local H = {}
+  local n = #g
+  local mean = 0
+  for c = 1, n do mean = mean + math.abs(a[c]) / n end
+  for c = 1, n do
+    H[c] = {}
+    for k = 1, n do H[c][k] = 0 end
+    H[c][c] = (price[1] * math.abs(g[c]) + price[2] * 3 * math.abs(norms[2][c])) * state.p / width[c]
+      + 0.05 * mean / radius
+  end
+  -- uneven moves of neighbours cost
+  for _, chain in ipairs(form.chains) do
+    local count = #chain.controls
+    for k = 1, chain.closed and count or count - 1 do
+      local i, j = chain.start + k - 1, chain.start + k % count
+      local weight = problem.smooth * mean / radius
+      H[i][i], H[j][j] = H[i][i] + weight, H[j][j] + weight
+      H[i][j], H[j][i] = H[i][j] - weight, H[j][i] - weight
+    end
+  end
+  local low, high = bounds(problem, form, directions, radius)
+  -- Of a large excess no more is to go in one round than a part of what all moves together could do: what
+  -- helps little then stays where it is.
+  local rows, right = {g, norms[2]}, {}
+  for i, row in ipairs(rows) do
+    local can = 0
+    for c = 1, n do can = can + math.max(row[c] * low[c], row[c] * high[c], -row[c] * low[c], 0) end
+    right[i] = math.max(-math.log(here.most / problem.limit) - problem.margin, -0.25, -0.7 * can)
+  end
+  for k = 1, #A do rows[k + 2], right[k + 2] = A[k], b[k] end
+  -- unknowns in units of the radius
+  for i = 1, n do
+    for k = 1, n do H[i][k] = H[i][k] * radius * radius end
+    a[i], low[i], high[i] = a[i] * radius, low[i] / radius, high[i] / radius
+    for k = 1, #rows do rows[k][i] = rows[k][i] * radius end
+  end
+  for k = 3, #rows do
+    for i = 1, n do rows[k][i] = rows[k][i] / problem.wall end
+    right[k] = right[k] / problem.wall
+  end
+  local x, _, prices = core.quadratic_programme {H = H, g = a, A = rows, b = right, low = low,
+    high = high}
+  if not x then return nil, _, prices end
+  local s = x:totable()
+  for c = 1, n do s[c] = s[c] * radius end
+  local paid = prices:totable()
+  if paid[1] + paid[2] > 0 then
+    state.price = {math.min(0.5 * (price[1] + paid[1]), 10), math.min(0.5 * (price[2] + paid[2]), 10)}
+  end
+  return {moves = s, directions = directions, thinnest = thinnest, narrowest = narrowest}
+end
+
+-- ---- holes ---------------------------------------------------------------------------------------
+
+local function loop_area(loop)
+  local controls, sum = loop[1].controls, 0
+  for i, c in ipairs(controls) do
+    local d = controls[i % #controls + 1]
+    sum = sum + (c[1] * d[2] - c[2] * d[1]) / 2
+  end
+  return math.abs(sum)
+end
+
+--- The form without holes smaller than an area; whether there were any.
+function design.without_small_holes(form, least)
+  local loops, gone = {}, 0
+  for _, loop in ipairs(form.loops) do
+    if loop.hole and loop_area(loop) < least then
+      gone = gone + 1
+    else
+      loops[#loops + 1] = loop
+    end
+  end
+  return gone > 0 and form_of.create(loops) or form, gone
+end
+
+--- A circle as a hole: clockwise, so that the material is on the left.
+function design.circle(name, x, y, radius, count)
+  local controls = {}
+  -- controls of the spline lie outside of the circle that it draws
+  local out = radius * 3 / (2 + math.cos(2 * math.pi / count))
+  for i = 0, count - 1 do
+    local a = -2 * math.pi * i / count
+    controls[#controls + 1] = {x + out * math.cos(a), y + out * math.sin(a)}
+  end
+  return {name = name, hole = true, {controls = controls, closed = true}}
+end
+
+-- Centre and radius of the largest circle in material stressed below a part of the limit.
+local function idle_circle(problem, state, form, part)
+  local points, mises = state.sheet.points:totable(), state.sheet.von_mises:totable()
+  local busy = form:samples(problem.axis)
+  for i, s in ipairs(busy) do busy[i] = {s.x, s.y, problem.wall} end
+  for _, p in ipairs(problem.stay or {}) do busy[#busy + 1] = {p[1], p[2], 2 * problem.wall} end
+  for i, p in ipairs(points) do
+    if mises[i] > part * problem.limit then busy[#busy + 1] = {p[1], p[2], 0} end
+  end
+  local best, radius = nil, 0
+  for i, p in ipairs(points) do
+    if mises[i] <= part * problem.limit then
+      local room = problem.axis and p[1] - problem.wall / 2 or math.huge
+      for _, q in ipairs(busy) do
+        if room <= radius then break end
+        local d = math.sqrt((p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2) - q[3]
+        room = math.min(room, d)
+      end
+      if room > radius then best, radius = p, room end
+    end
+  end
+  return best, radius
+end
+
+local function try_hole(problem, state, form)
+  local holes, names = 0, {}
+  for _, loop in ipairs(form.loops) do
+    if loop.hole then holes = holes + 1 end
+    if loop.name then names[loop.name] = true end
+  end
+  if holes >= problem.holes then return nil end
+  local at, room = idle_circle(problem, state, form, problem.idle)
+  if not at or room < problem.wall then return nil end
+  local n = 1
+  while names["hole " .. n] do n = n + 1 end
+  local loops = table.move(form.loops, 1, #form.loops, 1, {})
+  local radius = 0.7 * room
+  local count = math.max(8, math.floor(2 * math.pi * radius / problem.spacing + 0.5))
+  loops[#loops + 1] = design.circle("hole " .. n, at[1], at[2], radius, count)
+  return form_of.create(loops)
+end
+
+-- ---- the search ----------------------------------------------------------------------------------
+
+local function restored(form, saved)
+  for c, control in ipairs(form.controls) do control[1], control[2] = saved[c][1], saved[c][2] end
+end
+
+local function saved_of(form)
+  local list = {}
+  for c, control in ipairs(form.controls) do list[c] = {control[1], control[2]} end
+  return list
+end
+
+-- Stresses above the limit cost more than the area that would take them down: a bar's area goes with 1 / limit.
+-- A shape passes within this of the limit less the margin that is steered for.
+local PRICE, SLACK, TIGHT = 3, 0.002, 0.003
+
+local function merit(problem, here)
+  return math.log(here.area) + PRICE * math.max(0, math.log(here.most / problem.limit) + problem.margin)
+end
+
+-- A round may be worse than the one before, but not worse than all of the last ones.
+local function worst_of(list)
+  return math.max(table.unpack(list))
+end
+
+--- Moves a form to least area under the problem's limit.
+--- problem: material, thickness, conditions, limit (Pa), wall, gap, size (of elements), spacing (of controls),
+--- box = {low, high}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin.
+--- report(round, here) may return false to stop. Returns {form, area, most, rounds, history} of the best
+--- that passes, or that of the least excess.
+function design.search(problem, form, report)
+  local state = {p = 8}
+  local history, best = {}, nil
+  local radius, longest = (problem.polish and 0.05 or 0.3) * problem.wall, 0.6 * problem.wall
+  local here, message, details = analyse(problem, state, form)
+  if not here then return nil, message, details end
+  local stalled, refusals, recent = 0, 0, {}
+  local function keep(round)
+    local passes = math.log(here.most / problem.limit) + problem.margin <= TIGHT
+    local better = not best or passes and (not best.passes or here.area < best.area)
+      or not passes and not best.passes and here.most < best.most
+    if better then
+      if not best or not passes or not best.passes or here.area < best.area * (1 - 1e-3) then
+        stalled = 0
+      end
+      best = {form = form:copy(), area = here.area, most = here.most, passes = passes, round = round}
+    end
+  end
+  for round = 1, problem.rounds do
+    local done = round / problem.rounds
+    state.p = problem.polish and 16 or done < 0.3 and 8 or done < 0.6 and 12 or 16
+    keep(round - 1)
+    stalled = stalled + 1
+    here.radius = radius
+    history[round] = {area = here.area, most = here.most, radius = radius}
+    if report and report(round, here, best, form) == false then break end
+    if stalled > 25 and done > 0.65 then break end
+    if round % 8 == 0 and not problem.polish then
+      local fewer, gone = design.without_small_holes(form, problem.wall ^ 2)
+      local with = done < 0.6 and here.most < 1.1 * problem.limit and gone == 0
+        and try_hole(problem, state, fewer)
+      local changed = (with or fewer):respaced(problem.spacing)
+      local was = here
+      local tried = {sheet = nil, p = state.p, price = state.price}
+      here, message, details = analyse(problem, tried, changed)
+      if not here and with then
+        changed = fewer:respaced(problem.spacing)
+        here, message, details = analyse(problem, tried, changed)
+      end
+      if here then
+        form, state, recent = changed, tried, {}
+      else
+        here = was
+      end
+    end
+    local step
+    step, message, details = programme(problem, state, form, here, radius)
+    if not step then return nil, message, details end
+    local saved, part, next_one = saved_of(form), 1, nil
+    recent[#recent + 1] = merit(problem, here)
+    if #recent > 4 then table.remove(recent, 1) end
+    for _ = 1, 6 do
+      local moves = {}
+      for c = 1, #step.moves do moves[c] = part * step.moves[c] end
+      form:move(step.directions, moves)
+      next_one, message, details = analyse(problem, state, form)
+      if details and details.status == "cancelled" then break end
+      if next_one and merit(problem, next_one) < worst_of(recent) + SLACK then break end
+      next_one = nil
+      restored(form, saved)
+      part = part / 2
+    end
+    if core.interrupted() or details and details.status == "cancelled" then
+      restored(form, saved)
+      break
+    end
+    if next_one then
+      refusals = 0
+      local gain = merit(problem, here) - merit(problem, next_one)
+      if part < 1 or gain < -0.01 then
+        radius = math.max(radius * math.max(part, 0.6), 0.02 * problem.wall)
+      else
+        radius = math.min(radius * 1.25, longest * (done > 0.7 and 0.5 or 1))
+      end
+      if problem.polish or done > 0.85 then radius = math.min(radius, 0.15 * problem.wall) end
+      here = next_one
+      here.thinnest = step.thinnest
+    else
+      -- nowhere to go from here with this mesh: a new one, shorter steps
+      refusals = refusals + 1
+      if refusals > 4 then break end
+      radius = math.max(radius / 4, 0.01 * problem.wall)
+      state.sheet = nil
+      here, message, details = analyse(problem, state, form)
+      if not here then break end
+    end
+  end
+  if here then keep(#history) end
+  best.history, best.rounds = history, #history
+  return best
+end
+
+return design

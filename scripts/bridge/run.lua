@@ -1,0 +1,144 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Designs a bridge: the smallest area that carries a load on the middle of a span below a stress limit.
+--   build/barwright scripts/bridge/run.lua --out DIR [--span 0.2] [--load 1500] [--limit 30e6]
+--       [--thickness 0.004] [--depth 0.1] [--wall 0.004] [--material NAME | --young 3e9 --poisson 0.35]
+--       [--starts truss,gable,beam,arch] [--rounds 120] [--holes 6] [--polish 40] [--threads N]
+-- Lengths in m, load in N, limit (von Mises) and Young's modulus in Pa. DIR gets result.json,
+-- manifest.json, bridge.svg (coloured by stress), bridge_cut.svg and bridge_cut.dxf (outlines to cut,
+-- mm), bridge.stl and report.html. Ctrl-C ends the search; what is best so far is written.
+-- Exit status 0: a bridge that passes. 2: the input was refused. 3: none that passes was found.
+local bw = require "barwright"
+
+local PASSES, REFUSED, FAILS = 0, 2, 3
+
+local known = {
+  span = {"number", 0.2}, load = {"number", 1500}, limit = {"number", 30e6},
+  thickness = {"number", 0.004}, depth = {"number"}, wall = {"number"}, young = {"number", 3e9},
+  poisson = {"number", 0.35}, material = {"string"}, starts = {"string", "truss,gable,beam,arch"},
+  rounds = {"whole number", 120}, holes = {"whole number", 6}, polish = {"whole number", 40},
+  threads = {"whole number"}, size = {"number"}, out = {"string"},
+}
+
+local function stop(status, message)
+  io.stdout:flush()
+  io.stderr:write("bridge: ", (tostring(message):gsub("%s*\n%s*", " ")), "\n")
+  os.exit(status, true)
+end
+
+local function help()
+  for line in io.lines(arg[0]) do
+    local text = line:match "^%-%- ?(.*)"
+    if not text then break end
+    if not text:match "^Copyright" then print(text) end
+  end
+  os.exit(PASSES, true)
+end
+
+local function read_arguments()
+  local wish = {}
+  for name, about in pairs(known) do wish[name] = about[2] end
+  local i = 1
+  while i <= #arg do
+    local name, value = arg[i]:match "^%-%-([^=]+)=?(.*)$"
+    if arg[i] == "-h" or arg[i] == "--help" then help() end
+    if not name or not known[name] then
+      local names = {}
+      for key in pairs(known) do names[#names + 1] = key end
+      stop(REFUSED, ("unknown option %s: did you mean --%s?"):format(arg[i],
+        require "barwright.core".nearest(name or arg[i], names)))
+    end
+    if not arg[i]:find("=", 1, true) then
+      i = i + 1
+      value = arg[i]
+    end
+    local kind = known[name][1]
+    local read = value
+    if kind ~= "string" then read = tonumber(value or "") end
+    if kind == "whole number" and read then read = math.tointeger(read) end
+    if not read or kind ~= "string" and (read ~= read or read < 0 or read == math.huge) then
+      stop(REFUSED, ("option --%s: a %s expected, got %s"):format(name, kind, tostring(value)))
+    end
+    wish[name] = read
+    i = i + 1
+  end
+  if not wish.out or wish.out == "" then stop(REFUSED, "--out DIR is missing (--help tells the options)") end
+  return wish
+end
+
+local function checked(f, ...)
+  local values = table.pack(pcall(f, ...))
+  if not values[1] then stop(REFUSED, (tostring(values[2]):gsub("^[^:]+:%d+: ", ""))) end
+  if values[2] == nil then stop(REFUSED, values[3]) end
+  return table.unpack(values, 2, values.n)
+end
+
+local function page(result, wish)
+  local rows = {}
+  for _, one in ipairs(result.starts) do
+    rows[#rows + 1] = ("<tr><td>%s</td><td>%s</td><td>%s</td><td>%s</td></tr>"):format(one.start,
+      one.area_m2 and ("%.1f"):format(one.area_m2 * 1e6) or one.message,
+      one.utilisation and ("%.1f"):format(100 * one.utilisation) or "", one.rounds or "")
+  end
+  return table.concat({"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Bridge</title>",
+    "<style>body{font:16px sans-serif;max-width:1020px;margin:2em auto}td,th{padding:.2em 1em;",
+    "text-align:right}img{max-width:100%}</style>",
+    ("<h1>A bridge over %.4g mm for %.4g N</h1>"):format(wish.span * 1e3, wish.load),
+    ("<p>Area %.5g mm&sup2;; the best beam of one height needs %.5g mm&sup2;. Largest von Mises stress"
+      .. " %.1f %% of %.4g MPa, on a mesh of %d six-node triangles %.1f %%.</p>"):format(
+      result.area_m2 * 1e6, result.beam_area_m2 * 1e6, 100 * result.utilisation, wish.limit / 1e6,
+      result.checked_elements or 0, 100 * (result.checked_utilisation or 0)),
+    "<p><img src=\"bridge.svg\" alt=\"the bridge, coloured by stress\"></p>",
+    "<table><tr><th>start</th><th>area, mm&sup2;</th><th>stress, %</th><th>rounds</th></tr>",
+    table.concat(rows, "\n"), "</table></html>\n"}, "\n")
+end
+
+local function main()
+  local wish = read_arguments()
+  local begin = bw.seconds()
+  if wish.threads then checked(bw.threads, wish.threads) end
+  local material = wish.material and checked(bw.material.named, wish.material) or checked(
+    bw.material.isotropic, {name = "given", young = wish.young, poisson = wish.poisson, density = 1000})
+  local names = {}
+  for name in wish.starts:gmatch "[^,]+" do names[#names + 1] = name end
+  local results = checked(bw.results.open, wish.out, {script = "scripts/bridge/run.lua", options = wish})
+  local bridge = checked(bw.responsive.bridge, {span = wish.span, load = wish.load,
+    stress_limit = wish.limit, material = material, thickness = wish.thickness, depth = wish.depth,
+    wall = wish.wall, size = wish.size})
+  local height, beam = checked(bridge.uniform_beam, bridge)
+  print(("beam of one height: %.4g mm high, %.5g mm2"):format(height * 1e3, beam * 1e6))
+  local found = checked(bridge.design, bridge, {starts = names, rounds = wish.rounds, holes = wish.holes,
+    polish = wish.polish, report = function(now)
+      if now.round % 20 == 0 then
+        print(("%-6s round %3d: %.5g mm2, stress %.1f %%; best %.5g mm2"):format(now.start, now.round,
+          now.area * 1e6, 100 * now.utilisation, now.best_area * 1e6))
+      end
+    end})
+  local result = {finished = not found.interrupted, passes = found.passes, start = found.start,
+    area_m2 = bridge.area, utilisation = found.utilisation,
+    checked_utilisation = found.checked_utilisation, checked_elements = found.checked_elements,
+    beam_height_m = height, beam_area_m2 = beam, michell_area_m2 = bridge:michell_area(),
+    holes = #bridge.whole.loops - 1, starts = bw.json.list {}}
+  for i, one in ipairs(found.starts) do
+    result.starts[i] = {start = one.start, area_m2 = one.area, utilisation = one.utilisation,
+      passes = one.passes, rounds = one.rounds, message = one.message}
+  end
+  checked(bridge.picture, bridge, results:path "bridge.svg")
+  local whole = bridge.whole
+  checked(whole.write, whole, results:path "bridge_cut.svg")
+  checked(whole.write, whole, results:path "bridge_cut.dxf")
+  local body = checked(bridge.body, bridge)
+  checked(body.write, body, results:path "bridge.stl")
+  local file = checked(io.open, results:path "report.html", "w")
+  file:write(page(result, wish))
+  file:close()
+  result.seconds_total = bw.seconds() - begin
+  result.peak_memory_bytes = bw.results.peak_memory()
+  checked(results.write, results, result)
+  print(("%s, from '%s'"):format(bridge, found.start))
+  print(("%.5g mm2: %.1f %% of the beam of one height, %.2f times Michell's bars; %.1f s"):format(
+    bridge.area * 1e6, 100 * bridge.area / beam, bridge.area / result.michell_area_m2,
+    result.seconds_total))
+  os.exit(found.passes and PASSES or FAILS, true)
+end
+
+main()

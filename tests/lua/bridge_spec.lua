@@ -1,0 +1,145 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Bridges: free forms and their gradients, shapes of least area with known answers, the object, the design.
+local bw = require "barwright"
+local check = require "check"
+local form_of = require "barwright.free_form"
+local shape_design = require "barwright.shape_design"
+
+local full = os.getenv "BARWRIGHT_FULL" == "1"
+local plastic = bw.material.isotropic {name = "plastic", young = 3e9, poisson = 0.35, density = 1200}
+
+local function small_bridge(more)
+  local wish = {span = 0.2, load = 1500, stress_limit = 30e6, material = plastic, thickness = 0.004,
+    size = 0.005, wall = 0.006}
+  for key, value in pairs(more or {}) do wish[key] = value end
+  return bw.responsive.bridge(wish)
+end
+
+-- A strip pulled at its right end, held at x = 0; its upper edge is free, width w at both ends.
+local function strip(width, bulge)
+  local top = {}
+  for i = 0, 10 do
+    local x = 0.4 * (1 - i / 10)
+    top[i + 1] = {x, width + bulge * math.sin(math.pi * x / 0.4) ^ 2, "free"}
+  end
+  top[1][3], top[11][3] = "fixed", "y"
+  return form_of.create {{name = "strip", {controls = {{0, 0, "fixed"}}}, {line = true, tag = "bottom"},
+    {controls = {{0.4, 0, "fixed"}}}, {line = true, tag = "end"},
+    {controls = top, first = "clamped", last = "axis"}, {line = true, tag = "wall"}}}
+end
+
+local function strip_problem(limit)
+  return {material = plastic, thickness = 1, limit = limit, wall = 0.01, gap = 0.01, size = 0.012,
+    spacing = 0.04, conditions = {wall = {x = 0}, bottom = {y = 0}, ["end"] = {traction = {1e6, 0}}},
+    smooth = 0.3, margin = 0.003, idle = 0.3, holes = 0, rounds = 45}
+end
+
+describe("a free form", function()
+  it("has the gradients of differences, in area and in stress", function()
+    local form, problem = strip(0.05, 0.03), strip_problem(1e6)
+    local outline = assert(form:outline())
+    local directions = form:directions()
+    local sheet = assert(bw.responsive.steady {outline = outline, material = plastic, size = 0.012,
+      order = 2, conditions = problem.conditions, solver = {tolerance = 1e-12}})
+    local _, by_points = sheet:stress_norm(12)
+    local g = form:pull_back(by_points:totable(), directions)
+    local a = form:pull_back(outline.area_gradient:totable(), directions)
+    local step, slope, growth, h = {}, 0, 0, 2e-6
+    for c = 1, #form.controls do
+      step[c] = math.sin(3 * c)
+      slope, growth = slope + g[c] * step[c], growth + a[c] * step[c]
+    end
+    local function at(t)
+      local moved = {}
+      for c = 1, #step do moved[c] = t * step[c] end
+      local there = form:copy()
+      there:move(directions, moved)
+      local shape = assert(outline:with_points(there:points()))
+      assert(sheet:become(shape))
+      return (sheet:stress_norm(12)), shape.area
+    end
+    local high, more = at(h)
+    local low, less = at(-h)
+    check.near((high - low) / (2 * h), slope, 1e-4)
+    check.near((more - less) / (2 * h), growth, 1e-7)
+  end)
+
+  it("keeps its shape when its knots are spaced anew, and its mirrored ends smooth", function()
+    local circle = shape_design.circle("disc", 0.3, 0.1, 0.05, 16)
+    circle.hole = nil
+    -- the other way round: material inside
+    local list = circle[1].controls
+    for i = 1, #list // 2 do list[i], list[#list + 1 - i] = list[#list + 1 - i], list[i] end
+    local form = form_of.create {circle}
+    check.near(math.pi * 0.05 ^ 2, assert(form:outline()).area, 2e-3)
+    check.near(form:outline().area, assert(form:respaced(0.012):outline()).area, 2e-3)
+    local b = assert(small_bridge())
+    local points = b.outline.points
+    for _, segment in ipairs(b.outline.segments:totable()) do
+      for k = 1, 4 do
+        local p = segment[k] > 0 and points[segment[k]]
+        assert.is_true(not p or p[1] >= 0)
+      end
+    end
+  end)
+end)
+
+describe("a shape of least area", function()
+  it("of a pulled strip is the strip of constant width", function()
+    -- the end pulls with 1 MPa: at that limit the width is the end's everywhere
+    local found = assert(shape_design.search(strip_problem(1.02e6), strip(0.05, 0.03)))
+    assert.is_true(found.passes)
+    check.near(0.4 * 0.05 / 1.02, found.area, 0.02)
+  end)
+end)
+
+describe("a bridge", function()
+  it("stands, is measured, and needs the beam that the theory of beams foresees", function()
+    local b = assert(small_bridge())
+    check.near(b.whole.area, b.area, 1e-9)
+    assert.is_true(b.utilisation > 0.5 and b.utilisation < 1.5)
+    assert.equal(b.utilisation <= 1, b.passes)
+    local height, area = b:uniform_beam()
+    -- stress 6 M / (t h^2) with M = F (L + bearing - pad / 2) / 4
+    local wish = b.options
+    local moment = wish.load / 4 * (wish.span + wish.bearing - wish.pad / 2)
+    check.near(math.sqrt(6 * moment / (wish.thickness * wish.stress_limit)), height, 0.1)
+    check.near((wish.span + 2 * wish.bearing) * height, area, 1e-9)
+    local body = assert(b:body())
+    check.near(b.area * wish.thickness, body.volume, 2e-3)
+    assert.truthy(tostring(b):find "bridge of 200 mm")
+  end)
+
+  it("is dragged, pulled, smoothed and gets holes, while its feet and pad stay", function()
+    local b = assert(small_bridge())
+    local area = b.area
+    assert(b:drag({vertex = 4}, {0.003, 0.004}))
+    assert.not_equal(area, b.area)
+    assert(b:hole({0.03, 0.04}, 0.008))
+    assert.equal(3, #b.whole.loops)
+    local before = b.area
+    check.fails("geometry", "hole 1", b:drag({loop = "hole 1"}, {0, 0.5}))
+    assert.equal(before, b.area)
+    assert(b:smooth {rounds = 2})
+    assert(b:without "hole 1")
+    assert(b:pull(5, {0.06, 0.004}, {reach = 0.05}))
+    check.fails("geometry", "has to stay", b:become(b.outline:shifted {0.01, 0}))
+    check.raises("did you mean 'gable'", small_bridge, {start = "gabel"})
+    check.raises("more than the limit", small_bridge, {pad = 0.001})
+    check.raises("did you mean 'stress_limit'", small_bridge, {stress_limt = 1})
+  end)
+
+  it("gets smaller by itself and passes, the same every time", function()
+    local function run()
+      local b = assert(small_bridge())
+      local found = assert(b:design {starts = {"truss"}, rounds = full and 60 or 8, polish = full and 20 or 0})
+      return b, found
+    end
+    local b, found = run()
+    assert.is_true(found.passes and b.passes)
+    local _, beam = b:uniform_beam()
+    assert.is_true(b.area < 0.6 * beam and b.area > b:michell_area())
+    if full then assert.is_true(b:check(0.002) <= 30e6 * 1.005) end
+    assert.equal(b.area, (run()).area)
+  end)
+end)
