@@ -31,7 +31,7 @@ local rules = {
 
 local order_of_starts = {"truss", "gable", "beam", "arch"}
 
-local bridge = {}
+local bridge, class = {}, {}
 
 -- ---- the problem ---------------------------------------------------------------------------------
 
@@ -81,7 +81,6 @@ end
 
 -- ---- the object ----------------------------------------------------------------------------------
 
-local class = {}
 local properties = {
   outline = function(self) return rawget(self, "sheet").outline end,
   whole = function(self) return assert(mirror.outline(self.outline, "axis")) end,
@@ -281,14 +280,14 @@ local design_rules = {
 }
 
 local function told(self, wish, name, first, count, report_total)
-  return function(round, here, best, form)
+  return function(round, here, best)
     local fraction = (first + round / count) / report_total
     core.report_progress(("bridge: %s, %.4g mm2"):format(name, 2e6 * best.area), math.min(fraction, 1))
     if core.interrupted() then return false end
     if wish.report then
       return wish.report {start = name, round = round, rounds = count, area = 2 * here.area,
         utilisation = here.most / self.wish.stress_limit, best_area = 2 * best.area,
-        passes = best.passes, outline = here.outline, form = form}
+        passes = best.passes, outline = here.outline}
     end
   end
 end
@@ -368,7 +367,7 @@ end
 --- outline}.
 function bridge.create(given)
   local wish = complete(options.read("bridge", given, rules))
-  local outline, message, details = wish.outline, nil, nil
+  local outline, message, details = wish.outline
   if outline then
     local fine
     fine, message, details = check_supports(wish, outline)
@@ -387,5 +386,7 @@ function bridge.create(given)
   if not sheet then return nil, message, details end
   return setmetatable({sheet = sheet, wish = wish}, class)
 end
+
+bridge.class, bridge.properties = class, properties
 
 return bridge

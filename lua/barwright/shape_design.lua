@@ -262,101 +262,106 @@ local function worst_of(list)
   return math.max(table.unpack(list))
 end
 
+--- The best so far, by area once something passes; `stalled` counts rounds without a better one.
+local function keep(self)
+  local problem, here, best = self.problem, self.here, self.best
+  local passes = math.log(here.most / problem.limit) + problem.margin <= TIGHT
+  local better = not best or passes and (not best.passes or here.area < best.area)
+    or not passes and not best.passes and here.most < best.most
+  self.stalled = self.stalled + 1
+  if not better then return end
+  if not best or not passes or not best.passes or here.area < best.area * (1 - 1e-3) then
+    self.stalled = 0
+  end
+  self.best = {form = self.form:copy(), area = here.area, most = here.most, passes = passes}
+end
+
+-- Knots spaced anew, holes that closed taken out, one put in where little is stressed.
+local function renew(self, may_hole)
+  local problem, here = self.problem, self.here
+  local fewer, gone = design.without_small_holes(self.form, problem.wall ^ 2)
+  local with = may_hole and here.most < 1.1 * problem.limit and gone == 0
+    and try_hole(problem, self.state, fewer)
+  for _, form in ipairs {with or fewer, fewer} do
+    local changed = form:respaced(problem.spacing)
+    local state = {p = self.state.p, price = self.state.price}
+    local there = analyse(problem, state, changed)
+    if there then
+      self.form, self.state, self.here, self.recent = changed, state, there, {}
+      return
+    end
+  end
+end
+
+-- Takes the programme's moves, or a half, a quarter ... of them. Returns the part; nothing if none will do.
+local function try(self, step)
+  local problem, form = self.problem, self.form
+  local saved, part = saved_of(form), 1
+  self.recent[#self.recent + 1] = merit(problem, self.here)
+  if #self.recent > 4 then table.remove(self.recent, 1) end
+  for _ = 1, 6 do
+    local moves = {}
+    for c = 1, #step.moves do moves[c] = part * step.moves[c] end
+    form:move(step.directions, moves)
+    local there = analyse(problem, self.state, form)
+    if there and merit(problem, there) < worst_of(self.recent) + SLACK then return part, there end
+    restored(form, saved)
+    if core.interrupted() then return nil end
+    part = part / 2
+  end
+end
+
+-- A round from where it stands; false where there is nowhere to go.
+local function advance(self, done)
+  local problem, wall = self.problem, self.problem.wall
+  local step = programme(problem, self.state, self.form, self.here, self.radius)
+  if not step then return false end
+  local part, there = try(self, step)
+  if core.interrupted() then return false end
+  if not part then
+    -- a new mesh, shorter steps
+    self.refusals = self.refusals + 1
+    self.radius = math.max(self.radius / 4, 0.01 * wall)
+    self.state.sheet = nil
+    self.here = analyse(problem, self.state, self.form)
+    return self.here and self.refusals <= 4
+  end
+  self.refusals = 0
+  if part < 1 or merit(problem, self.here) - merit(problem, there) < -0.01 then
+    self.radius = math.max(self.radius * math.max(part, 0.6), 0.02 * wall)
+  else
+    self.radius = math.min(self.radius * 1.25, (done > 0.7 and 0.3 or 0.6) * wall)
+  end
+  if problem.polish or done > 0.85 then self.radius = math.min(self.radius, 0.15 * wall) end
+  self.here = there
+  return true
+end
+
 --- Moves a form to least area under the problem's limit.
 --- problem: material, thickness, conditions, limit (Pa), wall, gap, size (of elements), spacing (of controls),
---- box = {low, high}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin.
---- report(round, here) may return false to stop. Returns {form, area, most, rounds, history} of the best
---- that passes, or that of the least excess.
+--- box = {low, high}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin,
+--- polish (the form is nearly there). report(round, here, best) may return false to stop.
+--- Returns {form, area, most, passes, rounds, history}: the smallest that passes, or that of the least excess.
 function design.search(problem, form, report)
-  local state = {p = 8}
-  local history, best = {}, nil
-  local radius, longest = (problem.polish and 0.05 or 0.3) * problem.wall, 0.6 * problem.wall
-  local here, message, details = analyse(problem, state, form)
-  if not here then return nil, message, details end
-  local stalled, refusals, recent = 0, 0, {}
-  local function keep(round)
-    local passes = math.log(here.most / problem.limit) + problem.margin <= TIGHT
-    local better = not best or passes and (not best.passes or here.area < best.area)
-      or not passes and not best.passes and here.most < best.most
-    if better then
-      if not best or not passes or not best.passes or here.area < best.area * (1 - 1e-3) then
-        stalled = 0
-      end
-      best = {form = form:copy(), area = here.area, most = here.most, passes = passes, round = round}
-    end
-  end
+  local self = {problem = problem, form = form, state = {p = 8}, recent = {}, stalled = 0, refusals = 0,
+    radius = (problem.polish and 0.05 or 0.3) * problem.wall}
+  local message, details
+  self.here, message, details = analyse(problem, self.state, form)
+  if not self.here then return nil, message, details end
+  local history = {}
   for round = 1, problem.rounds do
     local done = round / problem.rounds
-    state.p = problem.polish and 16 or done < 0.3 and 8 or done < 0.6 and 12 or 16
-    keep(round - 1)
-    stalled = stalled + 1
-    here.radius = radius
-    history[round] = {area = here.area, most = here.most, radius = radius}
-    if report and report(round, here, best, form) == false then break end
-    if stalled > 25 and done > 0.65 then break end
-    if round % 8 == 0 and not problem.polish then
-      local fewer, gone = design.without_small_holes(form, problem.wall ^ 2)
-      local with = done < 0.6 and here.most < 1.1 * problem.limit and gone == 0
-        and try_hole(problem, state, fewer)
-      local changed = (with or fewer):respaced(problem.spacing)
-      local was = here
-      local tried = {sheet = nil, p = state.p, price = state.price}
-      here, message, details = analyse(problem, tried, changed)
-      if not here and with then
-        changed = fewer:respaced(problem.spacing)
-        here, message, details = analyse(problem, tried, changed)
-      end
-      if here then
-        form, state, recent = changed, tried, {}
-      else
-        here = was
-      end
-    end
-    local step
-    step, message, details = programme(problem, state, form, here, radius)
-    if not step then return nil, message, details end
-    local saved, part, next_one = saved_of(form), 1, nil
-    recent[#recent + 1] = merit(problem, here)
-    if #recent > 4 then table.remove(recent, 1) end
-    for _ = 1, 6 do
-      local moves = {}
-      for c = 1, #step.moves do moves[c] = part * step.moves[c] end
-      form:move(step.directions, moves)
-      next_one, message, details = analyse(problem, state, form)
-      if details and details.status == "cancelled" then break end
-      if next_one and merit(problem, next_one) < worst_of(recent) + SLACK then break end
-      next_one = nil
-      restored(form, saved)
-      part = part / 2
-    end
-    if core.interrupted() or details and details.status == "cancelled" then
-      restored(form, saved)
-      break
-    end
-    if next_one then
-      refusals = 0
-      local gain = merit(problem, here) - merit(problem, next_one)
-      if part < 1 or gain < -0.01 then
-        radius = math.max(radius * math.max(part, 0.6), 0.02 * problem.wall)
-      else
-        radius = math.min(radius * 1.25, longest * (done > 0.7 and 0.5 or 1))
-      end
-      if problem.polish or done > 0.85 then radius = math.min(radius, 0.15 * problem.wall) end
-      here = next_one
-      here.thinnest = step.thinnest
-    else
-      -- nowhere to go from here with this mesh: a new one, shorter steps
-      refusals = refusals + 1
-      if refusals > 4 then break end
-      radius = math.max(radius / 4, 0.01 * problem.wall)
-      state.sheet = nil
-      here, message, details = analyse(problem, state, form)
-      if not here then break end
-    end
+    self.state.p = problem.polish and 16 or done < 0.3 and 8 or done < 0.6 and 12 or 16
+    keep(self)
+    history[round] = {area = self.here.area, most = self.here.most, radius = self.radius}
+    if report and report(round, self.here, self.best) == false or core.interrupted() then break end
+    if self.stalled > 25 and done > 0.65 then break end
+    if round % 8 == 0 and not problem.polish then renew(self, done < 0.6) end
+    if not advance(self, done) then break end
   end
-  if here then keep(#history) end
-  best.history, best.rounds = history, #history
-  return best
+  if self.here then keep(self) end
+  self.best.history, self.best.rounds = history, #history
+  return self.best
 end
 
 return design

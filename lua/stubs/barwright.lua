@@ -2249,6 +2249,16 @@ function Results:write(result) end
 ---@class bw.ResponsiveModule
 local responsive_module = {}
 
+---A bridge over a span (m) with a load (N) on its middle, to stay below a von Mises stress (Pa) with as
+---little area as possible. depth: of the pad above the feet (default span / 2); bearing: how far a foot
+---reaches onto its bank; pad: width under the load; wall: least width of a member (span / 50); size: of
+---elements (span / 100); start: "truss", "gable", "beam", "arch"; outline: a right half to begin with.
+---@param options {span: number, load: number, stress_limit: number, material: bw.Material, thickness: number, depth?: number, bearing?: number, pad?: number, wall?: number, size?: number, start?: string, outline?: bw.Outline}
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function responsive_module.bridge(options) end
+
 ---Linear statics, solved in every drag.
 ---@param options {outline: bw.Outline, material: bw.Material|bw.Material[], thickness?: number|number[], plane?: string, conditions?: table, gravity?: number[], elements?: integer, size?: number|string|function, order?: integer, follow?: table, solver?: table}
 ---@return bw.SteadySheet?
@@ -2466,6 +2476,113 @@ function SteadySheet:solve() end
 ---@return bw.Array|string by_points
 ---@return bw.Array|table by_nodes
 function SteadySheet:stress_norm(p) end
+
+---A bridge: its right half is what is held, meshed and moved; tags "foot", "pad", "hold" (the middle of the
+---pad), "axis" and "free". Feet and pad stay where they are. Prints as one line.
+---@class bw.Bridge
+---@field outline bw.Outline of the right half
+---@field whole bw.Outline both halves, to cut or print
+---@field area number of the whole, m2
+---@field stress_limit number Pa
+---@field utilisation number largest von Mises stress over the limit
+---@field passes boolean
+---@field von_mises bw.Array at the nodes, Pa
+---@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
+---@field displacement bw.Array x, y at the nodes, m
+---@field points bw.Array of the half's mesh, m
+---@field elements bw.Array corners and middles of edges 12, 23, 31, from 1
+---@field element_count integer
+---@field node_count integer
+---@field error_estimate number relative, in energy
+---@field reused bw.Kept what the last frame kept
+---@field options table as asked for, with what was chosen
+local Bridge = {}
+
+---Moves a handle of the outline by {dx, dy}.
+---@param handle {vertex?: integer, edge?: integer, loop?: string|integer}
+---@param by number[]
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function Bridge:drag(handle, by) end
+
+---Push-pin pulling of a curve, as Outline:pull.
+---@param vertex integer
+---@param to number[]
+---@param how? {pins?: integer[], reach?: number}
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function Bridge:pull(vertex, to, how) end
+
+---Smooths the free curves, as Outline:smooth.
+---@param how? {loop?: string|integer, strength?: number, rounds?: integer, corner?: number}
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function Bridge:smooth(how) end
+
+---A round hole more, and its image on the other half.
+---@param centre number[]
+---@param radius number
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function Bridge:hole(centre, radius) end
+
+---A hole less.
+---@param loop string|integer
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function Bridge:without(loop) end
+
+---Becomes another right half with the same feet and pad.
+---@param outline bw.Outline
+---@return bw.Bridge?
+---@return string? message
+---@return table? details
+function Bridge:become(outline) end
+
+---Largest von Mises stress on another mesh of the same shape, and its number of elements.
+---@param size number of elements, m
+---@param order? integer
+---@return number?
+---@return integer|string
+---@return table? details
+function Bridge:check(size, order) end
+
+---The lowest beam of one height that passes: height and area of the whole.
+---@return number?
+---@return number|string area
+---@return table? details
+function Bridge:uniform_beam() end
+
+---Michell's least area of bars for a force in the middle between the middles of the feet.
+---@return number
+function Bridge:michell_area() end
+
+---Finds the shape of least area that passes, and becomes it. starts: where to begin, the best is kept;
+---rounds: of each; holes: most in a half; polish: rounds on a finer mesh, until it passes on one finer still.
+---report is told of every round and may return false to end it. Ctrl-C keeps the best.
+---@param options? {starts?: string[], rounds?: integer, holes?: integer, polish?: integer, report?: fun(now: table): boolean?}
+---@return {start: string, area: number, utilisation: number, passes: boolean, checked_utilisation: number?, checked_elements: integer?, interrupted: boolean, starts: table[]}?
+---@return string? message
+---@return table? details
+function Bridge:design(options) end
+
+---Writes a picture, coloured by stress (.svg).
+---@param path string
+---@return boolean?
+---@return string? message
+---@return table? details
+function Bridge:picture(path) end
+
+---The bridge as a closed surface of its thickness.
+---@return bw.Surface?
+---@return string? message
+---@return table? details
+function Bridge:body() end
 
 ---@class bw.BentSheet
 ---@field outline bw.Outline as it is now

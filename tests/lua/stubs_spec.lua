@@ -89,6 +89,8 @@ describe("the stubs", function()
     same(keys(bw.edit.class, bw.edit.properties), "bw.Session")
     local bone = require "barwright.edit_bone"
     same(keys(bone.class, bone.properties, {name = true, index = true, session = true}), "bw.Bone")
+    local bridge = require "barwright.bridge"
+    same(keys(bridge.class, bridge.properties), "bw.Bridge")
     local results = assert(bw.results.open(check.folder()))
     local bound = keys(results, getmetatable(results))
     bound.open, bound.peak_memory = nil, nil
