@@ -5,6 +5,7 @@ import { colourMap, diverging } from "./colour.mjs";
 import { connect } from "./live_socket.mjs";
 import { Field, largest } from "./plane_field.mjs";
 import { Outline } from "./plane_outline.mjs";
+import { readouts, unitOf } from "./plane_readouts.mjs";
 import { Sound } from "./plane_sound.mjs";
 import { makePlane } from "./plane_stage.mjs";
 import { Tools } from "./plane_tools.mjs";
@@ -92,11 +93,12 @@ const heard = {
     heardOf.states++;
     arrivals = [...arrivals.slice(-59), performance.now()];
     outline.points = state.outline;
+    deform();
     if (!aimed) fit();
     aimed = true;
-    deform();
     recolour();
-    readouts();
+    readouts(scene, state);
+  enable();
     if (state.drag && state.drag.client === me) tools.drag.handled(state.drag.seq);
     if (state.trouble) say(state.trouble, true);
     else if (performance.now() > keptUntil)
@@ -167,11 +169,6 @@ function deform() {
   byId("times").textContent = factor > 0 ? number(factor) : "0";
   plane.touch();
 }
-
-// Stresses and pressures in the unit that suits their size.
-const pascals = [["Pa", 1], ["kPa", 1e-3], ["MPa", 1e-6], ["GPa", 1e-9]];
-const unitOf = (f, most) => /^[kMG]?Pa$/.test(f.unit)
-  ? pascals[Math.min(3, Math.max(0, Math.floor(Math.log10(most || 1) / 3)))] : [f.unit, f.scale];
 
 const described = () => scene.fields.find((f) => f.key === chosen);
 
@@ -256,8 +253,23 @@ function drawLines(pen) {
   }
 }
 
+// All that is drawn: outline, bent shape, goal.
 function fit() {
-  if (outline.points) plane.fit(...outline.box());
+  if (!outline.points) return;
+  const low = [Infinity, Infinity];
+  const high = [-Infinity, -Infinity];
+  const add = (list, columns) => {
+    for (let i = 0; list && i < list.length; i += columns)
+      for (const k of [0, 1])
+        if (!Number.isNaN(list[i + k])) {
+          low[k] = Math.min(low[k], list[i + k]);
+          high[k] = Math.max(high[k], list[i + k]);
+        }
+  };
+  add(outline.points, 2);
+  add(scene.goal, 2);
+  add(field.drawn(), 3);
+  plane.fit(low, high);
 }
 
 // ---- readouts ------------------------------------------------------------------------------------------
@@ -269,51 +281,6 @@ function rate() {
   const recent = arrivals.filter((t) => now - t < 1000);
   byId("fps").textContent = recent.length > 1
     ? ((1000 * (recent.length - 1)) / Math.max(1, recent[recent.length - 1] - recent[0])).toFixed(0) : "–";
-}
-
-function rows(list, pairs) {
-  byId(list).replaceChildren(...pairs.flatMap(([name, text]) => [
-    Object.assign(document.createElement("dt"), { textContent: name }),
-    Object.assign(document.createElement("dd"), { textContent: text })]));
-}
-
-function withUnit(element, text, unit) {
-  element.textContent = `${text} `;
-  element.append(Object.assign(document.createElement("small"), { textContent: unit }));
-}
-
-function readouts() {
-  byId("level").textContent = state.level === "none" ? "same mesh" : state.level;
-  byId("level").className = state.level;
-  byId("kept").textContent = (state.reused.match(/kept ([^;]*)/) || [""])[0];
-  byId("area").textContent = state.area < 0.01 ? `${number(state.area * 1e6)} mm²` : `${number(state.area)} m²`;
-  byId("elements").textContent = state.elements;
-  byId("iterations").textContent = state.iterations;
-  byId("quality").textContent = state.quality === undefined ? "–" : number(state.quality);
-  byId("time").textContent = state.seconds ? `${number(1000 * state.seconds)} ms` : "–";
-  byId("levels").textContent = ["relocation", "reconnecting", "reconstruction"]
-    .map((name) => state.levels[name] || 0).join(" / ");
-  byId("levels").title = "relocation / reconnecting / reconstruction";
-  byId("edits").textContent = state.edits;
-  if (scene.stress) {
-    const over = state.limit && state.maximum > state.limit;
-    const [unit, scale] = unitOf({ unit: "Pa" }, state.maximum);
-    withUnit(byId("maximum"), number(state.maximum * scale), over ? `${unit}, above the limit` : unit);
-    byId("maximum").classList.toggle("over", !!over);
-    if (document.activeElement !== byId("limit"))
-      byId("limit").value = state.limit ? Number((state.limit / 1e6).toPrecision(6)) : "";
-  }
-  if (state.frequency)
-    withUnit(byId("tone"), `${state.frequency.toFixed(1)} Hz`, `${state.note} ${state.cents >= 0 ? "+" : "−"}${Math.abs(state.cents).toFixed(1)} cents`);
-  rows("told", [...(state.time === undefined ? [] : [["time", `${number(state.time)} s`]]), ...state.told]);
-  if (scene.steps) {
-    byId("pause").textContent = state.running ? "Pause" : "Go on";
-    if (document.activeElement !== byId("pace")) byId("pace").value = state.pace;
-  }
-  byId("script").replaceChildren(...state.script.map((line) =>
-    Object.assign(document.createElement("li"), { textContent: line.replace(/^assert\(object:/, "").replace(/\)$/, "")
-      .replace(/-?\d+\.\d{5,}(e-?\d+)?/g, (x) => String(Number(Number(x).toPrecision(5)))) })));
-  enable();
 }
 
 function enable() {

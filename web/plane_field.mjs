@@ -76,6 +76,11 @@ export class Field {
     this.lines.visible = this.showLines;
   }
 
+  // x, y, z of the nodes as they are drawn.
+  drawn() {
+    return this.body?.geometry.getAttribute("position").array;
+  }
+
   paint(values, low, high, colour) {
     paint(this.body, values, low, high, colour);
   }

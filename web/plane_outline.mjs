@@ -176,14 +176,4 @@ export class Outline {
     if (l >= 0 && (whole || this.loops[l].parent)) return { loop: this.loops[l].name, loopIndex: l };
     return null;
   }
-
-  box() {
-    const low = [Infinity, Infinity];
-    const high = [-Infinity, -Infinity];
-    for (let i = 0; i < this.points.length; i++) {
-      low[i % 2] = Math.min(low[i % 2], this.points[i]);
-      high[i % 2] = Math.max(high[i % 2], this.points[i]);
-    }
-    return [low, high];
-  }
 }

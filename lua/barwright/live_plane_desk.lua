@@ -238,11 +238,15 @@ local function asked_to_stop(self)
   return stop
 end
 
+local function tuned_words(report)
+  return ("tuned to %.2f Hz (%+.2f cents) by moving the outline by %.3g mm at most; this mesh is %.1f "
+    .. "cents off a finer one"):format(report.frequency, report.cents, 1e3 * report.moved, report.mesh_cents)
+end
+
 function handlers.tune(self, client, message)
   if not no_drag(self, client, message) then return end
   if not self.kind.tune then return refuse(self, client, message, "this has no tone to be tuned") end
-  local since, first, told = core.seconds(), nil, nil
-  local object = self.object
+  local since, object = core.seconds(), self.object
   local function watch()
     frame(self, since)
     since = core.seconds()
@@ -251,14 +255,11 @@ function handlers.tune(self, client, message)
     return not (asked_to_stop(self) or core.interrupted())
   end
   tell_all(self, {type = "progress", stage = "tuning"})
-  first, told = object:tune(message.target, {watch = watch})
-  local line = edits.tuned(message.target)
-  local words = first and ("tuned to %.2f Hz (%+.2f cents) by moving the outline by %.3g mm at most; this "
-    .. "mesh is %.1f cents off a finer one"):format(first.frequency, first.cents, 1e3 * first.moved, first.mesh_cents)
-    or (told == "stopped" and "stopped: the shape is as it was" or told)
-  tell_all(self, {type = "tuned", met = first ~= nil, message = words})
-  if not first then return publish(self) end
-  return done(self, client, message, push(self, line))
+  local report, why = object:tune(message.target, {watch = watch})
+  local words = report and tuned_words(report) or why == "stopped" and "stopped: the shape is as it was" or why
+  tell_all(self, {type = "tuned", met = report ~= nil, message = words})
+  if not report then return publish(self) end
+  return done(self, client, message, push(self, edits.tuned(message.target)))
 end
 
 --- Nothing to stop.
@@ -269,7 +270,8 @@ function handlers.stop() end
 local mimes = {svg = "image/svg+xml", dxf = "image/vnd.dxf", lua = "text/plain; charset=utf-8"}
 
 function handlers.export(self, client, message)
-  local format, bytes, why = message.format, nil, nil
+  local format = message.format
+  local bytes, why
   if format == "lua" then
     bytes = edits.text(self.about.script or "the_script_that_made_it.lua", lines(self))
   else

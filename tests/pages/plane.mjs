@@ -323,6 +323,22 @@ async function bar(all) {
     await v.picture("dragged");
   });
 
+  await test("its mode swings where it is drawn bent", async () => {
+    const pixels = () => page.evaluate(() => document.querySelector("#view canvas").toDataURL());
+    await page.$eval("#deflection", (input) => {
+      input.value = 0.5;
+      input.dispatchEvent(new Event("input"));
+    });
+    const first = await pixels();
+    await page.waitForTimeout(250);
+    assert(first !== (await pixels()), "it stands still");
+    await v.picture("swings");
+    await page.$eval("#deflection", (input) => {
+      input.value = 0;
+      input.dispatchEvent(new Event("input"));
+    });
+  });
+
   await test("it is tuned to a note", async () => {
     const { edits } = await v.state();
     await page.fill("#target", "D5");
