@@ -153,7 +153,6 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   plate->mesh = bw_retain(mesh);
   BW_TRY(bwi_plate_law_create(context, material, thickness, &in->law));
   bwi_plate_reference_fill(&in->reference);
-  in->shift = shift_for(mesh, &in->law);
   BW_TRY(bwi_stale_symmetric_create(context, 3, &in->factor));
   BW_TRY(bw_plane_graph_create(context, mesh->topology, &in->graph));
   int64_t pairs = in->graph->pair_count;
@@ -164,7 +163,8 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(assemble(context, in, in->graph, mesh, in->shift, in->stiffness, in->mass, in->shifted));
+  BW_TRY(assemble(context, in, in->graph, mesh, shift_for(mesh, &in->law), in->stiffness, in->mass,
+                  in->shifted));
 done:
   if (status == BW_OK)
     *result = plate;
@@ -199,7 +199,8 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
     status = BW_MEMORY;
     goto done;
   }
-  double shift = same_nodes ? in->shift : shift_for(mesh, &in->law);
+  /* of the shape as it is: a drag may scale it */
+  double shift = shift_for(mesh, &in->law);
   BW_TRY(assemble(context, in, graph, mesh, shift, stiffness, mass, shifted));
   for (int k = 0; k < in->known; k++)
     BW_TRY(bw_plane_carry(context, plate->mesh, mesh, 3,
@@ -216,7 +217,6 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
   in->stiffness = stiffness;
   in->mass = mass;
   in->shifted = shifted;
-  in->shift = shift;
   plate->shape = shape;
   stiffness = old[0];
   mass = old[1];

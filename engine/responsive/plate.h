@@ -64,7 +64,6 @@ struct bwi_plate {
   double *stiffness; /* 9 per pair */
   double *mass;      /* 1 per pair: integral of N_a N_b */
   double *shifted;   /* 9 per pair: stiffness + shift mass, what the factor is of */
-  double shift;
   bwi_stale_symmetric *factor;
   bool factored;   /* there is a factor of these nodes, of whatever shape */
   double *origin;  /* node_count x 2: where the nodes were then */

@@ -78,12 +78,23 @@ function followed.class(what, names, more)
     own[name] = function(self) return rawget(self, "body")[name] end
   end
   class.__index = members(what, class, own)
+  function class.__newindex(_, name)
+    raise(("%s: '%s' cannot be set: what an analysis is made of is given when it is made"):format(what,
+      tostring(name)))
+  end
   class.__name = "barwright." .. what
   function class:__tostring()
     local elements, nodes = self.body:counts()
     return ("%s: %d triangles, %d nodes; %s"):format(what, elements, nodes, tostring(self.last))
   end
   return class
+end
+
+-- Whether a method was called with its object: object:drag(...), not object.drag(...).
+local function check_self(where, self)
+  if type(self) ~= "table" or not rawget(self, "body") then
+    raise(("%s: an analysis expected, got %s: call it as analysis:%s(...)"):format(where, type(self), where))
+  end
 end
 
 --- `report` is the last frame, where all went well.
@@ -96,6 +107,7 @@ end
 --- A frame: mesh and body go over to an outline, the class's `finish` solves. What fails is taken back:
 --- by the function that the class's `keep` gave before, else by going back and solving again.
 function followed.become(self, outline)
+  check_self("become", self)
   options.object("become", "outline", outline, "outline")
   local body, finish = self.body, getmetatable(self).finish
   local before, report = body.outline, new_frame()
@@ -122,6 +134,11 @@ end
 
 --- A frame with a handle of the outline moved by {dx, dy}.
 function followed.drag(self, handle, by)
+  check_self("drag", self)
+  if type(handle) ~= "table" or type(by) ~= "table" then
+    raise(("drag: a handle like {vertex = 1} or {loop = \"hole\"} and {dx, dy} expected, got %s and %s")
+      :format(type(handle), type(by)))
+  end
   local moved, message, details = self.body.outline:moved(handle, by)
   if not moved then return nil, message, details end
   return followed.become(self, moved)

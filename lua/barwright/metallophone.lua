@@ -296,6 +296,12 @@ end
 --- A bar from {outline, material, thickness}; options modes, tolerance, elements, size, follow.
 function metallophone.new(given)
   local wish = options.read("metallophone", given, rules)
+  local box = wish.outline.box
+  local size = math.max(box.high[1] - box.low[1], box.high[2] - box.low[2])
+  if wish.thickness > size or wish.thickness < 1e-6 * size then
+    return nil, ("a thickness of %g m for an outline %g m long: a bar is thinner than long, and no thinner than "
+      .. "a millionth of that"):format(wish.thickness, size), {status = "geometry"}
+  end
   return followed.object(bar, wish, core.plate.create(wish.outline,
     {size = wish.size, elements = wish.elements or (not wish.size and 400 or nil)}, wish.follow,
     wish.material, wish.thickness))

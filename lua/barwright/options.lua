@@ -80,7 +80,8 @@ end
 --- Raises unless the value is an open object of the class.
 function options.object(where, argument, value, class)
   if kind_of(value) ~= class then
-    raise(("%s: %s: a %s expected, got %s"):format(where, argument, class, kind_of(value)))
+    raise(("%s: %s: %s %s expected, got %s"):format(where, argument,
+      class:find "^[aeiou]" and "an" or "a", class, kind_of(value)))
   end
 end
 

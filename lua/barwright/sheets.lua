@@ -47,10 +47,23 @@ local function read_sections(where, wish)
   return sections
 end
 
+-- Two finite numbers, `least` or more.
+local function check_pair(where, key, pair, least)
+  for i = 1, 2 do
+    local value = pair[i]
+    if #pair ~= 2 or type(value) ~= "number" or value ~= value or math.abs(value) == math.huge
+      or value < least then
+      raise(("%s: option '%s': two numbers%s expected"):format(where, key,
+        least == 0 and " of 0 or more" or " {x, y}"))
+    end
+  end
+end
+
 local function create(where, class, given, own_rules, add_conditions)
   local wish = options.read(where, given, own_rules)
-  if #wish.gravity ~= 2 then raise(("%s: option 'gravity': {x, y} expected"):format(where)) end
+  check_pair(where, "gravity", wish.gravity, -math.huge)
   local list = conditions.read(where, wish.conditions, {"x", "y"})
+  if wish.damping then check_pair(where, "damping", wish.damping, 0) end
   if add_conditions then add_conditions(where, wish, list) end
   return followed.object(class, wish, core.sheet.create(wish.outline,
     followed.mesh(where, wish, list), wish.follow,
@@ -125,6 +138,9 @@ end
 
 --- Advances by `count` time steps (default 1).
 function vibration:step(count)
+  if count ~= nil and (math.type(count) ~= "integer" or count < 1) then
+    raise(("step: a whole number of steps above 0 expected, got %s"):format(tostring(count)))
+  end
   local wish = self.wish
   return followed.step(self, function(report)
     return self.body:shake(report, wish.solver, {step = wish.step, beta = wish.beta,
@@ -139,8 +155,8 @@ function sheets.vibration(given)
     ground = {type = "any"},
     shake = {type = "table", default = {}},
     step = {type = "number", default = 1e-3, above = 0},
-    beta = {type = "number", default = 0.25},
-    gamma = {type = "number", default = 0.5},
+    beta = {type = "number", default = 0.25, least = 0},
+    gamma = {type = "number", default = 0.5, least = 0},
     damping = {type = "table", default = {0, 0}},
   }, stand_on_ground)
 end

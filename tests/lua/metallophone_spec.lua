@@ -106,6 +106,23 @@ describe("a metallophone bar", function()
     check.near(wanted, bar.frequency, 1e-3)
   end)
 
+  it("follows an outline that becomes ten times as large, in a few rounds", function()
+    local bar = bar_of(0.2, 0.04, 120)
+    local small = bar.frequency
+    assert(bar:become(assert(bar.outline:scaled(10))))
+    check.near(small / 100, bar.frequency, 0.02)
+    assert.is_true(bar.reused.iterations < 10)
+  end)
+
+  it("is thinner than long", function()
+    local outline = assert(bw.outline.rectangle {width = 0.2, height = 0.02})
+    for _, thickness in ipairs {0.3, 1e-12} do
+      check.fails("geometry", "thinner than long", bw.responsive.metallophone {outline = outline,
+        material = bw.material.isotropic {young = 70e9, poisson = 0.33, density = 2700},
+        thickness = thickness})
+    end
+  end)
+
   it("says where to hold and where to trim it", function()
     local bar = bar_of(0.2, 0.02, 120)
     local holes = assert(bar:holes())

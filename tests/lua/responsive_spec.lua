@@ -93,6 +93,12 @@ describe("a steady sheet", function()
     check.raises("two values", steady, {conditions = {left = {traction = 5}}})
     check.raises("formula", steady, {conditions = {left = {x = {}}}})
     check.fails("free", "free to", steady {conditions = {right = {traction = {1, 0}}}})
+    check.raises("two numbers", steady, {gravity = {"a", 1}})
+    local s = assert(steady())
+    check.raises("cannot be set", function() s.time = 3 end)
+    check.raises("analysis:drag", function() s.drag({loop = "hole"}, {0, 0}) end)
+    check.raises("a handle like", s.drag, s)
+    check.raises("a handle like", s.drag, s, {loop = "hole"}, 3)
     check.raises("oops", steady, {conditions = {left = {x = function() error "oops" end, y = 0}}})
   end)
 
@@ -113,6 +119,26 @@ describe("a steady sheet", function()
 end)
 
 describe("a bent sheet", function()
+  it("is in the state it was in, bit for bit, when a drag has no equilibrium", function()
+    local s = assert(bw.responsive.cantilever {outline = plate(), material = rubber, elements = 150,
+      gravity = {0, -10}, conditions = {left = "fixed"}, newton = {load_steps = 1}})
+    local before, points = s.displacement, s.points:totable()
+    local refused
+    for _ = 1, 60 do -- ever longer: at last it falls too far for one load step
+      local fine, message, details = s:drag({edge = 2}, {0.25, 0})
+      if not fine then
+        check.fails("convergence", "", fine, message, details)
+        refused = true
+        break
+      end
+      before, points = s.displacement, s.points:totable()
+    end
+    assert.is_true(refused)
+    assert.same(points, s.points:totable())
+    assert.same(before:totable(), s.displacement:totable())
+    assert(s:drag({edge = 2}, {-0.25, 0}))
+  end)
+
   it("sags under its weight and follows drags", function()
     local beam = assert(bw.outline.rectangle {width = 1, height = 0.05, tags = {left = 4}})
     local soft = bw.material.isotropic {name = "soft", young = 1e6, poisson = 0, density = 1000}
@@ -144,8 +170,9 @@ describe("a shaken sheet", function()
     assert.is_true(s.velocity:max() > 0)
     assert(s:step(10))
     check.near(0.03, s.time, 1e-9)
-    check.raises("0 or more", s.step, assert(bw.responsive.vibration {outline = plate(),
-      material = rubber, elements = 100, ground = "left", damping = {-1, 0}}))
+    check.raises("0 or more", bw.responsive.vibration, {outline = plate(), material = rubber,
+      elements = 100, ground = "left", damping = {-1, 0}})
+    check.raises("above 0", s.step, s, -1)
   end)
 end)
 
