@@ -88,9 +88,11 @@ static products make_products(const bwi_flow_element *e) {
   return p;
 }
 
-void bwi_flow_element_matrix(const bwi_linear *linear, const bwi_flow_element *e, double *matrix) {
+/* c, the number of components, is a constant wherever this is expanded. */
+static inline __attribute__((always_inline)) void
+fill_matrix(const bwi_linear *linear, const bwi_flow_element *e, int c, double *matrix) {
   const bw_flow_description *about = linear->about;
-  int c = linear->components, n = 3 * c;
+  int n = 3 * c;
   double rho = about->density, mu = about->viscosity, area = e->area, third = area / 3;
   double tau = e->tau, rate = linear->rate;
   products p = make_products(e);
@@ -136,6 +138,13 @@ void bwi_flow_element_matrix(const bwi_linear *linear, const bwi_flow_element *e
         m[n * 3 + r] += heat * e->heat_slope[r];
       }
     }
+}
+
+void bwi_flow_element_matrix(const bwi_linear *linear, const bwi_flow_element *e, double *matrix) {
+  if (linear->components == 4)
+    fill_matrix(linear, e, 4, matrix);
+  else
+    fill_matrix(linear, e, 3, matrix);
 }
 
 void bwi_flow_element_vector(const bwi_linear *linear, int32_t element, const bwi_flow_element *e,

@@ -7,6 +7,8 @@
 #include "responsive/internal.h"
 
 void bwi_flow_room_clear(bwi_flow_room *room) {
+  bw_free(room->block);
+  bw_free(room->vector);
   bw_free(room->values);
   bw_free(room->system);
   bw_free(room->load);
@@ -25,6 +27,9 @@ bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, i
   size_t entries = (size_t)graph->pair_count * (size_t)(components * components);
   size_t unknowns = (size_t)graph->node_count * (size_t)components;
   *room = (bwi_flow_room){
+      .block = BW_NEW(context, double, bwi_plane_room(graph, components)),
+      .vector =
+          BW_NEW(context, double, 3 * (size_t)components * (size_t)graph->topology->element_count),
       .values = BW_NEW(context, double, entries),
       .system = BW_NEW(context, double, entries),
       .load = BW_NEW(context, double, unknowns),
@@ -36,8 +41,9 @@ bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, i
       .laplacian = BW_NEW(context, double, 3 * (size_t)graph->topology->element_count),
       .held = BW_NEW(context, uint8_t, unknowns),
   };
-  if (room->values && room->system && room->load && room->rhs && room->prescribed &&
-      room->solution && room->history && room->convect && room->laplacian && room->held)
+  if (room->block && room->vector && room->values && room->system && room->load && room->rhs &&
+      room->prescribed && room->solution && room->history && room->convect && room->laplacian &&
+      room->held)
     return BW_OK;
   bwi_flow_room_clear(room);
   return BW_MEMORY;
@@ -67,8 +73,10 @@ static size_t flow_bytes(const void *object) {
   const bw_flow *flow = object;
   size_t square = (size_t)(flow->components * flow->components);
   size_t nodes = (size_t)flow->mesh->topology->nodes->node_count;
+  size_t elements = (size_t)flow->mesh->topology->element_count;
   return sizeof *flow + (2 * square * (size_t)flow->inner->graph->pair_count +
-                         8 * nodes * (size_t)flow->components) *
+                         8 * nodes * (size_t)flow->components +
+                         bwi_plane_room(flow->inner->graph, flow->components) + 12 * elements) *
                             sizeof(double);
 }
 

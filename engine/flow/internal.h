@@ -43,6 +43,7 @@ bw_status bwi_flow_recover(bw_context *context, const bw_plane_mesh *mesh, int c
 
 /* What the equations need as room, made anew with the graph. */
 typedef struct bwi_flow_room {
+  double *block, *vector;  /* of all elements */
   double *values, *system; /* components^2 per pair: the matrix, and with prescribed unknowns */
   double *load, *rhs;      /* node_count x components: likewise */
   double *prescribed, *solution, *history;

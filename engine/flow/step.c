@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "flow/internal.h"
+#include "responsive/internal.h"
 
 enum { PICARD = 3 };
 
@@ -21,6 +22,7 @@ void bw_flow_options_default(bw_flow_options *options) {
 typedef struct assembly {
   bw_context *context;
   const bwi_linear *linear;
+  double *vector; /* of all elements */
 } assembly;
 
 static bw_status fail_inverted(const assembly *a, int32_t element) {
@@ -33,37 +35,31 @@ static bw_status fail_inverted(const assembly *a, int32_t element) {
   return status;
 }
 
+/* And the element's right-hand side. */
 static bw_status matrix_of(void *data, int32_t element, double *matrix) {
   const assembly *a = data;
   bwi_flow_element e;
   if (!bwi_flow_element_make(a->linear, element, &e))
     return fail_inverted(a, element);
   bwi_flow_element_matrix(a->linear, &e, matrix);
+  bwi_flow_element_vector(a->linear, element, &e,
+                          a->vector + 3 * (int64_t)a->linear->components * element);
   return BW_OK;
 }
 
 static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *linear) {
-  bw_status status = BW_OK;
-  struct bwi_flow *in = flow->inner;
+  bwi_flow_room *room = &flow->inner->room;
   const bw_plane_topology *topology = flow->mesh->topology;
-  assembly data = {context, linear};
+  assembly data = {context, linear, room->vector};
   int c = flow->components;
-  size_t unknowns = (size_t)topology->nodes->node_count * (size_t)c;
-  BW_TRY(bw_plane_assemble(context, in->graph, c, matrix_of, &data, in->room.values));
-  memset(in->room.load, 0, unknowns * sizeof *in->room.load);
-  for (int32_t k = 0; k < topology->element_count; k++) {
-    bwi_flow_element e;
-    double vector[3 * BWI_MOST];
-    if (!bwi_flow_element_make(linear, k, &e)) {
-      status = fail_inverted(&data, k);
-      goto done;
-    }
-    bwi_flow_element_vector(linear, k, &e, vector);
+  bw_status status = bwi_plane_assemble(context, flow->inner->graph, c, matrix_of, &data,
+                                        room->block, room->values);
+  memset(room->load, 0, (size_t)topology->nodes->node_count * (size_t)c * sizeof *room->load);
+  for (int64_t k = 0; k < topology->element_count; k++)
     for (int i = 0; i < 3; i++)
       for (int d = 0; d < c; d++)
-        in->room.load[c * (int64_t)topology->element[3 * (int64_t)k + i] + d] += vector[c * i + d];
-  }
-done:
+        room->load[c * (int64_t)topology->element[3 * k + i] + d] +=
+            room->vector[c * (3 * k + i) + d];
   return status;
 }
 

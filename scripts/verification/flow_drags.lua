@@ -44,7 +44,7 @@ local function same_answers(rows, name, make, drags)
   local anew = make {solver = {tolerance = 1e-10, method = "scratch"}}
   local random, worst, levels = random_of(5), 0, {}
   for _ = 1, drags do
-    local by = {0.06 * (random() - 0.5), 0.06 * (random() - 0.5)}
+    local by = {0.15 * (random() - 0.5), 0.15 * (random() - 0.5)}
     local fine = kept:drag({loop = "body"}, by)
     assert((anew:drag({loop = "body"}, by) ~= nil) == (fine ~= nil))
     assert(kept:step())
