@@ -9,7 +9,10 @@
 #include "flow/internal.h"
 #include "responsive/internal.h"
 
-enum { PICARD = 3 };
+enum {
+  PICARD = 3,
+  LOST = 12 /* rounds after which a change of half the state says that they lead nowhere */
+};
 
 void bw_flow_options_default(bw_flow_options *options) {
   *options = (bw_flow_options){.bdf = 2, .tolerance = 1e-8};
@@ -284,15 +287,15 @@ static double fastest(const bw_flow *flow, const bwi_linear *linear) {
   return rate;
 }
 
-/* Rounds from room.solution. `pseudo`: the rate of the first implicit step, falling with the change
- * of the state from round to round; 0: none, Picard and Newton at once. */
+/* Rounds from room.solution. `pseudo`: the rate of the first implicit step, falling as the change
+ * from round to round allows; 0: none, Picard and Newton at once. */
 static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                         double pseudo, int rounds, double *reached, double *last, bw_kept *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
   size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
-  double *x = in->room.solution, rate = pseudo, first = 0;
+  double *x = in->room.solution, rate = pseudo;
   *reached = INFINITY;
   for (int k = 0; k < rounds; k++) {
     BW_TRY(bw_check_cancel(context));
@@ -314,15 +317,14 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
     *reached = moved;
     if (moved <= options->tolerance && rate <= 1e-6 * pseudo)
       break;
-    if (!isfinite(moved) || (pseudo == 0 && k > PICARD && moved > 10 * before))
+    if (!isfinite(moved) || (pseudo == 0 && k > PICARD && moved > 10 * before) ||
+        (pseudo == 0 && k > LOST && moved > 0.5))
       break;
-    if (k == 0)
-      first = moved;
     if (pseudo > 0) {
-      double wanted = pseudo * fmin(1, moved / first);
-      rate = fmax(fmin(rate, wanted), rate / 3);
-      if (moved < 1e-3)
-        rate /= 10;
+      if (moved > 0.5)
+        rate *= 2;
+      else
+        rate /= moved > 0.1 ? 1.5 : moved > 1e-2 ? 3 : 10;
       if (rate < 1e-8 * pseudo)
         rate = 0;
     }
