@@ -157,10 +157,17 @@ local function check_supports(wish, outline)
   return true
 end
 
---- Becomes another right half, with the same feet and pad. Refused (nil, message, details), it stays.
+--- Becomes another right half. Feet, pad and axis are put back where only points have moved; another
+--- topology must have them in their places. Refused (nil, message, details), it stays.
 function class.become(self, outline)
   options.object("become", "outline", outline, "outline")
-  local fine, message, details = check_supports(self.wish, outline)
+  local message, details
+  if self.outline:same_topology(outline) then
+    outline, message, details = with_supports(self.outline, outline)
+    if not outline then return nil, message, details end
+  end
+  local fine
+  fine, message, details = check_supports(self.wish, outline)
   if not fine then return nil, message, details end
   if self.sheet.outline:same_topology(outline) then
     fine, message, details = self.sheet:become(outline)
@@ -176,25 +183,12 @@ end
 
 local function changed(self, outline, message, details)
   if not outline then return nil, message, details end
-  outline, message, details = with_supports(self.outline, outline)
-  if not outline then return nil, message, details end
   return class.become(self, outline)
 end
 
 --- Moves a handle of the outline by {dx, dy}; feet and pad stay, and the axis on itself.
 function class.drag(self, handle, by)
-  local outline = self.outline
-  local weights, points = outline:weights(handle), outline.points:totable()
-  local kept = protected(outline)
-  for i, p in ipairs(points) do
-    if kept[i] ~= "fixed" then
-      if kept[i] ~= "axis" then p[1] = p[1] + weights[i] * by[1] end
-      p[2] = p[2] + weights[i] * by[2]
-    end
-  end
-  local moved, message, details = outline:with_points(points)
-  if not moved then return nil, message, details end
-  return class.become(self, moved)
+  return changed(self, self.outline:moved(handle, by))
 end
 
 --- Push-pin pulling of a curve: outline:pull.
@@ -213,17 +207,15 @@ function class.hole(self, centre, radius)
   for _, loop in ipairs(self.outline.loops) do names[loop.name] = true end
   while names["hole " .. n] do n = n + 1 end
   local name = "hole " .. n
-  local outline, message, details = self.outline:hole(shapes.circle {centre = centre,
-    radius = radius, name = name, tag = "free"})
-  if not outline then return nil, message, details end
-  return class.become(self, outline)
+  local circle, message, details = shapes.circle {centre = centre, radius = radius, name = name,
+    tag = "free"}
+  if not circle then return nil, message, details end
+  return changed(self, self.outline:hole(circle))
 end
 
 --- Takes a hole away.
 function class.without(self, loop)
-  local outline, message, details = self.outline:without(loop)
-  if not outline then return nil, message, details end
-  return class.become(self, outline)
+  return changed(self, self.outline:without(loop))
 end
 
 --- Largest von Mises stress on another mesh: size of its elements, order.

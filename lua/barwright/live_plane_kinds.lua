@@ -51,6 +51,18 @@ kinds["steady sheet"] = {
   told = function(object) return {moved(object)} end,
 }
 
+kinds["bridge"] = {
+  title = "Bridge",
+  fields = {von_mises, displacement, table.unpack(stresses)},
+  deform = property "displacement",
+  stress = true,
+  told = function(object)
+    return {{"area", ("%.5g mm2"):format(object.area * 1e6)},
+      {"largest stress", ("%.1f %% of %.4g MPa: %s"):format(100 * object.utilisation,
+        object.stress_limit / 1e6, object.passes and "passes" or "fails")}, moved(object)}
+  end,
+}
+
 kinds["bent sheet"] = {
   title = "Bent sheet",
   fields = {von_mises, displacement, table.unpack(stresses)},

@@ -2537,7 +2537,7 @@ function Bridge:hole(centre, radius) end
 ---@return table? details
 function Bridge:without(loop) end
 
----Becomes another right half with the same feet and pad.
+---Becomes another right half; feet and pad are put back where only points moved, else they must be there.
 ---@param outline bw.Outline
 ---@return bw.Bridge?
 ---@return string? message

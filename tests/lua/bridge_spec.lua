@@ -123,7 +123,12 @@ describe("a bridge", function()
     assert(b:smooth {rounds = 2})
     assert(b:without "hole 1")
     assert(b:pull(5, {0.06, 0.004}, {reach = 0.05}))
-    check.fails("geometry", "has to stay", b:become(b.outline:shifted {0.01, 0}))
+    check.fails("geometry", "has to stay", b:become(assert(bw.outline.rectangle {width = 0.1,
+      height = 0.1})))
+    local foot = b.outline:nearest {0.1, 0}
+    assert(b:drag({vertex = foot.vertex}, {0, 0.001}))
+    local at = b.outline.vertices[foot.vertex]
+    assert.is_true(math.abs(at[1] - 0.1) + math.abs(at[2]) < 1e-12)
     check.raises("did you mean 'gable'", small_bridge, {start = "gabel"})
     check.raises("more than the limit", small_bridge, {pad = 0.001})
     check.raises("did you mean 'stress_limit'", small_bridge, {stress_limt = 1})
