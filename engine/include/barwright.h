@@ -32,9 +32,9 @@
 #define BARWRIGHT_H
 
 #include "barwright/base.h"
+#include "barwright/mesh.h"
 #include "barwright/outline.h"
 #include "barwright/plane.h"
-#include "barwright/mesh.h"
 
 #include "barwright/io.h"
 
@@ -50,8 +50,8 @@
 #include "barwright/shape.h"
 
 #include "barwright/analysis.h"
-#include "barwright/responsive.h"
 #include "barwright/flow.h"
+#include "barwright/responsive.h"
 
 #include "barwright/picture.h"
 

@@ -298,7 +298,8 @@ end
 
 --- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
 --- method = "auto" | "refactor" | "iterate" | "scratch", tolerance, precision = 32 | 64 (of the
---- factor; else by cost), check, inertia_relief, balance_tolerance; part = another load case, a model of the mesh as it was given.
+--- factor; else by cost), check, inertia_relief, balance_tolerance; part = another load case, a model
+--- of the mesh as it was given.
 function class:solve(given)
   local state, wish, part = current(self), nil, nil
   if type(given) == "table" and given.part ~= nil then

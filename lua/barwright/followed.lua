@@ -117,7 +117,8 @@ function followed.become(self, outline)
   if fine and finish then
     fine, message, details = finish(self, report)
     if not fine then
-      local back, returned, why = new_frame(), nil, nil
+      local back = new_frame()
+      local returned, why
       if restore then
         returned, why = restore()
       else

@@ -147,7 +147,6 @@ local function descend_with_worst(self)
     local word
     word, message, details = descend(self, point)
     if word ~= "met" or last then return word, message, details end
-    point = self.point
   end
   return "rounds"
 end
@@ -273,7 +272,8 @@ function optimise.run(session, given)
   local wish = options.read("optimise", given, rules)
   local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
     motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
-    radius = wish.step, price = 0, spare = 0, refills = 0, blocked = {}, limit = wish.von_mises * (1 - models.margin)}
+    radius = wish.step, price = 0, spare = 0, refills = 0, blocked = {},
+    limit = wish.von_mises * (1 - models.margin)}
   local parts = {}
   if wish.loads == "own" then parts[1] = session.source end
   for i, part in ipairs(wish.cases) do

@@ -96,7 +96,7 @@ function worst_case.analyse(part, given, view)
   self.seconds = seconds
 
   local start = clock()
-  local system, message, details = view, nil, nil
+  local system, message, details = view
   if not system then
     system, message, details = part:system()
     if not system then return nil, message, details end

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The drag of the paper responsive (figure 2: a hole taken from left to right, 159 frames) replayed
--- with elastic sheets, and with flow and heat around the hole, beside its tables 2 and 3: how often each level of reuse ran, what a frame of
+-- with elastic sheets, and with flow and heat around the hole, beside its tables 2 and 3: how often each
+-- level of reuse ran, what a frame of
 -- each costs and in which part, frames per second with reuse and without (everything made anew in
 -- every frame), median and slowest hundredth. Seconds of the clock, and of the processor (all threads),
 -- which is what to trust on a busy machine.
@@ -110,7 +111,8 @@ local function replay(name, elements, anew)
   return out
 end
 
-local runs = {{"vibration", 1962}, {"cantilever", 990}, {"flow", 1971}, {"thermal", 1938}, {"vibration", 20000}, {"steady", 20000}}
+local runs = {{"vibration", 1962}, {"cantilever", 990}, {"flow", 1971}, {"thermal", 1938},
+  {"vibration", 20000}, {"steady", 20000}}
 local rows = bw.json.list {}
 for _, run in ipairs(runs) do
   local name, elements = run[1], run[2]

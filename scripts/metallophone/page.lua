@@ -28,7 +28,8 @@ function page.picture(bar, name)
   local height = (box.high[2] - box.low[2]) * scale
   local function x(value) return (value - box.low[1]) * scale + margin end
   local function y(value) return (box.high[2] - value) * scale + margin end
-  local out = {('<svg xmlns="http://www.w3.org/2000/svg" width="%.0f" height="%.0f" role="img" aria-label="%s">'):format(
+  local head = '<svg xmlns="http://www.w3.org/2000/svg" width="%.0f" height="%.0f" role="img" aria-label="%s">'
+  local out = {head:format(
     WIDTH + 2 * margin, height + 2 * margin, report.escape(name))}
   local points, mode = bar.points:totable(), bar:mode(1):totable()
   local largest = 0
@@ -82,7 +83,8 @@ function page.write(path, result, bars)
   end
   body[#body + 1] = "</table>"
   for k, made in ipairs(done) do
-    body[#body + 1] = ("<figure>%s<figcaption>%s, %.2f Hz, %.0f mm long<br><audio controls src=\"%s.wav\"></audio></figcaption></figure>")
+    body[#body + 1] = ("<figure>%s<figcaption>%s, %.2f Hz, %.0f mm long<br>"
+      .. "<audio controls src=\"%s.wav\"></audio></figcaption></figure>")
       :format(page.picture(bars[k], made.note), report.escape(made.note), made.simulated_hz,
         1e3 * (bars[k].outline.box.high[1] - bars[k].outline.box.low[1]), report.escape(made.note))
   end

@@ -167,7 +167,8 @@ local started = {} -- scene -> what its process writes
 function part.begin(wish)
   if wish.scene then return end
   for _, name in ipairs(scenes.names) do
-    started[name] = assert(io.popen(("BARWRIGHT_QUIET=1 '%s' '%s' --only optimum --scene %s --json%s"):format(arg[-1], arg[0],
+    started[name] = assert(io.popen(("BARWRIGHT_QUIET=1 '%s' '%s' --only optimum --scene %s --json%s")
+      :format(arg[-1], arg[0],
       name, wish.full and " --full" or "")))
   end
 end

@@ -70,7 +70,9 @@ end
 
 local function same(what, a, b)
   local difference = (a - b):norm() / a:norm()
-  if not (difference < 1e-8) then error(("%s differs by %g"):format(what, difference), 3) end
+  if difference >= 1e-8 or difference ~= difference then
+    error(("%s differs by %g"):format(what, difference), 3)
+  end
 end
 
 --- The session's result is that of its part solved anew.

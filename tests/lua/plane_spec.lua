@@ -37,7 +37,7 @@ describe("a plane mesh", function()
 
   it("follows a size field: a function, a formula, a number", function()
     local outline = block()
-    local a = assert(bw.plane.fill(outline, {field = function(x, y) return 0.05 + 0.1 * x end}))
+    local a = assert(bw.plane.fill(outline, {field = function(x) return 0.05 + 0.1 * x end}))
     local b = assert(bw.plane.fill(outline, {field = "0.05 + 0.1*x"}))
     assert.same(a.elements:totable(), b.elements:totable())
     local c = assert(bw.plane.fill(outline, {size = 0.1}))
@@ -135,7 +135,7 @@ describe("a plane mesh", function()
     local field = function(x) calls = calls + 1 return 0.05 + 0.1 * x end
     local mesh = assert(bw.plane.fill(outline, {field = field}))
     local mover = assert(bw.plane.mover(mesh, {force = "reconstruction", fill = {field = field}}))
-    field = nil
+    field = nil -- luacheck: ignore 311
     collectgarbage()
     calls = 0
     local report = assert(mover:follow(assert(outline:moved({loop = "hole"}, {0.1, 0}))))
