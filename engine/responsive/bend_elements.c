@@ -41,47 +41,47 @@ void bwi_bend_clear(bwi_bend *bend) {
   bend->energy = bend->force = NULL;
 }
 
-/* F, row by row; returns its determinant. */
+/* H = F - 1, row by row: no digits are lost where F is close to 1. Returns the determinant of F. */
 static inline __attribute__((always_inline)) double deformation(int N, const double (*g)[2],
-                                                                const double (*u)[2], double f[4]) {
-  f[0] = f[3] = 1;
-  f[1] = f[2] = 0;
+                                                                const double (*u)[2], double h[4]) {
+  h[0] = h[1] = h[2] = h[3] = 0;
   for (int a = 0; a < N; a++) {
-    f[0] += u[a][0] * g[a][0];
-    f[1] += u[a][0] * g[a][1];
-    f[2] += u[a][1] * g[a][0];
-    f[3] += u[a][1] * g[a][1];
+    h[0] += u[a][0] * g[a][0];
+    h[1] += u[a][0] * g[a][1];
+    h[2] += u[a][1] * g[a][0];
+    h[3] += u[a][1] * g[a][1];
   }
-  return f[0] * f[3] - f[1] * f[2];
+  return (1 + h[0]) * (1 + h[3]) - h[1] * h[2];
 }
 
-static inline void green(const double f[4], double e[3]) {
-  /* with H = F - 1: no digits are lost where F is close to 1 */
-  double a = f[0] - 1, b = f[3] - 1;
-  e[0] = a + 0.5 * (a * a + f[2] * f[2]);
-  e[1] = b + 0.5 * (b * b + f[1] * f[1]);
-  e[2] = f[0] * f[1] + f[2] * f[3];
+/* E = (H + H^T + H^T H) / 2 with engineering shear, and F. */
+static inline void green(const double h[4], double e[3], double f[4]) {
+  e[0] = h[0] + 0.5 * (h[0] * h[0] + h[2] * h[2]);
+  e[1] = h[3] + 0.5 * (h[3] * h[3] + h[1] * h[1]);
+  e[2] = h[1] + h[2] + h[0] * h[1] + h[2] * h[3];
+  f[0] = 1 + h[0], f[1] = h[1];
+  f[2] = h[2], f[3] = 1 + h[3];
 }
 
 static inline __attribute__((always_inline)) void element_energy(const bwi_bend *bend, int32_t e,
                                                                  int N) {
   const bw_sheet *sheet = bend->sheet;
   const bwi_section *section = bwi_section_of(sheet, e);
-  double x[6][2], u[6][2], g[6][2], f[4], strain[3], stress[3], sum = 0;
+  double x[6][2], u[6][2], g[6][2], h[4], f[4], strain[3], stress[3], sum = 0;
   bwi_element_points(sheet->mesh, e, N, x);
   bwi_element_field(sheet->mesh, bend->u, e, N, u);
   bool good = true;
   for (int q = 0; q < bend->rule.count; q++) {
     double determinant = bwi_rule_gradient(&bend->rule, q, N, x, g);
-    good = good && deformation(N, g, u, f) > 0 && determinant > 0;
-    green(f, strain);
+    good = good && deformation(N, g, u, h) > 0 && determinant > 0;
+    green(h, strain, f);
     bwi_times3(section->elasticity, strain, stress);
     sum += 0.5 * bend->rule.weight[q] * determinant * section->thickness *
            (stress[0] * strain[0] + stress[1] * strain[1] + stress[2] * strain[2]);
   }
   for (int q = 0; q < bend->corners.count && good; q++) {
     bwi_rule_gradient(&bend->corners, q, N, x, g);
-    good = deformation(N, g, u, f) > 0;
+    good = deformation(N, g, u, h) > 0;
   }
   bend->energy[e] = good && isfinite(sum) ? fmax(sum, 0) : -1;
 }
@@ -90,7 +90,7 @@ static inline __attribute__((always_inline)) void element_force(const bwi_bend *
                                                                 int N) {
   const bw_sheet *sheet = bend->sheet;
   const bwi_section *section = bwi_section_of(sheet, e);
-  double x[6][2], u[6][2], g[6][2], f[4], strain[3], stress[3];
+  double x[6][2], u[6][2], g[6][2], h[4], f[4], strain[3], stress[3];
   double *out = bend->force + (int64_t)e * 2 * N;
   bwi_element_points(sheet->mesh, e, N, x);
   bwi_element_field(sheet->mesh, bend->u, e, N, u);
@@ -98,8 +98,8 @@ static inline __attribute__((always_inline)) void element_force(const bwi_bend *
   for (int q = 0; q < bend->rule.count; q++) {
     double scale =
         bwi_rule_gradient(&bend->rule, q, N, x, g) * bend->rule.weight[q] * section->thickness;
-    deformation(N, g, u, f);
-    green(f, strain);
+    deformation(N, g, u, h);
+    green(h, strain, f);
     bwi_times3(section->elasticity, strain, stress);
     /* P = F S */
     double xx = scale * (f[0] * stress[0] + f[1] * stress[2]);
@@ -133,15 +133,15 @@ static inline __attribute__((always_inline)) bw_status
 element_tangent(const bwi_bend *bend, int32_t e, int N, double *k) {
   const bw_sheet *sheet = bend->sheet;
   const bwi_section *section = bwi_section_of(sheet, e);
-  double x[6][2], u[6][2], g[6][2], f[4], strain[3], stress[3], b[6][2][3];
+  double x[6][2], u[6][2], g[6][2], h[4], f[4], strain[3], stress[3], b[6][2][3];
   bwi_element_points(sheet->mesh, e, N, x);
   bwi_element_field(sheet->mesh, bend->u, e, N, u);
   memset(k, 0, (size_t)(4 * N * N) * sizeof *k);
   for (int q = 0; q < bend->rule.count; q++) {
     double scale =
         bwi_rule_gradient(&bend->rule, q, N, x, g) * bend->rule.weight[q] * section->thickness;
-    deformation(N, g, u, f);
-    green(f, strain);
+    deformation(N, g, u, h);
+    green(h, strain, f);
     bwi_times3(section->elasticity, strain, stress);
     if (bend->convex)
       positive_part(stress);

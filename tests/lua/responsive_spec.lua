@@ -119,6 +119,15 @@ describe("a steady sheet", function()
 end)
 
 describe("a bent sheet", function()
+  it("that hardly bends is a steady one: strains of 1e-12 lose no digits", function()
+    local stiff = bw.material.isotropic {name = "stiff", young = 70e9, poisson = 0.3, density = 2700}
+    local options = {outline = plate(), material = stiff, order = 2, elements = 150,
+      gravity = {0, -1e-5}, conditions = {left = "fixed"}}
+    local bent, linear = assert(bw.responsive.cantilever(options)), assert(bw.responsive.steady(options))
+    assert.is_true(bent.reused.newton_iterations <= 3)
+    check.near(1, bent.displacement:min() / linear.displacement:min(), 1e-6)
+  end)
+
   it("is in the state it was in, bit for bit, when a drag has no equilibrium", function()
     local s = assert(bw.responsive.cantilever {outline = plate(), material = rubber, elements = 150,
       gravity = {0, -10}, conditions = {left = "fixed"}, newton = {load_steps = 1}})
