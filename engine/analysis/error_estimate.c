@@ -34,14 +34,14 @@ static bw_status of_elements(void *data, int64_t begin, int64_t end, int worker)
     for (int q = 0; q < s->rule.points; q++) {
       double strain[6], stress[6], difference[6];
       double v = s->rule.weight[q] * bwi_strain_at(&state, s->rule.by_l[q], s->rule.l[q], strain);
-      bwi_multiply6(s->material->elasticity, strain, stress);
+      bwi_multiply6(bw_material_elasticity(s->material, e), strain, stress);
       energy += v * bwi_dot6(strain, stress);
       for (int c = 0; c < 6; c++)
         stress[c] = -stress[c];
       for (int a = 0; a < state.nodes; a++)
         for (int c = 0; c < 6; c++)
           stress[c] += s->rule.value[q][a] * s->nodal[6 * (int64_t)node[a] + c];
-      bwi_multiply6(s->material->compliance, stress, difference);
+      bwi_multiply6(bw_material_compliance(s->material, e), stress, difference);
       error += v * bwi_dot6(stress, difference);
     }
     s->error[e] = 0.5 * error;

@@ -3,6 +3,7 @@
 #include "barwright/analysis.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { ROWS_PER_CHUNK = 4096 };
 
@@ -75,10 +76,15 @@ static bw_status utilisation(void *data, int64_t begin, int64_t end, int worker)
   const field *f = (const field *)data;
   (void)worker;
   const double *strength = f->material->strength;
+  const bw_material_turns *turns = f->material->turns;
+  bw_material own = *f->material; /* its axes are those of each element in turn */
   bool same = strength[0] > 0 && strength[0] == strength[1] && strength[1] == strength[2];
-  for (int64_t i = begin; i < end; i++) /* directions cost five times as much as values */
+  for (int64_t i = begin; i < end; i++) { /* directions cost five times as much as values */
+    if (turns)
+      memcpy(own.axes, turns->axes + 9 * (int64_t)turns->of_element[i], sizeof own.axes);
     f->value[i] = same ? largest(f->stress + 6 * i) / strength[0]
-                       : bw_material_utilisation(f->material, f->stress + 6 * i);
+                       : bw_material_utilisation(&own, f->stress + 6 * i);
+  }
   return BW_OK;
 }
 
@@ -104,6 +110,11 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
                                const double *stress, double *value) {
   if (!material)
     return bw_fail(context, BW_INVALID, "a utilisation field needs a material");
+  if (material->turns && material->turns->element_count != count)
+    return bw_fail(context, BW_INVALID,
+                   "%lld stresses for a material with axes for each of %d elements: the "
+                   "utilisation is of the stresses of elements then",
+                   (long long)count, material->turns->element_count);
   field f = {material, stress, value, NULL};
   return bw_parallel(context, count, ROWS_PER_CHUNK, utilisation, &f);
 }

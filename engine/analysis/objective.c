@@ -78,15 +78,17 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
   const bw_weak_region *r = &regions->region[region];
   int nodes = mesh->nodes_per_element;
   bool stress = regions->options.target == BW_WORST_STRESS;
-  double s[6];
-  for (int i = 0; i < 6; i++)
-    s[i] = material->elasticity[6 * i] + material->elasticity[6 * i + 1] +
-           material->elasticity[6 * i + 2];
+  bw_status status = bw_material_fits(context, material, mesh->element_count);
+  if (status != BW_OK)
+    return status;
   memset(right_hand_side, 0, 3 * (size_t)mesh->node_count * sizeof *right_hand_side);
   for (int32_t i = 0; i < r->count; i++) {
     int32_t e = r->element[i];
     const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
-    double gradient[10][3], value[10];
+    const double *c = bw_material_elasticity(material, e);
+    double gradient[10][3], value[10], s[6];
+    for (int k = 0; k < 6; k++)
+      s[k] = c[6 * k] + c[6 * k + 1] + c[6 * k + 2];
     bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
     for (int a = 0; a < nodes; a++) {
       double *to = right_hand_side + 3 * (size_t)node[a];

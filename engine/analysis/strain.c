@@ -66,10 +66,11 @@ void bwi_rule_make(int order, int degree, bwi_rule *rule) {
   }
 }
 
-bw_status bwi_check_stress_input(bw_context *context, const bw_material *material,
-                                 const double *displacement, const char *what) {
+bw_status bwi_check_stress_input(bw_context *context, const bw_mesh *mesh,
+                                 const bw_material *material, const double *displacement,
+                                 const char *what) {
   if (material && displacement)
-    return BW_OK;
+    return bw_material_fits(context, material, mesh->element_count);
   return bw_fail(context, BW_INVALID, "%s needs a %s", what,
                  material ? "displacement" : "material");
 }

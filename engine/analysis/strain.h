@@ -50,8 +50,9 @@ typedef struct bwi_rule {
 } bwi_rule;
 void bwi_rule_make(int order, int degree, bwi_rule *rule);
 
-/* BW_INVALID when there is no displacement or material to work with. */
-bw_status bwi_check_stress_input(bw_context *context, const bw_material *material,
-                                 const double *displacement, const char *what);
+/* BW_INVALID when there is no displacement or material to work with, or one of another mesh. */
+bw_status bwi_check_stress_input(bw_context *context, const bw_mesh *mesh,
+                                 const bw_material *material, const double *displacement,
+                                 const char *what);
 
 #endif

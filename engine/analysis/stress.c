@@ -60,7 +60,7 @@ static bw_status stress_of_elements(void *data, int64_t begin, int64_t end, int 
       for (int i = 0; i < 6; i++)
         strain[i] = sum[i] / volume;
     }
-    bwi_multiply6(d->material->elasticity, strain, d->out + 6 * e);
+    bwi_multiply6(bw_material_elasticity(d->material, e), strain, d->out + 6 * e);
   }
   return BW_OK;
 }
@@ -69,9 +69,9 @@ static bw_status stress_of_elements(void *data, int64_t begin, int64_t end, int 
  * corners: mean of s.A.s = (sum_k s_k.A.s_k + (sum_k s_k).A.(sum_k s_k)) / 20. */
 static bw_status energy_of_elements(void *data, int64_t begin, int64_t end, int worker) {
   const element_data *d = (const element_data *)data;
-  const double *c = d->material->elasticity;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
+    const double *c = bw_material_elasticity(d->material, e);
     bwi_element_state state;
     double strain[6], stress[6], sum[6] = {0}, energy = 0;
     bwi_element_state_load(d->mesh, d->displacement, e, &state);
@@ -103,7 +103,8 @@ static bw_status energy_of_elements(void *data, int64_t begin, int64_t end, int 
 bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *stress) {
   element_data d;
-  bw_status status = bwi_check_stress_input(context, material, displacement, "a stress field");
+  bw_status status =
+      bwi_check_stress_input(context, mesh, material, displacement, "a stress field");
   if (status != BW_OK)
     return status;
   prepare(mesh, material, displacement, stress, &d);
@@ -113,7 +114,8 @@ bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_m
 bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *energy) {
   element_data d;
-  bw_status status = bwi_check_stress_input(context, material, displacement, "an energy field");
+  bw_status status =
+      bwi_check_stress_input(context, mesh, material, displacement, "an energy field");
   if (status != BW_OK)
     return status;
   prepare(mesh, material, displacement, energy, &d);
@@ -130,6 +132,7 @@ typedef struct node_data {
 static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int worker) {
   const node_data *d = (const node_data *)data;
   const element_data *of = &d->element;
+  const bw_material *material = of->material;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double sum[6] = {0}, volume = 0;
@@ -139,13 +142,21 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
       int a = d->incidence.local[k];
       bwi_element_state_load(of->mesh, of->displacement, d->incidence.element[k], &state);
       bwi_strain_at(&state, of->at_node[a], of->node_l[a], strain);
+      if (material->turns) {
+        double own[6];
+        bwi_multiply6(bw_material_elasticity(material, d->incidence.element[k]), strain, own);
+        memcpy(strain, own, sizeof strain); /* stresses are averaged then */
+      }
       volume += state.volume;
       for (int c = 0; c < 6; c++)
         sum[c] += state.volume * strain[c];
     }
     for (int c = 0; c < 6; c++)
       sum[c] = volume > 0 ? sum[c] / volume : 0;
-    bwi_multiply6(of->material->elasticity, sum, of->out + 6 * i);
+    if (material->turns)
+      memcpy(of->out + 6 * i, sum, sizeof sum);
+    else
+      bwi_multiply6(material->elasticity, sum, of->out + 6 * i);
   }
   return BW_OK;
 }
@@ -154,7 +165,7 @@ bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_mat
                           const double *displacement, double *stress) {
   bw_status status;
   node_data d = {.incidence = {NULL, NULL, NULL}};
-  BW_TRY(bwi_check_stress_input(context, material, displacement, "a stress field"));
+  BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
   BW_TRY(bwi_incidence_create(context, mesh, &d.incidence));
   prepare(mesh, material, displacement, stress, &d.element);
   BW_TRY(bw_parallel(context, mesh->node_count, NODES_PER_CHUNK, stress_of_nodes, &d));

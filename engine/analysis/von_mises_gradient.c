@@ -35,7 +35,6 @@ typedef struct gradient_data {
   bwi_incidence incidence;
   bwi_rule rule;
   double at_node[10][10][4]; /* dN_a/dL_k at each node of an element */
-  double unit_stress[6];     /* C : 1 */
   double *expansion;         /* node_count: alpha dT of all temperature loads, or NULL */
   double weight[3];          /* density times the sum of the gravity loads */
   inertia *body;             /* component_count, or NULL where nothing is balanced by inertia */
@@ -69,6 +68,15 @@ static void strain_of(const double grad[9], double strain[6]) {
   strain[3] = grad[5] + grad[7];
   strain[4] = grad[6] + grad[2];
   strain[5] = grad[1] + grad[3];
+}
+
+/* stress = C : (strain - expansion 1) in one element */
+static void stress_of(const bw_material *material, int64_t element, const double strain[6],
+                      double expansion, double stress[6]) {
+  double elastic[6];
+  for (int i = 0; i < 6; i++)
+    elastic[i] = strain[i] - (i < 3 ? expansion : 0);
+  bwi_multiply6(bw_material_elasticity(material, element), elastic, stress);
 }
 
 static void full_tensor(const double s[6], double t[9]) {
@@ -119,38 +127,36 @@ static double shape_moment(int order, int a, int k) {
 
 /* ---- the stress at a node -------------------------------------------------------------------- */
 
-/* What J = von Mises at a node is made of: S = C : dJ/dsigma, so that dJ = S : d(mean grad u). */
+/* What J = von Mises at a node is made of: the slopes dJ/dsigma (of shears twice), so that with
+ * S = C : dJ/dsigma of each element around it dJ = mean of S : d(grad u) where volumes stay. */
 typedef struct nodal_state {
-  double von_mises, s[9], mean; /* mean: S : mean grad u */
-  double volume;                /* of the elements around */
+  double von_mises, slope[6];
+  double mean;   /* slope . mean stress */
+  double volume; /* of the elements around */
 } nodal_state;
 
 static void nodal_state_of(const gradient_data *d, int32_t node, nodal_state *out) {
-  double sum[9] = {0}, strain[6], stress[6], slope[6] = {0}, conjugate[6];
+  double stress[6] = {0}, expansion = d->expansion ? d->expansion[node] : 0;
   memset(out, 0, sizeof *out);
   for (int64_t k = d->incidence.start[node]; k < d->incidence.start[node + 1]; k++) {
+    int64_t e = d->incidence.element[k];
     bwi_element_state state;
-    double grad[9];
-    bwi_element_state_load(d->mesh, d->u, d->incidence.element[k], &state);
+    double grad[9], strain[6], own[6];
+    bwi_element_state_load(d->mesh, d->u, e, &state);
     gradient_at(&state, (const double(*)[3])state.u, d->at_node[d->incidence.local[k]], grad);
+    strain_of(grad, strain);
+    stress_of(d->material, e, strain, expansion, own);
     out->volume += state.volume;
-    for (int i = 0; i < 9; i++)
-      sum[i] += state.volume * grad[i];
-  }
-  for (int i = 0; i < 9; i++)
-    sum[i] /= out->volume;
-  strain_of(sum, strain);
-  bwi_multiply6(d->material->elasticity, strain, stress);
-  if (d->expansion)
     for (int i = 0; i < 6; i++)
-      stress[i] -= d->expansion[node] * d->unit_stress[i];
+      stress[i] += state.volume * own[i];
+  }
+  for (int i = 0; i < 6; i++)
+    stress[i] /= out->volume;
   double j = out->von_mises = bw_von_mises(stress);
   double trace = stress[0] + stress[1] + stress[2];
   for (int i = 0; i < 6 && j > 0; i++) /* a corner of the cone at J = 0: zero there */
-    slope[i] = (i < 3 ? 3 * stress[i] - trace : 6 * stress[i]) / (2 * j);
-  bwi_multiply6(d->material->elasticity, slope, conjugate);
-  full_tensor(conjugate, out->s);
-  out->mean = contract(out->s, sum);
+    out->slope[i] = (i < 3 ? 3 * stress[i] - trace : 6 * stress[i]) / (2 * j);
+  out->mean = bwi_dot6(out->slope, stress);
 }
 
 /* right += dJ/du where `right` is given, gradient += dJ/dx at held u where `gradient` is. */
@@ -162,11 +168,13 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
     const double(*by_l)[4] = d->at_node[d->incidence.local[k]];
     bwi_element_state state;
     bwi_element_state_load(d->mesh, d->u, e, &state);
-    double share = state.volume / j->volume;
+    double share = state.volume / j->volume, conjugate[6], s[9];
+    bwi_multiply6(bw_material_elasticity(d->material, e), j->slope, conjugate);
+    full_tensor(conjugate, s);
     if (right) {
       double push[4][3] = {{0}}; /* share S g_k */
       for (int l = 0; l < 4; l++) {
-        add_product(j->s, state.g[l], push[l]);
+        add_product(s, state.g[l], push[l]);
         for (int c = 0; c < 3; c++)
           push[l][c] *= share;
       }
@@ -176,10 +184,12 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
             right[3 * (int64_t)nodes[a] + c] += by_l[a][l] * push[l][c];
     }
     if (gradient) {
-      double grad[9], a[9] = {0};
+      double grad[9], strain[6], stress[6], a[9] = {0};
       gradient_at(&state, (const double(*)[3])state.u, by_l, grad);
-      add_transposed_product(a, -share, grad, j->s);
-      add_identity(a, share * (contract(j->s, grad) - j->mean));
+      strain_of(grad, strain);
+      stress_of(d->material, e, strain, d->expansion ? d->expansion[node] : 0, stress);
+      add_transposed_product(a, -share, grad, s);
+      add_identity(a, share * (bwi_dot6(j->slope, stress) - j->mean));
       for (int l = 0; l < 4; l++)
         add_product(a, state.g[l], gradient + 3 * (int64_t)nodes[l]);
     }
@@ -213,7 +223,6 @@ static void inertia_part(const inertia *r, const bwi_element_state *s, const dou
 
 static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker) {
   const gradient_data *d = (const gradient_data *)data;
-  const double *elasticity = d->material->elasticity;
   size_t size = 3 * (size_t)d->mesh->node_count;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
@@ -224,14 +233,10 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
     for (int q = 0; q < d->rule.points; q++) {
       gradient_at(&state, (const double(*)[3])state.u, d->rule.by_l[q], grad_u[q]);
       strain_of(grad_u[q], strain);
-      bwi_multiply6(elasticity, strain, stress);
-      if (d->expansion) {
-        double expansion = 0;
-        for (int a = 0; a < state.nodes; a++)
-          expansion += d->rule.value[q][a] * d->expansion[node[a]];
-        for (int i = 0; i < 6; i++)
-          stress[i] -= expansion * d->unit_stress[i];
-      }
+      double expansion = 0;
+      for (int a = 0; d->expansion && a < state.nodes; a++)
+        expansion += d->rule.value[q][a] * d->expansion[node[a]];
+      stress_of(d->material, e, strain, expansion, stress);
       full_tensor(stress, tau[q]);
     }
     for (int r = 0; r < d->count; r++) {
@@ -242,7 +247,7 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
         double grad[9], sigma[9], volume = d->rule.weight[q] * state.volume;
         gradient_at(&state, (const double(*)[3])lambda, d->rule.by_l[q], grad);
         strain_of(grad, strain);
-        bwi_multiply6(elasticity, strain, stress);
+        stress_of(d->material, e, strain, 0, stress);
         full_tensor(stress, sigma);
         add_transposed_product(a, volume, grad, tau[q]);
         add_transposed_product(a, volume, grad_u[q], sigma);
@@ -288,9 +293,6 @@ static bw_status gather_pass(void *data, int64_t begin, int64_t end, int worker)
 /* ---- loads and supports ---------------------------------------------------------------------- */
 
 static bw_status take_loads(bw_context *context, const bw_model *model, gradient_data *d) {
-  const double *c = model->material->elasticity;
-  for (int i = 0; i < 6; i++)
-    d->unit_stress[i] = c[6 * i] + c[6 * i + 1] + c[6 * i + 2];
   for (int l = 0; l < model->load_count; l++) {
     const bw_load *load = &model->load[l];
     if (load->kind == BW_LOAD_GRAVITY)
@@ -382,7 +384,7 @@ static bw_status check_input(bw_context *context, const bw_model *model,
   bw_status status;
   int32_t *curved = NULL;
   int64_t curved_count = 0;
-  BW_TRY(bwi_check_stress_input(context, model->material, displacement, "a stress gradient"));
+  BW_TRY(bwi_check_stress_input(context, mesh, model->material, displacement, "a stress gradient"));
   if (numbering->mesh->node_count != mesh->node_count) {
     status = bw_fail(context, BW_INVALID,
                      "the numbering is of a mesh of %d nodes, the model's mesh has %d",

@@ -55,7 +55,8 @@ typedef struct bwi_domain_coefficients {
   double *present; /* T as it is now, of pieces of sets, where a domain is reshaped */
   double *map;     /* BWI_DOMAIN_MAP domain_count: what makes entries of T now */
 
-  double elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl at rest */
+  double elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl, of a material turned by element unturned */
+  double *rest_turn;     /* domain_count x 9: then how each domain's lies at rest; or NULL */
   bool turning_matters;  /* the material is not isotropic */
 
   /* Frames met on a domain's nodes, -1 the global one; with a material that is not isotropic also
@@ -93,8 +94,8 @@ void bwi_domain_entries(const double *map, const double *tensor, double block[9]
 /* C of a material turned by the rotation: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
 void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]);
 /* C of a domain, whose material may have turned with its frame. */
-void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double frame[9],
-                           double elasticity[81]);
+void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, int32_t domain,
+                           const double frame[9], double elasticity[81]);
 /* T of a piece's j-th domain: at rest, or as it counts now. */
 static inline double *bwi_domain_rest(const bwi_domain_coefficients *c,
                                       const bwi_domain_piece *piece, int64_t j) {

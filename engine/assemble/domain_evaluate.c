@@ -89,17 +89,26 @@ void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], 
   memcpy(turned, now, sizeof now);
 }
 
-void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, const double frame[9],
-                           double elasticity[81]) {
+void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, int32_t domain,
+                           const double frame[9], double elasticity[81]) {
   const bwi_domain_coefficients *c = stiffness->coefficients;
-  if (!c->turning_matters || !stiffness->material_turns) {
+  const double *rest = c->rest_turn ? c->rest_turn + 9 * (int64_t)domain : NULL;
+  bool turns = c->turning_matters && stiffness->material_turns;
+  double rotation[9];
+  if (!turns && !rest) {
     memcpy(elasticity, c->elasticity, sizeof c->elasticity);
     return;
   }
-  double rotation[9];
   for (int r = 0; r < 3; r++)
-    for (int s = 0; s < 3; s++)
-      rotation[3 * r + s] = frame[3 * s + r];
+    for (int s = 0; s < 3; s++) {
+      if (!turns)
+        rotation[3 * r + s] = rest[3 * r + s];
+      else if (!rest)
+        rotation[3 * r + s] = frame[3 * s + r];
+      else
+        rotation[3 * r + s] =
+            frame[r] * rest[s] + frame[3 + r] * rest[3 + s] + frame[6 + r] * rest[6 + s];
+    }
   bwi_turn_elasticity(c->elasticity, rotation, elasticity);
 }
 

@@ -27,6 +27,7 @@ static void destroy(void *object) {
     bw_free(c->tensor);
     bw_free(c->present);
     bw_free(c->map);
+    bw_free(c->rest_turn);
     bw_free(c->frame_start);
     bw_free(c->frame_domain);
     bw_free(c->written);
@@ -57,7 +58,7 @@ static size_t bytes(const void *object) {
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_domain + 9 * sizeof *c->reported_frame) +
          domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
-                    BWI_DOMAIN_MAP * sizeof *c->map + 1);
+                    (BWI_DOMAIN_MAP + (c->rest_turn ? 9 : 0)) * sizeof *c->map + 1);
 }
 
 static const bw_kind stiffness_kind = {"domain stiffness", destroy, bytes};
@@ -90,6 +91,33 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
   return BW_OK;
 }
 
+/* How each domain's material lies at rest where it is turned by element: alike in all of a domain.
+ */
+static bw_status take_turns(bw_context *context, const bw_material *material, int32_t domain_count,
+                            const int32_t *element_domain, bwi_domain_coefficients *c) {
+  const bw_material_turns *t = material->turns;
+  if (!t)
+    return BW_OK;
+  c->rest_turn = BW_NEW0(context, double, 9 * (int64_t)domain_count); /* zero: not met yet */
+  if (!c->rest_turn)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < t->element_count; e++) {
+    double *rest = c->rest_turn + 9 * (int64_t)element_domain[e];
+    const double *own = t->rotation + 9 * (int64_t)t->of_element[e];
+    if (bw_norm(rest) == 0)
+      memcpy(rest, own, 9 * sizeof *rest);
+    else if (memcmp(rest, own, 9 * sizeof *rest) != 0) {
+      bw_fail(context, BW_INVALID,
+              "element %d of domain %d has its material turned otherwise than elements before it: "
+              "each domain needs one direction of its material",
+              e + 1, element_domain[e] + 1);
+      bw_detail_number(context, "element", e + 1);
+      return BW_INVALID;
+    }
+  }
+  return BW_OK;
+}
+
 bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
                                      const bw_mesh *mesh, const bw_material *material,
                                      bool material_turns, int32_t domain_count,
@@ -102,6 +130,7 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   bw_domain_stiffness *s = NULL;
   BW_TRY(bwi_graph_fits(context, graph, mesh));
   BW_TRY(check_arguments(context, mesh, domain_count, element_domain, node_domain));
+  BW_TRY(bw_material_fits(context, material, mesh->element_count));
   if (graph->gather_start[graph->pair_count] > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",
@@ -127,6 +156,7 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
           c->elasticity[9 * (3 * i + k) + 3 * j + l] =
               material->elasticity[6 * voigt[i][j] + voigt[k][l]];
   c->turning_matters = !material->isotropic;
+  BW_TRY(take_turns(context, material, domain_count, element_domain, c));
   BW_TRY(bwi_domain_lists(context, graph, domain_count, element_domain, node_domain,
                           c->turning_matters, material_turns, c));
   int64_t nodes = c->node_start[domain_count];
@@ -157,8 +187,11 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   memset(work.action, BWI_DOMAIN_GATHER, (size_t)domain_count);
   BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
   BW_TRY(bwi_domain_gather_rest(context, &work));
-  for (int32_t d = 0; d < domain_count; d++)
-    bwi_domain_map(c->elasticity, identity, c->map + BWI_DOMAIN_MAP * (int64_t)d);
+  for (int32_t d = 0; d < domain_count; d++) {
+    double elasticity[81];
+    bwi_domain_elasticity(s, d, identity, elasticity);
+    bwi_domain_map(elasticity, identity, c->map + BWI_DOMAIN_MAP * (int64_t)d);
+  }
   BW_TRY(bwi_domain_write(context, &work));
   *stiffness = s;
   s = NULL;
@@ -219,7 +252,7 @@ bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_st
                    "node positions",
                    domain);
   double elasticity[81], map[BWI_DOMAIN_MAP];
-  bwi_domain_elasticity(stiffness, c->written[domain].frame, elasticity);
+  bwi_domain_elasticity(stiffness, domain, c->written[domain].frame, elasticity);
   bwi_domain_map_derivative(elasticity, c->written[domain].linear, direction, map);
   for (int64_t p = 0; p < c->piece_count; p++) {
     const bwi_domain_piece *piece = &c->piece[p];

@@ -191,7 +191,7 @@ bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *s
     if (work.action[d] == BWI_DOMAIN_KEEP)
       continue;
     remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
-    bwi_domain_elasticity(stiffness, motion[d].frame, elasticity);
+    bwi_domain_elasticity(stiffness, d, motion[d].frame, elasticity);
     bwi_domain_map(elasticity, motion[d].reshaped ? identity : motion[d].linear,
                    c->map + BWI_DOMAIN_MAP * (int64_t)d);
   }

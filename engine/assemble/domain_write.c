@@ -172,7 +172,8 @@ static void gather_inside(const bwi_domain_work *work, const bwi_domain_piece *p
   bwi_vector map[9][3] = {{{0}}};
   if (!material->isotropic) {
     double elasticity[81];
-    bwi_domain_elasticity(work->stiffness, c->written[piece->section].frame, elasticity);
+    int32_t domain = (int32_t)piece->section;
+    bwi_domain_elasticity(work->stiffness, domain, c->written[domain].frame, elasticity);
     for (int jl = 0; jl < 9; jl++)
       for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)

@@ -59,9 +59,29 @@ typedef struct gather_data {
   bwi_pair_source source;
   bwi_gather_kind kind;
   double lambda, mu;
-  bwi_vector map[9][3]; /* of the component T[m]: what it adds to the rows of the block */
+  bwi_vector (*map)[9][3]; /* by group: of the component T[m], what it adds to the block's rows */
+  const int32_t *group;    /* by element: where the material is turned by element, or NULL */
   double *values;
 } gather_data;
+
+/* The block of a pair whose elements have materials of their own. */
+static void gather_turned(const gather_data *g, int64_t pair, bool diagonal, double *out) {
+  const bw_graph *graph = g->source.graph;
+  int64_t k = graph->gather_start[pair], end = graph->gather_start[pair + 1];
+  memset(out, 0, 9 * sizeof *out);
+  while (k < end) {
+    double t[3][4], block[9];
+    int32_t group = g->group[graph->gather_element[k]];
+    int64_t next = k + 1;
+    while (next < end && g->group[graph->gather_element[next]] == group)
+      next++;
+    bwi_sum_contributions(&g->source, NULL, k, next, diagonal, t);
+    bwi_apply_general(g->map[group], t, block);
+    for (int i = 0; i < 9; i++)
+      out[i] += block[i];
+    k = next;
+  }
+}
 
 static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const gather_data *g = (const gather_data *)data;
@@ -71,6 +91,12 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
     for (int64_t pair = start[i]; pair < start[i + 1]; pair++) {
       double t[3][4], *out = g->values + 9 * pair;
       bool diagonal = pair == start[i + 1] - 1;
+      if (g->group) {
+        gather_turned(g, pair, diagonal, out);
+        if (diagonal)
+          bwi_make_symmetric(out);
+        continue;
+      }
       bwi_sum_pair(&g->source, NULL, pair, diagonal, t);
       if (g->kind == BWI_TRACE) {
         g->values[pair] = t[0][0] + t[1][1] + t[2][2];
@@ -79,16 +105,38 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
       if (g->kind == BWI_ISOTROPIC)
         bwi_apply_isotropic(g->lambda, g->mu, t, out);
       else
-        bwi_apply_general(g->map, t, out);
+        bwi_apply_general(g->map[0], t, out);
       if (diagonal)
         bwi_make_symmetric(out);
     }
   return BW_OK;
 }
 
+/* The maps of a material that is not isotropic: one, or one for each of its groups. */
+static bw_status general_maps(bw_context *context, const bw_material *material, gather_data *g) {
+  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  const bw_material_turns *turns = material->turns;
+  int32_t count = turns ? turns->count : 1;
+  g->map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->map);
+  if (!g->map)
+    return BW_MEMORY;
+  for (int32_t n = 0; n < count; n++) {
+    const double *c = turns ? turns->elasticity + 36 * (int64_t)n : material->elasticity;
+    for (int j = 0; j < 3; j++)
+      for (int l = 0; l < 3; l++)
+        for (int i = 0; i < 3; i++) {
+          bwi_vector row = {0, 0, 0, 0};
+          for (int k = 0; k < 3; k++)
+            row[k] = c[6 * voigt[i][j] + voigt[k][l]];
+          g->map[n][3 * j + l][i] = row;
+        }
+  }
+  g->group = turns ? turns->of_element : NULL;
+  return BW_OK;
+}
+
 bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
                      bwi_gather_kind kind, const bw_material *material, double *values) {
-  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
   bw_status status = BW_OK;
   bwi_frames frames = {0};
   gather_data g = {.source = {.graph = graph, .frames = &frames}, .kind = kind, .values = values};
@@ -100,14 +148,13 @@ bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *
     g.lambda = material->lame_lambda;
     g.mu = material->lame_mu;
   }
-  if (kind == BWI_GENERAL)
-    for (int j = 0; j < 3; j++)
-      for (int l = 0; l < 3; l++)
-        for (int i = 0; i < 3; i++)
-          for (int k = 0; k < 3; k++)
-            g.map[3 * j + l][i][k] = material->elasticity[6 * voigt[i][j] + voigt[k][l]];
+  if (kind == BWI_GENERAL) {
+    BW_TRY(bw_material_fits(context, material, mesh->element_count));
+    BW_TRY(general_maps(context, material, &g));
+  }
   BW_TRY(bw_parallel(context, graph->node_count, ROWS_PER_CHUNK, gather_rows, &g));
 done:
+  bw_free(g.map);
   bwi_frames_clear(&frames);
   return status;
 }

@@ -43,10 +43,11 @@ static inline void bwi_add_curved(const bwi_frames *frames, int32_t number, int 
       t[r][c] += a >= b ? tensor[3 * r + c] : tensor[3 * c + r];
 }
 
-/* T of one pair into t (rows of four, the last unused). `range` NULL: all elements; else those are
- * straight. */
-static inline void bwi_sum_pair(const bwi_pair_source *source, const bwi_element_range *range,
-                                int64_t pair, bool diagonal, double t[3][4]) {
+/* What the contributions from `begin` to `end` - 1 of one pair make of T, into t (rows of four, the
+ * last unused). `range` NULL: all elements; else those are straight. */
+static inline void bwi_sum_contributions(const bwi_pair_source *source,
+                                         const bwi_element_range *range, int64_t begin, int64_t end,
+                                         bool diagonal, double t[3][4]) {
   /* Frames are asked for this many contributions ahead: numbers of neighbours may lie far apart. */
   enum { AHEAD = 32 };
   const bw_graph *graph = source->graph;
@@ -57,7 +58,7 @@ static inline void bwi_sum_pair(const bwi_pair_source *source, const bwi_element
   double extra[3][4];
   if (curved)
     memset(extra, 0, sizeof extra);
-  for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
+  for (int64_t k = begin; k < end; k++) {
     int32_t e = graph->gather_element[k];
     int code = graph->gather_local[k];
     if (range) {
@@ -93,6 +94,13 @@ static inline void bwi_sum_pair(const bwi_pair_source *source, const bwi_element
     for (int r = 0; r < 3; r++)
       for (int c = 0; c < 3; c++)
         t[r][c] += extra[r][c];
+}
+
+/* T of one pair. */
+static inline void bwi_sum_pair(const bwi_pair_source *source, const bwi_element_range *range,
+                                int64_t pair, bool diagonal, double t[3][4]) {
+  const int64_t *start = source->graph->gather_start;
+  bwi_sum_contributions(source, range, start[pair], start[pair + 1], diagonal, t);
 }
 
 /* K = lambda T + mu T^T + mu tr(T) I */

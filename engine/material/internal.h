@@ -18,5 +18,15 @@ bw_status bwi_material_check_finite(bw_context *context, const bw_material *mate
 bw_status bwi_material_check_rotation(bw_context *context, const char *what, double axes[9]);
 /* elasticity and compliance of an orthotropic material from its constants and axes. */
 bw_status bwi_material_orthotropic_matrices(bw_context *context, bw_material *material);
+/* The same without its turns by element, with one reference. */
+bw_material *bwi_material_copy(bw_context *context, const bw_material *material);
+/* turned: rows R e_i of the axes' rows e_i */
+void bwi_material_turn_axes(const double axes[9], const double rotation[9], double turned[9]);
+
+/* turned.c */
+void bwi_material_turns_free(bw_material_turns *turns);
+/* A material that is turned by element, turned once more as a whole. */
+bw_status bwi_material_turned_on(bw_context *context, const bw_material *material,
+                                 const double rotation[9], bw_material **rotated);
 
 #endif

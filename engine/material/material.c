@@ -6,12 +6,18 @@
 #include <string.h>
 
 static void destroy(void *object) {
-  bw_free(object);
+  bw_material *material = (bw_material *)object;
+  bwi_material_turns_free(material->turns);
+  bw_release(material->unturned);
+  bw_free(material);
 }
 
 static size_t bytes(const void *object) {
-  (void)object;
-  return sizeof(bw_material);
+  const bw_material *material = (const bw_material *)object;
+  const bw_material_turns *t = material->turns;
+  size_t groups = t ? (size_t)t->count : 0, elements = t ? (size_t)t->element_count : 0;
+  return sizeof *material + (t ? sizeof *t : 0) + elements * sizeof(int32_t) +
+         groups * (2 * 9 + 2 * 36) * sizeof(double);
 }
 
 static const bw_kind material_kind = {"material", destroy, bytes};
@@ -114,20 +120,35 @@ bw_status bwi_material_check_rotation(bw_context *context, const char *what, dou
   return BW_OK;
 }
 
+bw_material *bwi_material_copy(bw_context *context, const bw_material *material) {
+  bw_material *copy = BW_NEW(context, bw_material, 1);
+  if (!copy)
+    return NULL;
+  *copy = *material;
+  bw_object_init(copy, &material_kind);
+  copy->unturned = NULL;
+  copy->turns = NULL;
+  return copy;
+}
+
+void bwi_material_turn_axes(const double axes[9], const double rotation[9], double turned[9]) {
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++)
+      turned[3 * i + k] = bw_dot(rotation + 3 * k, axes + 3 * i);
+}
+
 bw_status bw_material_rotated(bw_context *context, const bw_material *material,
                               const double rotation[9], bw_material **rotated) {
   bw_status status = BW_OK;
   double r[9];
   memcpy(r, rotation, sizeof r);
   BW_TRY(bwi_material_check_rotation(context, "the rotation of a material", r));
-  bw_material *turned = BW_NEW(context, bw_material, 1);
+  if (material->turns)
+    return bwi_material_turned_on(context, material, r, rotated);
+  bw_material *turned = bwi_material_copy(context, material);
   if (!turned)
     return BW_MEMORY;
-  *turned = *material;
-  bw_object_init(turned, &material_kind);
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++)
-      turned->axes[3 * i + k] = bw_dot(r + 3 * k, material->axes + 3 * i);
+  bwi_material_turn_axes(material->axes, r, turned->axes);
   if (!turned->isotropic)
     status = bwi_material_orthotropic_matrices(context, turned);
   if (status != BW_OK) {

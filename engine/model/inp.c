@@ -93,6 +93,11 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   bw_status status;
   if (modes < 0)
     return bw_fail(context, BW_INVALID, "%d modes asked for: 0 for a static step, or more", modes);
+  if (model->material->turns)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "%s: material %s has axes by element, and the deck that is written has one "
+                   "material for all elements",
+                   path, model->material->name);
   BW_TRY(bw_numbering_create(context, model, &numbering));
   int64_t most = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)

@@ -40,6 +40,9 @@ bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_mat
                           bw_model **model) {
   if (!mesh || !material)
     return bw_fail(context, BW_INVALID, "a model needs a mesh and a material");
+  bw_status status = bw_material_fits(context, material, mesh->element_count);
+  if (status != BW_OK)
+    return status;
   bw_model *made = BW_NEW0(context, bw_model, 1);
   if (!made)
     return BW_MEMORY;
@@ -47,6 +50,19 @@ bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_mat
   made->mesh = (const bw_mesh *)bw_retain(mesh);
   made->material = (const bw_material *)bw_retain(material);
   *model = made;
+  return BW_OK;
+}
+
+bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
+                                 const int32_t *of_element, const double *rotation) {
+  bw_material *turned = NULL;
+  bw_status status = bw_material_turned(context, model->material, model->mesh->element_count,
+                                        group_count, of_element, rotation, &turned);
+  if (status != BW_OK)
+    return status;
+  bw_release(model->material);
+  model->material = turned;
+  model->object.revision++;
   return BW_OK;
 }
 

@@ -234,5 +234,10 @@ bw_status bw_model_transferred(bw_context *context, const bw_model *model, const
                    "facets), in the same order: a model can be transferred only where the surface "
                    "stayed",
                    mesh->facet_count, old->facet_count);
+  if (model->material->turns)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "material %s is turned by element, and the mesh has other elements: transfer "
+                   "the model with the unturned material and turn it there",
+                   model->material->name);
   return carry(context, model, mesh, node_from, transferred);
 }

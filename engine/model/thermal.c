@@ -7,9 +7,9 @@
 #include "model/internal.h"
 
 /* C : 1, the stress per unit of expansion. */
-static void unit_stress(const bw_material *material, double stress[6]) {
+static void unit_stress(const bw_material *material, int64_t element, double stress[6]) {
   for (int i = 0; i < 6; i++) {
-    const double *row = material->elasticity + 6 * i;
+    const double *row = bw_material_elasticity(material, element) + 6 * i;
     stress[i] = row[0] + row[1] + row[2];
   }
 }
@@ -37,7 +37,7 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
   for (int a = 0; a < nodes; a++)
     memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
   memset(force, 0, (size_t)nodes * sizeof *force);
-  unit_stress(model->material, unit);
+  unit_stress(model->material, element, unit);
   int points = points_of(mesh->order, point, weight);
   for (int q = 0; q < points; q++) {
     double slope[10][3];
@@ -52,12 +52,44 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
   }
 }
 
+/* C : 1 at nodes, the mean of the elements around each, as the stresses there are averaged. */
+static bw_status nodal_units(bw_context *context, const bw_model *model, double **out) {
+  const bw_mesh *mesh = model->mesh;
+  size_t nodes = (size_t)mesh->node_count;
+  double *mean = BW_NEW0(context, double, 6 * nodes), *volume = BW_NEW0(context, double, nodes);
+  if (!mean || !volume) {
+    bw_free(mean);
+    bw_free(volume);
+    return BW_MEMORY;
+  }
+  for (int64_t e = 0; e < mesh->element_count; e++) {
+    const int32_t *node = mesh->element + e * mesh->nodes_per_element;
+    double unit[6];
+    unit_stress(model->material, e, unit);
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      volume[node[a]] += mesh->volume[e];
+      for (int k = 0; k < 6; k++)
+        mean[6 * (size_t)node[a] + (size_t)k] += mesh->volume[e] * unit[k];
+    }
+  }
+  for (size_t i = 0; i < 6 * nodes; i++)
+    mean[i] = volume[i / 6] > 0 ? mean[i] / volume[i / 6] : 0;
+  bw_free(volume);
+  *out = mean;
+  return BW_OK;
+}
+
 bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
                                   double *stress) {
   const bw_mesh *mesh = model->mesh;
   int32_t count = on_nodes ? mesh->node_count : mesh->element_count;
   double unit[6], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
-  unit_stress(model->material, unit);
+  double *by_node = NULL; /* where the material is turned by element */
+  bool turned = model->material->turns != NULL;
+  bw_status status = BW_OK;
+  if (turned && on_nodes)
+    BW_TRY(nodal_units(context, model, &by_node));
+  unit_stress(model->material, 0, unit);
   int points = points_of(mesh->order, point, weight);
   memset(stress, 0, (size_t)count * 6 * sizeof *stress);
   for (int l = 0; l < model->load_count; l++) {
@@ -66,8 +98,12 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
       continue;
     for (int32_t i = 0; i < count; i++) {
       double change = 0;
-      if (i % 65536 == 0 && bw_cancelled(context))
-        return bw_check_cancel(context);
+      if (i % 65536 == 0)
+        BW_TRY(bw_check_cancel(context));
+      if (turned && on_nodes)
+        memcpy(unit, by_node + 6 * (size_t)i, sizeof unit);
+      else if (turned)
+        unit_stress(model->material, i, unit);
       if (on_nodes)
         change = bw_array_get(load->nodal, i, 0);
       else
@@ -80,5 +116,7 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
         stress[6 * (size_t)i + (size_t)k] += load->expansion * change * unit[k];
     }
   }
-  return BW_OK;
+done:
+  bw_free(by_node);
+  return status;
 }

@@ -16,31 +16,19 @@ static double difference(const double *a, const double *b, int64_t count) {
   return scale > 0 ? most / scale : most;
 }
 
-/* The stiffness of the present shape by the way that shares least with the one checked. An
- * anisotropic material that turns with the domains has only theirs. */
+/* The stiffness of the present shape by the way that shares least with the one checked. */
 static bw_status fresh_stiffness(bw_context *context, const bw_local_system *local,
                                  double **values) {
   bw_status status = BW_OK;
-  const bwi_local *inner = local->inner;
   const bw_system *system = local->system;
-  bw_domain_stiffness *domains = NULL;
-  int64_t numbers = 9 * system->graph->pair_count;
-  double *made = BW_NEW(context, double, numbers);
+  double *made = BW_NEW(context, double, 9 * system->graph->pair_count);
   if (!made)
     return BW_MEMORY;
-  if (inner->material_turns && !system->material->isotropic) {
-    BW_TRY(bw_domain_stiffness_create(context, system->graph, inner->rest->mesh, system->material,
-                                      true, inner->domain_count, inner->element_domain,
-                                      inner->node_domain, &domains));
-    BW_TRY(bw_domain_stiffness_update(context, domains, system->mesh, inner->motion, NULL));
-    memcpy(made, domains->values, (size_t)numbers * sizeof *made);
-  } else
-    BW_TRY(bw_stiffness(context, system->graph, system->mesh, system->material, made));
+  BW_TRY(bw_stiffness(context, system->graph, system->mesh, local->inner->model->material, made));
   *values = made;
   made = NULL;
 done:
   bw_free(made);
-  bw_release(domains);
   return status;
 }
 

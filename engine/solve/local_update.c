@@ -80,9 +80,56 @@ static bw_status check_model(bw_context *context, const bw_local_system *local,
                    "the edited model has a mesh of %d nodes and %d elements, the system one of %d "
                    "and %d: the elements must be the same",
                    mesh->node_count, mesh->element_count, rest->node_count, rest->element_count);
-  if (model->material != local->inner->rest->material)
+  return BW_OK;
+}
+
+static const bw_material *before_turns(const bw_material *material) {
+  return material->turns ? material->unturned : material;
+}
+
+/* How far the turn of an element's material is from that of its domain since rest. */
+static double off_turn(const bw_material *rest, const bw_material *now, int64_t element,
+                       const double frame[9]) {
+  static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const bw_material_turns *t = rest->turns, *u = now->turns;
+  const double *before = t ? t->rotation + 9 * (int64_t)t->of_element[element] : identity;
+  const double *after = u ? u->rotation + 9 * (int64_t)u->of_element[element] : identity;
+  double off = 0;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      off = fmax(off, fabs(frame[r] * before[c] + frame[3 + r] * before[3 + c] +
+                           frame[6 + r] * before[6 + c] - after[3 * r + c]));
+  return off;
+}
+
+/* The model's material is the system's; where that turns with the domains, it has to be turned by
+ * element as they lie now, since stresses are taken from it. */
+static bw_status check_material(bw_context *context, const bw_local_system *local,
+                                const bw_model *model, const bw_domain_motion *motion) {
+  const bwi_local *inner = local->inner;
+  const bw_material *rest = inner->rest->material, *now = model->material;
+  bool turns = inner->material_turns && !rest->isotropic;
+  if (turns ? before_turns(now) != before_turns(rest) : now != rest)
     return bw_fail(context, BW_INVALID,
                    "the edited model has another material than the system that is to follow it");
+  int32_t domain = -1, group = -1; /* of the element before */
+  for (int32_t e = 0; turns && e < model->mesh->element_count; e++) {
+    int32_t of = now->turns ? now->turns->of_element[e] : 0, d = inner->element_domain[e];
+    if (d == domain && of == group)
+      continue;
+    domain = d;
+    group = of;
+    double off = off_turn(rest, now, e, motion[d].frame);
+    if (!(off <= 1e-9)) {
+      bw_fail(context, BW_INVALID,
+              "element %d of the edited model has its material turned otherwise than its domain %d "
+              "is since the system was made (off by %.3g): the material turns with the domains "
+              "(bw_model_turn_material)",
+              e + 1, d + 1, off);
+      bw_detail_number(context, "element", e + 1);
+      return BW_INVALID;
+    }
+  }
   return BW_OK;
 }
 
@@ -135,6 +182,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
     goto done;
   }
   BW_TRY(check_model(context, local, model));
+  BW_TRY(check_material(context, local, model, motion));
   for (size_t d = 0; d < domains; d++)
     memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
   BW_TRY(bw_numbering_follow(context, model, system->numbering, inner->domain_count,
@@ -176,6 +224,9 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   bw_retain(model->mesh);
   bw_release(system->mesh);
   system->mesh = model->mesh;
+  bw_retain(model->material);
+  bw_release(system->material);
+  system->material = model->material;
   bw_release(system->numbering);
   system->numbering = numbering;
   numbering = NULL;

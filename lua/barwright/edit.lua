@@ -34,6 +34,7 @@ local rules = {
   quality = {type = "number", default = 0.02, least = 0, most = 0.5},
   relax = {type = "boolean", default = true},
   refill = {type = "boolean", default = true},
+  material_turns = {type = "boolean", default = false},
   journal = {type = "string"},
   script = {type = "string"},
 }
@@ -91,6 +92,9 @@ end
 local function begin(part, given)
   options.object("edit", "part", part, "model")
   local wish = options.read("edit", given, rules)
+  if wish.material_turns and part.material.turned then
+    raise("edit: option 'material_turns': the part's material is turned by element already")
+  end
   local mesh = part.mesh
   local domains, message, details = wish.domains
   if domains and domains.mesh ~= mesh then

@@ -7,16 +7,26 @@ local edit_motion = require "barwright.edit_motion"
 
 local edit_follow = {}
 
---- A part given on the original mesh, with its supports and loads on the shape of a state.
+--- A part given on the original mesh, with its supports and loads on the shape of a state. Where the
+--- material turns with the bones, every piece has its own directions there.
 function edit_follow.model(state, part)
-  if state.topology.node_from then
-    return part:transferred(state.shape.mesh, state.topology.node_from)
+  local shape, topology = state.shape, state.topology
+  local model, message, details
+  if topology.node_from then
+    model, message, details = part:transferred(shape.mesh, topology.node_from)
+  else
+    model, message, details = part:moved(shape.mesh)
   end
-  return part:moved(state.shape.mesh)
+  if not model then return nil, message, details end
+  if shape.material_turns and not shape.at_rest then
+    local motion = topology.domains:motion(shape.maps, shape.rotations)
+    return core.turn_material(model, topology.domains, motion)
+  end
+  return model
 end
 
 local function make(owner, state, model)
-  local system, message, details = core.local_system(model, state.topology.domains)
+  local system, message, details = core.local_system(model, state.topology.domains, state.shape.material_turns)
   if not system then return nil, message, details end
   if owner.following then owner.following.system:close() end
   owner.following = {topology = state.topology, system = system, model = model,

@@ -105,7 +105,7 @@ local function relaxed_nodes(topology, shape, nodes)
 end
 
 --- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of pieces,
---- topology}. Where elements are inverted and stay so, a fourth value has what refilling starts from.
+--- topology, material_turns}. Where elements are inverted and stay so, a fourth value has what refilling starts from.
 function edit_shape.of(topology, pose, wish)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)
   if not maps then return nil, rotations, details end
@@ -117,7 +117,7 @@ function edit_shape.of(topology, pose, wish)
       .. "wrong?"):format(farthest), {status = "geometry"}
   end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
-    relaxed = {}, at_rest = edit_pose.all_at_rest(pose)}
+    relaxed = {}, at_rest = edit_pose.all_at_rest(pose), material_turns = wish.material_turns}
   local judged = topology.mesh:judge(nodes, topology.floor)
   local final = nodes
   if judged.inverted > 0 then

@@ -93,7 +93,27 @@ static int leave_with_reuse(lua_State *L, bw_status status, const bw_reuse *reus
 
 /* ---- making, following, solving -------------------------------------------------------------- */
 
-/* local_system(model, domains): the model at the shape that later motions count from */
+/* turn_material(model, domains, motion): model; its material turned as each piece lies by rows as
+ * those of domains:motion */
+static int core_turn_material(lua_State *L) {
+  bw_model *model = (bw_model *)lbw_check(L, 1, &lbw_model_class);
+  const bw_domains *domains = (const bw_domains *)lbw_check(L, 2, &lbw_domains_class);
+  lbw_argument_check(L, domains->mesh->element_count == model->mesh->element_count, 2,
+                     "domains of the model's mesh expected");
+  const bw_domain_motion *motion = lbw_read_motion(L, 3, domains->piece_count);
+  double *turn = (double *)lua_newuserdatauv(L, (size_t)domains->piece_count * 9 * sizeof *turn, 0);
+  for (int32_t p = 0; p < domains->piece_count; p++)
+    for (int r = 0; r < 3; r++)
+      for (int c = 0; c < 3; c++)
+        turn[9 * (size_t)p + (size_t)(3 * r + c)] = motion[p].frame[3 * c + r];
+  bw_status status = bw_model_turn_material(lbw_enter(L), model, domains->piece_count,
+                                            domains->element_piece, turn);
+  lua_pushvalue(L, 1);
+  return lbw_leave(L, status, 1);
+}
+
+/* local_system(model, domains, material_turns): the model at the shape that later motions count
+ * from */
 static int core_local_system(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_domains *domains = (const bw_domains *)lbw_check(L, 2, &lbw_domains_class);
@@ -103,9 +123,10 @@ static int core_local_system(lua_State *L) {
                      2, "domains of the model's mesh expected");
   lbw_box *box = lbw_box_new(L, &lbw_local_system_class);
   bw_local_system *local = NULL;
+  bool material_turns = lua_toboolean(L, 3);
   bw_edits edits = {domains->skeleton->bone_count, domains->piece_bone_start, domains->piece_bone};
   bw_status status =
-      bw_local_system_create(lbw_enter(L), model, false, domains->piece_count,
+      bw_local_system_create(lbw_enter(L), model, material_turns, domains->piece_count,
                              domains->element_piece, domains->node_piece, &edits, &local);
   if (local)
     box->extra = bw_retain(domains);
@@ -310,6 +331,8 @@ void lbw_open_local(lua_State *L) {
   luaL_newmetatable(L, "barwright.reuse");
   lua_setfield(L, -2, "reuse");
   lua_pop(L, 1);
+  lua_pushcfunction(L, core_turn_material);
+  lua_setfield(L, -2, "turn_material");
   lua_pushcfunction(L, core_local_system);
   lua_setfield(L, -2, "local_system");
 }

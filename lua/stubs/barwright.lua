@@ -878,6 +878,7 @@ function material_module.names() end
 ---@field density number? kg/m3
 ---@field strength number|bw.Vector|nil Pa
 ---@field axes bw.Array 3 x 3, rows are the material axes
+---@field turned boolean whether axes differ from element to element (an edit session's, with material_turns); `axes` and `elasticity` are then those before
 ---@field elasticity bw.Array 6 x 6, Pa
 ---@field sources table<string, {mean: number, scatter: number, source: string}> where values come from
 local Material = {}
@@ -892,7 +893,8 @@ function Material:rotated(rotation) end
 ---@return number?
 function Material:strength_along(direction) end
 
----Stress over strength, the largest over the principal stresses, of rows of stress tensors.
+---Stress over strength, the largest over the principal stresses, of rows of stress tensors. Of a
+---material turned by element: of the stresses of all elements.
 ---@param stress bw.Array
 ---@return bw.Array?
 function Material:utilisation(stress) end
@@ -1807,6 +1809,7 @@ function edit_module.begin(script, session) end
 ---@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements; default true
 ---@field refill? boolean refill domains where that fails; default true
+---@field material_turns? boolean an orthotropic material's axes turn with the bones; default false: they stay, as where the edited shape is printed the same way up
 ---@field journal? string a script that every edit is added to at once; an older journal becomes path~, any other file there is refused
 ---@field script? string a file that returns the part and these options, named by saved scripts
 

@@ -50,6 +50,15 @@ describe("an edit that inverts elements", function()
     end
   end)
 
+  it("keeps the directions of a material that turns through a refill", function()
+    local session = body {material_turns = true}
+    turn_until(session, "x", "refilled")
+    compare(session, assert(session:solve {check = true}))
+    assert(session:bone("trunk"):rotate {x = 10, z = 20})
+    compare(session, assert(session:solve {check = true}))
+    assert.truthy(session.part.material.turned)
+  end)
+
   it("has blended domains refilled where that fails, and goes on", function()
     local session = body()
     local degrees = turn_until(session, "x", "refilled")

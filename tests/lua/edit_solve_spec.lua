@@ -68,6 +68,52 @@ describe("a solve", function()
     check.raises("a model expected, got mesh", session.solve, session, {part = part.mesh})
   end)
 
+  it("has the material turn with the bones where asked for", function()
+    local print = assert(bw.material.orthotropic {young = {2e9, 1.8e9, 0.9e9}, poisson = {0.35, 0.3, 0.3},
+      shear = {6e8, 4e8, 7e8}, density = 1100, strength = {3e7, 2e7, 1e7}})
+    local mesh = check.beam({16, 2, 2}, 2)
+    local function part_of(material)
+      local part = bw.model {mesh = mesh, material = material}
+      part:fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
+      return part:load {on = mesh.boundary:above(1, 1), force = {1, 5, -10}}
+    end
+    local part = part_of(print)
+    local session = assert(bw.edit(part, {skeleton = beam_skeleton(), material_turns = true}))
+    assert.is_false(session.part.material.turned)
+    compare(session, assert(session:solve()))
+
+    -- as a whole: the stress of a part whose material was given turned from the start
+    assert(session:bone("upper"):rotate {z = 90})
+    local result = assert(session:solve {check = true})
+    assert.equal(1, result.reused.factor_kept)
+    assert.is_true(session.part.material.turned)
+    local turned = print:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
+    local fresh = assert(assert(part_of(turned):moved(session.mesh)):solve())
+    for _, field in ipairs {"stress", "von_mises", "utilisation"} do
+      local want = fresh[field]
+      assert.truthy((want - result[field]):norm() < 1e-8 * want:norm())
+    end
+    check.near(fresh:error_estimate(), result:error_estimate(), 1e-8)
+    local stays = assert(assert(part:moved(session.mesh)):solve())
+    assert.truthy((stays.displacement - result.displacement):norm() > 0.1 * result.displacement:norm())
+
+    -- bent: that of the part made anew, whose material knows how each element lies
+    assert(session:bone("lower"):rotate {y = 20})
+    compare(session, assert(session:solve {check = true}))
+    assert(session:bone("lower"):scale {1, 1.2, 1.1})
+    compare(session, assert(session:solve {method = "iterate"}))
+    assert(session:undo())
+    compare(session, assert(session:solve()))
+    check.raises("turned by element already", bw.edit, session.part, {material_turns = true})
+
+    -- and the optimiser's slopes are of that material
+    local limit = 0.9 * assert(session:solve()).von_mises:max()
+    local report = assert(session:optimise {von_mises = limit})
+    assert.is_true(report.met)
+    assert.truthy(assert(session:solve()).von_mises:max() <= limit)
+    compare(session, assert(session:solve()))
+  end)
+
   it("writes fields and pictures of the shape as it is", function()
     local session, folder = beam(), check.folder()
     assert(session:bone("lower"):rotate {z = 30})

@@ -32,6 +32,7 @@ bw_status bw_principal_field(bw_context *context, int64_t count, const double *s
 /* max_i |sigma_i| (worst-case eq. 6). */
 bw_status bw_max_principal_field(bw_context *context, int64_t count, const double *stress,
                                  double *value);
+/* Of a material turned by element: of the stresses of all elements. */
 bw_status bw_utilisation_field(bw_context *context, const bw_material *material, int64_t count,
                                const double *stress, double *value);
 /* Zienkiewicz-Zhu: error energy of every element, J, against the averaged nodal stress (element may

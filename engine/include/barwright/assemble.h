@@ -85,7 +85,9 @@ typedef struct bw_domain_stiffness {
   bw_object object;
   const bw_graph *graph;       /* retained */
   const bw_material *material; /* retained; its axes stay global, unless material_turns */
-  bool material_turns;         /* an orthotropic material's axes turn with each domain's frame */
+  bool material_turns;         /* an orthotropic material's axes turn with each domain's frame, from
+                                  what they are in `material` (turned by element: one way in each
+                                  domain) */
   int32_t domain_count;
   double *values;    /* 9 per pair: what bw_stiffness would give for the mesh as it is now */
   uint8_t *changed;  /* domain_count: by the last update, in the unknowns' own frames */

@@ -13,7 +13,18 @@ typedef struct bw_value {
   const char *source;   /* a static string: where the value comes from; NULL: given by the user */
 } bw_value;
 
-typedef struct bw_material {
+/* Axes that differ from element to element: every group of elements has the material turned by a
+ * rotation of its own. */
+typedef struct bw_material_turns {
+  int32_t element_count, count;
+  int32_t *of_element; /* element_count: its group, from 0 to count - 1 */
+  double *rotation;    /* count x 9: material axis e_i of the unturned material goes to R e_i */
+  double *axes;        /* count x 9, and the matrices that belong to them, count x 36 each */
+  double *elasticity, *compliance;
+} bw_material_turns;
+
+typedef struct bw_material bw_material;
+struct bw_material {
   bw_object object;
   char name[48];
   bool isotropic;
@@ -28,7 +39,20 @@ typedef struct bw_material {
   double lame_lambda, lame_mu; /* when isotropic */
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value;
-} bw_material;
+  /* Of a material turned by element (bw_material_turned), else NULL. Axes and matrices above are
+   * then those before any turn; what knows the element takes them from the functions below. */
+  const bw_material *unturned; /* retained */
+  bw_material_turns *turns;
+};
+/* 6x6, as `elasticity` and `compliance`, in a given element of the mesh. */
+static inline const double *bw_material_elasticity(const bw_material *material, int64_t element) {
+  const bw_material_turns *t = material->turns;
+  return t ? t->elasticity + 36 * (int64_t)t->of_element[element] : material->elasticity;
+}
+static inline const double *bw_material_compliance(const bw_material *material, int64_t element) {
+  const bw_material_turns *t = material->turns;
+  return t ? t->compliance + 36 * (int64_t)t->of_element[element] : material->compliance;
+}
 
 typedef struct bw_isotropic {
   const char *name;
@@ -58,6 +82,15 @@ bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *con
  * material axis e_i goes to rotation * e_i. BW_INVALID when the matrix is not a rotation. */
 bw_status bw_material_rotated(bw_context *context, const bw_material *material,
                               const double rotation[9], bw_material **rotated);
+/* The same material with axes by element: those of group of_element[e] (element_count numbers)
+ * turned by rotation[9 * group] as by bw_material_rotated. It fits meshes of element_count elements
+ * only. An isotropic material is itself, retained. BW_INVALID for a group that is not there, a
+ * rotation that is none, and a material that is turned by element already. */
+bw_status bw_material_turned(bw_context *context, const bw_material *material,
+                             int32_t element_count, int32_t group_count, const int32_t *of_element,
+                             const double *rotation, bw_material **turned);
+/* BW_INVALID where a material turned by element does not fit the number of elements. */
+bw_status bw_material_fits(bw_context *context, const bw_material *material, int32_t element_count);
 
 /* The library: steel, aluminium, pla, abs, resin, green_state_stainless_steel, nylon_pa2200, zp150
  * (engine/material/library.c). NULL past the end. */

@@ -89,7 +89,8 @@ typedef struct bw_support {
   const bw_array *field; /* instead: node_count x 3, retained; or NULL */
 } bw_support;
 
-/* The revision of a model's object moves with every support and load added. */
+/* The revision of a model's object moves with every support and load added, and when its material
+ * is turned. */
 typedef struct bw_model {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
@@ -101,6 +102,10 @@ typedef struct bw_model {
 
 bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                           bw_model **model);
+/* Give the model its material turned by element (bw_material_turned): element e by rotation 9 *
+ * of_element[e]. */
+bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
+                                 const int32_t *of_element, const double *rotation);
 bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on);
 bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
                          const double normal[3]); /* NULL: along each node's surface */
@@ -133,8 +138,8 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
 bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,
                          bw_model **moved);
 /* The same on a mesh whose boundary facets are those of the model's mesh in the same order (a
- * refilled one); node_from[i] is the old node of node i, or -1. Loads on single inner nodes are
- * BW_UNSUPPORTED. */
+ * refilled one); node_from[i] is the old node of node i, or -1. Loads on single inner nodes and a
+ * material turned by element are BW_UNSUPPORTED. */
 bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
                                const int32_t *node_from, bw_model **transferred);
 /* Drop all supports or all loads. */

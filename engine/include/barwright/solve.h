@@ -138,6 +138,8 @@ typedef struct bw_edits {
   const int32_t *edit;
 } bw_edits;
 /* `domain_count` domains by element and by node, as in bw_domains; all at rest in the model's mesh.
+ * `material_turns`: an orthotropic material's axes turn with the frames of the domains, and models
+ * that are followed come with their material turned so (bw_model_turn_material).
  * Orders with the edits in mind (NULL: of each domain by itself), factors. */
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
                                  int32_t domain_count, const int32_t *element_domain,

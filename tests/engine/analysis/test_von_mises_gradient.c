@@ -10,7 +10,7 @@ typedef enum held_by { CLAMPED, PRESCRIBED, ROLLING, ON_A_RAIL, NOTHING } held_b
 typedef struct scene {
   const char *name;
   int order;
-  bool printed; /* orthotropic, axes oblique */
+  int printed; /* 1: orthotropic, axes oblique; 2: and they turn from element to element */
   held_by held;
   unsigned loads; /* 1 << bw_load_kind */
   bool relief;
@@ -22,7 +22,7 @@ static double *numbers(int64_t count) {
   return block;
 }
 
-static bw_material *make_material(bw_context *context, bool printed) {
+static bw_material *make_material(bw_context *context, int printed) {
   bw_material *material = NULL;
   if (printed) {
     const bw_orthotropic constants = {.name = "printed",
@@ -38,6 +38,20 @@ static bw_material *make_material(bw_context *context, bool printed) {
     check_ok(context, bw_material_isotropic(context, &constants, &material));
   }
   return material;
+}
+
+/* Elements in turn belong to three groups, each with the material turned in its own way. */
+static void turn_material(bw_context *context, bw_model *model) {
+  const double turn[3][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                             {0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1},
+                             {0, 0, 1, 0.6, 0.8, 0, -0.8, 0.6, 0}};
+  int32_t count = model->mesh->element_count;
+  int32_t *group = (int32_t *)calloc((size_t)count, sizeof *group);
+  assert_non_null(group);
+  for (int32_t e = 0; e < count; e++)
+    group[e] = e % 3;
+  check_ok(context, bw_model_turn_material(context, model, 3, group, turn[0]));
+  free(group);
 }
 
 static void middles_half_way(const bw_mesh *mesh, double *x) {
@@ -126,6 +140,8 @@ static bw_model *model_on(bw_context *context, const scene *s, const bar *b, con
   bw_selection *foot = end_of(context, b, mesh, 0), *tip = end_of(context, b, mesh, 1), *all = NULL;
   check_ok(context, bw_select_all(context, mesh, &all));
   check_ok(context, bw_model_create(context, mesh, b->material, &model));
+  if (s->printed == 2)
+    turn_material(context, model);
   const bool held[3] = {true, true, true}, across[3] = {false, true, true};
   const double value[3] = {1e-3, -2e-3, 5e-4}, zero[3] = {0, 0, 0}, oblique[3] = {0.8, 0.6, 0};
   if (s->held == CLAMPED || s->held == PRESCRIBED)
@@ -200,6 +216,7 @@ static void choose(const bw_mesh *mesh, int32_t node[NODES]) {
 }
 
 static void compare(bw_context *context, const scene *s) {
+  static const char *const word[] = {"isotropic", "orthotropic", "turned by element"};
   bar b = make(context, s);
   int32_t node[NODES];
   double j[NODES], at[4][NODES], size = 3e-4;
@@ -229,7 +246,7 @@ static void compare(bw_context *context, const scene *s) {
       scale = fmax(1e4, fmax(fabs(slope), sqrt(scale))); /* loads are of 1e5 Pa */
       if (!(fabs(sum - slope) <= 1e-6 * scale))
         fail_msg("%s, order %d, %s: node %d: %.12g, by differences %.12g (scale %g)", s->name,
-                 s->order, s->printed ? "orthotropic" : "isotropic", node[i], sum, slope, scale);
+                 s->order, word[s->printed], node[i], sum, slope, scale);
     }
   }
   free(gradient);
@@ -239,11 +256,11 @@ static void compare(bw_context *context, const scene *s) {
   drop(&b);
 }
 
-/* Of both orders, of both materials. */
+/* Of both orders, of all materials. */
 static void compare_all(bw_context *context, const scene *list, size_t count) {
   for (size_t k = 0; k < count; k++)
     for (int order = 1; order <= 2; order++)
-      for (int printed = 0; printed < 2; printed++) {
+      for (int printed = 0; printed < 3; printed++) {
         scene s = list[k];
         s.order = order;
         s.printed = printed;
@@ -254,16 +271,16 @@ static void compare_all(bw_context *context, const scene *list, size_t count) {
 static void each_load_by_differences(void **state) {
   bw_context *context = check_context(state);
   const scene list[] = {
-      {"pressure", 0, false, CLAMPED, 1u << BW_LOAD_PRESSURE, false},
-      {"traction", 0, false, CLAMPED, 1u << BW_LOAD_TRACTION, false},
-      {"force", 0, false, CLAMPED, 1u << BW_LOAD_FORCE, false},
-      {"torque", 0, false, CLAMPED, 1u << BW_LOAD_TORQUE, false},
-      {"gravity", 0, false, CLAMPED, 1u << BW_LOAD_GRAVITY, false},
-      {"nodal forces", 0, false, CLAMPED, 1u << BW_LOAD_NODAL, false},
-      {"temperature", 0, false, CLAMPED, 1u << BW_LOAD_TEMPERATURE, false},
-      {"prescribed displacement", 0, false, PRESCRIBED, 0, false},
-      {"oblique roller", 0, false, ROLLING, 1u << BW_LOAD_PRESSURE | 1u << BW_LOAD_GRAVITY, false},
-      {"everything", 0, false, PRESCRIBED, 0x7f, false}};
+      {"pressure", 0, 0, CLAMPED, 1u << BW_LOAD_PRESSURE, false},
+      {"traction", 0, 0, CLAMPED, 1u << BW_LOAD_TRACTION, false},
+      {"force", 0, 0, CLAMPED, 1u << BW_LOAD_FORCE, false},
+      {"torque", 0, 0, CLAMPED, 1u << BW_LOAD_TORQUE, false},
+      {"gravity", 0, 0, CLAMPED, 1u << BW_LOAD_GRAVITY, false},
+      {"nodal forces", 0, 0, CLAMPED, 1u << BW_LOAD_NODAL, false},
+      {"temperature", 0, 0, CLAMPED, 1u << BW_LOAD_TEMPERATURE, false},
+      {"prescribed displacement", 0, 0, PRESCRIBED, 0, false},
+      {"oblique roller", 0, 0, ROLLING, 1u << BW_LOAD_PRESSURE | 1u << BW_LOAD_GRAVITY, false},
+      {"everything", 0, 0, PRESCRIBED, 0x7f, false}};
   compare_all(context, list, sizeof list / sizeof list[0]);
 }
 
@@ -271,13 +288,13 @@ static void free_bodies_by_differences(void **state) {
   bw_context *context = check_context(state);
   const scene list[] = {
       /* a closed pressure and temperature are balanced in themselves */
-      {"pressure all round", 0, false, NOTHING, 1u << BW_LOAD_PRESSURE, false},
-      {"free expansion", 0, false, NOTHING, 1u << BW_LOAD_TEMPERATURE, false},
+      {"pressure all round", 0, 0, NOTHING, 1u << BW_LOAD_PRESSURE, false},
+      {"free expansion", 0, 0, NOTHING, 1u << BW_LOAD_TEMPERATURE, false},
       /* balanced by inertia, with linear and angular acceleration */
-      {"thrust and gravity", 0, false, NOTHING, 1u << BW_LOAD_FORCE | 1u << BW_LOAD_GRAVITY, true},
-      {"torque in flight", 0, false, NOTHING, 1u << BW_LOAD_TORQUE, true},
-      {"everything in flight", 0, false, NOTHING, 0x7f, true},
-      {"on a rail", 0, false, ON_A_RAIL, 1u << BW_LOAD_FORCE | 1u << BW_LOAD_PRESSURE, true}};
+      {"thrust and gravity", 0, 0, NOTHING, 1u << BW_LOAD_FORCE | 1u << BW_LOAD_GRAVITY, true},
+      {"torque in flight", 0, 0, NOTHING, 1u << BW_LOAD_TORQUE, true},
+      {"everything in flight", 0, 0, NOTHING, 0x7f, true},
+      {"on a rail", 0, 0, ON_A_RAIL, 1u << BW_LOAD_FORCE | 1u << BW_LOAD_PRESSURE, true}};
   compare_all(context, list, sizeof list / sizeof list[0]);
 }
 
@@ -290,7 +307,7 @@ static void rigid_motion_and_size(void **state) {
     for (int kind = 0; kind < 3; kind++) {
       const bw_load_kind load[3] = {BW_LOAD_PRESSURE, BW_LOAD_FORCE, BW_LOAD_GRAVITY};
       const double degree[3] = {0, -2, 1};
-      const scene s = {"", order, false, CLAMPED, 1u << load[kind], false};
+      const scene s = {"", order, 0, CLAMPED, 1u << load[kind], false};
       bar b = make(context, &s);
       int32_t node[NODES];
       double j[NODES];
