@@ -222,18 +222,67 @@ static void numbers_out_of_range_are_refused(void **state) {
   assert_null(m);
 }
 
+/* Every element has the matrices of the material rotated for it, also once all is turned again. */
+static void turned_by_element(void **state) {
+  bw_context *context = check_context(state);
+  const double turn[2][9] = {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0.6, 0, 0.8, 0, 1, 0, -0.8, 0, 0.6}};
+  const int32_t group[3] = {1, 0, 1}, beyond[3] = {0, 2, 1};
+  const double mirror[18] = {1, 0, 0, 0, 1, 0, 0, 0, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  bw_material *m = NULL, *steel = NULL, *turned = NULL, *again = NULL, *one = NULL;
+  check_ok(context, bw_material_named(context, "zp150", &m));
+  check_ok(context, bw_material_turned(context, m, 3, 2, group, turn[0], &turned));
+  for (int e = 0; e < 3; e++) {
+    check_ok(context, bw_material_rotated(context, m, turn[group[e]], &one));
+    for (int k = 0; k < 36; k++) {
+      check_near(bw_material_elasticity(turned, e)[k], one->elasticity[k], 0);
+      check_near(bw_material_compliance(turned, e)[k], one->compliance[k], 0);
+    }
+    bw_release(one);
+  }
+  check_ok(context, bw_material_rotated(context, turned, turn[0], &again));
+  const double *second = again->turns->rotation + 9;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++) {
+      double want = 0;
+      for (int k = 0; k < 3; k++)
+        want += turn[0][3 * r + k] * turn[1][3 * k + c];
+      check_near(second[3 * r + c], want, 1e-15);
+    }
+  assert_ptr_equal(again->unturned, m);
+  assert_true(bw_bytes(turned) > bw_bytes(m));
+  check_fails(context, BW_INVALID, "turned by element already",
+              bw_material_turned(context, turned, 3, 2, group, turn[0], &one));
+  check_fails(context, BW_INVALID, "said to be turned with group 3",
+              bw_material_turned(context, m, 3, 2, beyond, turn[0], &one));
+  check_fails(context, BW_INVALID, "left-handed",
+              bw_material_turned(context, m, 3, 2, group, mirror, &one));
+  check_fails(context, BW_INVALID, "each of 3 elements", bw_material_fits(context, turned, 4));
+  check_ok(context, bw_material_named(context, "steel", &steel));
+  check_ok(context, bw_material_turned(context, steel, 3, 2, group, turn[0], &one));
+  assert_ptr_equal(one, steel); /* no direction differs from another */
+  bw_release(one);
+  bw_release(steel);
+  bw_release(again);
+  bw_release(turned);
+  bw_release(m);
+}
+
 static void out_of_memory(void **state) {
   bw_context *context = check_context(state);
   double quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
   for (int n = 1;; n++) {
-    bw_material *m = NULL, *turned = NULL;
+    bw_material *m = NULL, *turned = NULL, *by_element = NULL;
+    const int32_t group[2] = {0, 0};
     int64_t before = bw_live_blocks();
     bw_fail_allocation(n, true);
     bw_status status = bw_material_named(context, "zp150", &m);
     if (status == BW_OK)
-      status = bw_material_rotated(context, m, quarter, &turned);
+      status = bw_material_turned(context, m, 2, 1, group, quarter, &by_element);
+    if (status == BW_OK)
+      status = bw_material_rotated(context, by_element, quarter, &turned);
     bw_fail_allocation(0, false);
     bw_release(m);
+    bw_release(by_element);
     if (status == BW_OK) {
       bw_release(turned);
       assert_true(n > 2);
@@ -256,6 +305,7 @@ int main(void) {
       check_test(rotation_carries_the_law_along),
       check_test(strength_by_direction),
       check_test(numbers_out_of_range_are_refused),
+      check_test(turned_by_element),
       check_test(out_of_memory),
   };
   return cmocka_run_group_tests_name("material", tests, NULL, NULL);
