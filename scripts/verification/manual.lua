@@ -27,7 +27,8 @@ function manual:row(part, row)
   local good = word == "at most" and figure <= bound or word == "at least" and figure >= bound
   local allowed = word .. " " .. number(bound)
   self.count, self.failed = self.count + 1, self.failed + (good and 0 or 1)
-  self:write("| %s | %s%s | %s | %s |", quantity, number(figure), good and "" or " **outside**", allowed, how or "")
+  self:write("| %s | %s%s | %s | %s |", quantity, number(figure), good and "" or " **outside**",
+    allowed, how or "")
   print(("%s %s: %s (%s; %s)"):format(good and "ok" or "OUTSIDE", quantity, number(figure), allowed, how or part))
 end
 
