@@ -102,10 +102,10 @@ int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t co
   int is_integer = 0;
   lua_Integer value =
       lua_type(L, argument) == LUA_TNUMBER ? lua_tointegerx(L, argument, &is_integer) : 0;
-  if (!is_integer || value < 1 || value > count)
-    lbw_argument_error(L, argument,
-                       lua_pushfstring(L, "%s: a number from 1 to %I expected, got %s", what,
-                                       (LUAI_UACINT)count, luaL_tolstring(L, argument, NULL)));
+  if (!is_integer || value < 1 || value > count) { /* often a table's field: no argument number */
+    const char *got = luaL_tolstring(L, argument, NULL);
+    lbw_error(L, "%s: a number from 1 to %I expected, got %s", what, (LUAI_UACINT)count, got);
+  }
   return value - 1;
 }
 
