@@ -351,7 +351,7 @@ function design.search(problem, form, report)
   local history = {}
   for round = 1, problem.rounds do
     local done = round / problem.rounds
-    self.state.p = problem.polish and 16 or done < 0.3 and 8 or done < 0.6 and 12 or 16
+    self.state.p = problem.polish and 24 or done < 0.3 and 8 or done < 0.6 and 14 or 24
     keep(self)
     history[round] = {area = self.here.area, most = self.here.most, radius = self.radius}
     if report and report(round, self.here, self.best) == false or core.interrupted() then break end

@@ -93,6 +93,51 @@ describe("a shape of least area", function()
   end)
 end)
 
+-- Where the half beam of length L ends above x: the only crossing of the vertical with its upper curve.
+local function height_at(outline, x)
+  local most = 0
+  for _, polygon in ipairs(outline:polygons()) do
+    local list = polygon:totable()
+    for k, a in ipairs(list) do
+      local b = list[k % #list + 1]
+      if (a[1] > x) ~= (b[1] > x) then
+        most = math.max(most, a[2] + (x - a[1]) / (b[1] - a[1]) * (b[2] - a[2]))
+      end
+    end
+  end
+  return most
+end
+
+describe("a beam of uniform strength", function()
+  it("is as high as the root of the distance from its end", function()
+    -- the right half of a beam with a straight underside, supported around x = L, loaded in its middle:
+    -- 6 M / h^2 = limit with M = R (L - x)
+    local L, foot, pad, middle, limit = 1, 0.05, 0.06, 0.12, 30e6
+    local R = limit * middle ^ 2 / (6 * L)
+    local top = {}
+    for i = 0, 10 do
+      local x = (L + foot / 2) * (1 - i / 10)
+      top[i + 1] = {x, 0.14 - 0.06 * (1 - i / 10), "free"}
+    end
+    top[1] = {L + foot / 2, 0.03, "fixed"}
+    top[11][3] = "y"
+    local function vertex(x) return {controls = {{x, 0, "fixed"}}} end
+    local form = form_of.create {{name = "beam", vertex(0), {line = true, tag = "hold"}, vertex(0.004),
+      {line = true, tag = "pad"}, vertex(pad), {line = true, tag = "under"}, vertex(L - foot / 2),
+      {line = true, tag = "foot"}, vertex(L + foot / 2), {line = true, tag = "end"},
+      {controls = top, first = "clamped", last = "axis"}, {line = true, tag = "axis"}}}
+    local found = assert(shape_design.search({material = plastic, thickness = 1, limit = limit,
+      wall = 0.02, gap = 0.02, size = 0.02, spacing = 0.1, smooth = 0.3, margin = 0.003, idle = 0.3,
+      holes = 0, rounds = 40, conditions = {axis = {x = 0}, hold = {y = 0},
+        pad = {traction = {0, -R / pad}}, foot = {traction = {0, R / foot}}}}, form))
+    assert.is_true(found.passes)
+    local outline = found.form:outline()
+    for i = 1, 9 do
+      check.near(math.sqrt(6 * R * (L - i / 10) / limit), height_at(outline, i / 10), 0.08)
+    end
+  end)
+end)
+
 describe("a bridge", function()
   it("stands, is measured, and needs the beam that the theory of beams foresees", function()
     local b = assert(small_bridge())
