@@ -83,7 +83,7 @@ const heard = {
 
   mesh(message) {
     mesh = message;
-    field.setMesh(mesh);
+    field.setMesh(mesh, scene?.mirror);
   },
 
   state(message) {
@@ -151,6 +151,8 @@ function prepare() {
   chosen = scene.fields[0].key;
   byId("radius").value = Number((25 * scene.size).toPrecision(2));
   tools.radius = byId("radius").value / 1000;
+  byId("reach").value = Number((150 * scene.size).toPrecision(2));
+  tools.reach = byId("reach").value / 1000;
 }
 
 // ---- the body ------------------------------------------------------------------------------------------
@@ -264,6 +266,7 @@ function fit() {
         if (!Number.isNaN(list[i + k])) {
           low[k] = Math.min(low[k], list[i + k]);
           high[k] = Math.max(high[k], list[i + k]);
+          if (k === 0 && scene.mirror) low[0] = Math.min(low[0], -list[i]);
         }
   };
   add(outline.points, 2);
@@ -349,6 +352,7 @@ byId("controls").addEventListener("change", (event) => {
   plane.touch();
 });
 byId("radius").addEventListener("change", (event) => (tools.radius = Number(event.target.value) / 1000));
+byId("reach").addEventListener("change", (event) => (tools.reach = Number(event.target.value) / 1000));
 byId("limit").addEventListener("change", (event) => {
   const limit = Number(event.target.value);
   send({ type: "limit", von_mises: limit > 0 ? limit * 1e6 : null });

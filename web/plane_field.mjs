@@ -37,12 +37,13 @@ export class Field {
     this.plane = plane;
     this.body = null;
     this.lines = null;
+    this.image = null; // the left half, where only the right one is computed
     this.showLines = false;
   }
 
-  // {elements, corners, nodes}
-  setMesh(mesh) {
-    for (const old of [this.body, this.lines])
+  // {elements, corners, nodes}; with its image at x = 0 if wanted
+  setMesh(mesh, mirror) {
+    for (const old of [this.body, this.image, this.lines])
       if (old) {
         this.plane.scene.remove(old);
         old.geometry.dispose();
@@ -59,6 +60,11 @@ export class Field {
     this.lines.frustumCulled = false;
     this.lines.renderOrder = 1;
     this.plane.scene.add(this.body, this.lines);
+    this.image = mirror ? new THREE.Mesh(this.body.geometry, this.body.material) : null;
+    if (!mirror) return;
+    this.image.scale.x = -1;
+    this.image.frustumCulled = false;
+    this.plane.scene.add(this.image);
   }
 
   // Nodes at x, y; bent by `factor` times displacements x, y, or, where there is one number a node, by

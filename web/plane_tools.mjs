@@ -13,6 +13,7 @@ export class Tools {
     this.tool = "drag";
     this.size = 1;
     this.radius = 0; // of holes; m
+    this.reach = 0; // of a pull along the curve; 0: up to the pins
     this.enabled = false;
     this.press = null;
     const { canvas } = plane;
@@ -69,7 +70,8 @@ export class Tools {
     }
     press.moved = press.moved || Math.hypot(x - press.x, y - press.y) > 3;
     if (press.what === "pull" && press.moved)
-      this.beginDrag(press.hit, { pins: [...this.outline.pins].filter((v) => v !== press.hit.vertex) });
+      this.beginDrag(press.hit, { pins: [...this.outline.pins].filter((v) => v !== press.hit.vertex),
+        ...(this.reach > 0 ? { reach: rounded(this.reach, this.digits) } : {}) });
     if (press.what === "drag") {
       const to = this.plane.toWorld(x, y);
       this.drag.move({ by: to.map((v, k) => rounded(v - press.from[k], this.digits)) });

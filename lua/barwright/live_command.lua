@@ -186,7 +186,8 @@ function command.run(...)
   local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
   local opened
   local given = passed(about, served)
-  given.port, given.title, given.name, given.saved = wish.port, about.title or name, name, saved
+  given.port, given.name, given.saved = wish.port, name, saved
+  given.title = about.title or not kinds.of(served) and name or nil -- else the kind's
   function given.ready(address)
     print(address)
     print(("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends."):format(saved))

@@ -329,7 +329,7 @@ function desk.new(object, server, about)
     paused = about.paused, goal = about.goal}
   local self = setmetatable({object = object, server = server, kind = kind, about = about,
     clients = {}, later = {}, levels = {}, revision = 0, seconds = 0, size = size_of(object.outline),
-    limit = about.limit, steps = steps or false, running = not about.paused, pace = about.pace or 1,
+    limit = about.limit or kind.limit and kind.limit(object), steps = steps or false, running = not about.paused, pace = about.pace or 1,
     due = 0, a_step = 1e-3, history = {{outline = object.outline}}, position = 1}, desk)
   for i, line in ipairs(about.lines) do
     local fine, why = edits.replay(object, line)

@@ -9,6 +9,7 @@
 -- whose every line that begins with "assert(object" is one edit.
 local core = require "barwright.core"
 local edit_script = require "barwright.edit_script"
+local kinds = require "barwright.live_plane_kinds"
 local outlines = require "barwright.outline"
 
 local edits = {}
@@ -24,8 +25,10 @@ local function become(method, ...)
     table.concat(list, ", "))
 end
 
--- Tag of a new hole: that of walls where the flow has some, else one without conditions.
+-- Tag of a new hole: that of the kind, of walls where the flow has some, else one without conditions.
 local function tag_for_hole(object)
+  local kind = kinds.of(object)
+  if kind and kind.hole_tag then return kind.hole_tag end
   local conditions, tags = object.wish.conditions or {}, object.outline.tags
   table.sort(tags)
   for _, tag in ipairs(tags) do

@@ -5,7 +5,8 @@
 -- A field has `key`, `name`, `unit` with the `scale` that leads to it from SI, `signed` (the colours
 -- are symmetric about zero), `spread` (they go from the lowest to the highest), and `values` of an
 -- object: an array of a number a node, or nil while there are none. `arrows`: rows x, y.
--- `deform`: displacements (rows x, y) or deflections out of the plane (a number each).
+-- `deform`: displacements (rows x, y) or deflections out of the plane (a number each). `limit` of
+-- stress, where none is asked for; `hole_tag` of new holes; `mirror`: what is shown is the right half.
 local pitch = require "barwright.pitch"
 
 local kinds = {}
@@ -56,8 +57,11 @@ kinds["bridge"] = {
   fields = {von_mises, displacement, table.unpack(stresses)},
   deform = property "displacement",
   stress = true,
+  limit = property "stress_limit",
+  hole_tag = "free",
+  mirror = true,
   told = function(object)
-    return {{"area", ("%.5g mm2"):format(object.area * 1e6)},
+    return {{"area of both halves", ("%.5g mm2"):format(object.area * 1e6)},
       {"largest stress", ("%.1f %% of %.4g MPa: %s"):format(100 * object.utilisation,
         object.stress_limit / 1e6, object.passes and "passes" or "fails")}, moved(object)}
   end,

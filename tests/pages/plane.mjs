@@ -7,8 +7,8 @@ import { execFileSync } from "node:child_process";
 import { begin, difference, serve } from "./live_driver.mjs";
 
 // A view of a script of tests/lua/live_plane, and what the mouse does in it.
-async function view(all, name) {
-  const drive = await begin({ ...all, session: `tests/lua/live_plane/${name}.lua` });
+async function view(all, name, file = `tests/lua/live_plane/${name}.lua`) {
+  const drive = await begin({ ...all, session: file });
   const page = await drive.open();
   const place = async (what, ...given) => {
     const [x, y] = await page.evaluate(([w, g]) => window.barwright[w](...g), [what, given]);
@@ -356,6 +356,33 @@ async function bar(all) {
   await v.end();
 }
 
+async function bridge(all) {
+  const { test, assert } = all;
+  const v = await view(all, "bridge", "scripts/bridge/session.lua");
+  await test("a bridge is pulled and bored, its feet stay, and it says whether it passes", async () => {
+    assert((await v.page.textContent("#title")) === "Bridge", await v.page.textContent("#title"));
+    assert(/passes|fails/.test(await v.page.textContent("#told")), await v.page.textContent("#told"));
+    const first = await v.state();
+    assert(first.limit === 30e6, `limit ${first.limit}`);
+    const low = (points) => Math.min(...points.filter((_, i) => i % 2));
+    await v.page.click("[data-tool=pull]");
+    const points = first.points.length / 2;
+    let top = 0; // a vertex half way up the slope
+    for (let i = 0; i < points; i++)
+      if (first.points[2 * i] > 0.045 && first.points[2 * i] < 0.055 && first.points[2 * i + 1] > 0.05) top = i + 1;
+    assert(top > 0, "no vertex on the slope");
+    const [, pulled] = await v.drag(await v.place("place", first.points[2 * top - 2], first.points[2 * top - 1]), 6, -14);
+    assert(pulled.area > first.area && /reach = /.test(pulled.script.at(-1)), pulled.script.at(-1));
+    assert(low(pulled.points) === low(first.points), "the feet stay");
+    await v.page.click("[data-tool=hole]");
+    const [, bored] = await v.drag(await v.place("place", 0.03, 0.033), 14, 0, 4);
+    assert(bored.area < pulled.area && bored.loops.length === 2, "no hole");
+    await v.picture("bored");
+    assert(v.problems.length === 0, v.problems.join("; "));
+  });
+  await v.end();
+}
+
 async function flows(all) {
   const { test, assert } = all;
   for (const [name, from, field] of [["flow", [0.6, 0.5], "speed"], ["kettle", null, "temperature"]]) {
@@ -376,7 +403,7 @@ async function flows(all) {
   }
 }
 
-const parts = { steady, vibration, cantilever, bar, flows };
+const parts = { steady, vibration, cantilever, bar, bridge, flows };
 
 // BARWRIGHT_PLANE names the parts wanted.
 export async function plane(all) {
