@@ -30,7 +30,7 @@ local function make(owner, state, model)
   if not system then return nil, message, details end
   if owner.following then owner.following.system:close() end
   owner.following = {topology = state.topology, system = system, model = model,
-    memory = edit_motion.begin(state.shape)}
+    memory = edit_motion.begin(state.shape), near = setmetatable({}, {__mode = "k"})}
   return owner.following
 end
 
@@ -85,14 +85,26 @@ local function complete_new(reuse, pieces)
   reuse.pieces_touched, reuse.factor_kept, reuse.method = pieces, 0, "scratch"
 end
 
+local solutions = 2 -- of each load case, that are kept to begin iterations with
+
+-- The options with the last solutions of the load case as a guess, unless others are given.
+local function with_guess(given, near)
+  if not near or given and given.guess then return given end
+  local wish = {guess = near}
+  for key, value in pairs(given or {}) do wish[key] = value end
+  return wish
+end
+
 --- The static solution of a state.
 function edit_follow.solve(session, state, given, part)
   local record, message, details = edit_follow.bring(session, state, part)
   if not record then return nil, message, details end
-  local before = record.reuse
+  local before, case = record.reuse, part or session.source
   local result, reuse
-  result, reuse, details = record.system:statics(record.model, given, before)
+  result, reuse, details = record.system:statics(record.model, with_guess(given, record.near[case]), before)
   if not result then return nil, reuse, details end
+  local near = record.near[case] or {}
+  record.near[case] = {result.displacement, table.unpack(near, 1, solutions - 1)}
   if not before then complete_new(reuse, state.topology.domains.piece_count) end
   reuse.mesh = state.note or "posed"
   reused[result] = reuse

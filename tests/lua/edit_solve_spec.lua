@@ -68,6 +68,21 @@ describe("a solve", function()
     check.raises("a model expected, got mesh", session.solve, session, {part = part.mesh})
   end)
 
+  it("begins iterations at the last solutions of its load case", function()
+    local function iterations(guess)
+      local session, counts = body(), 0
+      assert(session:solve())
+      for i = 1, 4 do
+        assert(session:bone("neck"):set {scale = {1, 1 + 0.01 * i, 1 + 0.01 * i}})
+        local result = assert(session:solve {method = "iterate", guess = guess})
+        counts = counts + result.reused.iterations
+        if i == 4 then compare(session, result) end
+      end
+      return counts
+    end
+    assert.truthy(iterations(nil) < 0.9 * iterations {})
+  end)
+
   it("has the material turn with the bones where asked for", function()
     local print = assert(bw.material.orthotropic {young = {2e9, 1.8e9, 0.9e9}, poisson = {0.35, 0.3, 0.3},
       shear = {6e8, 4e8, 7e8}, density = 1100, strength = {3e7, 2e7, 1e7}})
