@@ -138,6 +138,11 @@ local function check_supports(wish, outline)
   local a, H = wish.span / 2, wish.deck
   local wanted = {foot = {{a, 0}, {a + wish.bearing, 0}}, pad = {{wish.pad / 2, H}, {wish.hold, H}},
     hold = {{wish.hold, H}, {0, H}}}
+  local left = outline:measure().box.low[1]
+  if left < -1e-9 * wish.span then
+    return nil, ("the outline reaches x = %.4g m, across the axis at x = 0 into its own image"):format(left),
+      {status = "geometry", x = left}
+  end
   local found = {}
   for n = 1, outline.edge_count do
     local edge = outline:edge(n)

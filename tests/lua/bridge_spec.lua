@@ -170,6 +170,8 @@ describe("a bridge", function()
     assert(b:pull(5, {0.06, 0.004}, {reach = 0.05}))
     check.fails("geometry", "has to stay", b:become(assert(bw.outline.rectangle {width = 0.1,
       height = 0.1})))
+    local near = b.outline:nearest {0.03, 0}
+    check.fails("geometry", "own image", b:drag({vertex = near.vertex}, {-0.05, -0.01}))
     local foot = b.outline:nearest {0.1, 0}
     assert(b:drag({vertex = foot.vertex}, {0, 0.001}))
     local at = b.outline.vertices[foot.vertex]
