@@ -4,12 +4,12 @@ local bw = require "barwright"
 
 local part = {title = "Drags"}
 
-part.text = [[A body is dragged at random in a tunnel and in a heated box, with a time step after each
-drag. Two flows go the same way, one as it is by default (stale factors, relocation, reconnecting), with its linear tolerance at
-1e-10, one with everything factored anew for the same meshes: the figure is the largest difference of their
-velocities, of the largest velocity. Uniform flow on a mesh whose nodes move within it, told to the equations as
-the velocity of the mesh (ale) and not: it stays uniform. In the long form 10,000 drags of any handle, also far
-too large: refused ones leave all as it was, nothing inverts.]]
+part.text = [[A body is dragged at random in a tunnel and in a heated box, with a time step after each drag. Two
+flows go the same way, one as it is by default (stale factors, relocation, reconnecting), with its linear
+tolerance at 1e-10, one with everything factored anew for the same meshes: the figure is the largest difference
+of their velocities, of the largest velocity. Uniform flow on a mesh whose nodes move within it, told to the
+equations as the velocity of the mesh (ale) and not: it stays uniform. In the long form 10,000 drags of any
+handle, also far too large: refused ones leave all as it was, nothing inverts.]]
 
 local function tunnel(tags)
   return assert(bw.outline {points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, tags = tags,

@@ -31,7 +31,8 @@ end
 -- A row: {quantity, reference, value, tolerance (relative), source}, or with `most` in place of a
 -- reference: {quantity, most = bound, value = , source = }, which must not be above it.
 local function show(name, row)
-  local quantity, source, good, allowed, difference = row[1], row.source or row[5], nil, nil, ""
+  local quantity, source, difference = row[1], row.source or row[5], ""
+  local good, allowed
   local value, reference = row.value or row[3], row[2]
   if row.most then
     good, allowed, reference = value <= row.most, "at most " .. number(row.most), nil

@@ -90,7 +90,9 @@ end
 local names = {"fish", "leaf", "star"}
 
 return {
-  {name = "Metallophone bars beside solids", text = "Aluminium, 6 mm thick, 140 to 175 mm long. The solid is the same outline extruded, of tet10.", run = function(wish)
+  {name = "Metallophone bars beside solids", 
+   text = "Aluminium, 6 mm thick, 140 to 175 mm long. The solid is the same outline extruded, of tet10.",
+   run = function(wish)
     local rows = {}
     for _, name in ipairs(names) do
       local outline = polygon(assert(shapes[name]()), 4 * mm)

@@ -100,8 +100,10 @@ case("Lame, thick cylinder in plane strain and plane stress", function()
     if plane == "strain" then e, nu = 1 / (1 - 0.3 ^ 2), 0.3 / (1 - 0.3) end
     local function u(r) return 1 / (3 * e) * ((1 - nu) * r + (1 + nu) * 4 / r) end
     local source = "Lame, plane " .. plane
-    rows[#rows + 1] = {"displacement inside x E / p, plane " .. plane, u(1), s.displacement(inner, 1), 1e-4, source}
-    rows[#rows + 1] = {"displacement outside x E / p, plane " .. plane, u(2), s.displacement(outer, 1), 1e-4, source}
+    rows[#rows + 1] = {"displacement inside x E / p, plane " .. plane, u(1), s.displacement(inner, 1),
+      1e-4, source}
+    rows[#rows + 1] = {"displacement outside x E / p, plane " .. plane, u(2), s.displacement(outer, 1),
+      1e-4, source}
     rows[#rows + 1] = {"hoop stress inside / p, plane " .. plane, 5 / 3, s.stress(inner, 2), 0.002, source}
     if plane == "strain" then
       rows[#rows + 1] = {"axial stress inside / p, plane strain", 0.3 * 2 / 3, s.stress(inner, 4), 0.005, source}

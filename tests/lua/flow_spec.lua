@@ -142,8 +142,8 @@ describe("random drags", function()
   local count = os.getenv "BARWRIGHT_FULL" and 10000 or 200
   local function kettle(more)
     return bw.responsive.thermal {ale = more.ale, outline = tunnel(), viscosity = 0.01, diffusivity = 0.01,
-      elements = 200, expansion = 1, gravity = {0, -1}, step = 0.1, conditions = {sides = {x = 0, y = 0, temperature = 1},
-        inlet = "wall", outlet = "wall", body = {x = 0, y = 0, temperature = 0}}}
+      elements = 200, expansion = 1, gravity = {0, -1}, step = 0.1,
+      conditions = {sides = {x = 0, y = 0, temperature = 1}, inlet = "wall", outlet = "wall", body = {x = 0, y = 0, temperature = 0}}}
   end
   for name, make in pairs {flow = wind, thermal = kettle} do
     for _, ale in ipairs {false, true} do
