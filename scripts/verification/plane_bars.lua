@@ -90,7 +90,7 @@ end
 local names = {"fish", "leaf", "star"}
 
 return {
-  {name = "Metallophone bars beside solids", 
+  {name = "Metallophone bars beside solids",
    text = "Aluminium, 6 mm thick, 140 to 175 mm long. The solid is the same outline extruded, of tet10.",
    run = function(wish)
     local rows = {}

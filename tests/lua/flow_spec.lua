@@ -143,7 +143,8 @@ describe("random drags", function()
   local function kettle(more)
     return bw.responsive.thermal {ale = more.ale, outline = tunnel(), viscosity = 0.01, diffusivity = 0.01,
       elements = 200, expansion = 1, gravity = {0, -1}, step = 0.1,
-      conditions = {sides = {x = 0, y = 0, temperature = 1}, inlet = "wall", outlet = "wall", body = {x = 0, y = 0, temperature = 0}}}
+      conditions = {sides = {x = 0, y = 0, temperature = 1}, inlet = "wall",
+        outlet = "wall", body = {x = 0, y = 0, temperature = 0}}}
   end
   for name, make in pairs {flow = wind, thermal = kettle} do
     for _, ale in ipairs {false, true} do
