@@ -63,14 +63,21 @@ local function publish(self)
     self.scene = {id = id, outline = object.outline, bytes = live_plane_frame.scene(self, id)}
     send_all(self, self.scene.bytes, "scene")
   end
+  local level
   local triangles = live_plane_frame.triangles(object)
   if not (self.mesh and self.mesh.triangles == triangles) then
     local id = self.mesh and self.mesh.id + 1 or 1
+    -- an analysis that began anew calls its mesh its first
+    if self.mesh and object.reused.level == "none" then
+      level = "reconstruction"
+      self.levels.none = math.max(0, (self.levels.none or 0) - 1)
+      self.levels[level] = (self.levels[level] or 0) + 1
+    end
     self.mesh = {id = id, triangles = triangles, bytes = live_plane_frame.mesh(object, id, triangles)}
     send_all(self, self.mesh.bytes, "mesh")
   end
   self.revision = self.revision + 1
-  local header = {scene = self.scene.id, mesh = self.mesh.id, revision = self.revision,
+  local header = {level = level, scene = self.scene.id, mesh = self.mesh.id, revision = self.revision,
     seconds = self.seconds, levels = self.levels, limit = self.limit, edits = self.position - 1,
     can_undo = self.position > 1, can_redo = #self.history > self.position,
     script = last_lines(self), drag = drag_told(self.drag), trouble = self.trouble}
@@ -329,7 +336,8 @@ function desk.new(object, server, about)
     paused = about.paused, goal = about.goal}
   local self = setmetatable({object = object, server = server, kind = kind, about = about,
     clients = {}, later = {}, levels = {}, revision = 0, seconds = 0, size = size_of(object.outline),
-    limit = about.limit or kind.limit and kind.limit(object), steps = steps or false, running = not about.paused, pace = about.pace or 1,
+    limit = about.limit or kind.limit and kind.limit(object),
+    steps = steps or false, running = not about.paused, pace = about.pace or 1,
     due = 0, a_step = 1e-3, history = {{outline = object.outline}}, position = 1}, desk)
   for i, line in ipairs(about.lines) do
     local fine, why = edits.replay(object, line)

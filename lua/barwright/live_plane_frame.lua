@@ -38,7 +38,8 @@ function live_plane_frame.scene(desk, id)
   if about.goal then blocks[2] = {"goal", "f4", polygons(about.goal)} end
   return live_pack.pack({type = "scene", scene = id, title = about.title, kind = kind.title,
     fields = json.list(kinds.fields(kind)), deform = kind.deform ~= nil, arrows = kind.arrows ~= nil,
-    true_size = kind.true_size or false, mirror = kind.mirror or false, stress = kind.stress or false, tune = kind.tune or false,
+    true_size = kind.true_size or false,
+    mirror = kind.mirror or false, stress = kind.stress or false, tune = kind.tune or false,
     steps = desk.steps, step = desk.steps and object.wish.step or nil, size = desk.size,
     colours = live_pack.colours(), loops = loops, tags = json.list(outline.tags)}, blocks)
 end
@@ -64,7 +65,7 @@ end
 function live_plane_frame.state(object, kind, shown, header)
   local outline, kept = object.outline, object.reused
   header.type = "state"
-  header.level, header.reused = kept.level, tostring(kept)
+  header.level, header.reused = header.level or kept.level, tostring(kept)
   header.iterations, header.quality = kept.iterations, kept.quality
   header.area, header.elements = outline.area, object.element_count
   local blocks = {{"outline", "f4", outline.points:tostring "<f4"},

@@ -377,6 +377,7 @@ async function bridge(all) {
     await v.page.click("[data-tool=hole]");
     const [, bored] = await v.drag(await v.place("place", 0.03, 0.033), 14, 0, 4);
     assert(bored.area < pulled.area && bored.loops.length === 2, "no hole");
+    assert(bored.level === "reconstruction", bored.level);
     await v.picture("bored");
     assert(v.problems.length === 0, v.problems.join("; "));
   });
