@@ -93,7 +93,7 @@ typedef struct exact {
 
 static double exact_value(void *data, const double at[2], double time) {
   const exact *x = data;
-  double complex z = at[0] + at[1] * I;
+  double complex z = at[0] + at[1] * _Complex_I;
   double complex w = (x->kappa * cexp(z) - z * conj(cexp(z)) - conj(csin(z))) / (2 * x->mu);
   (void)time;
   return x->component ? cimag(w) : creal(w);
