@@ -52,6 +52,16 @@ static bw_reach_target tail_to(int32_t bone, double x, double y, double z) {
   return (bw_reach_target){bone, 1, {x, y, z}, 1, -1};
 }
 
+/* From rest to one target. */
+static bw_reach_report reach_from_rest(bw_context *context, const bw_skeleton *s,
+                                       const bw_joint_limit *limit, bw_reach_target target,
+                                       bw_bone_pose *pose) {
+  bw_reach_report report;
+  rest(pose, s->bone_count);
+  check_ok(context, bw_pose_reach(context, s, limit, 1, &target, 0, pose, &report));
+  return report;
+}
+
 /* The elbow's angle follows from the law of cosines, wherever the target. */
 static void test_two_bones(void **state) {
   bw_context *context = check_context(state);
@@ -67,9 +77,7 @@ static void test_two_bones(void **state) {
     bw_reach_target target =
         tail_to(1, at[0] * distance / length, at[1] * distance / length, at[2] * distance / length);
     bw_bone_pose pose[2];
-    bw_reach_report report;
-    rest(pose, 2);
-    check_ok(context, bw_pose_reach(context, s, NULL, 1, &target, 0, pose, &report));
+    bw_reach_report report = reach_from_rest(context, s, NULL, target, pose);
     assert_true(report.reached);
     tail_at(context, s, pose, 1, 1, x);
     check_near(apart(x, target.at), report.distance, 1e-12);
@@ -89,12 +97,10 @@ static void test_straight_arm_bends(void **state) {
   bw_skeleton *s = limbs_bar_bones(context);
   for (int axis = 0; axis < 2; axis++) {
     bw_bone_pose pose[3];
-    bw_reach_report report;
     bw_reach_target target = tail_to(2, 1.1, 0, 0);
     if (axis == 1) /* behind */
       target.at[0] = -2.5;
-    rest(pose, 3);
-    check_ok(context, bw_pose_reach(context, s, NULL, 1, &target, 0, pose, &report));
+    bw_reach_report report = reach_from_rest(context, s, NULL, target, pose);
     assert_true(report.reached);
     assert_true(report.iterations < 30);
   }
@@ -312,10 +318,8 @@ static void test_limits(void **state) {
   limit[1].swing = 0.5;
   limit[2].swing = 0; /* bones 2 and 3 are one of length 2 */
   bw_bone_pose pose[3];
-  bw_reach_report report;
   bw_reach_target target = tail_to(2, 0.5, 0.1, 0);
-  rest(pose, 3);
-  check_ok(context, bw_pose_reach(context, s, limit, 1, &target, 0, pose, &report));
+  bw_reach_report report = reach_from_rest(context, s, limit, target, pose);
   double farthest = sqrt(1 + 4 + 4 * cos(0.5));
   check_near(report.distance, farthest - bw_norm(target.at), 1e-6);
   assert_false(report.reached);
@@ -407,12 +411,10 @@ static void test_long_chain(void **state) {
   bw_skeleton *s;
   check_ok(context, bw_skeleton_create(context, bones + 1, joint, NULL, bones, bone, NULL, 0, &s));
   bw_bone_pose pose[bones];
-  bw_reach_report report;
   const double targets[3][3] = {{1, 1, 1}, {-2, 0.5, 0}, {0.2, 0, 0.1}};
   for (int i = 0; i < 3; i++) {
     bw_reach_target target = tail_to(bones - 1, targets[i][0], targets[i][1], targets[i][2]);
-    rest(pose, bones);
-    check_ok(context, bw_pose_reach(context, s, NULL, 1, &target, 0, pose, &report));
+    bw_reach_report report = reach_from_rest(context, s, NULL, target, pose);
     assert_true(report.reached);
     assert_true(report.iterations < 30);
   }
