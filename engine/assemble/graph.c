@@ -6,6 +6,7 @@
  * contributions gather_start[p].. of pair p are in ascending order of elements: summed in this
  * order, a value has the same bits whichever thread sums it. */
 #include "assemble/internal.h"
+#include "base/sort.h"
 
 #include <string.h>
 
@@ -78,21 +79,6 @@ typedef struct builder {
   int64_t *row_gather; /* node_count + 1: contributions of the rows before */
 } builder;
 
-/* Rows are short; a star of elements around one node is not, and must not cost its square. */
-static void sort_columns(int32_t *list, int64_t count) {
-  int64_t gap = 1;
-  while (gap < count / 9)
-    gap = 3 * gap + 1;
-  for (; gap > 0; gap /= 3)
-    for (int64_t i = gap; i < count; i++) {
-      int32_t item = list[i];
-      int64_t j = i;
-      for (; j >= gap && list[j - gap] > item; j -= gap)
-        list[j] = list[j - gap];
-      list[j] = item;
-    }
-}
-
 /* Count columns into start[i + 1] and contributions into row_gather[i + 1]. Here mark[j] is one
  * more than the last row that saw j. */
 static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
@@ -137,7 +123,7 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
         column[count++] = j;
       }
     }
-    sort_columns(column, count);
+    bwi_sort_columns(column, count);
     for (int32_t p = 0; p < count; p++) {
       mark[column[p]] = p;
       gather[p] = 0;

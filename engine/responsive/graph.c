@@ -8,6 +8,7 @@
  * contributions. */
 #include <string.h>
 
+#include "base/sort.h"
 #include "responsive/internal.h"
 
 static void destroy(void *object) {
@@ -78,21 +79,6 @@ static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) 
   return BW_OK;
 }
 
-/* Rows are short; that of a node with very many neighbours must not cost the square of them. */
-static void sort_columns(int32_t *list, int64_t count) {
-  int64_t gap = 1;
-  while (gap < count / 9)
-    gap = 3 * gap + 1;
-  for (; gap > 0; gap /= 3)
-    for (int64_t i = gap; i < count; i++) {
-      int32_t item = list[i];
-      int64_t j = i;
-      for (; j >= gap && list[j - gap] > item; j -= gap)
-        list[j] = list[j - gap];
-      list[j] = item;
-    }
-}
-
 /* Columns of each row, and how many contributions each pair has, counted into gather_start[p + 1].
  * mark[j] is the place of column j, good where that place is of this row and holds j. */
 static bw_status fill_columns(void *data, int64_t begin, int64_t end, int worker) {
@@ -115,7 +101,7 @@ static bw_status fill_columns(void *data, int64_t begin, int64_t end, int worker
         }
       }
     }
-    sort_columns(column, columns);
+    bwi_sort_columns(column, columns);
     memset(count, 0, (size_t)columns * sizeof *count);
     for (int32_t c = 0; c < columns; c++) {
       mark[column[c]] = c;

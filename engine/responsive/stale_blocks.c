@@ -16,6 +16,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/sort.h"
 #include "responsive/stale.h"
 
 /* An order under which the work has grown by more than this is found anew. */
@@ -84,20 +85,6 @@ void bwi_stale_blocks_free(bwi_stale_blocks *s) {
 
 /* ---- analysis ------------------------------------------------------------------------------ */
 
-static void sort(int32_t *list, int64_t count) {
-  int64_t gap = 1;
-  while (gap < count / 9)
-    gap = 3 * gap + 1;
-  for (; gap > 0; gap /= 3)
-    for (int64_t i = gap; i < count; i++) {
-      int32_t item = list[i];
-      int64_t j = i;
-      for (; j >= gap && list[j - gap] > item; j -= gap)
-        list[j] = list[j - gap];
-      list[j] = item;
-    }
-}
-
 /* Patterns of U row by row: what the graph has above the diagonal, and what the rows bring whose
  * first column this is. */
 static bw_status find_upper(bw_context *context, bwi_stale_blocks *s, const bw_plane_graph *graph) {
@@ -146,7 +133,7 @@ static bw_status find_upper(bw_context *context, bwi_stale_blocks *s, const bw_p
           s->upper_column[used++] = j;
         }
       }
-    sort(s->upper_column + first, used - first);
+    bwi_sort_columns(s->upper_column + first, used - first);
     s->upper_start[k + 1] = used;
     if (used > first) {
       int32_t parent = s->upper_column[first];

@@ -5,6 +5,8 @@
 
 #include "check.h"
 
+enum { BOTTOM, RIGHT, TOP, LEFT };
+
 static inline bw_material *isotropic(bw_context *context, double young, double poisson,
                                      double density) {
   bw_material *material;
@@ -81,6 +83,36 @@ static inline bw_sheet *sheet_on(bw_context *context, const bw_plane_mesh *mesh,
   return sheet;
 }
 
+/* What `solve` does of a held and pulled sheet has the same bits on one to three threads; the mesh
+ * is large enough to be shared out. */
+static inline void same_on_any_threads(bw_context *context, double young, double traction,
+                                       double jitter,
+                                       void (*solve)(bw_context *context, bw_sheet *sheet)) {
+  bw_material *material = isotropic(context, young, 0.3, 10);
+  bw_condition conditions[3] = {
+      {.tag = LEFT, .component = 0},
+      {.tag = LEFT, .component = 1},
+      {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = traction}};
+  double *first = NULL;
+  for (int threads = 1; threads <= 3; threads++) {
+    check_ok(context, bw_set_threads(context, threads));
+    bw_plane_mesh *mesh = jittered(context, rectangle(context, 1, 1, 1, 80, 80), jitter);
+    size_t bytes = 2 * (size_t)mesh->topology->nodes->node_count * sizeof(double);
+    bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 3, conditions);
+    solve(context, sheet);
+    if (first)
+      assert_memory_equal(first, sheet->displacement, bytes);
+    else {
+      first = BW_NEW(context, double, bytes / sizeof(double));
+      memcpy(first, sheet->displacement, bytes);
+    }
+    bw_release(sheet);
+    bw_release(mesh);
+  }
+  bw_free(first);
+  bw_release(material);
+}
+
 /* The node nearest to a place. */
 static inline int32_t node_at(const bw_plane_mesh *mesh, double x, double y) {
   int32_t best = 0;
@@ -92,7 +124,5 @@ static inline int32_t node_at(const bw_plane_mesh *mesh, double x, double y) {
   }
   return best;
 }
-
-enum { BOTTOM, RIGHT, TOP, LEFT };
 
 #endif

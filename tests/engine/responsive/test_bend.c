@@ -221,31 +221,12 @@ static void test_memory(void **state) {
   bw_release(material);
 }
 
-/* The same bits on any number of threads; the mesh is large enough to be shared out. */
+static void bent(bw_context *context, bw_sheet *sheet) {
+  check_ok(context, bw_sheet_bend(context, sheet, NULL, NULL, NULL));
+}
+
 static void test_threads(void **state) {
-  bw_context *context = check_context(state);
-  bw_material *material = isotropic(context, 1e6, 0.3, 10);
-  bw_condition conditions[3] = {{.tag = LEFT, .component = 0},
-                                {.tag = LEFT, .component = 1},
-                                {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = 1e3}};
-  double *first = NULL;
-  for (int threads = 1; threads <= 3; threads++) {
-    check_ok(context, bw_set_threads(context, threads));
-    bw_plane_mesh *mesh = rectangle(context, 1, 1, 1, 70, 70);
-    size_t bytes = 2 * (size_t)mesh->topology->nodes->node_count * sizeof(double);
-    bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 3, conditions);
-    check_ok(context, bw_sheet_bend(context, sheet, NULL, NULL, NULL));
-    if (first)
-      assert_memory_equal(first, sheet->displacement, bytes);
-    else {
-      first = BW_NEW(context, double, bytes / sizeof(double));
-      memcpy(first, sheet->displacement, bytes);
-    }
-    bw_release(sheet);
-    bw_release(mesh);
-  }
-  bw_free(first);
-  bw_release(material);
+  same_on_any_threads(check_context(state), 1e6, 1e3, 0, bent);
 }
 
 int main(void) {

@@ -343,30 +343,12 @@ static void test_regions(void **state) {
   bw_release(stiff);
 }
 
+static void at_rest(bw_context *context, bw_sheet *sheet) {
+  check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
+}
+
 static void test_threads(void **state) {
-  bw_context *context = check_context(state);
-  bw_material *material = isotropic(context, 1e9, 0.3, 0);
-  bw_condition conditions[3] = {{.tag = LEFT, .component = 0},
-                                {.tag = LEFT, .component = 1},
-                                {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = 1}};
-  double *first = NULL;
-  for (int threads = 1; threads <= 3; threads++) {
-    check_ok(context, bw_set_threads(context, threads));
-    bw_plane_mesh *mesh = jittered(context, rectangle(context, 1, 1, 1, 80, 80), 0.002);
-    size_t bytes = 2 * (size_t)mesh->topology->nodes->node_count * sizeof(double);
-    bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 3, conditions);
-    check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
-    if (first)
-      assert_memory_equal(first, sheet->displacement, bytes);
-    else {
-      first = BW_NEW(context, double, bytes / sizeof(double));
-      memcpy(first, sheet->displacement, bytes);
-    }
-    bw_release(sheet);
-    bw_release(mesh);
-  }
-  bw_free(first);
-  bw_release(material);
+  same_on_any_threads(check_context(state), 1e9, 1, 0.002, at_rest);
 }
 
 static void test_memory(void **state) {
