@@ -105,7 +105,8 @@ local function relaxed_nodes(topology, shape, nodes)
 end
 
 --- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of pieces,
---- topology, material_turns}. Where elements are inverted and stay so, a fourth value has what refilling starts from.
+--- topology, material_turns}. Where elements are inverted and stay so, a fourth value has what refilling
+--- starts from.
 function edit_shape.of(topology, pose, wish)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)
   if not maps then return nil, rotations, details end
