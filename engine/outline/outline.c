@@ -226,15 +226,21 @@ static bw_status fail_loop(bw_context *context, const double *point, const bw_lo
   return BW_GEOMETRY;
 }
 
+/* By loop: its signed area, and which one it lies in. Release both with bw_free, on failure too. */
+static bw_status find_nesting(bw_context *context, const bw_outline *o, double **area,
+                              int32_t **parent) {
+  *area = BW_NEW(context, double, o->loop_count);
+  *parent = BW_NEW(context, int32_t, o->loop_count);
+  if (!*area || !*parent)
+    return BW_MEMORY;
+  return bwi_outline_nesting(context, o->point, o->loop_count, o->loop, o->segment, *area, *parent);
+}
+
 static bw_status nest(bw_context *context, bw_outline *o) {
   bw_status status = BW_OK;
-  double *area = BW_NEW(context, double, o->loop_count);
-  int32_t *parent = BW_NEW(context, int32_t, o->loop_count);
-  if (!area || !parent) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(bwi_outline_nesting(context, o->point, o->loop_count, o->loop, o->segment, area, parent));
+  double *area = NULL;
+  int32_t *parent = NULL;
+  BW_TRY(find_nesting(context, o, &area, &parent));
   for (int32_t l = 0; l < o->loop_count; l++) {
     bw_loop *loop = &o->loop[l];
     loop->parent = parent[l];
@@ -317,13 +323,9 @@ done:
 /* The loops lie in each other as before, and the same way round. */
 static bw_status check_nesting(bw_context *context, const bw_outline *o) {
   bw_status status = BW_OK;
-  double *area = BW_NEW(context, double, o->loop_count);
-  int32_t *parent = BW_NEW(context, int32_t, o->loop_count);
-  if (!area || !parent) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(bwi_outline_nesting(context, o->point, o->loop_count, o->loop, o->segment, area, parent));
+  double *area = NULL;
+  int32_t *parent = NULL;
+  BW_TRY(find_nesting(context, o, &area, &parent));
   for (int32_t l = 0; l < o->loop_count; l++) {
     const bw_loop *loop = &o->loop[l];
     if (!(loop->region >= 0 ? area[l] > 0 : area[l] < 0))
