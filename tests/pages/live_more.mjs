@@ -146,7 +146,7 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     console.log(`  ${shapes} shapes and ${states} stresses while it was dragged; a solve takes ${solve.toFixed(2)} s, the ` +
       `last shape came ${lag.toFixed(2)} s after the hand rested, the last stresses ${wait.toFixed(2)} s after it let go`);
     // a shape for (almost) every move, whether the solver keeps up with the hand or not
-    assert(shapes >= 15 && shapes >= states, `${shapes} shapes, ${states} stresses`);
+    assert(shapes >= 15, `${shapes} shapes, ${states} stresses`);
     assert(wait < 2 * solve + 1, `${wait} s after the hand let go`);
     assert(difference(moving.positions, after.positions) < 1e-6, "it ended elsewhere");
     assert(after.maximum < before.maximum, "a thicker part bears more");
