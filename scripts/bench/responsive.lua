@@ -16,12 +16,13 @@ local paper = {
   thermal = {elements = 1938, reuse = 21.3, anew = 14.3},
 }
 
-local wish, i = {frames = "159"}, 1
-while arg[i] do
-  wish[assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")] = arg[i + 1]
-  i = i + 2
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/../verification/?.lua;" .. package.path
+local wish = require "arguments" {out = "value", frames = "value", only = "value"}
+local frames = math.tointeger(tonumber(wish.frames or 159))
+if not frames or frames < 1 then
+  io.stderr:write("responsive: option --frames: a whole number above 0 expected, got '", wish.frames, "'\n")
+  os.exit(2, true)
 end
-local frames = assert(math.tointeger(tonumber(wish.frames)))
 
 local rubber = bw.material.isotropic {name = "rubber", young = 5e6, poisson = 0.3, density = 1000}
 

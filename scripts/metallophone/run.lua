@@ -100,7 +100,6 @@ end
 
 local function make(note, base, material, results)
   local target = pitch.frequency(note)
-  if not target then stop(REFUSED, ("'%s' is no note: C5, F#4, Bb3"):format(note)) end
   local clock = bw.seconds()
   -- Plates go with the inverse square of their size: first the size, then the shape.
   local first = assert(bw.responsive.metallophone {outline = base, thickness = wish.thickness,
@@ -152,6 +151,9 @@ local function main()
   read_arguments()
   local material, message = bw.material.named(wish.material)
   if not material then stop(REFUSED, message) end
+  for note in wish.notes:gmatch "[^,%s]+" do
+    if not pitch.frequency(note) then stop(REFUSED, ("'%s' is no note: C5, F#4, Bb3"):format(note)) end
+  end
   local base, length = read_outline()
   if length then base = assert(base:scaled(length)) end
   local results

@@ -13,17 +13,11 @@ package.path = folder .. "/?.lua;" .. folder .. "/../agile/?.lua;" .. package.pa
 local manual = require "manual"
 
 io.stdout:setvbuf "line"
-local wish = {models = os.getenv "BARWRIGHT_SHARED" or "../shared"}
-wish.models = wish.models .. "/models"
-local out, only = "docs/verification_edit.md", nil
-for i, a in ipairs(arg) do
-  if a == "--full" then wish.full = true end
-  if a == "--only" then only = arg[i + 1] end
-  if a == "--scene" then wish.scene = arg[i + 1] end
-  if a == "--json" then wish.json = bw.threads(1) end
-  if a == "--models" then wish.models = arg[i + 1] end
-  if a == "--out" then out = arg[i + 1] end
-end
+local wish = require "arguments" {full = true, only = "value", scene = "value", json = true,
+  models = "value", out = "value"}
+wish.models = wish.models or (os.getenv "BARWRIGHT_SHARED" or "../shared") .. "/models"
+if wish.json then wish.json = bw.threads(1) end
+local out, only = wish.out or "docs/verification_edit.md", wish.only
 
 local page = manual.new("Edit sessions", ("Made by `build/barwright scripts/verification/edit.lua%s`. Theory: "
   .. "[edit.md](theory/edit.md)."):format(wish.full and " --full" or ""))

@@ -9,12 +9,8 @@ package.path = folder .. "/?.lua;" .. package.path
 local manual = require "manual"
 
 io.stdout:setvbuf "line"
-local wish, out, only = {}, "docs/verification_flow.md", nil
-for i, a in ipairs(arg) do
-  if a == "--full" then wish.full = true end
-  if a == "--only" then only = arg[i + 1] end
-  if a == "--out" then out = arg[i + 1] end
-end
+local wish = require "arguments" {full = true, only = "value", out = "value"}
+local out, only = wish.out or "docs/verification_flow.md", wish.only
 
 local page = manual.new("Flow and heat", ("Made by `build/barwright scripts/verification/flow.lua%s`. Theory: "
   .. "[responsive.md](theory/responsive.md)."):format(wish.full and " --full" or ""))

@@ -9,13 +9,8 @@ local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. package.path
 
 io.stdout:setvbuf "line"
-local wish, out, only, json = {}, "docs/verification_plane.md", nil, false
-for i, a in ipairs(arg) do
-  if a == "--full" then wish.full = true end
-  if a == "--only" then only = arg[i + 1] end
-  if a == "--json" then json = true end
-  if a == "--out" then out = arg[i + 1] end
-end
+local wish = require "arguments" {full = true, only = "value", json = true, out = "value"}
+local out, only, json = wish.out or "docs/verification_plane.md", wish.only, wish.json
 
 local lines, count, failed = {}, 0, 0
 local function write(...) lines[#lines + 1] = (...):format(select(2, ...)) end

@@ -5,11 +5,8 @@
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. package.path
 
-local out, only
-for i, a in ipairs(arg) do
-  if a == "--out" then out = arg[i + 1] end
-  if a == "--only" then only = arg[i + 1] end
-end
+local wish = require "arguments" {out = "value", only = "value"}
+local out, only = wish.out, wish.only
 
 local lines, failed, count = {}, 0, 0
 local function write(...) lines[#lines + 1] = (...):format(select(2, ...)) end
