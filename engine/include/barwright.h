@@ -36,6 +36,7 @@
 #include "barwright/outline.h"
 #include "barwright/plane.h"
 
+#include "barwright/grid.h"
 #include "barwright/io.h"
 
 #include "barwright/element.h"
@@ -46,6 +47,9 @@
 #include "barwright/assemble.h"
 
 #include "barwright/solve.h"
+
+#include "barwright/metamaterial.h"
+#include "barwright/nonlinear.h"
 
 #include "barwright/shape.h"
 

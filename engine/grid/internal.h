@@ -1,0 +1,33 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Places in the lattice of a grid. */
+#ifndef BWI_GRID_INTERNAL_H
+#define BWI_GRID_INTERNAL_H
+
+#include "barwright/grid.h"
+
+static inline int64_t bwi_grid_cells(const int32_t cells[3]) {
+  return (int64_t)cells[0] * cells[1] * cells[2];
+}
+static inline int64_t bwi_grid_points(const int32_t cells[3]) {
+  return ((int64_t)cells[0] + 1) * ((int64_t)cells[1] + 1) * ((int64_t)cells[2] + 1);
+}
+/* (i, j, k) of a cell, and of a lattice point. */
+static inline void bwi_grid_place(const int32_t cells[3], int64_t cell, int32_t place[3]) {
+  place[0] = (int32_t)(cell % cells[0]);
+  place[1] = (int32_t)(cell / cells[0] % cells[1]);
+  place[2] = (int32_t)(cell / cells[0] / cells[1]);
+}
+static inline void bwi_grid_lattice(const int32_t cells[3], int64_t point, int32_t place[3]) {
+  int32_t points[3] = {cells[0] + 1, cells[1] + 1, cells[2] + 1};
+  bwi_grid_place(points, point, place);
+}
+/* The lattice point at corner c of a cell. */
+static inline int64_t bwi_grid_corner(const int32_t cells[3], int64_t cell, int c) {
+  int32_t place[3];
+  bwi_grid_place(cells, cell, place);
+  return place[0] + (c & 1) +
+         ((int64_t)cells[0] + 1) *
+             (place[1] + (c >> 1 & 1) + ((int64_t)cells[1] + 1) * (place[2] + (c >> 2 & 1)));
+}
+
+#endif

@@ -1,0 +1,136 @@
+/* grid: hexahedral grids: boxes, voxels of closed surfaces, edits, what is embedded in them, and
+ * their coarse counterparts. */
+#ifndef BARWRIGHT_GRID_H
+#define BARWRIGHT_GRID_H
+
+#include "barwright/io.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A grid of equal boxes, of which some are elements. Lattice points (i, j, k) are numbered x
+ * fastest, cells too. Nodes are the lattice points that some element has, elements the cells that
+ * hold material; both are numbered compactly, in the lattice's order. Corner c of a cell is at
+ * (c & 1, c >> 1 & 1, c >> 2 & 1). Does not change once built. */
+typedef struct bw_grid {
+  bw_object object;
+  double origin[3];  /* lattice point (0, 0, 0) */
+  double spacing[3]; /* sides of a cell */
+  int32_t cells[3];
+  int32_t element_count, node_count;
+  int32_t *cell;     /* element_count: its cell, ascending */
+  int32_t *element;  /* element_count x 8: its nodes, corner by corner */
+  int32_t *node;     /* node_count: its lattice point, ascending */
+  int32_t *material; /* element_count: 1 and above, a row of a palette */
+  double *fraction;  /* element_count: the part of the cell that is inside the body, (0, 1]; NULL:
+                        every cell is full */
+  int32_t *at;       /* one per cell: its element, or -1: void */
+} bw_grid;
+
+/* `material` (one per cell; 0: void; NULL: all 1) and `fraction` (one per cell; NULL: full) are
+ * copied. BW_INVALID names the cell of a fraction or material that is none; BW_EMPTY without any
+ * element; BW_LIMIT where lattice points pass 2^31. */
+bw_status bw_grid_create(bw_context *context, const double origin[3], const double spacing[3],
+                         const int32_t cells[3], const int32_t *material, const double *fraction,
+                         bw_grid **grid);
+
+typedef struct bw_voxel_options {
+  double spacing;   /* side of the cubes; 0: from `cells` */
+  int32_t cells;    /* along the longest side, when spacing is 0 */
+  double least;     /* cells with a smaller part inside are void; default 0.05 */
+  bool whole;       /* cells count as full or void, by `least`: no fractions. Default false */
+  int32_t samples;  /* per direction within a cut cell; default 8 */
+  int32_t material; /* default 1 */
+  int32_t multiple; /* cells in each direction are a multiple of this, so that so many cells
+                       become one; default 1 */
+} bw_voxel_options;
+void bw_voxel_options_default(bw_voxel_options *options);
+/* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY
+ * for a surface that is not closed. Nodes' lattice begins at the low corner of the surface's box
+ * (or half the slack before it, where cells do not fit the box). */
+bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
+                             const bw_voxel_options *options, bw_grid **grid);
+/* The grid with `material` in `count` cells (0 takes the element away, another adds it, full);
+ * everything else stays. The same object, retained, where nothing changes. */
+bw_status bw_grid_edited(bw_context *context, const bw_grid *grid, int64_t count,
+                         const int32_t *cell, const int32_t *material, bw_grid **edited);
+/* The same elements on the same nodes: graph and order of one serve the other. */
+bool bw_grid_same_elements(const bw_grid *a, const bw_grid *b);
+void bw_grid_position(const bw_grid *grid, int32_t node, double at[3]);
+/* Low and high corner of the elements. */
+void bw_grid_box(const bw_grid *grid, double low[3], double high[3]);
+double bw_grid_volume(const bw_grid *grid); /* fractions counted */
+/* Groups of elements connected by nodes; group (element_count) may be NULL. */
+bw_status bw_grid_components(bw_context *context, const bw_grid *grid, int32_t *group,
+                             int32_t *count);
+
+/* Faces of elements without a neighbour. `side` 0..5: low x, high x, low y, ... */
+typedef struct bw_grid_face {
+  int32_t element;
+  int32_t side;
+  int32_t node[4]; /* counter-clockwise seen from outside */
+} bw_grid_face;
+bw_status bw_grid_boundary(bw_context *context, const bw_grid *grid, bw_grid_face **face,
+                           int64_t *count); /* release with bw_free */
+/* The boundary as a surface (two triangles a face) whose points are nodes: node (point_count, may
+ * be NULL, release with bw_free) says which. For pictures. */
+bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface **surface,
+                          int32_t **node);
+
+/* ---- what is embedded -------------------------------------------------------------------------
+ */
+
+/* Points that go with a grid's elements by trilinear interpolation. A point outside every element
+ * takes the nearest one and is extrapolated, up to `reach` cells; beyond it creation is
+ * BW_GEOMETRY and names the point. */
+typedef struct bw_embedding {
+  bw_object object;
+  const bw_grid *grid; /* retained */
+  int64_t point_count;
+  int32_t *element; /* point_count */
+  double *local;    /* point_count x 3: 0..1 in the element (beyond where extrapolated) */
+  double *weight;   /* point_count x 8: of its corners */
+} bw_embedding;
+bw_status bw_embedding_create(bw_context *context, const bw_grid *grid, int64_t points,
+                              const double *point, double reach, bw_embedding **embedding);
+/* values (node_count x components) at the points (point_count x components) */
+void bw_embedding_values(const bw_embedding *embedding, int components, const double *values,
+                         double *at_points);
+/* The transpose, added: forces at points become forces at nodes. */
+void bw_embedding_add(const bw_embedding *embedding, int components, const double *at_points,
+                      double *values);
+
+/* ---- two, four, ... cells become one --------------------------------------------------------- */
+
+/* 2 x 2 x 2 cells become one, which is an element where one of them is. Cells beyond the high ends
+ * of the lattice are void. */
+typedef struct bw_coarsening {
+  bw_object object;
+  const bw_grid *fine, *coarse; /* retained; materials of the coarse grid are all 1 */
+  int32_t *parent;              /* fine element_count: coarse element */
+  int32_t *child;               /* coarse element_count x 8: fine element by corner, or -1 */
+} bw_coarsening;
+bw_status bw_coarsening_create(bw_context *context, const bw_grid *fine,
+                               bw_coarsening **coarsening);
+/* Trilinear interpolation of values (components per node) from coarse to fine nodes, and the
+ * transpose (fine to coarse, overwritten). */
+void bw_coarsening_prolong(const bw_coarsening *coarsening, int components, const double *coarse,
+                           double *fine);
+void bw_coarsening_restrict(const bw_coarsening *coarsening, int components, const double *fine,
+                            double *coarse);
+/* Mean distance of the nodes moved by u and v over the longest side of the elements' box (the
+ * error measure of data-driven, section 6.2). */
+double bw_grid_difference(const bw_grid *grid, const double *u, const double *v);
+
+/* ---- files ------------------------------------------------------------------------------------
+ */
+
+/* .vtu with hexahedra; material and fraction are written too. */
+bw_status bw_grid_write_vtu(bw_context *context, const bw_grid *grid, const char *path,
+                            int field_count, const bw_field *fields);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,110 @@
+/* metamaterial: coarse materials fitted to blocks of fine ones, kept in a library, and found there
+ * again by lookup (data-driven, sections 4 and 5). */
+#ifndef BARWRIGHT_METAMATERIAL_H
+#define BARWRIGHT_METAMATERIAL_H
+
+#include "barwright/nonlinear.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- libraries ---------------------------------------------------------------------------------
+ *
+ * A block is 2 x 2 x 2 fine elements; its key is their materials, child c in octant c (bits as
+ * corners). Keys that a symmetry of the cube takes into each other share one fit. A library says
+ * for every key which fit and which symmetry; from level 2 on, blocks of coarse materials are
+ * looked up direction by direction (x, y, z) in tables of pairs of representatives. */
+typedef struct bw_library_options {
+  int levels;          /* 1 (default) or 2 */
+  bool voids;          /* blocks with void too; default true */
+  int directions;      /* of force, for each block; default 500 */
+  int magnitudes;      /* along each; default 5 */
+  int stretches;       /* directions in which a block is stretched to find its axes; default 500 */
+  int fibres;          /* axes of anisotropy at a point: 0 to 3 */
+  double strain;       /* the largest deformation sampled, roughly */
+  double ridge;        /* lambda of formula (4), relative as documented; default 0.01 */
+  int representatives; /* at every intermediate stage of level 2; default 400 */
+  uint64_t seed;
+} bw_library_options;
+void bw_library_options_default(bw_library_options *options);
+
+/* How well a fit does, on deformations that it was not fitted to: of |fitted - exact| energies over
+ * the exact ones, and the same of the naive material. */
+typedef struct bw_fit_error {
+  double median, worst, naive_median, naive_worst; /* worst: the 95th percentile */
+  double force, naive_force; /* |difference of the coarse forces| / |force|, median */
+  int samples;               /* that were found: blocks may refuse extreme forces */
+} bw_fit_error;
+
+typedef struct bw_library {
+  bw_object object;
+  const bw_palette *palette; /* retained: the base materials, uniform, of level 0 */
+  bw_library_options options;
+  int levels;
+  int32_t fit_count[2];         /* of level 1 and 2 */
+  const bw_fit_error *error[2]; /* fit_count: of each */
+  double seconds;               /* that building took, over all runs */
+  struct bwi_library *inner;
+} bw_library;
+
+/* Builds on all threads, with progress. `checkpoint` (may be NULL): a file that finished fits are
+ * added to and from which a build that was killed carries on; one of another palette or other
+ * options is BW_INVALID. The same library, bit for bit, for any number of threads and kills.
+ * BW_LIMIT for palettes whose keys are too many (more than 2^24). BW_CANCELLED keeps the
+ * checkpoint. */
+bw_status bw_library_build(bw_context *context, const bw_palette *palette,
+                           const bw_library_options *options, const char *checkpoint,
+                           bw_library **library);
+/* One file (.bwm): version, palette, options, fits, errors, tables; zlib, with a checksum. A file
+ * that is damaged, foreign or of another version is BW_FORMAT with the reason. */
+bw_status bw_library_write(bw_context *context, const bw_library *library, const char *path);
+bw_status bw_library_read(bw_context *context, const char *path, bw_library **library);
+bw_status bw_library_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                           size_t count, bw_library **library);
+/* A few lines: palette, levels, fits, errors by class of block. Release with bw_free. */
+bw_status bw_library_describe(bw_context *context, const bw_library *library, char **text);
+/* The fitted material of a key (level 1: 8 numbers; level 2: 64, child by child), and of which fit
+ * (may be NULL). */
+bw_status bw_library_material(bw_context *context, const bw_library *library, int level,
+                              const int32_t *key, bw_solid_material **material, int32_t *fit);
+
+/* ---- coarsening --------------------------------------------------------------------------------
+ */
+
+typedef enum bw_coarse_method {
+  BW_COARSE_LOOKUP, /* by a library */
+  BW_COARSE_NAIVE,  /* each point takes the material of the fine element there */
+  BW_COARSE_AVERAGE /* Lame's constants averaged over the block */
+} bw_coarse_method;
+/* A fine grid made coarse, `levels` times. Does not change once made. */
+typedef struct bw_coarse {
+  bw_object object;
+  bw_coarse_method method;
+  int levels;
+  const bw_library *library;      /* retained; NULL for baselines */
+  const bw_palette *fine_palette; /* retained */
+  const bw_grid *fine, *grid;     /* retained; the coarse grid's materials are rows of palette */
+  const bw_palette *palette;      /* retained: the coarse materials there are */
+  const bw_coarsening *coarsening[2]; /* levels: from fine to coarse, retained */
+  int64_t looked_up;                  /* blocks assigned in making this one */
+  double seconds_lattice, seconds_lookup;
+  struct bwi_coarse *inner;
+} bw_coarse;
+/* In time linear in the elements. `library` NULL for baselines; `palette` is that of the grid, and
+ * must be the library's (same laws and constants, BW_INVALID names the first that differs).
+ * Spacing must be the same in all directions (BW_INVALID). */
+bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_library *library,
+                     const bw_palette *palette, const bw_grid *fine, int levels,
+                     bw_coarse **coarse);
+/* The same for an edited fine grid on the same lattice: only blocks in which something differs are
+ * looked up again, and where no element came or went the coarse grid's lists are shared. */
+bw_status bw_coarse_follow(bw_context *context, const bw_coarse *coarse, const bw_grid *fine,
+                           bw_coarse **followed);
+/* Displacements of the coarse grid at fine nodes (node_count x 3 each), through all levels. */
+void bw_coarse_to_fine(const bw_coarse *coarse, const double *u, double *fine);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

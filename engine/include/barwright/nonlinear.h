@@ -1,0 +1,300 @@
+/* nonlinear: hyperelastic solids on hexahedral grids: laws, energies, statics, dynamics. */
+#ifndef BARWRIGHT_NONLINEAR_H
+#define BARWRIGHT_NONLINEAR_H
+
+#include "barwright/assemble.h"
+#include "barwright/grid.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- laws ---------------------------------------------------------------------------------------
+ *
+ * Every law is linear in Lame's constants: W(F) = mu a(F) + lambda b(F), J/m3, which makes fitting
+ * them a linear problem. F is row by row, F_ij = d x_i / d X_j; stress P_ij = dW / dF_ij (first
+ * Piola-Kirchhoff); tangent A_(ij)(kl) = dP_ij / dF_kl, 9x9, row by row.
+ *
+ *   neo-Hookean          a = (I1 - 3)/2 - ln J      b = (ln J)^2 / 2     only J > 0
+ *   St. Venant-Kirchhoff a = E : E                  b = (tr E)^2 / 2     E = (F^T F - 1)/2
+ *   corotated            a = |F - R|^2              b = (tr(R^T F) - 3)^2 / 2
+ *   fixed corotated      a = |F - R|^2              b = (J - 1)^2 / 2 */
+typedef enum bw_law {
+  BW_NEO_HOOKEAN,
+  BW_ST_VENANT_KIRCHHOFF,
+  BW_COROTATED,
+  BW_FIXED_COROTATED,
+  BW_LAWS
+} bw_law;
+const char *bw_law_word(bw_law law); /* "neo_hookean", ... */
+
+/* Each returns false where the law is not defined (neo-Hookean at J <= 0); the outputs are then
+ * not to be used. stress and tangent may be NULL. `project`: the tangent with negative eigenvalues
+ * set to zero. */
+bool bw_law_energy(bw_law law, double mu, double lambda, const double f[9], double *energy);
+bool bw_law_evaluate(bw_law law, double mu, double lambda, const double f[9], bool project,
+                     double *energy, double *stress, double *tangent);
+/* The anisotropic term C (|F v| - 1)^2 of data-driven, formula (2): added to what is there. v is
+ * of unit length; stress and tangent may be NULL. */
+void bw_fibre_add(double stiffness, const double v[3], const double f[9], bool project,
+                  double *energy, double *stress, double *tangent);
+/* F = U diag(s) V^T with U and V rotations, s descending in size, its last with the sign of det F.
+ */
+void bw_svd3(const double f[9], double u[9], double s[3], double v[9]);
+
+/* ---- materials of elements ---------------------------------------------------------------------
+ */
+
+/* Points of quadrature in the unit cube. Level 0 and 1: 2 x 2 x 2 Gauss points, point k in octant
+ * k (bits as corners); level l: such points in each of the 8^(l-1) small cubes, those of cube k
+ * from 8^(l-1) k on, in each cube as in a level less. One object per level and process lifetime is
+ * not promised: compare `level`. */
+typedef struct bw_rule {
+  bw_object object;
+  int level;
+  int32_t count;
+  double *at;       /* count x 3 */
+  double *weight;   /* count, summing to one */
+  double *value;    /* count x 8: shape functions of the corners */
+  double *gradient; /* count x 8 x 3: in the unit cube */
+} bw_rule;
+bw_status bw_rule_create(bw_context *context, int level, bw_rule **rule);
+
+/* What an element is made of: a law and constants at every point of its rule: the metamaterial of
+ * data-driven, formula (2), of which one law and the same constants everywhere is the simple case.
+ * Energy of a cell of volume V: V sum over points of weight (mu a + lambda b + sum over fibres of
+ * C (|F v| - 1)^2). Does not change once made. */
+typedef struct bw_solid_material {
+  bw_object object;
+  char name[BW_NAME];
+  const bw_rule *rule;     /* retained */
+  double density;          /* kg/m3; 0: not known */
+  bool uniform;            /* the same law and constants at all points, and no fibres */
+  int fibre_count;         /* at a point: 0 to 3 */
+  uint8_t *law;            /* rule->count: bw_law */
+  double *mu, *lambda;     /* rule->count, Pa */
+  double *fibre_stiffness; /* rule->count x fibre_count: C, Pa */
+  double *fibre;           /* rule->count x fibre_count x 3: v */
+} bw_solid_material;
+/* young > 0, -1 < poisson < 1/2; density may be 0. */
+bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,
+                                   double poisson, double density, bw_solid_material **material);
+/* Copies; fibre arrays may be NULL when fibre_count is 0. Constants must be finite and not
+ * negative, or BW_INVALID. */
+bw_status bw_solid_material_points(bw_context *context, const char *name, const bw_rule *rule,
+                                   double density, const uint8_t *law, const double *mu,
+                                   const double *lambda, int fibre_count,
+                                   const double *fibre_stiffness, const double *fibre,
+                                   bw_solid_material **material);
+/* The materials that a grid's numbers mean: material[0] is NULL, void. */
+typedef struct bw_palette {
+  bw_object object;
+  int32_t count;
+  const bw_solid_material **material; /* count, retained */
+} bw_palette;
+/* `material` has count - 1 entries, those of 1 and above. */
+bw_status bw_palette_create(bw_context *context, int32_t count,
+                            const bw_solid_material *const *material, bw_palette **palette);
+
+/* ---- solids ------------------------------------------------------------------------------------
+ */
+
+/* A grid made of a palette: the body whose energy is a function of node displacements u
+ * (node_count x 3, m). Partial cells count by their fraction, never below 1e-3. Does not change
+ * once built; may be used from several threads. */
+typedef struct bw_solid {
+  bw_object object;
+  const bw_grid *grid;       /* retained */
+  const bw_palette *palette; /* retained */
+  bw_graph *graph;           /* retained; its mesh is NULL */
+  double *mass;              /* node_count: lumped, kg; density 0 counts as 0 */
+  bool weightless;           /* some element's density is not known */
+} bw_solid;
+/* `previous` (may be NULL): a solid whose graph is reused where the elements are the same.
+ * BW_INVALID names the first element whose material is not in the palette. */
+bw_status bw_solid_create(bw_context *context, const bw_grid *grid, const bw_palette *palette,
+                          const bw_solid *previous, bw_solid **solid);
+
+/* How bad a shape is. */
+typedef struct bw_solid_shape {
+  double least_ratio; /* smallest det F over all points */
+  int32_t worst;      /* its element */
+  int64_t inverted;   /* elements with a point where det F <= 0 */
+  bool defined;       /* the energy exists: no neo-Hookean point has det F <= 0 */
+} bw_solid_shape;
+/* Energy (J), its gradient (node_count x 3, N), and its second derivatives (9 per pair of the
+ * graph, N/m); each of the three may be NULL. With `project` each point's tangent is made positive
+ * semidefinite, so that the matrix is. BW_OK with shape->defined false (and nothing else to be
+ * used) where the energy does not exist: for line searches. Same bits for any number of threads. */
+bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
+                            bool project, double *energy, double *gradient, double *stiffness,
+                            bw_solid_shape *shape);
+/* Element stiffnesses kept for products without a matrix: 300 numbers an element. */
+typedef struct bw_solid_linear bw_solid_linear;
+bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
+                                 bw_solid_linear **linear);
+void bw_solid_linear_free(bw_solid_linear *linear);
+bw_status bw_solid_linear_set(bw_context *context, bw_solid_linear *linear, const double *u,
+                              bool project);
+bw_status bw_solid_linear_multiply(bw_context *context, const bw_solid_linear *linear,
+                                   const double *x, double *y);
+bw_status bw_solid_linear_diagonal(bw_context *context, const bw_solid_linear *linear,
+                                   double *blocks); /* node_count x 9 */
+/* Cauchy stress (element_count x 6, volume means over points, xx yy zz yz zx xy) and the same at
+ * nodes (node_count x 6, volume-weighted means of the elements around); either may be NULL. */
+bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const double *u,
+                          double *of_elements, double *of_nodes);
+
+/* ---- what acts on a solid ----------------------------------------------------------------------
+ */
+
+/* Supports, loads and floors, gathered call by call; then used, and not changed meanwhile.
+ * Loads, prescribed displacements and gravity grow with the load factor 0..1. */
+typedef struct bw_pressure_patch {
+  const bw_embedding *embedding; /* retained */
+  int64_t triangle_count;
+  int32_t *triangle; /* x 3: points of the embedding, counter-clockwise from outside */
+  double *pressure;  /* triangle_count, Pa; positive pushes inwards */
+  bool follower;     /* along the normals of the deformed shape; else of the shape at rest */
+} bw_pressure_patch;
+typedef struct bw_floor {
+  double point[3], normal[3];    /* the solid stays where (x - point) . normal >= 0; normal unit */
+  double speed[3];               /* the plane's displacement at load factor 1, m */
+  const bw_embedding *embedding; /* retained: the points that touch it, with `rest` positions;
+                                    NULL: the nodes */
+  double *rest;                  /* point_count x 3, or NULL */
+} bw_floor;
+typedef struct bw_solid_case {
+  bw_object object;
+  const bw_grid *grid; /* retained */
+  uint8_t *held;       /* node_count x 3 */
+  double *value;       /* node_count x 3: prescribed displacement at load factor 1, m */
+  double *force;       /* node_count x 3, N */
+  double gravity[3];   /* m/s2 */
+  int32_t patch_count;
+  bw_pressure_patch *patch;
+  int32_t floor_count;
+  bw_floor *floor;
+} bw_solid_case;
+bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_solid_case **it);
+/* Components with hold[c] of the nodes are prescribed. A contradiction with an earlier call is
+ * BW_INVALID and names the node. */
+bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t count,
+                             const int32_t *node, const bool hold[3], const double value[3]);
+/* A total force on the boundary faces all of whose nodes are among those given, by area; where no
+ * face is, on the nodes alike. */
+bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
+                              const int32_t *node, const double total[3]);
+bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
+                                 const bw_embedding *embedding, int64_t triangles,
+                                 const int32_t *triangle, const double *pressure, bool follower);
+bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
+                              const double normal[3], const double move[3],
+                              const bw_embedding *embedding, const double *rest);
+
+/* ---- statics -----------------------------------------------------------------------------------
+ */
+
+typedef enum bw_newton_linear {
+  BW_NEWTON_DIRECT, /* the engine's own factor, order and analysis kept */
+  BW_NEWTON_JACOBI, /* conjugate gradients without a matrix, preconditioned by node blocks */
+  BW_NEWTON_COARSE  /* the same, preconditioned by a smoother and a coarse solid's factor */
+} bw_newton_linear;
+typedef struct bw_newton_options {
+  bw_newton_linear linear;
+  double tolerance;    /* |residual| over the size of the forces at work; default 1e-6 */
+  int iterations;      /* Newton iterations in a load step; default 100 */
+  int steps;           /* load steps to begin with; default 1; halved where one fails */
+  double least_step;   /* of the load factor before giving up; default 1/256 */
+  double cg_tolerance; /* relative; default: by Eisenstat and Walker */
+  int cg_iterations;   /* default 10000 */
+  bool allow_inverted; /* a solution with inverted elements is a result, not BW_GEOMETRY */
+  const double *start; /* node_count x 3: first guess; NULL: rest */
+  /* for BW_NEWTON_COARSE: coarse solids of coarse[0]->fine = the solid's grid and on */
+  int coarse_count;
+  const bw_coarsening *const *coarsening;
+  const bw_solid *const *coarse;
+} bw_newton_options;
+void bw_newton_options_default(bw_newton_options *options);
+
+/* One Newton iteration, for reports and convergence plots. */
+typedef struct bw_newton_entry {
+  double load, energy, residual, step; /* relative residual before it; accepted step length */
+  int32_t cg, contacts;
+  bool projected;
+} bw_newton_entry;
+typedef struct bw_newton_report {
+  int iterations, load_steps, failed_steps, factorisations, evaluations;
+  int64_t cg_iterations;
+  double load;     /* load factor reached: 1, or less where it failed */
+  double residual; /* relative, as reached */
+  double seconds_quadrature, seconds_analysis, seconds_factor, seconds_solve, seconds;
+  bw_solid_shape shape;
+  int64_t contacts; /* points on floors */
+  int history_count;
+  bw_newton_entry *history;
+} bw_newton_report;
+
+/* What can be kept between solves of solids with the same elements: order, analysis, memory.
+ * Mutable, one thread at a time. */
+typedef struct bw_newton bw_newton;
+bw_status bw_newton_create(bw_context *context, bw_newton **newton);
+void bw_newton_free(bw_newton *newton);
+
+typedef struct bw_solid_static {
+  bw_object object;
+  const bw_solid *solid;    /* retained */
+  const bw_solid_case *the; /* retained */
+  double *displacement;     /* node_count x 3 */
+  double *reaction;         /* node_count x 3: of supports and floors */
+  double energy;            /* stored, J */
+  bool complete;            /* load factor 1 was reached within tolerance */
+  bw_newton_report report;
+} bw_solid_static;
+/* The stable equilibrium that the load path from rest leads to: Newton's method on the total
+ * potential with line search, where the tangent is not positive definite on a projected one.
+ * BW_FREE for a solid that can move as a whole. BW_CONVERGENCE, and BW_GEOMETRY for inverted
+ * elements, name load factor, residual, worst element and its place, and still give the last
+ * converged state in *result (complete = false). `newton` may be NULL. */
+bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
+                           bw_newton *newton, const bw_newton_options *options,
+                           bw_solid_static **result);
+
+/* ---- dynamics ----------------------------------------------------------------------------------
+ */
+
+typedef enum bw_motion_scheme { BW_IMPLICIT_EULER, BW_NEWMARK } bw_motion_scheme;
+typedef struct bw_motion_options {
+  bw_motion_scheme scheme;
+  double step;                            /* s */
+  double mass_damping, stiffness_damping; /* Rayleigh, 1/s and s (stiffness at the step's start) */
+  double beta, gamma;                     /* Newmark; default 1/4, 1/2 */
+  double tolerance;                       /* as in bw_newton_options */
+  int iterations;                         /* 1: linearly implicit; default 30 */
+} bw_motion_options;
+void bw_motion_options_default(bw_motion_options *options);
+/* A solid in motion under a constant case, its loads at full. Mutable. */
+typedef struct bw_solid_motion {
+  bw_object object;
+  const bw_solid *solid;    /* retained */
+  const bw_solid_case *the; /* retained */
+  bw_motion_options options;
+  double time;
+  int64_t steps;
+  double *displacement, *velocity, *acceleration; /* node_count x 3 */
+  double kinetic, strain, potential;              /* J; potential: of loads and gravity */
+  double dissipated;       /* by damping and the scheme, so that the sum stays */
+  bw_newton_report report; /* of the last step */
+  struct bwi_motion *inner;
+} bw_solid_motion;
+/* u and v (node_count x 3) may be NULL: at rest. BW_INVALID for a solid without density. */
+bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
+                                 const bw_solid_case *the, const bw_motion_options *options,
+                                 const double *u, const double *v, bw_solid_motion **motion);
+/* One step further. On failure the motion is as it was. */
+bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,72 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Quadrature in the unit cube: 2 x 2 x 2 Gauss points, in the cube or in each of its 8, 64, ...
+ * small cubes. */
+#include "barwright/nonlinear.h"
+
+#include <math.h>
+
+enum { LEVELS = 5 };
+
+static void destroy(void *object) {
+  bw_rule *rule = (bw_rule *)object;
+  bw_free(rule->at);
+  bw_free(rule->weight);
+  bw_free(rule->value);
+  bw_free(rule->gradient);
+  bw_free(rule);
+}
+
+static const bw_kind rule_kind = {"rule", destroy, NULL};
+
+static void place(bw_rule *rule) {
+  const double gauss[2] = {0.5 - 0.5 / sqrt(3.0), 0.5 + 0.5 / sqrt(3.0)};
+  for (int32_t p = 0; p < rule->count; p++) {
+    double *at = rule->at + 3 * (int64_t)p, size = 1;
+    int32_t block = rule->count / 8, rest = p;
+    at[0] = at[1] = at[2] = 0;
+    for (; block > 1; rest %= block, block /= 8) {
+      size /= 2;
+      for (int d = 0; d < 3; d++)
+        at[d] += size * ((rest / block) >> d & 1);
+    }
+    for (int d = 0; d < 3; d++)
+      at[d] += size * gauss[rest / block >> d & 1];
+    rule->weight[p] = 1.0 / rule->count;
+    for (int c = 0; c < 8; c++) {
+      double factor[3], slope[3];
+      for (int d = 0; d < 3; d++) {
+        factor[d] = c >> d & 1 ? at[d] : 1 - at[d];
+        slope[d] = c >> d & 1 ? 1 : -1;
+      }
+      double *gradient = rule->gradient + 24 * (int64_t)p + 3 * (int64_t)c;
+      rule->value[8 * (int64_t)p + c] = factor[0] * factor[1] * factor[2];
+      gradient[0] = slope[0] * factor[1] * factor[2];
+      gradient[1] = factor[0] * slope[1] * factor[2];
+      gradient[2] = factor[0] * factor[1] * slope[2];
+    }
+  }
+}
+
+bw_status bw_rule_create(bw_context *context, int level, bw_rule **out) {
+  if (level < 0 || level > LEVELS)
+    return bw_fail(context, BW_INVALID, "no quadrature of level %d; 0 to %d", level, LEVELS);
+  bw_rule *rule = BW_NEW0(context, bw_rule, 1);
+  if (!rule)
+    return BW_MEMORY;
+  bw_object_init(rule, &rule_kind);
+  rule->level = level;
+  rule->count = 8;
+  for (int l = 1; l < level; l++)
+    rule->count *= 8;
+  rule->at = BW_NEW(context, double, 3 * (int64_t)rule->count);
+  rule->weight = BW_NEW(context, double, rule->count);
+  rule->value = BW_NEW(context, double, 8 * (int64_t)rule->count);
+  rule->gradient = BW_NEW(context, double, 24 * (int64_t)rule->count);
+  if (!rule->at || !rule->weight || !rule->value || !rule->gradient) {
+    bw_release(rule);
+    return BW_MEMORY;
+  }
+  place(rule);
+  *out = rule;
+  return BW_OK;
+}

@@ -1,0 +1,162 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Materials of elements, point by point, and palettes of them. */
+#include "barwright/nonlinear.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *bw_law_word(bw_law law) {
+  static const char *const word[BW_LAWS] = {"neo_hookean", "st_venant_kirchhoff", "corotated",
+                                            "fixed_corotated"};
+  return (unsigned)law < BW_LAWS ? word[law] : "?";
+}
+
+static void destroy(void *object) {
+  bw_solid_material *m = (bw_solid_material *)object;
+  bw_release(m->rule);
+  bw_free(m->law);
+  bw_free(m->mu);
+  bw_free(m->lambda);
+  bw_free(m->fibre_stiffness);
+  bw_free(m->fibre);
+  bw_free(m);
+}
+
+static size_t bytes(const void *object) {
+  const bw_solid_material *m = (const bw_solid_material *)object;
+  return sizeof *m +
+         (size_t)m->rule->count * (17 + 32 * (size_t)(m->fibre_count > 0 ? m->fibre_count : 0));
+}
+
+static const bw_kind material_kind = {"solid material", destroy, bytes};
+
+/* Constants of one point: finite, and not below what keeps the energy bounded. */
+static bw_status check_point(bw_context *context, const char *name, int32_t point, int law,
+                             double mu, double lambda) {
+  if (law < 0 || law >= BW_LAWS)
+    return bw_fail(context, BW_INVALID, "material %s, point %d: there is no law %d", name,
+                   (int)point + 1, law);
+  if (!isfinite(mu) || !isfinite(lambda) || mu < 0 || 3 * lambda + 2 * mu < 0)
+    return bw_fail(context, BW_INVALID,
+                   "material %s, point %d: mu = %g Pa, lambda = %g Pa; both must be finite, mu not "
+                   "negative, and the bulk modulus lambda + 2 mu / 3 not either",
+                   name, (int)point + 1, mu, lambda);
+  return BW_OK;
+}
+
+bw_status bw_solid_material_points(bw_context *context, const char *name, const bw_rule *rule,
+                                   double density, const uint8_t *law, const double *mu,
+                                   const double *lambda, int fibre_count,
+                                   const double *fibre_stiffness, const double *fibre,
+                                   bw_solid_material **out) {
+  bw_status status = BW_OK;
+  bw_solid_material *m = NULL;
+  size_t n = (size_t)rule->count, f = (size_t)(fibre_count > 0 ? fibre_count : 0);
+  if (fibre_count < 0 || fibre_count > 3)
+    return bw_fail(context, BW_INVALID, "material %s has %d fibres at a point; 0 to 3", name,
+                   fibre_count);
+  if (!isfinite(density) || density < 0)
+    return bw_fail(context, BW_INVALID, "material %s: density is %g kg/m3; 0 when not known", name,
+                   density);
+  for (int32_t p = 0; p < rule->count; p++)
+    BW_TRY(check_point(context, name, p, law[p], mu[p], lambda[p]));
+  for (size_t k = 0; k < n * f; k++) {
+    double length = bw_norm(fibre + 3 * k);
+    if (!isfinite(fibre_stiffness[k]) || fibre_stiffness[k] < 0 || !(fabs(length - 1) < 1e-6))
+      return bw_fail(context, BW_INVALID,
+                     "material %s, point %d: a fibre of stiffness %g Pa and length %g; it must not "
+                     "be negative, and the direction of unit length",
+                     name, (int)(k / f) + 1, fibre_stiffness[k], length);
+  }
+  m = BW_NEW0(context, bw_solid_material, 1);
+  if (!m)
+    return BW_MEMORY;
+  bw_object_init(m, &material_kind);
+  m->rule = bw_retain(rule);
+  snprintf(m->name, sizeof m->name, "%s", name);
+  m->density = density;
+  m->fibre_count = fibre_count;
+  m->law = BW_NEW(context, uint8_t, n);
+  m->mu = BW_NEW(context, double, n);
+  m->lambda = BW_NEW(context, double, n);
+  m->fibre_stiffness = BW_NEW(context, double, n *f);
+  m->fibre = BW_NEW(context, double, 3 * n * f);
+  if (!m->law || !m->mu || !m->lambda || !m->fibre_stiffness || !m->fibre) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memcpy(m->law, law, n);
+  memcpy(m->mu, mu, n * sizeof *mu);
+  memcpy(m->lambda, lambda, n * sizeof *lambda);
+  if (f) {
+    memcpy(m->fibre_stiffness, fibre_stiffness, n * f * sizeof *fibre);
+    memcpy(m->fibre, fibre, 3 * n * f * sizeof *fibre);
+  }
+  m->uniform = fibre_count == 0;
+  for (size_t p = 1; p < n; p++)
+    m->uniform = m->uniform && law[p] == law[0] && mu[p] == mu[0] && lambda[p] == lambda[0];
+  *out = m;
+  m = NULL;
+done:
+  bw_release(m);
+  return status;
+}
+
+bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,
+                                   double poisson, double density, bw_solid_material **material) {
+  bw_status status = BW_OK;
+  bw_rule *rule = NULL;
+  uint8_t laws[8];
+  double mu[8], lambda[8];
+  name = name && *name ? name : bw_law_word(law);
+  if (!isfinite(young) || !(young > 0))
+    return bw_fail(context, BW_INVALID,
+                   "material %s: Young's modulus is %g Pa; it must be positive (1e6 for rubber)",
+                   name, young);
+  if (!(poisson > -1 && poisson < 0.5))
+    return bw_fail(context, BW_INVALID,
+                   "material %s: Poisson's ratio is %g; it must lie above -1 and below 0.5", name,
+                   poisson);
+  for (int p = 0; p < 8; p++) {
+    laws[p] = (uint8_t)law;
+    mu[p] = young / (2 * (1 + poisson));
+    lambda[p] = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  }
+  BW_TRY(bw_rule_create(context, 0, &rule));
+  BW_TRY(bw_solid_material_points(context, name, rule, density, laws, mu, lambda, 0, NULL, NULL,
+                                  material));
+done:
+  bw_release(rule);
+  return status;
+}
+
+static void destroy_palette(void *object) {
+  bw_palette *palette = (bw_palette *)object;
+  for (int32_t i = 0; palette->material && i < palette->count; i++)
+    bw_release(palette->material[i]);
+  bw_free((void *)palette->material);
+  bw_free(palette);
+}
+
+static const bw_kind palette_kind = {"palette", destroy_palette, NULL};
+
+bw_status bw_palette_create(bw_context *context, int32_t count,
+                            const bw_solid_material *const *material, bw_palette **out) {
+  if (count < 2)
+    return bw_fail(context, BW_INVALID, "a palette needs a material beside void");
+  bw_palette *palette = BW_NEW0(context, bw_palette, 1);
+  if (!palette)
+    return BW_MEMORY;
+  bw_object_init(palette, &palette_kind);
+  palette->count = count;
+  palette->material = BW_NEW0(context, const bw_solid_material *, count);
+  if (!palette->material) {
+    bw_release(palette);
+    return BW_MEMORY;
+  }
+  for (int32_t i = 1; i < count; i++)
+    palette->material[i] = bw_retain(material[i - 1]);
+  *out = palette;
+  return BW_OK;
+}
