@@ -1,9 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Quadrature in the unit cube: 2 x 2 x 2 Gauss points, in the cube or in each of its 8, 64, ...
- * small cubes. */
+ * small cubes; and the same drawn towards the middle. */
 #include "barwright/nonlinear.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { LEVELS = 5 };
 
@@ -31,6 +32,8 @@ static void place(bw_rule *rule) {
     }
     for (int d = 0; d < 3; d++)
       at[d] += size * gauss[rest / block >> d & 1];
+    for (int d = 0; d < 3; d++)
+      at[d] = 0.5 + rule->spread[d] * (at[d] - 0.5);
     rule->weight[p] = 1.0 / rule->count;
     for (int c = 0; c < 8; c++) {
       double factor[3], slope[3];
@@ -48,13 +51,23 @@ static void place(bw_rule *rule) {
 }
 
 bw_status bw_rule_create(bw_context *context, int level, bw_rule **out) {
+  const double spread[3] = {1, 1, 1};
+  return bw_rule_create_spread(context, level, spread, out);
+}
+
+bw_status bw_rule_create_spread(bw_context *context, int level, const double spread[3],
+                                bw_rule **out) {
   if (level < 0 || level > LEVELS)
     return bw_fail(context, BW_INVALID, "no quadrature of level %d; 0 to %d", level, LEVELS);
+  for (int d = 0; d < 3; d++)
+    if (!(spread[d] > 0 && spread[d] <= 1))
+      return bw_fail(context, BW_INVALID, "points spread by %g; above 0, up to 1", spread[d]);
   bw_rule *rule = BW_NEW0(context, bw_rule, 1);
   if (!rule)
     return BW_MEMORY;
   bw_object_init(rule, &rule_kind);
   rule->level = level;
+  memcpy(rule->spread, spread, sizeof rule->spread);
   rule->count = 8;
   for (int l = 1; l < level; l++)
     rule->count *= 8;

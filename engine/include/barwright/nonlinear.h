@@ -53,12 +53,17 @@ typedef struct bw_rule {
   bw_object object;
   int level;
   int32_t count;
+  double spread[3]; /* 1: as above. Less: the points are drawn towards the middle of the cell by
+                       this factor, direction by direction, as fitted materials do: a coarse cell
+                       then resists bending less than stretching */
   double *at;       /* count x 3 */
   double *weight;   /* count, summing to one */
   double *value;    /* count x 8: shape functions of the corners */
   double *gradient; /* count x 8 x 3: in the unit cube */
 } bw_rule;
 bw_status bw_rule_create(bw_context *context, int level, bw_rule **rule);
+bw_status bw_rule_create_spread(bw_context *context, int level, const double spread[3],
+                                bw_rule **rule); /* 0 < spread <= 1 */
 
 /* What an element is made of: a law and constants at every point of its rule: the metamaterial of
  * data-driven, formula (2), of which one law and the same constants everywhere is the simple case.

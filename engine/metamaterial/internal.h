@@ -1,0 +1,58 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of this folder share: fitting a coarse material to a block of finer ones, and
+ * comparing materials. Everything here is a pure function of its arguments: the same bits on any
+ * thread. */
+#ifndef BWI_METAMATERIAL_INTERNAL_H
+#define BWI_METAMATERIAL_INTERNAL_H
+
+#include "barwright/metamaterial.h"
+
+/* ---- fitting ------------------------------------------------------------------------------------
+ */
+
+/* One to eight equal cubes side by side. The child at (i, j, k) is number
+ * i + size[0] (j + size[1] k), so that in a 2 x 2 x 2 block child c is in octant c. NULL is void.
+ */
+typedef struct bwi_block {
+  int32_t size[3]; /* 1 or 2 each */
+  const bw_solid_material *child[8];
+} bwi_block;
+
+/* Memory of one fit at a time; kept from fit to fit, one for each thread. It does not influence
+ * results. */
+typedef struct bwi_fit_workspace bwi_fit_workspace;
+bw_status bwi_fit_workspace_create(bw_context *context, const bw_library_options *options,
+                                   bwi_fit_workspace **workspace);
+void bwi_fit_workspace_free(bwi_fit_workspace *workspace);
+
+/* The material that a single cell in place of a 2 x 2 x 2 block is to be given. Children with
+ * uniform constants, or void, give one of 8 points (level 1); children with 8 points each (and
+ * void) one of 64 (level 2): child c's points are 8 c to 8 c + 7. Other blocks are BW_INVALID. A
+ * block of void alone is BW_EMPTY. Of the options, directions, magnitudes, stretches, fibres,
+ * strain and ridge are used, and `seed` instead of theirs, so that each block can have its own.
+ * The density is the mean. The rule of the fitted material can be narrower than Gauss's (see
+ * bw_rule::spread). */
+bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_options *options,
+                  uint64_t seed, bwi_fit_workspace *workspace, bw_solid_material **fitted,
+                  bw_fit_error *error);
+/* What naive coarsening gives: the constants of the children, point by point. Blocks as above. */
+bw_status bwi_fit_naive(bw_context *context, const bwi_block *block, bw_solid_material **naive);
+
+/* ---- comparing ----------------------------------------------------------------------------------
+ *
+ * Materials are compared by their linear elasticity at rest: the stiffness of a unit cube, 24 x 24
+ * row by row, corner by corner. Blocks are compared by the stiffness that their corners feel
+ * through them when each cube is given by such a matrix, so that pairs need no fit of their own. */
+enum { BWI_FEATURES = 32 };
+
+void bwi_material_stiffness(const bw_solid_material *material, double stiffness[576]);
+/* `child` as in bwi_block, each a 24 x 24 matrix or NULL for void. The corners of the block, which
+ * may be longer in some directions, take the place of those of a cube; forces are spread over its
+ * nodes as when the block is fitted. Zero for void alone. */
+void bwi_block_stiffness(const int32_t size[3], const double *const child[8],
+                         double stiffness[576]);
+/* Logarithms of the energies in BWI_FEATURES deformations, the same for all: the coordinates in
+ * which distance measures difference (the paper's formula 5). */
+void bwi_features(const double stiffness[576], double feature[BWI_FEATURES]);
+
+#endif
