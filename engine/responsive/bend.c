@@ -14,8 +14,8 @@
 #include "responsive/bend.h"
 #include "responsive/vectors.h"
 
-void bw_newton_options_default(bw_newton_options *options) {
-  *options = (bw_newton_options){.tolerance = 1e-8, .iterations = 30, .load_steps = 64};
+void bw_bend_options_default(bw_bend_options *options) {
+  *options = (bw_bend_options){.tolerance = 1e-8, .iterations = 30, .load_steps = 64};
   bw_stale_options_default(&options->linear);
 }
 
@@ -23,12 +23,12 @@ typedef struct newton {
   bw_context *context;
   bw_sheet *sheet;
   struct bwi_sheet *inner;
-  const bw_newton_options *options;
+  const bw_bend_options *options;
   bwi_bend bend;
   size_t size;
   double *u, *trial, *step, *inside; /* displacement; forces inside */
   bw_kept *kept;
-  bw_newton_report *report;
+  bw_bend_report *report;
   double reached; /* load factor at which all is in equilibrium */
 } newton;
 
@@ -198,21 +198,21 @@ done:
   return status;
 }
 
-bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_newton_options *options,
-                        bw_newton_report *report, bw_kept *kept) {
+bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
+                        bw_bend_report *report, bw_kept *kept) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  bw_newton_options defaults;
+  bw_bend_options defaults;
   bw_kept ignored = {0};
-  bw_newton_report unread;
+  bw_bend_report unread;
   newton n = {.context = context, .sheet = sheet, .inner = inner};
   double *room = NULL;
   bool made;
-  bw_newton_options_default(&defaults);
+  bw_bend_options_default(&defaults);
   n.options = options ? options : &defaults;
   n.kept = kept ? kept : &ignored;
   n.report = report ? report : &unread;
-  *n.report = (bw_newton_report){0};
+  *n.report = (bw_bend_report){0};
   if (!(n.options->tolerance > 0) || n.options->iterations < 1 || n.options->load_steps < 1)
     return bw_fail(context, BW_INVALID,
                    "Newton's method with tolerance %g, %d iterations, %d load steps: all have to "

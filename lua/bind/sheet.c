@@ -137,18 +137,17 @@ done:
 
 /* sheet:bend(frame, stale options, newton) */
 static int sheet_bend(lua_State *L) {
-  static const lbw_option list[] = {
-      {"tolerance", LBW_REAL, offsetof(bw_newton_options, tolerance)},
-      {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
-      {"load_steps", LBW_INT, offsetof(bw_newton_options, load_steps)},
-      {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_bend_options, tolerance)},
+                                    {"iterations", LBW_INT, offsetof(bw_bend_options, iterations)},
+                                    {"load_steps", LBW_INT, offsetof(bw_bend_options, load_steps)},
+                                    {NULL, LBW_OTHER, 0}};
   bw_sheet *sheet = self(L);
   lua_settop(L, 4);
   lbw_check_type(L, 2, LUA_TTABLE);
-  bw_newton_options options;
-  bw_newton_report report = {0};
+  bw_bend_options options;
+  bw_bend_report report = {0};
   bw_kept kept;
-  bw_newton_options_default(&options);
+  bw_bend_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
   lbw_read_stale(L, 3, &options.linear);
   lbw_load_kept(L, 2, &kept);

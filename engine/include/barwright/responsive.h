@@ -174,19 +174,19 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
 /* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
  * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
  * load went. */
-typedef struct bw_newton_options {
+typedef struct bw_bend_options {
   double tolerance; /* |residual| / |load|; default 1e-8 */
   int iterations;   /* of one load step; default 30 */
   int load_steps;   /* at most; default 64 */
   bw_stale_options linear;
-} bw_newton_options;
-void bw_newton_options_default(bw_newton_options *options);
-typedef struct bw_newton_report {
+} bw_bend_options;
+void bw_bend_options_default(bw_bend_options *options);
+typedef struct bw_bend_report {
   int iterations, load_steps;
   double residual, energy;
-} bw_newton_report;
-bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_newton_options *options,
-                        bw_newton_report *report, bw_kept *kept);
+} bw_bend_report;
+bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
+                        bw_bend_report *report, bw_kept *kept);
 /* Stress xx yy xy zz at element points averaged to nodes (node_count x 4; Cauchy stress after
  * bw_sheet_bend) and von Mises (node_count); either may be NULL. */
 bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,

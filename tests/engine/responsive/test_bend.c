@@ -70,7 +70,7 @@ static void test_elastica(void **state) {
         {.tag = LEFT, .component = 1},
         {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = -force / height}};
     bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 3, conditions);
-    bw_newton_report report;
+    bw_bend_report report;
     check_ok(context, bw_sheet_bend(context, sheet, NULL, &report, NULL));
     int32_t tip = node_at(mesh, length, height / 2);
     check_near(-sheet->displacement[2 * tip + 1], elastica[k][1], 2e-3);
@@ -166,7 +166,7 @@ static void test_rotation(void **state) {
   bw_condition conditions[2] = {{.tag = LEFT, .component = 0, .function = turn_x},
                                 {.tag = LEFT, .component = 1, .function = turn_y}};
   bw_sheet *sheet = sheet_on(context, mesh, material, 1, true, 2, conditions);
-  bw_newton_report report;
+  bw_bend_report report;
   check_ok(context, bw_sheet_bend(context, sheet, NULL, &report, NULL));
   int32_t nodes = mesh->topology->nodes->node_count;
   for (int32_t i = 0; i < nodes; i++) {

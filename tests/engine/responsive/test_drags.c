@@ -112,8 +112,8 @@ static bw_status solve(bw_context *context, kind what, void *body, bool scratch,
     return bw_plate_solve(context, body, &plate, kept);
   }
   if (what == BENT) {
-    bw_newton_options newton;
-    bw_newton_options_default(&newton);
+    bw_bend_options newton;
+    bw_bend_options_default(&newton);
     newton.linear = options;
     return bw_sheet_bend(context, body, &newton, NULL, kept);
   }

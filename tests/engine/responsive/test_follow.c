@@ -66,10 +66,10 @@ static bw_sheet *make(bw_context *context, const bw_plane_mesh *mesh, const bw_m
 static void step(bw_context *context, bw_sheet *sheet, kind what, bw_stale_method method,
                  bw_kept *kept) {
   bw_stale_options options;
-  bw_newton_options newton;
+  bw_bend_options newton;
   bw_newmark newmark;
   bw_stale_options_default(&options);
-  bw_newton_options_default(&newton);
+  bw_bend_options_default(&newton);
   bw_newmark_default(&newmark);
   newmark.step = 5e-3;
   options.method = newton.linear.method = method;
