@@ -182,3 +182,30 @@ double bw_grid_volume(const bw_grid *grid) {
     sum += grid->fraction ? grid->fraction[e] : 1;
   return cell * sum;
 }
+
+void bw_grid_box(const bw_grid *grid, double low[3], double high[3]) {
+  int32_t first[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, last[3] = {-1, -1, -1};
+  for (int32_t e = 0; e < grid->element_count; e++) {
+    int32_t place[3];
+    bwi_grid_place(grid->cells, grid->cell[e], place);
+    for (int d = 0; d < 3; d++) {
+      first[d] = place[d] < first[d] ? place[d] : first[d];
+      last[d] = place[d] > last[d] ? place[d] : last[d];
+    }
+  }
+  for (int d = 0; d < 3; d++) {
+    low[d] = grid->origin[d] + grid->spacing[d] * first[d];
+    high[d] = grid->origin[d] + grid->spacing[d] * ((double)last[d] + 1);
+  }
+}
+
+double bw_grid_difference(const bw_grid *grid, const double *u, const double *v) {
+  double low[3], high[3], sum = 0;
+  for (int64_t n = 0; n < grid->node_count; n++) {
+    double d[3] = {u[3 * n] - v[3 * n], u[3 * n + 1] - v[3 * n + 1], u[3 * n + 2] - v[3 * n + 2]};
+    sum += bw_norm(d);
+  }
+  bw_grid_box(grid, low, high);
+  double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+  return sum / grid->node_count / longest;
+}

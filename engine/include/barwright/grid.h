@@ -52,7 +52,8 @@ void bw_voxel_options_default(bw_voxel_options *options);
 bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
                              const bw_voxel_options *options, bw_grid **grid);
 /* The grid with `material` in `count` cells (0 takes the element away, another adds it, full);
- * everything else stays. The same object, retained, where nothing changes. */
+ * everything else stays, a cut cell keeps its fraction. Of a cell named twice the last counts. The
+ * same object, retained, where nothing changes. */
 bw_status bw_grid_edited(bw_context *context, const bw_grid *grid, int64_t count,
                          const int32_t *cell, const int32_t *material, bw_grid **edited);
 /* The same elements on the same nodes: graph and order of one serve the other. */
@@ -82,8 +83,8 @@ bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface *
  */
 
 /* Points that go with a grid's elements by trilinear interpolation. A point outside every element
- * takes the nearest one and is extrapolated, up to `reach` cells; beyond it creation is
- * BW_GEOMETRY and names the point. */
+ * takes the nearest one (the first of several) and is extrapolated, up to `reach` cells in each
+ * direction; beyond it creation is BW_GEOMETRY and names the point. */
 typedef struct bw_embedding {
   bw_object object;
   const bw_grid *grid; /* retained */
@@ -104,12 +105,15 @@ void bw_embedding_add(const bw_embedding *embedding, int components, const doubl
 /* ---- two, four, ... cells become one --------------------------------------------------------- */
 
 /* 2 x 2 x 2 cells become one, which is an element where one of them is. Cells beyond the high ends
- * of the lattice are void. */
+ * of the lattice are void. The coarse grid has no fractions: what is void in a block, or cut, is a
+ * matter of its material. */
 typedef struct bw_coarsening {
   bw_object object;
   const bw_grid *fine, *coarse; /* retained; materials of the coarse grid are all 1 */
   int32_t *parent;              /* fine element_count: coarse element */
   int32_t *child;               /* coarse element_count x 8: fine element by corner, or -1 */
+  int32_t *stencil; /* fine node_count x 8: the coarse nodes whose mean is trilinear interpolation
+                       at the fine node; those count repeatedly that have a larger weight */
 } bw_coarsening;
 bw_status bw_coarsening_create(bw_context *context, const bw_grid *fine,
                                bw_coarsening **coarsening);
