@@ -36,11 +36,12 @@ static size_t bytes(const void *object) {
 
 static const bw_kind graph_kind = {"graph", destroy, bytes};
 
-bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence) {
-  bw_status status = BW_OK;
-  int64_t total = (int64_t)mesh->element_count * mesh->nodes_per_element;
+bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
+                                    int nodes_per_element, const int32_t *element,
+                                    bwi_incidence *incidence) {
+  int64_t total = (int64_t)element_count * nodes_per_element;
   memset(incidence, 0, sizeof *incidence);
-  int64_t *start = incidence->start = BW_NEW0(context, int64_t, (int64_t)mesh->node_count + 1);
+  int64_t *start = incidence->start = BW_NEW0(context, int64_t, (int64_t)node_count + 1);
   incidence->element = BW_NEW(context, int32_t, total);
   incidence->local = BW_NEW(context, uint8_t, total);
   if (!incidence->start || !incidence->element || !incidence->local) {
@@ -50,18 +51,23 @@ bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_inc
   /* Counted into start[i + 1]; then start[i] is where node i writes next, and in the end where node
    * i + 1 starts, so that one shift puts it right. */
   for (int64_t k = 0; k < total; k++)
-    start[mesh->element[k] + 1]++;
-  for (int32_t i = 0; i < mesh->node_count; i++)
+    start[element[k] + 1]++;
+  for (int32_t i = 0; i < node_count; i++)
     start[i + 1] += start[i];
-  for (int32_t e = 0; e < mesh->element_count; e++)
-    for (int a = 0; a < mesh->nodes_per_element; a++) {
-      int64_t place = start[mesh->element[(int64_t)e * mesh->nodes_per_element + a]]++;
+  for (int32_t e = 0; e < element_count; e++)
+    for (int a = 0; a < nodes_per_element; a++) {
+      int64_t place = start[element[(int64_t)e * nodes_per_element + a]]++;
       incidence->element[place] = e;
       incidence->local[place] = (uint8_t)a;
     }
-  memmove(start + 1, start, (size_t)mesh->node_count * sizeof *start);
+  memmove(start + 1, start, (size_t)node_count * sizeof *start);
   start[0] = 0;
-  return status;
+  return BW_OK;
+}
+
+bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence) {
+  return bwi_incidence_of_elements(context, mesh->node_count, mesh->element_count,
+                                   mesh->nodes_per_element, mesh->element, incidence);
 }
 
 void bwi_incidence_clear(bwi_incidence *incidence) {
@@ -72,7 +78,8 @@ void bwi_incidence_clear(bwi_incidence *incidence) {
 }
 
 typedef struct builder {
-  const bw_mesh *mesh;
+  int nodes_per_element;
+  const int32_t *element; /* elements x nodes_per_element */
   bwi_incidence incidence;
   bw_graph *graph;
   int32_t *mark;       /* threads x node_count, see find_or_add */
@@ -83,12 +90,12 @@ typedef struct builder {
  * more than the last row that saw j. */
 static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
-  int n = b->mesh->nodes_per_element;
-  int32_t *mark = b->mark + (int64_t)worker * b->mesh->node_count;
+  int n = b->nodes_per_element;
+  int32_t *mark = b->mark + (int64_t)worker * b->graph->node_count;
   for (int64_t i = begin; i < end; i++) {
     int64_t columns = 0, contributions = 0;
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
-      const int32_t *node = b->mesh->element + (int64_t)b->incidence.element[k] * n;
+      const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
       for (int a = 0; a < n; a++)
         if (node[a] <= i) {
           contributions++;
@@ -107,14 +114,14 @@ static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) 
 static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
   bw_graph *graph = b->graph;
-  int n = b->mesh->nodes_per_element;
-  int32_t *mark = b->mark + (int64_t)worker * b->mesh->node_count;
+  int n = b->nodes_per_element;
+  int32_t *mark = b->mark + (int64_t)worker * b->graph->node_count;
   for (int64_t i = begin; i < end; i++) {
     int32_t *column = graph->column + graph->start[i];
     int64_t *gather = graph->gather_start + graph->start[i];
     int32_t count = 0;
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
-      const int32_t *node = b->mesh->element + (int64_t)b->incidence.element[k] * n;
+      const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
       for (int a = 0; a < n; a++) {
         int32_t j = node[a], place = mark[j];
         if (j > i || (place >= 0 && place < count && column[place] == j))
@@ -130,7 +137,7 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
     }
     /* counts, then starts, then, moved along by filling, the starts of the next pairs */
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
-      const int32_t *node = b->mesh->element + (int64_t)b->incidence.element[k] * n;
+      const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
       for (int a = 0; a < n; a++)
         if (node[a] <= i)
           gather[mark[node[a]]]++;
@@ -143,7 +150,7 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
     }
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
       int32_t e = b->incidence.element[k];
-      const int32_t *node = b->mesh->element + (int64_t)e * n;
+      const int32_t *node = b->element + (int64_t)e * n;
       for (int a = 0; a < n; a++)
         if (node[a] <= i) {
           int64_t place = gather[mark[node[a]]]++;
@@ -181,19 +188,20 @@ static bw_status fill_upper(bw_context *context, bw_graph *graph) {
   return BW_OK;
 }
 
-bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph) {
+bw_status bw_graph_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
+                               int nodes_per_element, const int32_t *element, bw_graph **graph) {
   bw_status status = BW_OK;
-  builder b = {.mesh = mesh};
-  int64_t nodes = mesh->node_count;
+  builder b = {.nodes_per_element = nodes_per_element, .element = element};
+  int64_t nodes = node_count;
   bw_graph *g = BW_NEW0(context, bw_graph, 1);
   if (!g)
     return BW_MEMORY;
   bw_object_init(g, &graph_kind);
-  g->mesh = (const bw_mesh *)bw_retain(mesh);
-  g->node_count = mesh->node_count;
+  g->node_count = node_count;
   b.graph = g;
 
-  BW_TRY(bwi_incidence_create(context, mesh, &b.incidence));
+  BW_TRY(bwi_incidence_of_elements(context, node_count, element_count, nodes_per_element, element,
+                                   &b.incidence));
   b.mark = BW_NEW0(context, int32_t, nodes * bw_threads(context));
   b.row_gather = BW_NEW0(context, int64_t, nodes + 1);
   g->start = BW_NEW0(context, int64_t, nodes + 1);
@@ -229,8 +237,20 @@ done:
   return status;
 }
 
+bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph) {
+  bw_status status = bw_graph_of_elements(context, mesh->node_count, mesh->element_count,
+                                          mesh->nodes_per_element, mesh->element, graph);
+  if (status == BW_OK)
+    (*graph)->mesh = (const bw_mesh *)bw_retain(mesh);
+  return status;
+}
+
 bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_mesh *mesh) {
   const bw_mesh *own = graph->mesh;
+  if (!own)
+    return bw_fail(context, BW_INVALID,
+                   "the graph was made of element lists, not of a mesh; create a graph of this "
+                   "mesh");
   if (mesh == own || mesh->element == own->element)
     return BW_OK;
   if (mesh->node_count == own->node_count && mesh->element_count == own->element_count &&

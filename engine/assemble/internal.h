@@ -14,6 +14,9 @@ typedef struct bwi_incidence {
   int32_t *element; /* start[node_count] */
   uint8_t *local;
 } bwi_incidence;
+bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
+                                    int nodes_per_element, const int32_t *element,
+                                    bwi_incidence *incidence);
 bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
 void bwi_incidence_clear(bwi_incidence *incidence);
 

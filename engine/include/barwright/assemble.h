@@ -14,7 +14,8 @@ extern "C" {
  * every stored pair the list of contributions (element, local pair). Depends on topology only. */
 typedef struct bw_graph {
   bw_object object;
-  const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled */
+  const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled; NULL where it was
+                          made of element lists */
   int32_t node_count;
   int64_t pair_count;
   int64_t *start;        /* node_count + 1 */
@@ -27,6 +28,11 @@ typedef struct bw_graph {
   uint8_t *gather_local; /* (a << 4) | b: local row and column nodes */
 } bw_graph;
 bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph);
+/* The same of any elements with up to 16 nodes: element (element_count x nodes_per_element). The
+ * graph's mesh is NULL: it serves products and factors, not the functions that take a mesh. Every
+ * node must have an element. */
+bw_status bw_graph_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
+                               int nodes_per_element, const int32_t *element, bw_graph **graph);
 
 /* Stiffness: 9 numbers per pair, row by row (row = node i). Closed form for straight elements,
  * quadrature for curved tet10. `values` has room for 9 * pair_count. */

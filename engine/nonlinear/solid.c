@@ -1,0 +1,73 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Solids: a grid, what its numbers of materials mean, and what follows from the two once and for
+ * all: the graph of node pairs and the lumped mass. */
+#include "nonlinear/internal.h"
+
+#include <math.h>
+
+static void destroy(void *object) {
+  bw_solid *solid = (bw_solid *)object;
+  bw_release(solid->grid);
+  bw_release(solid->palette);
+  bw_release(solid->graph);
+  bw_free(solid->mass);
+  bw_free(solid);
+}
+
+static size_t bytes(const void *object) {
+  const bw_solid *solid = (const bw_solid *)object;
+  return sizeof *solid + sizeof(double) * (size_t)solid->grid->node_count;
+}
+
+static const bw_kind solid_kind = {"solid", destroy, bytes};
+
+static bw_status check_materials(bw_context *context, const bw_grid *grid,
+                                 const bw_palette *palette) {
+  for (int32_t e = 0; e < grid->element_count; e++) {
+    int32_t m = grid->material[e];
+    if (m >= 1 && m < palette->count && palette->material[m])
+      continue;
+    bw_status status = bw_fail(context, BW_INVALID,
+                               "element %d (cell %d) is of material %d; the palette has materials "
+                               "1 to %d",
+                               (int)e + 1, (int)grid->cell[e] + 1, (int)m, (int)palette->count - 1);
+    bw_detail_number(context, "element", e + 1);
+    bw_detail_number(context, "material", m);
+    return status;
+  }
+  return BW_OK;
+}
+
+bw_status bw_solid_create(bw_context *context, const bw_grid *grid, const bw_palette *palette,
+                          const bw_solid *previous, bw_solid **out) {
+  bw_status status = check_materials(context, grid, palette);
+  if (status != BW_OK)
+    return status;
+  bw_solid *solid = BW_NEW0(context, bw_solid, 1);
+  if (!solid)
+    return BW_MEMORY;
+  bw_object_init(solid, &solid_kind);
+  solid->grid = (const bw_grid *)bw_retain(grid);
+  solid->palette = (const bw_palette *)bw_retain(palette);
+  if (previous && bw_grid_same_elements(previous->grid, grid))
+    solid->graph = (bw_graph *)bw_retain(previous->graph);
+  else
+    BW_TRY(bw_graph_of_elements(context, grid->node_count, grid->element_count, 8, grid->element,
+                                &solid->graph));
+  solid->mass = BW_NEW0(context, double, grid->node_count);
+  if (!solid->mass) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t e = 0; e < grid->element_count; e++) {
+    double density = palette->material[grid->material[e]]->density;
+    solid->weightless = solid->weightless || !(density > 0);
+    for (int c = 0; c < 8; c++)
+      solid->mass[grid->element[8 * (int64_t)e + c]] += density * bwi_solid_volume(grid, e) / 8;
+  }
+  *out = solid;
+  solid = NULL;
+done:
+  bw_release(solid);
+  return status;
+}
