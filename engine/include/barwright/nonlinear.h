@@ -164,7 +164,7 @@ typedef struct bw_pressure_patch {
 } bw_pressure_patch;
 typedef struct bw_floor {
   double point[3], normal[3];    /* the solid stays where (x - point) . normal >= 0; normal unit */
-  double speed[3];               /* the plane's displacement at load factor 1, m */
+  double move[3];                /* the plane's displacement at load factor 1, m */
   const bw_embedding *embedding; /* retained: the points that touch it, with `rest` positions;
                                     NULL: the nodes */
   double *rest;                  /* point_count x 3, or NULL */
@@ -190,9 +190,12 @@ bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t cou
  * face is, on the nodes alike. */
 bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
                               const int32_t *node, const double total[3]);
+bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it, const double gravity[3]);
 bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
                                  const bw_embedding *embedding, int64_t triangles,
                                  const int32_t *triangle, const double *pressure, bool follower);
+/* Nothing of the solid passes the plane, and nothing is held back by it: no friction. Points whose
+ * nodes are all held along the normal are left out. `rest` is copied. */
 bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
                               const double normal[3], const double move[3],
                               const bw_embedding *embedding, const double *rest);

@@ -1,0 +1,271 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What acts on a solid: gathering it.
+ *
+ * Invariants: value[i] is 0 where held[i] is not set; normals of floors are of unit length; every
+ * triangle's points exist in its embedding, which is of the case's grid or of one with the same
+ * elements. */
+#include "nonlinear/case.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "grid/internal.h"
+
+static void destroy(void *object) {
+  bw_solid_case *it = (bw_solid_case *)object;
+  for (int32_t p = 0; p < it->patch_count; p++) {
+    bw_release(it->patch[p].embedding);
+    bw_free(it->patch[p].triangle);
+    bw_free(it->patch[p].pressure);
+  }
+  for (int32_t f = 0; f < it->floor_count; f++) {
+    bw_release(it->floor[f].embedding);
+    bw_free(it->floor[f].rest);
+  }
+  bw_free(it->patch);
+  bw_free(it->floor);
+  bw_free(it->held);
+  bw_free(it->value);
+  bw_free(it->force);
+  bw_release(it->grid);
+  bw_free(it);
+}
+
+static size_t bytes(const void *object) {
+  const bw_solid_case *it = (const bw_solid_case *)object;
+  size_t sum = sizeof *it + (size_t)it->grid->node_count * 51;
+  for (int32_t p = 0; p < it->patch_count; p++)
+    sum += (size_t)it->patch[p].triangle_count * 20;
+  return sum;
+}
+
+static const bw_kind case_kind = {"solid case", destroy, bytes};
+
+bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_solid_case **out) {
+  bw_solid_case *it = BW_NEW0(context, bw_solid_case, 1);
+  if (!it)
+    return BW_MEMORY;
+  size_t size = 3 * (size_t)grid->node_count;
+  bw_object_init(it, &case_kind);
+  it->grid = bw_retain(grid);
+  it->held = BW_NEW0(context, uint8_t, size);
+  it->value = BW_NEW0(context, double, size);
+  it->force = BW_NEW0(context, double, size);
+  if (!it->held || !it->value || !it->force) {
+    bw_release(it);
+    return BW_MEMORY;
+  }
+  *out = it;
+  return BW_OK;
+}
+
+static bw_status check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
+                             const int32_t *node, const char *what) {
+  if (count < 1)
+    return bw_fail(context, BW_EMPTY, "%s: no node is given", what);
+  for (int64_t k = 0; k < count; k++)
+    if (node[k] < 0 || node[k] >= grid->node_count)
+      return bw_fail(context, BW_INVALID, "%s: there is no node %lld; the grid has %d", what,
+                     (long long)node[k] + 1, (int)grid->node_count);
+  return BW_OK;
+}
+
+static bw_status check_finite(bw_context *context, const char *what, const double vector[3]) {
+  if (isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]))
+    return BW_OK;
+  return bw_fail(context, BW_INVALID, "%s is (%g, %g, %g); it must be finite", what, vector[0],
+                 vector[1], vector[2]);
+}
+
+bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t count,
+                             const int32_t *node, const bool hold[3], const double value[3]) {
+  static const char axis[] = "xyz";
+  bw_status status = BW_OK;
+  static const double rest[3] = {0, 0, 0};
+  value = value ? value : rest;
+  BW_TRY(check_nodes(context, it->grid, count, node, "a support"));
+  BW_TRY(check_finite(context, "the prescribed displacement", value));
+  if (!hold[0] && !hold[1] && !hold[2])
+    return bw_fail(context, BW_EMPTY, "a support that holds no direction");
+  for (int64_t k = 0; k < count; k++)
+    for (int c = 0; c < 3; c++) {
+      int64_t i = 3 * (int64_t)node[k] + c;
+      if (hold[c] && it->held[i] && it->value[i] != value[c]) {
+        double at[3];
+        bw_grid_position(it->grid, node[k], at);
+        status = bw_fail(context, BW_INVALID,
+                         "node %d at (%g, %g, %g) m is moved by %g m along %c and, by an earlier "
+                         "support, by %g m",
+                         (int)node[k] + 1, at[0], at[1], at[2], value[c], axis[c], it->value[i]);
+        bw_detail_number(context, "node", node[k] + 1);
+        return status;
+      }
+    }
+  for (int64_t k = 0; k < count; k++)
+    for (int c = 0; c < 3; c++)
+      if (hold[c]) {
+        it->held[3 * (int64_t)node[k] + c] = 1;
+        it->value[3 * (int64_t)node[k] + c] = value[c];
+      }
+  it->object.revision++;
+done:
+  return status;
+}
+
+bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it, const double gravity[3]) {
+  bw_status status = BW_OK;
+  BW_TRY(check_finite(context, "gravity", gravity));
+  memcpy(it->gravity, gravity, sizeof it->gravity);
+  it->object.revision++;
+done:
+  return status;
+}
+
+/* Corners of side 0..5 (low x, high x, low y, ...) of a cell. */
+static const int side_corner[6][4] = {{0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 4, 5},
+                                      {2, 3, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}};
+
+static bool at_boundary(const bw_grid *grid, int32_t element, int side) {
+  int32_t place[3], step[3] = {1, grid->cells[0], grid->cells[0] * grid->cells[1]};
+  int d = side / 2;
+  bwi_grid_place(grid->cells, grid->cell[element], place);
+  if (side % 2 == 0)
+    return place[d] == 0 || grid->at[grid->cell[element] - step[d]] < 0;
+  return place[d] == grid->cells[d] - 1 || grid->at[grid->cell[element] + step[d]] < 0;
+}
+
+bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
+                              const int32_t *node, const double total[3]) {
+  bw_status status = BW_OK;
+  const bw_grid *grid = it->grid;
+  double *share = NULL, sum = 0;
+  uint8_t *given = NULL;
+  BW_TRY(check_nodes(context, grid, count, node, "a force"));
+  BW_TRY(check_finite(context, "the force", total));
+  share = BW_NEW0(context, double, grid->node_count);
+  given = BW_NEW0(context, uint8_t, grid->node_count);
+  if (!share || !given) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t k = 0; k < count; k++)
+    given[node[k]] = 1;
+  for (int32_t e = 0; e < grid->element_count; e++) {
+    const int32_t *corner = grid->element + 8 * (int64_t)e;
+    for (int side = 0; side < 6; side++) {
+      const int *of = side_corner[side];
+      if (!given[corner[of[0]]] || !given[corner[of[1]]] || !given[corner[of[2]]] ||
+          !given[corner[of[3]]] || !at_boundary(grid, e, side))
+        continue;
+      int d = side / 2;
+      double area = grid->spacing[(d + 1) % 3] * grid->spacing[(d + 2) % 3];
+      for (int c = 0; c < 4; c++)
+        share[corner[of[c]]] += area / 4;
+      sum += area;
+    }
+  }
+  if (sum == 0)
+    for (int32_t n = 0; n < grid->node_count; n++) {
+      share[n] = given[n];
+      sum += given[n];
+    }
+  for (int32_t n = 0; n < grid->node_count; n++)
+    for (int c = 0; c < 3; c++)
+      it->force[3 * (int64_t)n + c] += share[n] / sum * total[c];
+  it->object.revision++;
+done:
+  bw_free(share);
+  bw_free(given);
+  return status;
+}
+
+static bw_status check_embedding(bw_context *context, const bw_solid_case *it,
+                                 const bw_embedding *embedding) {
+  if (bw_grid_same_elements(it->grid, embedding->grid))
+    return BW_OK;
+  return bw_fail(context, BW_INVALID,
+                 "the points are embedded in another grid (%d elements) than that of the case (%d)",
+                 (int)embedding->grid->element_count, (int)it->grid->element_count);
+}
+
+bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
+                                 const bw_embedding *embedding, int64_t triangles,
+                                 const int32_t *triangle, const double *pressure, bool follower) {
+  bw_status status = BW_OK;
+  bw_pressure_patch patch = {.triangle_count = triangles, .follower = follower};
+  BW_TRY(check_embedding(context, it, embedding));
+  if (triangles < 1)
+    return bw_fail(context, BW_EMPTY, "a pressure on no triangle");
+  for (int64_t t = 0; t < triangles; t++) {
+    for (int c = 0; c < 3; c++)
+      if (triangle[3 * t + c] < 0 || triangle[3 * t + c] >= embedding->point_count)
+        return bw_fail(context, BW_INVALID, "triangle %lld has point %lld; the embedding has %lld",
+                       (long long)t + 1, (long long)triangle[3 * t + c] + 1,
+                       (long long)embedding->point_count);
+    if (!isfinite(pressure[t]))
+      return bw_fail(context, BW_INVALID, "the pressure on triangle %lld is %g; it must be finite",
+                     (long long)t + 1, pressure[t]);
+  }
+  patch.triangle = BW_NEW(context, int32_t, 3 * triangles);
+  patch.pressure = BW_NEW(context, double, triangles);
+  bw_pressure_patch *list = (bw_pressure_patch *)bw_resize(
+      context, it->patch, (size_t)it->patch_count + 1, sizeof *list);
+  if (list)
+    it->patch = list;
+  if (!list || !patch.triangle || !patch.pressure) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memcpy(patch.triangle, triangle, 3 * (size_t)triangles * sizeof *triangle);
+  memcpy(patch.pressure, pressure, (size_t)triangles * sizeof *pressure);
+  patch.embedding = bw_retain(embedding);
+  it->patch[it->patch_count++] = patch;
+  it->object.revision++;
+  return BW_OK;
+done:
+  bw_free(patch.triangle);
+  bw_free(patch.pressure);
+  return status;
+}
+
+bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
+                              const double normal[3], const double move[3],
+                              const bw_embedding *embedding, const double *rest) {
+  bw_status status = BW_OK;
+  bw_floor plane = {{0}, {0}, {0}, NULL, NULL};
+  double length = bw_norm(normal);
+  BW_TRY(check_finite(context, "the floor's point", point));
+  BW_TRY(check_finite(context, "the floor's normal", normal));
+  if (move)
+    BW_TRY(check_finite(context, "the floor's displacement", move));
+  if (!(length > 0))
+    return bw_fail(context, BW_INVALID, "the floor's normal is of length 0");
+  if (embedding)
+    BW_TRY(check_embedding(context, it, embedding));
+  for (int c = 0; c < 3; c++) {
+    plane.point[c] = point[c];
+    plane.normal[c] = normal[c] / length;
+    plane.move[c] = move ? move[c] : 0;
+  }
+  if (embedding) {
+    plane.rest = BW_NEW(context, double, 3 * embedding->point_count);
+    if (!plane.rest)
+      return BW_MEMORY;
+    if (rest)
+      memcpy(plane.rest, rest, 3 * (size_t)embedding->point_count * sizeof *rest);
+    else
+      bwi_embedding_rest(embedding, plane.rest);
+  }
+  bw_floor *list =
+      (bw_floor *)bw_resize(context, it->floor, (size_t)it->floor_count + 1, sizeof *list);
+  if (!list) {
+    bw_free(plane.rest);
+    return BW_MEMORY;
+  }
+  it->floor = list;
+  plane.embedding = bw_retain(embedding);
+  it->floor[it->floor_count++] = plane;
+  it->object.revision++;
+done:
+  return status;
+}

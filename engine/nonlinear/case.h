@@ -1,0 +1,27 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What acts on a solid, as numbers at nodes. */
+#ifndef BWI_NONLINEAR_CASE_H
+#define BWI_NONLINEAR_CASE_H
+
+#include "barwright/nonlinear.h"
+
+/* Where the points of an embedding are at rest (point_count x 3). */
+void bwi_embedding_rest(const bw_embedding *embedding, double *rest);
+
+/* Dead loads at full: forces, gravity, dead pressures (node_count x 3). */
+bw_status bwi_case_dead(bw_context *context, const bw_solid *solid, const bw_solid_case *it,
+                        double *force);
+bool bwi_case_follows(const bw_solid_case *it);
+
+/* Follower pressures at displacements u, times `factor`, added to `force`; and their derivative
+ * along v. A triangle's force p a, a its area vector, goes to its three points alike. */
+bw_status bwi_case_follow(bw_context *context, const bw_solid_case *it, const double *u,
+                          double factor, double *force);
+bw_status bwi_case_follow_along(bw_context *context, const bw_solid_case *it, const double *u,
+                                const double *v, double factor, double *force);
+
+/* BW_FREE where a group of elements connected by nodes can move as a rigid body: by what is held
+ * and, towards them, by floors. */
+bw_status bwi_case_check_held(bw_context *context, const bw_solid_case *it);
+
+#endif

@@ -1,0 +1,31 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Direct solutions with matrices on a solid's graph: order and analysis are kept while the graph
+ * and what is held are the same, the factor's memory too.
+ *
+ *   bwi_direct_factor(context, direct, graph, held, stiffness, &definite);
+ *   bwi_direct_solve(context, direct, force, displacement);    held components come out as 0 */
+#ifndef BWI_NONLINEAR_DIRECT_H
+#define BWI_NONLINEAR_DIRECT_H
+
+#include "barwright/nonlinear.h"
+
+typedef struct bwi_direct bwi_direct;
+bw_status bwi_direct_create(bw_context *context, bwi_direct **direct);
+void bwi_direct_free(bwi_direct *direct);
+
+/* Order and analysis for a graph and its held components (node_count x 3), where they are not those
+ * that are kept. At least one component must be free. */
+bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_graph *graph,
+                             const uint8_t *held);
+/* `stiffness`: 9 per pair. *definite is false, and there is nothing to solve with, when the matrix
+ * is not positive definite; *node (may be NULL) then is where that showed. */
+bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct, const bw_graph *graph,
+                            const uint8_t *held, const double *stiffness, bool *definite,
+                            int32_t *node);
+/* node_count x 3 each, which may be the same. */
+bw_status bwi_direct_solve(bw_context *context, const bwi_direct *direct, const double *force,
+                           double *displacement);
+/* Work and numbers of the factor, for reports. */
+double bwi_direct_flops(const bwi_direct *direct);
+
+#endif
