@@ -1,0 +1,92 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Coarse materials without a library: naive (each point takes the constants of the fine element
+ * there) and averaged.
+ *
+ * A point whose element is void has no stiffness; that of an element which fills a part of its cell
+ * has that part of it. So the energy of a block under a uniform deformation is exact, and so is its
+ * mass; the coarse cells themselves count as full. */
+#include <math.h>
+#include <stdio.h>
+
+#include "metamaterial/coarse.h"
+
+/* As solids count partial cells. */
+static const double least_fraction = 1e-3;
+
+double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *block) {
+  int count = maker->rule->count;
+  double sum = 0;
+  for (int p = 0; p < count; p++) {
+    if (!block->key[p])
+      continue;
+    double density = maker->palette->material[block->key[p]]->density;
+    if (!(density > 0))
+      return 0;
+    sum += density * block->fraction[p];
+  }
+  return sum / count;
+}
+
+static void naive(const bwi_coarse_maker *maker, const bwi_fine_block *block, uint8_t *law,
+                  double *mu, double *lambda) {
+  for (int p = 0; p < maker->rule->count; p++) {
+    const bw_solid_material *m = maker->palette->material[block->key[p]];
+    double part = m ? fmax(block->fraction[p], least_fraction) : 0;
+    law[p] = m ? m->law[0] : (uint8_t)BWI_VOID_LAW;
+    mu[p] = m ? part * m->mu[0] : 0;
+    lambda[p] = m ? part * m->lambda[0] : 0;
+  }
+}
+
+/* Every point takes the means; of several laws the one that most elements have. */
+static void average(int count, const bwi_fine_block *block, uint8_t *law, double *mu,
+                    double *lambda) {
+  int votes[BW_LAWS] = {0}, most = 0;
+  double mean_mu = 0, mean_lambda = 0;
+  for (int p = 0; p < count; p++) {
+    votes[law[p]] += block->key[p] > 0;
+    mean_mu += mu[p] / count;
+    mean_lambda += lambda[p] / count;
+  }
+  for (int l = 1; l < BW_LAWS; l++)
+    most = votes[l] > votes[most] ? l : most;
+  for (int p = 0; p < count; p++) {
+    law[p] = (uint8_t)most;
+    mu[p] = mean_mu;
+    lambda[p] = mean_lambda;
+  }
+}
+
+bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *maker,
+                                const bwi_fine_block *block, bw_solid_material **material) {
+  uint8_t law[64];
+  double mu[64], lambda[64];
+  char name[BW_NAME];
+  bool averaged = maker->method == BW_COARSE_AVERAGE;
+  naive(maker, block, law, mu, lambda);
+  if (averaged)
+    average(maker->rule->count, block, law, mu, lambda);
+  snprintf(name, sizeof name, "%s, level %d", averaged ? "averaged" : "naive", maker->levels);
+  return bw_solid_material_points(context, name, maker->rule, bwi_block_density(maker, block), law,
+                                  mu, lambda, 0, NULL, NULL, material);
+}
+
+bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
+                           const bw_palette *of_library) {
+  if (palette->count != of_library->count)
+    return bw_fail(context, BW_INVALID,
+                   "the palette has %d materials, the library is of %d: a library serves the "
+                   "palette it was built of",
+                   (int)palette->count - 1, (int)of_library->count - 1);
+  for (int32_t i = 1; i < palette->count; i++) {
+    const bw_solid_material *a = palette->material[i], *b = of_library->material[i];
+    if (a->law[0] != b->law[0] || a->mu[0] != b->mu[0] || a->lambda[0] != b->lambda[0])
+      return bw_fail(context, BW_INVALID,
+                     "material %d is %s (%s, mu = %g Pa, lambda = %g Pa), that of the library %s "
+                     "(%s, mu = %g Pa, lambda = %g Pa): a library serves the palette it was built "
+                     "of",
+                     (int)i, a->name, bw_law_word((bw_law)a->law[0]), a->mu[0], a->lambda[0],
+                     b->name, bw_law_word((bw_law)b->law[0]), b->mu[0], b->lambda[0]);
+  }
+  return BW_OK;
+}

@@ -1,0 +1,39 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* From the key of a block to its coarse material. */
+#ifndef BWI_METAMATERIAL_COARSE_H
+#define BWI_METAMATERIAL_COARSE_H
+
+#include "barwright/metamaterial.h"
+
+/* What blocks are turned into materials by. */
+typedef struct bwi_coarse_maker {
+  bw_coarse_method method;
+  int levels;
+  const bw_library *library; /* NULL for baselines */
+  const bw_palette *palette; /* of the fine grid */
+  const bw_rule *rule;       /* of these levels, points at Gauss's places */
+} bwi_coarse_maker;
+
+/* A block's 8 or 64 fine elements: their materials (0: void), child by child, and the parts of
+ * their cells that are inside (NULL: all full). At level 2 element 8 c + d is child d of child c.
+ */
+typedef struct bwi_fine_block {
+  int32_t key[64];
+  double fraction[64];
+  bool partial; /* some fraction is not 1 */
+} bwi_fine_block;
+
+/* Mean over the block, void counted as nothing; 0 where that of an element is not known. */
+double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *block);
+/* The law of points without stiffness: it must be defined whatever happens to them. */
+enum { BWI_VOID_LAW = BW_ST_VENANT_KIRCHHOFF };
+
+bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *maker,
+                                const bwi_fine_block *block, bw_solid_material **material);
+bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker,
+                              const bwi_fine_block *block, bw_solid_material **material);
+/* Materials, laws and constants of the two must be the same, row by row. */
+bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
+                           const bw_palette *of_library);
+
+#endif
