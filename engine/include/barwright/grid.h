@@ -37,10 +37,10 @@ bw_status bw_grid_create(bw_context *context, const double origin[3], const doub
 
 typedef struct bw_voxel_options {
   double spacing;   /* side of the cubes; 0: from `cells` */
-  int32_t cells;    /* along the longest side, when spacing is 0 */
+  int32_t cells;    /* along the longest side, when spacing is 0 (rounded up to a multiple); default
+                       32 */
   double least;     /* cells with a smaller part inside are void; default 0.05 */
   bool whole;       /* cells count as full or void, by `least`: no fractions. Default false */
-  int32_t samples;  /* per direction within a cut cell; default 8 */
   int32_t material; /* default 1 */
   int32_t multiple; /* cells in each direction are a multiple of this, so that so many cells
                        become one; default 1 */
@@ -51,6 +51,11 @@ void bw_voxel_options_default(bw_voxel_options *options);
  * (or half the slack before it, where cells do not fit the box). */
 bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
                              const bw_voxel_options *options, bw_grid **grid);
+/* The part of each cell of a lattice that a closed surface holds, exact but for rounding; what lies
+ * outside the lattice does not matter. Facets that disagree or face inwards are turned as
+ * bw_surface_orient does; a remark says where shells overlap. */
+bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, const double origin[3],
+                            const double spacing[3], const int32_t cells[3], double *fraction);
 /* The grid with `material` in `count` cells (0 takes the element away, another adds it, full);
  * everything else stays, a cut cell keeps its fraction. Of a cell named twice the last counts. The
  * same object, retained, where nothing changes. */

@@ -1,0 +1,119 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Grids of what a closed surface holds: a lattice around its box, and the cells with enough inside.
+ */
+#include "grid/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Sides that are longer than so many cells by less than this still fit. */
+#define FITS 1e-9
+/* More cells than this take more memory than a mistyped spacing should. */
+#define MOST_CELLS 268435456.0
+
+void bw_voxel_options_default(bw_voxel_options *options) {
+  memset(options, 0, sizeof *options);
+  options->cells = 32;
+  options->least = 0.05;
+  options->material = 1;
+  options->multiple = 1;
+}
+
+static bw_status check(bw_context *context, const bw_voxel_options *o) {
+  if (!isfinite(o->spacing) || o->spacing < 0)
+    return bw_fail(context, BW_INVALID, "cells of %g m; the spacing must be positive", o->spacing);
+  if (o->spacing == 0 && o->cells < 1)
+    return bw_fail(context, BW_INVALID,
+                   "%d cells along the longest side; at least one is needed, or a spacing",
+                   (int)o->cells);
+  if (!(o->least >= 0 && o->least <= 1))
+    return bw_fail(context, BW_INVALID, "the least part of a cell, %g, is not between 0 and 1",
+                   o->least);
+  if (o->material < 1)
+    return bw_fail(context, BW_INVALID, "material %d; 1 is the first (0 is void)",
+                   (int)o->material);
+  if (o->multiple < 1)
+    return bw_fail(context, BW_INVALID, "cells in multiples of %d; 1 is the least",
+                   (int)o->multiple);
+  return BW_OK;
+}
+
+static double up_to_multiple(double cells, int32_t multiple) {
+  return ceil(cells / multiple) * multiple;
+}
+
+static bw_status lattice(bw_context *context, const bw_surface *surface, const bw_voxel_options *o,
+                         double origin[3], double spacing[3], int32_t cells[3]) {
+  double low[3], high[3], longest = 0, count[3];
+  bw_surface_box(surface, low, high);
+  for (int d = 0; d < 3; d++)
+    longest = fmax(longest, high[d] - low[d]);
+  if (!(longest > 0) || !isfinite(longest))
+    return bw_fail(context, BW_GEOMETRY, "the surface has no size: its box is %g m long", longest);
+  double side = o->spacing > 0 ? o->spacing : longest / up_to_multiple(o->cells, o->multiple);
+  for (int d = 0; d < 3; d++)
+    count[d] = up_to_multiple(fmax(ceil((high[d] - low[d]) / side - FITS), 1), o->multiple);
+  double all = count[0] * count[1] * count[2];
+  if (!(all <= MOST_CELLS)) {
+    bw_status status =
+        bw_fail(context, BW_LIMIT,
+                "cells of %g m in a box of %g x %g x %g m make %.3g cells, more than %.3g: take "
+                "larger cells",
+                side, high[0] - low[0], high[1] - low[1], high[2] - low[2], all, MOST_CELLS);
+    bw_detail_number(context, "cells", all);
+    return status;
+  }
+  for (int d = 0; d < 3; d++) {
+    spacing[d] = side;
+    cells[d] = (int32_t)count[d];
+    double slack = count[d] * side - (high[d] - low[d]);
+    origin[d] = low[d] - (slack > FITS * side ? slack / 2 : 0);
+  }
+  return BW_OK;
+}
+
+bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
+                             const bw_voxel_options *options, bw_grid **grid) {
+  bw_voxel_options usual;
+  double origin[3], spacing[3], *fraction = NULL, most = 0;
+  int32_t cells[3], *material = NULL;
+  bw_status status = BW_OK;
+  int64_t all, held = 0;
+  if (!options) {
+    bw_voxel_options_default(&usual);
+    options = &usual;
+  }
+  BW_TRY(check(context, options));
+  BW_TRY(lattice(context, surface, options, origin, spacing, cells));
+  all = bwi_grid_cells(cells);
+  fraction = BW_NEW(context, double, all);
+  material = BW_NEW(context, int32_t, all);
+  if (!fraction || !material) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_grid_fractions(context, surface, origin, spacing, cells, fraction));
+  for (int64_t c = 0; c < all; c++) {
+    most = fmax(most, fraction[c]);
+    material[c] = fraction[c] > 0 && fraction[c] >= options->least ? options->material : 0;
+    held += material[c] > 0;
+  }
+  if (most == 0) {
+    status = bw_fail(context, BW_GEOMETRY, "the surface encloses nothing: its volume is %g m3",
+                     bw_surface_volume(surface));
+    goto done;
+  }
+  if (held == 0) {
+    status = bw_fail(context, BW_EMPTY,
+                     "no cell of %g m has more than %.3g of itself inside the surface, and %g is "
+                     "the least: take smaller cells or a smaller least part",
+                     spacing[0], most, options->least);
+    goto done;
+  }
+  BW_TRY(bw_grid_create(context, origin, spacing, cells, material, options->whole ? NULL : fraction,
+                        grid));
+done:
+  bw_free(fraction);
+  bw_free(material);
+  return status;
+}
