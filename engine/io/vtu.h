@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The two layers under the VTU reader: XML tags, and the arrays that they announce. */
+/* The two layers under the VTU reader: XML tags, and the arrays that they announce. And what the
+ * writer takes, for cells of any kind. */
 #ifndef BWI_IO_VTU_H
 #define BWI_IO_VTU_H
 
@@ -63,5 +64,20 @@ bw_status bwi_vtu_reals(const bwi_cursor *cursor, const bwi_vtu_file *file,
                         const bwi_vtu_array *array, uint64_t count, bool finite, double **values);
 bw_status bwi_vtu_integers(const bwi_cursor *cursor, const bwi_vtu_file *file,
                            const bwi_vtu_array *array, uint64_t count, int64_t **values);
+
+/* ---- writing (vtu_write.c) ----------------------------------------------------------------- */
+
+typedef struct bwi_vtu_cells {
+  int64_t points, cells;
+  const double *point;
+  int width;    /* points of a cell */
+  uint8_t type; /* of VTK */
+  const int32_t *cell;
+  const int32_t *tag; /* a cell array of this name, or NULL */
+  const char *tag_name;
+  int field_count;
+  const bw_field *fields;
+} bwi_vtu_cells;
+bw_status bwi_vtu_write_cells(bw_context *context, const bwi_vtu_cells *cells, const char *path);
 
 #endif

@@ -5,7 +5,7 @@
  *
  * Layout of an array: number of blocks, size of a block, size of the last one (0: full), compressed
  * size of each, all uint64; then the compressed blocks. */
-#include "io/raw.h"
+#include "io/vtu.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -81,18 +81,6 @@ done:
 
 /* ---- what is written ----------------------------------------------------------------------- */
 
-typedef struct grid {
-  int64_t points, cells;
-  const double *point;
-  int width;
-  uint8_t type; /* of VTK */
-  const int32_t *cell;
-  const int32_t *tag; /* a cell array of this name, or NULL */
-  const char *tag_name;
-  int field_count;
-  const bw_field *fields;
-} grid;
-
 /* Row by row, tensors in VTK's order xx yy zz xy yz zx. */
 static bw_status pack_field(bw_context *context, const bw_array *array, packed *to) {
   static const int64_t tensor[6] = {0, 1, 2, 5, 3, 4};
@@ -114,7 +102,8 @@ static bw_status pack_field(bw_context *context, const bw_array *array, packed *
   return status;
 }
 
-static bw_status pack_cells(bw_context *context, const grid *g, packed *offsets, packed *types) {
+static bw_status pack_cells(bw_context *context, const bwi_vtu_cells *g, packed *offsets,
+                            packed *types) {
   bw_status status = BW_OK;
   int64_t *end = BW_NEW(context, int64_t, g->cells);
   uint8_t *type = BW_NEW(context, uint8_t, g->cells);
@@ -164,8 +153,8 @@ static const char *vtk_type(bw_type type) {
   return type == BW_F64 ? "Float64" : type == BW_I32 ? "Int32" : type == BW_I64 ? "Int64" : "UInt8";
 }
 
-static void print_fields(bw_writer *writer, const grid *g, bw_field_place place, const packed *data,
-                         size_t *offset) {
+static void print_fields(bw_writer *writer, const bwi_vtu_cells *g, bw_field_place place,
+                         const packed *data, size_t *offset) {
   for (int i = 0; i < g->field_count; i++) {
     const bw_array *array = g->fields[i].array;
     if (g->fields[i].place == place)
@@ -178,7 +167,7 @@ static void print_fields(bw_writer *writer, const grid *g, bw_field_place place,
  * then all on cells, which is the order of the offsets. */
 enum { POINTS, CONNECTIVITY, OFFSETS, TYPES, TAG, FIELDS };
 
-static void print_header(bw_writer *writer, const grid *g, const packed *part) {
+static void print_header(bw_writer *writer, const bwi_vtu_cells *g, const packed *part) {
   size_t offset = 0;
   const bool big = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
   bw_writer_print(writer,
@@ -203,7 +192,7 @@ static void print_header(bw_writer *writer, const grid *g, const packed *part) {
                           "<AppendedData encoding=\"raw\">\n_");
 }
 
-static void write_parts(bw_writer *writer, const grid *g, const packed *part) {
+static void write_parts(bw_writer *writer, const bwi_vtu_cells *g, const packed *part) {
   for (int i = 0; i < TAG; i++)
     bw_writer_bytes(writer, part[i].bytes, part[i].count);
   for (int place = 0; place < 2; place++) {
@@ -216,7 +205,7 @@ static void write_parts(bw_writer *writer, const grid *g, const packed *part) {
   bw_writer_print(writer, "\n</AppendedData>\n</VTKFile>\n");
 }
 
-static bw_status write_grid(bw_context *context, const grid *g, const char *path) {
+bw_status bwi_vtu_write_cells(bw_context *context, const bwi_vtu_cells *g, const char *path) {
   bw_status status = BW_OK;
   bw_writer *writer = NULL;
   int parts = FIELDS + g->field_count;
@@ -248,24 +237,25 @@ done:
 
 bw_status bwi_vtu_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
                         const bw_field *fields) {
-  grid g = {mesh->node_count,
-            mesh->element_count,
-            mesh->node,
-            mesh->nodes_per_element,
-            mesh->order == 2 ? 24 : 10,
-            mesh->element,
-            mesh->region,
-            "region",
-            field_count,
-            fields};
-  return write_grid(context, &g, path);
+  bwi_vtu_cells g = {mesh->node_count,
+                     mesh->element_count,
+                     mesh->node,
+                     mesh->nodes_per_element,
+                     mesh->order == 2 ? 24 : 10,
+                     mesh->element,
+                     mesh->region,
+                     "region",
+                     field_count,
+                     fields};
+  return bwi_vtu_write_cells(context, &g, path);
 }
 
 bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
                                int field_count, const bw_field *fields) {
-  grid g = {surface->point_count, surface->triangle_count, surface->point, 3,           5,
-            surface->triangle,    surface->group,          "group",        field_count, fields};
-  return write_grid(context, &g, path);
+  bwi_vtu_cells g = {
+      surface->point_count, surface->triangle_count, surface->point, 3,           5,
+      surface->triangle,    surface->group,          "group",        field_count, fields};
+  return bwi_vtu_write_cells(context, &g, path);
 }
 
 /* Places and fields of two components get a third that is 0: VTK's vectors have three. */
@@ -301,9 +291,9 @@ bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh, con
     list[i].array = space[i];
   }
   bool six = t->nodes->order == 2;
-  grid g = {nodes,      t->element_count, point,    six ? 6 : 3, six ? 22 : 5,
-            t->element, t->region,        "region", field_count, list};
-  status = write_grid(context, &g, path);
+  bwi_vtu_cells g = {nodes,      t->element_count, point,    six ? 6 : 3, six ? 22 : 5,
+                     t->element, t->region,        "region", field_count, list};
+  status = bwi_vtu_write_cells(context, &g, path);
 done:
   for (int i = 0; space && i < field_count; i++)
     bw_release(space[i]);
