@@ -2,16 +2,15 @@
 /* Coarse materials without a library: naive (each point takes the constants of the fine element
  * there) and averaged.
  *
- * A point whose element is void has no stiffness; that of an element which fills a part of its cell
- * has that part of it. So the energy of a block under a uniform deformation is exact, and so is its
- * mass; the coarse cells themselves count as full. */
+ * That of an element which fills a part of its cell has this part of its constants; that of a void
+ * one next to nothing (BWI_VOID_PART), so that every node is held by something. So the energy of a
+ * block under a uniform deformation is right to a thousandth, and its mass exactly; the coarse
+ * cells themselves count as full. */
 #include <math.h>
 #include <stdio.h>
 
 #include "metamaterial/coarse.h"
-
-/* As solids count partial cells. */
-static const double least_fraction = 1e-3;
+#include "nonlinear/internal.h"
 
 double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *block) {
   int count = maker->rule->count;
@@ -29,13 +28,23 @@ double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *bl
 
 static void naive(const bwi_coarse_maker *maker, const bwi_fine_block *block, uint8_t *law,
                   double *mu, double *lambda) {
-  for (int p = 0; p < maker->rule->count; p++) {
+  double mean_mu = 0, mean_lambda = 0;
+  int there = 0, count = maker->rule->count;
+  for (int p = 0; p < count; p++) {
     const bw_solid_material *m = maker->palette->material[block->key[p]];
-    double part = m ? fmax(block->fraction[p], least_fraction) : 0;
-    law[p] = m ? m->law[0] : (uint8_t)BWI_VOID_LAW;
+    double part = fmax(block->fraction[p], BWI_LEAST_FRACTION);
+    law[p] = m ? m->law[0] : BWI_VOID_LAW;
     mu[p] = m ? part * m->mu[0] : 0;
     lambda[p] = m ? part * m->lambda[0] : 0;
+    mean_mu += mu[p];
+    mean_lambda += lambda[p];
+    there += m != NULL;
   }
+  for (int p = 0; p < count; p++)
+    if (!block->key[p]) {
+      mu[p] = BWI_VOID_PART * mean_mu / there;
+      lambda[p] = BWI_VOID_PART * mean_lambda / there;
+    }
 }
 
 /* Every point takes the means; of several laws the one that most elements have. */
@@ -45,8 +54,8 @@ static void average(int count, const bwi_fine_block *block, uint8_t *law, double
   double mean_mu = 0, mean_lambda = 0;
   for (int p = 0; p < count; p++) {
     votes[law[p]] += block->key[p] > 0;
-    mean_mu += mu[p] / count;
-    mean_lambda += lambda[p] / count;
+    mean_mu += block->key[p] ? mu[p] / count : 0;
+    mean_lambda += block->key[p] ? lambda[p] / count : 0;
   }
   for (int l = 1; l < BW_LAWS; l++)
     most = votes[l] > votes[most] ? l : most;

@@ -3,7 +3,7 @@
 #ifndef BWI_METAMATERIAL_COARSE_H
 #define BWI_METAMATERIAL_COARSE_H
 
-#include "barwright/metamaterial.h"
+#include "metamaterial/internal.h"
 
 /* What blocks are turned into materials by. */
 typedef struct bwi_coarse_maker {
@@ -25,9 +25,6 @@ typedef struct bwi_fine_block {
 
 /* Mean over the block, void counted as nothing; 0 where that of an element is not known. */
 double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *block);
-/* The law of points without stiffness: it must be defined whatever happens to them. */
-enum { BWI_VOID_LAW = BW_ST_VENANT_KIRCHHOFF };
-
 bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *maker,
                                 const bwi_fine_block *block, bw_solid_material **material);
 bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker,

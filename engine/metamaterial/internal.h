@@ -31,7 +31,16 @@ void bwi_fit_workspace_free(bwi_fit_workspace *workspace);
  * block of void alone is BW_EMPTY. Of the options, directions, magnitudes, stretches, fibres,
  * strain and ridge are used, and `seed` instead of theirs, so that each block can have its own.
  * The density is the mean. The rule of the fitted material can be narrower than Gauss's (see
- * bw_rule::spread). */
+ * bw_rule::spread).
+ *
+ * What the library relies on: a symmetry of the cube that takes the block into itself takes the
+ * fitted material into itself, up to rounding (one fit serves all keys that turn into each other,
+ * so that without this a body and its mirror image would differ). Points of void have
+ * BWI_VOID_PART of the mean constants of the other points, and BWI_VOID_LAW, so that a coarse cell
+ * with little in it holds its nodes, as partial cells of a solid do. */
+#define BWI_VOID_PART 1e-3
+/* Defined whatever the deformation. */
+#define BWI_VOID_LAW ((uint8_t)BW_ST_VENANT_KIRCHHOFF)
 bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_options *options,
                   uint64_t seed, bwi_fit_workspace *workspace, bw_solid_material **fitted,
                   bw_fit_error *error);
