@@ -98,10 +98,16 @@ static bw_status check_description(bw_context *context, const bw_flow_descriptio
     const bw_condition *c = &d->condition[i];
     if (c->kind != BW_PRESSURE && (c->component < 0 || c->component >= components))
       return bw_fail(context, BW_INVALID,
-                     c->component == 3 ? "a temperature is prescribed, but the fluid has no "
+                     c->component == 3 ? "a condition of heat is given, but the fluid has no "
                                          "diffusivity: give one, in m2/s"
                                        : "condition %d is on component %d of a fluid with %d",
                      i + 1, c->component, components);
+    if (c->kind == BW_CONVECTION &&
+        (c->component != 3 || !(c->coefficient >= 0) || !isfinite(c->coefficient)))
+      return bw_fail(context, BW_INVALID,
+                     "condition %d is convection: it is on component 3, the temperature, not %d, "
+                     "with a coefficient of at least 0 m/s, not %g",
+                     i + 1, c->component, c->coefficient);
   }
   return BW_OK;
 }

@@ -70,4 +70,11 @@ struct bwi_flow {
   double last_step;    /* between `before` and `state` */
 };
 
+/* What the boundary's conditions bring at a time: tractions and heat into room.load, the part of
+ * convection that goes with the temperature into room.values. */
+bw_status bwi_flow_boundary(bw_context *context, bw_flow *flow, double time);
+/* Heat by fluxes and convection on a tag (-1: all), of the state as it is. */
+bw_status bwi_flow_boundary_heat(bw_context *context, const bw_flow *flow, int32_t tag,
+                                 double *heat);
+
 #endif

@@ -49,9 +49,22 @@ done:
 }
 
 bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, double *heat) {
+  bw_status status = BW_OK;
   if (flow->components < 4)
     return bw_fail(context, BW_INVALID, "this fluid has no temperature");
-  return sum_reactions(context, flow, tag, 3, heat);
+  /* A corner's reaction belongs to the side whose temperature is prescribed. */
+  bool held = false;
+  for (int32_t i = 0; i < flow->inner->about.condition_count && !held; i++) {
+    const bw_condition *c = &flow->inner->condition[i];
+    held =
+        c->kind == BW_PRESCRIBED && c->component == 3 && (tag < 0 || c->tag < 0 || c->tag == tag);
+  }
+  double reactions = 0, natural = 0;
+  BW_TRY(sum_reactions(context, flow, tag, 3, &reactions));
+  BW_TRY(bwi_flow_boundary_heat(context, flow, tag, &natural));
+  *heat = (held ? reactions : 0) + natural;
+done:
+  return status;
 }
 
 bw_status bw_flow_at(bw_context *context, const bw_flow *flow, const double at[2], double *values) {

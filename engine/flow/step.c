@@ -154,10 +154,7 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   memset(room->held, 0, unknowns);
   BW_TRY(bw_conditions_prescribe(context, flow->mesh, c, about->condition_count, about->condition,
                                  time, room->held, room->prescribed));
-  BW_TRY(bw_conditions_force(context, flow->mesh, c, about->condition_count, about->condition, time,
-                             1, room->rhs));
-  for (size_t i = 0; i < unknowns; i++)
-    room->load[i] += room->rhs[i];
+  BW_TRY(bwi_flow_boundary(context, flow, time));
   bool enclosed = is_enclosed(flow);
   if (enclosed) {
     room->held[2] = 1;
@@ -333,10 +330,29 @@ done:
   return status;
 }
 
+/* Whether heat that comes in has no temperature to come to rest at. */
+static bool heats_up(const bw_flow *flow) {
+  const bw_flow_description *about = &flow->inner->about;
+  bool comes_in = false;
+  for (int32_t i = 0; i < about->condition_count; i++) {
+    const bw_condition *c = &about->condition[i];
+    comes_in = comes_in || (c->kind == BW_TRACTION && c->component == 3);
+    if ((c->kind == BW_PRESCRIBED && c->component == 3) ||
+        (c->kind == BW_CONVECTION && c->coefficient > 0))
+      return false;
+  }
+  return comes_in;
+}
+
 static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                         bw_kept *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
+  if (heats_up(flow))
+    return bw_fail(
+        context, BW_INVALID,
+        "there is a heat flux, but neither a temperature nor convection: no steady state "
+        "is determined. Prescribe a temperature somewhere, or give a time step");
   size_t unknowns = (size_t)in->graph->node_count * (size_t)flow->components;
   double *x = in->room.solution, reached = INFINITY;
   double *last = BW_NEW(context, double, unknowns);

@@ -6,7 +6,7 @@
 
 #include "responsive/internal.h"
 
-static bool applies(const bw_plane_mesh *mesh, const bw_condition *condition, int32_t side) {
+bool bwi_condition_applies(const bw_plane_mesh *mesh, const bw_condition *condition, int32_t side) {
   int32_t segment = mesh->topology->side_segment[side];
   return condition->tag < 0 || mesh->outline->segment[segment].tag == condition->tag;
 }
@@ -16,6 +16,9 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
   for (int32_t k = 0; k < count; k++) {
     const bw_condition *c = &condition[k];
     bool found = false;
+    if (c->kind == BW_CONVECTION)
+      return bw_fail(context, BW_INVALID, "condition %d is convection: a sheet carries no heat",
+                     k + 1);
     if (c->kind != BW_PRESCRIBED && c->kind != BW_TRACTION && c->kind != BW_PRESSURE)
       return bw_fail(context, BW_INVALID, "condition %d is of no known kind", k + 1);
     if (c->kind != BW_PRESSURE && (c->component < 0 || c->component >= components))
@@ -28,7 +31,7 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
       return bw_fail(context, BW_INVALID, "condition %d is on tag %d; the outline has %d", k + 1,
                      c->tag + 1, mesh->outline->tag_count);
     for (int32_t s = 0; s < mesh->topology->side_count && !found; s++)
-      found = applies(mesh, c, s);
+      found = bwi_condition_applies(mesh, c, s);
     if (!found)
       return bw_fail(context, BW_EMPTY, "condition %d is on tag '%s', which no segment has", k + 1,
                      c->tag < 0 ? "" : mesh->outline->tag[c->tag].text);
@@ -59,8 +62,8 @@ bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, co
   return BW_OK;
 }
 
-static bw_status value_at(bw_context *context, const bw_condition *condition, const double at[2],
-                          double time, double *value) {
+bw_status bwi_condition_value(bw_context *context, const bw_condition *condition,
+                              const double at[2], double time, double *value) {
   *value = condition->function ? condition->function(condition->data, at, time) : condition->value;
   if (!isfinite(*value))
     return bw_fail(context, BW_INVALID,
@@ -86,7 +89,7 @@ bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh
       continue;
     int32_t before = -1; /* the node that the last side ended with has been asked already */
     for (int32_t s = 0; s < topology->side_count; s++) {
-      if (!applies(mesh, c, s))
+      if (!bwi_condition_applies(mesh, c, s))
         continue;
       const int32_t *node = topology->side + (int64_t)s * width;
       for (int a = 0; a < width; a++) {
@@ -94,8 +97,8 @@ bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh
         if (node[a] == before)
           continue;
         held[i] = 1;
-        bw_status status =
-            value_at(context, c, mesh->point + 2 * (size_t)node[a], time, &prescribed[i]);
+        bw_status status = bwi_condition_value(context, c, mesh->point + 2 * (size_t)node[a], time,
+                                               &prescribed[i]);
         if (status != BW_OK)
           return status;
       }
@@ -105,34 +108,40 @@ bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh
   return BW_OK;
 }
 
-/* Gauss points on 0..1, exact to degree 5. */
-static const double gauss_at[3] = {0.11270166537925831148, 0.5, 0.88729833462074168852};
-static const double gauss_weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+const double bwi_side_at[3] = {0.11270166537925831148, 0.5, 0.88729833462074168852};
+const double bwi_side_weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 
-bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
-                              int32_t count, const bw_condition *condition, double time,
-                              double thickness, double *force) {
+static double thickness_at(const bw_plane_topology *topology, int32_t side, int32_t count,
+                           const double *thickness) {
+  return thickness[count > 1 ? topology->region[topology->side_element[2 * (size_t)side]] : 0];
+}
+
+bw_status bwi_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
+                               int32_t count, const bw_condition *condition, double time,
+                               int32_t thickness_count, const double *thickness, double *force) {
   const bw_plane_topology *topology = mesh->topology;
   int width = topology->nodes->order + 1;
   for (size_t i = 0; i < (size_t)topology->nodes->node_count * (size_t)components; i++)
     force[i] = 0;
   for (int32_t k = 0; k < count; k++) {
     const bw_condition *c = &condition[k];
-    if (c->kind == BW_PRESCRIBED || (c->kind == BW_TRACTION && c->component >= components) ||
+    if (c->kind == BW_PRESCRIBED || c->kind == BW_CONVECTION ||
+        (c->kind == BW_TRACTION && c->component >= components) ||
         (c->kind == BW_PRESSURE && components < 2))
       continue;
     for (int32_t s = 0; s < topology->side_count; s++) {
-      if (!applies(mesh, c, s))
+      if (!bwi_condition_applies(mesh, c, s))
         continue;
       const int32_t *node = topology->side + (int64_t)s * width;
-      for (int q = 0; q < 3; q++) {
+      double thick = thickness_at(topology, s, thickness_count, thickness);
+      for (int q = 0; q < BWI_SIDE_POINTS; q++) {
         double n[3], d[3], at[2], along[2], value;
-        bwi_side_shape(width, gauss_at[q], n, d);
+        bwi_side_shape(width, bwi_side_at[q], n, d);
         bwi_side_place(mesh, node, width, n, d, at, along);
-        bw_status status = value_at(context, c, at, time, &value);
+        bw_status status = bwi_condition_value(context, c, at, time, &value);
         if (status != BW_OK)
           return status;
-        value *= thickness * gauss_weight[q];
+        value *= thick * bwi_side_weight[q];
         double length = hypot(along[0], along[1]);
         for (int a = 0; a < width; a++) {
           double *f = force + (size_t)node[a] * (size_t)components;
@@ -147,6 +156,13 @@ bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, in
     }
   }
   return BW_OK;
+}
+
+bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
+                              int32_t count, const bw_condition *condition, double time,
+                              double thickness, double *force) {
+  return bwi_conditions_force(context, mesh, components, count, condition, time, 1, &thickness,
+                              force);
 }
 
 void bwi_side_shape(int width, double t, double n[3], double d[3]) {
@@ -173,25 +189,27 @@ void bwi_side_place(const bw_plane_mesh *mesh, const int32_t *node, int width, c
 /* dJ/dx of J = sum_i weight_i force_i, values of functions going with the nodes */
 bw_status bwi_conditions_force_gradient(bw_context *context, const bw_plane_mesh *mesh,
                                         int32_t count, const bw_condition *condition, double time,
-                                        double thickness, const double *weight, double *gradient) {
+                                        int32_t thickness_count, const double *thickness,
+                                        const double *weight, double *gradient) {
   const bw_plane_topology *topology = mesh->topology;
   int width = topology->nodes->order + 1;
   for (int32_t k = 0; k < count; k++) {
     const bw_condition *c = &condition[k];
-    if (c->kind == BW_PRESCRIBED)
+    if (c->kind == BW_PRESCRIBED || c->kind == BW_CONVECTION)
       continue;
     for (int32_t s = 0; s < topology->side_count; s++) {
-      if (!applies(mesh, c, s))
+      if (!bwi_condition_applies(mesh, c, s))
         continue;
       const int32_t *node = topology->side + (int64_t)s * width;
-      for (int q = 0; q < 3; q++) {
+      double thick = thickness_at(topology, s, thickness_count, thickness);
+      for (int q = 0; q < BWI_SIDE_POINTS; q++) {
         double n[3], d[3], at[2], along[2], value, by_along[2], w[2] = {0, 0};
-        bwi_side_shape(width, gauss_at[q], n, d);
+        bwi_side_shape(width, bwi_side_at[q], n, d);
         bwi_side_place(mesh, node, width, n, d, at, along);
-        bw_status status = value_at(context, c, at, time, &value);
+        bw_status status = bwi_condition_value(context, c, at, time, &value);
         if (status != BW_OK)
           return status;
-        value *= thickness * gauss_weight[q];
+        value *= thick * bwi_side_weight[q];
         for (int a = 0; a < width; a++)
           for (int i = 0; i < 2; i++)
             w[i] += n[a] * weight[2 * (size_t)node[a] + (size_t)i];

@@ -117,7 +117,7 @@ static bw_status fill_columns(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-static int64_t find_pair(const bw_plane_graph *graph, int32_t row, int32_t column) {
+int64_t bwi_plane_pair(const bw_plane_graph *graph, int32_t row, int32_t column) {
   int64_t low = graph->start[row], high = graph->start[row + 1];
   while (high - low > 1) {
     int64_t middle = low + (high - low) / 2;
@@ -139,7 +139,7 @@ static bw_status fill_contributions(void *data, int64_t begin, int64_t end, int 
     int64_t first = graph->gather_start[graph->start[i]];
     for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
       mark[graph->column[p]] = (int32_t)(graph->gather_start[p] - first);
-      graph->mirror[p] = find_pair(graph, graph->column[p], (int32_t)i);
+      graph->mirror[p] = bwi_plane_pair(graph, graph->column[p], (int32_t)i);
     }
     for (int64_t k = b->around[i]; k < b->around[i + 1]; k++) {
       int32_t e = b->around_item[k] / b->n, a = b->around_item[k] % b->n;

@@ -16,6 +16,9 @@ static inline int bwi_nodes_per_element(const bw_plane_topology *topology) {
   return topology->nodes->order == 1 ? 3 : 6;
 }
 
+/* The pair (row, column), which share an element. */
+int64_t bwi_plane_pair(const bw_plane_graph *graph, int32_t row, int32_t column);
+
 /* values[pair] = sum of the contributions in `block`: element matrices one after the other, n x
  * components unknowns each, row by row. */
 bw_status bwi_plane_gather(bw_context *context, const bw_plane_graph *graph, int components,
@@ -40,15 +43,30 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
  * none of a name. */
 bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, const bw_outline *to,
                                  int32_t count, const bw_condition *condition, bw_condition **out);
+/* Whether a condition's tag is that of a side, and its value at a place (BW_INVALID: not finite).
+ */
+bool bwi_condition_applies(const bw_plane_mesh *mesh, const bw_condition *condition, int32_t side);
+bw_status bwi_condition_value(bw_context *context, const bw_condition *condition,
+                              const double at[2], double time, double *value);
+/* Gauss points on 0..1, exact to degree 5. */
+enum { BWI_SIDE_POINTS = 3 };
+extern const double bwi_side_at[BWI_SIDE_POINTS], bwi_side_weight[BWI_SIDE_POINTS];
 /* Shape functions of a side of 2 or 3 nodes (start, end, middle) at t in 0..1, and by t; the place
  * there and its derivative by t. */
 void bwi_side_shape(int width, double t, double n[3], double d[3]);
 void bwi_side_place(const bw_plane_mesh *mesh, const int32_t *node, int width, const double *n,
                     const double *d, double at[2], double along[2]);
+/* bw_conditions_force with a thickness for each region (or one: thickness_count 1). A side takes
+ * that of the element beside it; between two regions, of the one on its left, which pressure
+ * presses on. */
+bw_status bwi_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
+                               int32_t count, const bw_condition *condition, double time,
+                               int32_t thickness_count, const double *thickness, double *force);
 /* Add to gradient (node_count x 2) what sum_i weight_i force_i changes by with the nodes; the
  * values of functions go with the nodes. */
 bw_status bwi_conditions_force_gradient(bw_context *context, const bw_plane_mesh *mesh,
                                         int32_t count, const bw_condition *condition, double time,
-                                        double thickness, const double *weight, double *gradient);
+                                        int32_t thickness_count, const double *thickness,
+                                        const double *weight, double *gradient);
 
 #endif

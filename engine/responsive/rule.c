@@ -1,5 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Quadrature rules with the shape functions of tri3 or tri6 at their points. */
+#include <math.h>
+
 #include "responsive/sheet.h"
 
 void bwi_rule_create(int order, int degree, bwi_rule *rule) {
@@ -19,4 +21,21 @@ void bwi_rule_create(int order, int degree, bwi_rule *rule) {
       rule->slope[q][a][1] = by_l[a][2] - by_l[a][0];
     }
   }
+}
+
+void bwi_rules_create(int order, bwi_rules *rules) {
+  bwi_rule_create(order, order == 1 ? 1 : 2, &rules->straight);
+  bwi_rule_create(order, order == 1 ? 1 : 4, &rules->curved);
+}
+
+/* Middles within 1e-10 of the side's length count as on the middle: what that leaves out is below
+ * rounding errors of the stiffness. */
+const bwi_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]) {
+  for (int a = 0; a < 3 && rules->straight.order == 2; a++) {
+    const double *p = x[a], *q = x[(a + 1) % 3], *m = x[3 + a];
+    double off = fabs(m[0] - 0.5 * (p[0] + q[0])) + fabs(m[1] - 0.5 * (p[1] + q[1]));
+    if (off > 1e-10 * (fabs(q[0] - p[0]) + fabs(q[1] - p[1])))
+      return &rules->curved;
+  }
+  return &rules->straight;
 }

@@ -15,6 +15,7 @@ static void sheet_destroy(void *object) {
       bw_release(inner->material[k]);
     bw_free(inner->material);
     bw_free(inner->section);
+    bw_free(inner->thickness);
     bw_free(inner->condition);
     bw_stale_free(inner->stale);
     bw_release(inner->graph);
@@ -56,7 +57,8 @@ static bw_status copy_description(bw_context *context, struct bwi_sheet *inner,
   inner->section = BW_NEW0(context, bwi_section, d->section_count);
   inner->material = BW_NEW0(context, const bw_material *, d->section_count);
   inner->condition = BW_NEW(context, bw_condition, d->condition_count);
-  if (!inner->section || !inner->material || !inner->condition)
+  inner->thickness = BW_NEW(context, double, d->section_count);
+  if (!inner->section || !inner->thickness || !inner->material || !inner->condition)
     return BW_MEMORY;
   inner->section_count = d->section_count;
   for (int32_t k = 0; k < d->section_count; k++) {
@@ -64,13 +66,7 @@ static bw_status copy_description(bw_context *context, struct bwi_sheet *inner,
     if (status != BW_OK)
       return status;
     inner->material[k] = bw_retain(d->section[k].material);
-    if (d->section[k].thickness != d->section[0].thickness && d->condition_count > 0)
-      for (int32_t c = 0; c < d->condition_count; c++)
-        if (d->condition[c].kind != BW_PRESCRIBED)
-          return bw_fail(context, BW_UNSUPPORTED,
-                         "tractions and pressures on a sheet of several thicknesses (%g m and %g "
-                         "m): use one thickness",
-                         d->section[0].thickness, d->section[k].thickness);
+    inner->thickness[k] = d->section[k].thickness;
   }
   if (d->condition_count > 0)
     memcpy(inner->condition, d->condition, (size_t)d->condition_count * sizeof *d->condition);

@@ -36,6 +36,14 @@ typedef struct bwi_rule {
   double slope[BWI_RULE_POINTS][6][2]; /* by L1 and L2, with L0 = 1 - L1 - L2 */
 } bwi_rule;
 void bwi_rule_create(int order, int degree, bwi_rule *rule);
+/* What stiffness and weight are integrated with. Straight six-node elements have strains that are
+ * linear in the plane, for which degree 2 is exact; on curved ones they are not polynomials, and
+ * degree 4 is taken, as large deflections take it everywhere. */
+typedef struct bwi_rules {
+  bwi_rule straight, curved;
+} bwi_rules;
+void bwi_rules_create(int order, bwi_rules *rules);
+const bwi_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]);
 
 /* Gradients in the plane at point q of an element of N nodes; returns the Jacobian determinant.
  * N is a constant wherever this is expanded. */
@@ -62,6 +70,7 @@ bwi_rule_gradient(const bwi_rule *rule, int q, int N, const double (*x)[2], doub
 struct bwi_sheet {
   int32_t section_count;
   bwi_section *section;
+  double *thickness;            /* of the sections */
   const bw_material **material; /* retained */
   int32_t condition_count;
   bw_condition *condition;

@@ -1,7 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* How the stresses of a sheet change with its nodes.
  *
- * J = (integral of vm^p / area)^(1/p) over the points of the stiffness's rule, which tends to the
+ * J = (integral of vm^p / area)^(1/p) over the points where stresses are best (the centre of tri3,
+ * three points of tri6), which tends to the
  * largest von Mises stress from below as p grows. J depends on node positions x and on the solution
  * of K(x) u = f(x); with K l = dJ/du (one solve, on the factor that u was found with)
  *
@@ -91,6 +92,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   int order = topology->nodes->order;
   size_t size = 2 * (size_t)topology->nodes->node_count;
   double most, sum, area, x[6][2], u[6][2], l[6][2], *adjoint = NULL;
+  bwi_rules rules;
   bwi_rule rule;
   point at;
   if (!(p >= 1) || !(p <= 1000))
@@ -98,7 +100,8 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   if (inner->matrix_step[0] >= 0)
     return bw_fail(context, BW_INVALID,
                    "stresses by node positions need the linear statics of the mesh as it is");
-  bwi_rule_create(order, order == 1 ? 1 : 2, &rule);
+  bwi_rules_create(order, &rules);
+  rule = rules.straight;
   sums(sheet, &rule, p, &most, &sum, &area);
   double value = most > 0 ? most * pow(sum / area, 1 / p) : 0;
   if (norm)
@@ -142,6 +145,24 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, adjoint,
                         &options, NULL));
   for (int32_t e = 0; e < topology->element_count; e++) {
+    const int32_t *node = topology->element + (int64_t)e * rule.n;
+    element_at(sheet, &rule, e, x, u);
+    for (int q = 0; q < rule.count; q++) {
+      at_point(bwi_section_of(sheet, e), &rule, q, x, u, &at);
+      double power = pow(at.mises / most, p), by_weight = by_sum * power - by_area;
+      double by_strain = at.mises > 0 ? by_sum * p * power / (at.mises * at.mises) : 0;
+      for (int b = 0; b < rule.n; b++) {
+        double *out = gradient + 2 * (int64_t)node[b];
+        for (int k = 0; k < 2; k++)
+          out[k] += at.weight * by_weight * at.g[b][k];
+        add_turned(-at.weight * by_strain, at.du, at.by_strain, at.g[b], out);
+      }
+    }
+  }
+  /* A straight element's sides may bend under a move of its nodes: both of its rules agree as it
+     is, but only that of curved ones also right beside it. */
+  rule = rules.curved;
+  for (int32_t e = 0; e < topology->element_count; e++) {
     const bwi_section *section = bwi_section_of(sheet, e);
     const int32_t *node = topology->element + (int64_t)e * rule.n;
     element_at(sheet, &rule, e, x, u);
@@ -157,24 +178,20 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
         }
       double strain[3] = {dl[0], dl[3], dl[1] + dl[2]};
       bwi_times3(section->elasticity, strain, stress);
-      double ratio = at.mises / most, power = pow(ratio, p);
       double work = at.stress[0] * strain[0] + at.stress[1] * strain[1] + at.stress[2] * strain[2];
       double load =
           section->density * (along[0] * inner->gravity[0] + along[1] * inner->gravity[1]);
-      double by_weight = by_sum * power - by_area + thick * (load - work);
-      double by_strain = at.mises > 0 ? by_sum * p * power / (at.mises * at.mises) : 0;
       for (int b = 0; b < rule.n; b++) {
         double *out = gradient + 2 * (int64_t)node[b];
         for (int k = 0; k < 2; k++)
-          out[k] += at.weight * by_weight * at.g[b][k];
-        add_turned(-at.weight * by_strain, at.du, at.by_strain, at.g[b], out);
+          out[k] += at.weight * thick * (load - work) * at.g[b][k];
         add_turned(at.weight * thick, dl, at.stress, at.g[b], out);
         add_turned(at.weight * thick, at.du, stress, at.g[b], out);
       }
     }
   }
   BW_TRY(bwi_conditions_force_gradient(context, mesh, inner->condition_count, inner->condition,
-                                       sheet->time, inner->section[0].thickness, adjoint,
+                                       sheet->time, inner->section_count, inner->thickness, adjoint,
                                        gradient));
 done:
   bw_free(adjoint);

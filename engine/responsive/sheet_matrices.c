@@ -7,7 +7,8 @@
 
 typedef struct loop {
   const bw_sheet *sheet;
-  bwi_rule rule;
+  bwi_rule rule;   /* of the mass */
+  bwi_rules rules; /* of the stiffness */
 } loop;
 
 static bw_status inverted(bw_context *context, int32_t element) {
@@ -27,12 +28,13 @@ static bw_status stiffness6(void *data, int32_t e, double *k) {
   const bwi_section *section = bwi_section_of(l->sheet, e);
   double x[6][2], g[6][2];
   bwi_element_points(l->sheet->mesh, e, N, x);
+  const bwi_rule *rule = bwi_rules_for(&l->rules, x);
   memset(k, 0, (size_t)(4 * N * N) * sizeof *k);
-  for (int q = 0; q < l->rule.count; q++) {
-    double determinant = bwi_rule_gradient(&l->rule, q, N, x, g), d[9];
+  for (int q = 0; q < rule->count; q++) {
+    double determinant = bwi_rule_gradient(rule, q, N, x, g), d[9];
     if (!(determinant > 0))
       return BW_GEOMETRY;
-    double scale = determinant * l->rule.weight[q] * section->thickness;
+    double scale = determinant * rule->weight[q] * section->thickness;
     for (int i = 0; i < 9; i++)
       d[i] = scale * section->elasticity[i];
     for (int a = 0; a < N; a++) {
@@ -106,7 +108,7 @@ bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet) {
   if (sheet->mesh->topology->nodes->order == 1) {
     status = bwi_sheet_tri3_stiffness(context, sheet, inner->stiffness);
   } else {
-    bwi_rule_create(2, 2, &l.rule);
+    bwi_rules_create(2, &l.rules);
     status =
         bwi_plane_assemble(context, inner->graph, 2, stiffness6, &l, inner->room, inner->stiffness);
   }
@@ -151,26 +153,28 @@ bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
   struct bwi_sheet *inner = sheet->inner;
   const bw_plane_mesh *mesh = sheet->mesh;
   const bw_plane_topology *topology = mesh->topology;
-  /* Tractions and pressures act on a boundary of one thickness, or of the section beside it. */
-  bw_status status = bw_conditions_force(context, mesh, 2, inner->condition_count, inner->condition,
-                                         time, inner->section[0].thickness, inner->force);
+  bw_status status =
+      bwi_conditions_force(context, mesh, 2, inner->condition_count, inner->condition, time,
+                           inner->section_count, inner->thickness, inner->force);
   if (status != BW_OK || (inner->gravity[0] == 0 && inner->gravity[1] == 0))
     return status;
-  bwi_rule rule;
-  bwi_rule_create(topology->nodes->order, topology->nodes->order, &rule);
+  bwi_rules rules;
+  bwi_rules_create(topology->nodes->order, &rules);
+  int n = rules.straight.n;
   for (int32_t e = 0; e < topology->element_count; e++) {
     const bwi_section *section = bwi_section_of(sheet, e);
-    const int32_t *node = topology->element + (int64_t)e * rule.n;
+    const int32_t *node = topology->element + (int64_t)e * n;
     double x[6][2], g[6][2];
     if (!(section->density > 0))
       return bw_fail(context, BW_INVALID, "gravity acts on a material without density (kg/m3)");
-    bwi_element_points(mesh, e, rule.n, x);
-    for (int q = 0; q < rule.count; q++) {
-      double scale = bwi_rule_gradient(&rule, q, rule.n, x, g) * rule.weight[q] *
-                     section->thickness * section->density;
-      for (int a = 0; a < rule.n; a++)
+    bwi_element_points(mesh, e, n, x);
+    const bwi_rule *rule = bwi_rules_for(&rules, x);
+    for (int q = 0; q < rule->count; q++) {
+      double scale = bwi_rule_gradient(rule, q, n, x, g) * rule->weight[q] * section->thickness *
+                     section->density;
+      for (int a = 0; a < n; a++)
         for (int i = 0; i < 2; i++)
-          inner->force[2 * (int64_t)node[a] + i] += scale * rule.value[q][a] * inner->gravity[i];
+          inner->force[2 * (int64_t)node[a] + i] += scale * rule->value[q][a] * inner->gravity[i];
     }
   }
   return BW_OK;

@@ -31,6 +31,11 @@ bw_status bwi_section_create(bw_context *context, const bw_sheet_section *given,
   if (!(given->thickness > 0) || !isfinite(given->thickness))
     return bw_fail(context, BW_INVALID, "a thickness of %g m; it has to be positive",
                    given->thickness);
+  if (material->turns)
+    return bw_fail(context, BW_INVALID,
+                   "material '%s' has its axes turned by element of a solid mesh: the triangles of "
+                   "a sheet are other elements. Give the material with one set of axes",
+                   material->name);
   const double *c = material->elasticity, *s = material->compliance;
   double size = fabs(c[0]) + fabs(c[7]) + fabs(c[14]);
   for (int i = 0; i < 2; i++)

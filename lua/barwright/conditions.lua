@@ -17,16 +17,47 @@ local function add_pair(list, tag, kind, pair, where)
   end
 end
 
+-- Heat through the edges of a tag: a flux into the fluid, or convection {coefficient, temperature}.
+local function add_heat(list, tag, one, component, where)
+  if one.heat_flux ~= nil then
+    list[#list + 1] = {tag = tag, kind = "traction", component = component, value = one.heat_flux}
+  end
+  local c = one.convection
+  if c == nil then return end
+  for key in pairs(type(c) == "table" and c or {}) do
+    if key ~= "coefficient" and key ~= "temperature" then
+      raise(("%s: convection of '%s': unknown key '%s': did you mean '%s'?"):format(where, tag,
+        tostring(key), core.nearest(tostring(key), {"coefficient", "temperature"})))
+    end
+  end
+  local coefficient = type(c) == "table" and c.coefficient
+  if type(coefficient) ~= "number" or coefficient ~= coefficient or coefficient < 0
+    or coefficient == math.huge or c.temperature == nil then
+    raise(("%s: convection of '%s': {coefficient = m/s, of 0 or more, temperature = of what is around} expected")
+      :format(where, tag))
+  end
+  if one.temperature ~= nil then
+    raise(("%s: condition of '%s': the temperature is prescribed, so that convection says nothing: "
+      .. "give one of them"):format(where, tag))
+  end
+  list[#list + 1] = {tag = tag, kind = "convection", component = component, value = c.temperature,
+    coefficient = coefficient}
+end
+
 --- {tag = "fixed" | {x = , y = , traction = {x, y}, pressure = }} as the list of the engine, in the
---- order of the tags' names, prescribed values last.
+--- order of the tags' names, prescribed values last. Where a temperature is known also heat_flux and
+--- convection = {coefficient = , temperature = }, over density times heat capacity.
 --- `components`: names of what may be prescribed, in the engine's order ("" for none at that place).
 --- `word`: what stands for x and y being 0 ("fixed").
 function conditions.read(where, given, components, word)
   local tags, loads, held, keys = {}, {}, {}, {"traction", "pressure"}
   word = word or "fixed"
-  for _, name in ipairs(components) do
+  local heat
+  for component, name in ipairs(components) do
     if name ~= "" then keys[#keys + 1] = name end
+    if name == "temperature" then heat = component end
   end
+  if heat then keys[#keys + 1], keys[#keys + 2] = "heat_flux", "convection" end
   for tag, one in pairs(given) do
     if type(tag) ~= "string" then
       raise(("%s: conditions are named by tags of the outline: {tag = ...}"):format(where))
@@ -51,6 +82,7 @@ function conditions.read(where, given, components, word)
     end
     if one.traction then add_pair(loads, tag, "traction", one.traction, where) end
     if one.pressure then loads[#loads + 1] = {tag = tag, kind = "pressure", value = one.pressure} end
+    if heat then add_heat(loads, tag, one, heat, where) end
     for component, key in ipairs(components) do
       if one[key] ~= nil then
         held[#held + 1] = {tag = tag, kind = "prescribed", component = component, value = one[key]}

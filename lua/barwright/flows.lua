@@ -35,6 +35,14 @@ local function finish(self, report)
   return advance(self, report, 0)
 end
 
+-- What a steady flow took long to find is kept: there may be others that go with the same shape.
+local function keep(self)
+  if not self.wish.steady then return nil end
+  local body = self.body
+  local state = body:keep()
+  return state and function() return body:return_to(state) end
+end
+
 --- Advances by `count` time steps (default 1); signals are recorded after each.
 function methods:step(count)
   local step = self.wish.step
@@ -116,7 +124,7 @@ end
 local function class(what, names)
   local made = followed.class(what, names, {signals = function(self) return rawget(self, "recorded") end})
   for name, method in pairs(methods) do made[name] = method end
-  made.finish = finish
+  made.finish, made.keep = finish, keep
   function made.start(self)
     rawset(self, "recorded", {})
     rawset(self, "watched", {})

@@ -30,10 +30,18 @@ function followed.with(more)
   return all
 end
 
+--- How fine a mesh is, is said by a number of elements or by their size.
+function followed.one_size(where, wish)
+  if wish.size ~= nil and wish.elements ~= nil then
+    raise(("%s: options 'elements' and 'size' both say how fine the mesh is: give one of them"):format(where))
+  end
+end
+
 --- The options of the mesh; a size that is a formula in x and y or a function of them goes to the end of
 --- the list of conditions, which keeps values that change from place to place.
 function followed.mesh(where, wish, list)
   local size, kind = wish.size, type(wish.size)
+  followed.one_size(where, wish)
   if kind == "string" or kind == "function" then
     list[#list + 1] = {kind = "size", value = size}
     size = nil

@@ -296,6 +296,7 @@ end
 --- A bar from {outline, material, thickness}; options modes, tolerance, elements, size, follow.
 function metallophone.new(given)
   local wish = options.read("metallophone", given, rules)
+  followed.one_size("metallophone", wish)
   local box = wish.outline.box
   local size = math.max(box.high[1] - box.low[1], box.high[2] - box.low[2])
   if wish.thickness > size or wish.thickness < 1e-6 * size then

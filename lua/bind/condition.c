@@ -13,7 +13,7 @@ typedef struct value {
   lbw_expression formula;
 } value;
 
-enum { SIZE = BW_PRESSURE + 1 }; /* in the list of words */
+enum { SIZE = BW_CONVECTION + 1 }; /* in the list of words */
 
 struct lbw_conditions {
   int32_t count; /* with the size */
@@ -86,7 +86,8 @@ static void read_value(lua_State *L, const char *what, lbw_conditions *all, int3
 
 lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
                                     const bw_outline *outline) {
-  static const char *const kinds[] = {"prescribed", "traction", "pressure", "size", NULL};
+  static const char *const kinds[] = {"prescribed", "traction", "pressure",
+                                      "convection", "size",     NULL};
   index = lua_absindex(L, index);
   lbw_check_type(L, index, LUA_TTABLE);
   size_t count = lua_rawlen(L, index);
@@ -122,6 +123,9 @@ lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
     c->kind = (bw_condition_kind)kind;
     lua_getfield(L, -1, "component");
     c->component = (int)lua_tointeger(L, -1) - 1;
+    lua_pop(L, 1);
+    lua_getfield(L, -1, "coefficient");
+    c->coefficient = lua_tonumber(L, -1);
     lua_pop(L, 1);
     read_value(L, what, all, i);
     lua_pop(L, 1);

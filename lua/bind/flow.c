@@ -8,6 +8,14 @@ static bw_flow *self(lua_State *L) {
   return (bw_flow *)lbw_check(L, 1, &lbw_flow_class);
 }
 
+static bw_status create(bw_context *context, const bw_plane_mesh *mesh, const void *description,
+                        void **body) {
+  bw_flow *flow = NULL;
+  bw_status status = bw_flow_create(context, mesh, (const bw_flow_description *)description, &flow);
+  *body = flow;
+  return status;
+}
+
 /* flow.create(outline, fill, follow, description, conditions) */
 static int flow_create(lua_State *L) {
   static const lbw_option list[] = {
@@ -18,7 +26,6 @@ static int flow_create(lua_State *L) {
       {"reference", LBW_REAL, offsetof(bw_flow_description, reference)},
       {"gravity", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
-  bw_status status = BW_OK;
   lua_settop(L, 5);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
   bw_follow_options follow;
@@ -36,26 +43,7 @@ static int flow_create(lua_State *L) {
   int place = lua_gettop(L);
   description.condition = lbw_conditions_list(conditions, &description.condition_count);
   lbw_conditions_size(conditions, &follow.fill);
-  lbw_box *box = lbw_box_new(L, &lbw_flow_class);
-  int made = lua_gettop(L);
-  lbw_conditions_keep(L, made, place);
-  lbw_conditions_begin(L, made);
-  bw_plane_mesh *mesh = NULL;
-  bw_mover *mover = NULL;
-  bw_flow *flow = NULL;
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_plane_fill(context, outline, &follow.fill, &mesh));
-  BW_TRY(bw_mover_create(context, mesh, &follow, &mover));
-  BW_TRY(bw_flow_create(context, mesh, &description, &flow));
-done:
-  bw_release(mesh);
-  if (status == BW_OK)
-    box->extra = mover;
-  else
-    bw_release(mover);
-  lbw_box_fill(L, box, flow);
-  lua_pushvalue(L, made);
-  return lbw_leave(L, status, 1);
+  return lbw_follow_create(L, &lbw_flow_class, outline, &follow, place, create, &description);
 }
 
 /* ---- following and stepping ------------------------------------------------------------------ */
@@ -68,6 +56,29 @@ static bw_status follow_mesh(bw_context *context, void *flow, const bw_plane_mes
 /* flow:follow(frame, outline) */
 static int flow_follow(lua_State *L) {
   return lbw_follow(L, &lbw_flow_class, follow_mesh);
+}
+
+/* flow:keep(): the state as it is; flow:return_to(state): has it back, bit for bit */
+static int flow_keep(lua_State *L) {
+  const bw_flow *flow = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_flow_state_class);
+  bw_flow_state *state = NULL;
+  bw_status status = bw_flow_keep(lbw_enter(L), flow, &state);
+  lbw_box_fill(L, box, state);
+  return lbw_leave(L, status, 1);
+}
+
+static int flow_return_to(lua_State *L) {
+  bw_status status = BW_OK;
+  bw_flow *flow = self(L);
+  bw_mover *mover = (bw_mover *)lbw_check_box(L, 1, &lbw_flow_class)->extra;
+  const bw_flow_state *state = (const bw_flow_state *)lbw_check(L, 2, &lbw_flow_state_class);
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_flow_return(context, flow, state));
+  BW_TRY(bw_mover_return(context, mover, bw_flow_state_mesh(state)));
+done:
+  lua_settop(L, 1);
+  return lbw_leave(L, status, 1);
 }
 
 /* flow:step(frame, stale options, options, steps): option "step" 0: to the steady state */
@@ -141,6 +152,7 @@ static int flow_heat(lua_State *L) {
   const bw_flow *flow = self(L);
   int32_t tag = check_tag(L, 2, flow);
   double heat = 0;
+  lbw_conditions_begin(L, 1);
   bw_status status = bw_flow_heat(lbw_enter(L), flow, tag, &heat);
   lbw_leave_or_raise(L, status);
   lua_pushnumber(L, heat);
@@ -234,20 +246,28 @@ static int flow_frequency(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"follow", flow_follow}, {"step", flow_step},     {"force", flow_force}, {"heat", flow_heat},
-    {"at", flow_at},         {"counts", flow_counts}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"follow", flow_follow},
+                                   {"step", flow_step},
+                                   {"force", flow_force},
+                                   {"heat", flow_heat},
+                                   {"at", flow_at},
+                                   {"counts", flow_counts},
+                                   {"keep", flow_keep},
+                                   {"return_to", flow_return_to},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {
     {"velocity", flow_velocity},   {"pressure", flow_pressure}, {"temperature", flow_temperature},
     {"vorticity", flow_vorticity}, {"points", flow_points},     {"elements", flow_elements},
     {"time", flow_time},           {"outline", flow_outline},   {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};
 const lbw_class lbw_flow_class = {"flow", methods, properties, meta, NULL};
+const lbw_class lbw_flow_state_class = {"flow_state", meta, meta, meta, NULL};
 
 void lbw_open_flow(lua_State *L) {
   static const luaL_Reg functions[] = {
       {"create", flow_create}, {"frequency", flow_frequency}, {NULL, NULL}};
   lbw_class_register(L, &lbw_flow_class);
+  lbw_class_register(L, &lbw_flow_state_class);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   lua_setfield(L, -2, "flow");

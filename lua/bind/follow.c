@@ -69,6 +69,16 @@ int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status, cons
 
 /* ---- options --------------------------------------------------------------------------------- */
 
+void lbw_check_one_size(lua_State *L, int index, const char *function, const char *size) {
+  if (!lua_istable(L, index))
+    return;
+  int number = lbw_option_get(L, index, "elements"), length = lbw_option_get(L, index, size);
+  lua_pop(L, 2);
+  if (number != LUA_TNIL && length != LUA_TNIL)
+    lbw_error(L, "%s: options 'elements' and '%s' both say how fine the mesh is: give one of them",
+              function, size);
+}
+
 void lbw_read_fill(lua_State *L, int index, const char *function, bw_plane_options *fill) {
   static const lbw_option list[] = {
       {"order", LBW_INT, offsetof(bw_plane_options, order)},
@@ -79,6 +89,7 @@ void lbw_read_fill(lua_State *L, int index, const char *function, bw_plane_optio
       {NULL, LBW_OTHER, 0}};
   bw_plane_options_default(fill);
   lbw_options(L, index, function, list, fill);
+  lbw_check_one_size(L, index, function, "size");
 }
 
 void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_options *follow) {
@@ -107,7 +118,35 @@ void lbw_read_stale(lua_State *L, int index, bw_stale_options *options) {
   options->method = (bw_stale_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
 }
 
-/* ---- following ------------------------------------------------------------------------------- */
+/* ---- making and following -------------------------------------------------------------------- */
+
+int lbw_follow_create(lua_State *L, const lbw_class *class, const bw_outline *outline,
+                      const bw_follow_options *follow, int conditions, lbw_create_function *create,
+                      const void *description) {
+  bw_status status = BW_OK;
+  bw_plane_mesh *mesh = NULL;
+  bw_mover *mover = NULL;
+  void *body = NULL;
+  lbw_box *box = lbw_box_new(L, class);
+  int made = lua_gettop(L);
+  if (conditions != 0) {
+    lbw_conditions_keep(L, made, conditions);
+    lbw_conditions_begin(L, made);
+  }
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_plane_fill(context, outline, &follow->fill, &mesh));
+  BW_TRY(bw_mover_create(context, mesh, follow, &mover));
+  BW_TRY(create(context, mesh, description, &body));
+done:
+  bw_release(mesh);
+  if (status == BW_OK)
+    box->extra = mover;
+  else
+    bw_release(mover);
+  lbw_box_fill(L, box, body);
+  lua_pushvalue(L, made);
+  return lbw_leave(L, status, 1);
+}
 
 int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow) {
   bw_status status = BW_OK;

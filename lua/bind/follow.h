@@ -10,6 +10,8 @@
 
 /* bw_plane_options and bw_follow_options from tables. */
 void lbw_read_fill(lua_State *L, int index, const char *function, bw_plane_options *fill);
+/* Raises where the number of elements is given beside what `size` names, which decides it too. */
+void lbw_check_one_size(lua_State *L, int index, const char *function, const char *size);
 void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_options *follow);
 void lbw_read_stale(lua_State *L, int index, bw_stale_options *options);
 
@@ -17,6 +19,14 @@ void lbw_read_stale(lua_State *L, int index, bw_stale_options *options);
 void lbw_load_kept(lua_State *L, int index, bw_kept *kept);
 /* lbw_leave with the frame as the result, `kept` written into it. */
 int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status, const bw_kept *kept);
+/* Fills the outline, puts a mover on the mesh and what `create` makes of `description` beside it
+ * into a new box, which is the result. `conditions`: the stack's place of what the box is to keep
+ * of them; 0: there are none. */
+typedef bw_status lbw_create_function(bw_context *context, const bw_plane_mesh *mesh,
+                                      const void *description, void **body);
+int lbw_follow_create(lua_State *L, const lbw_class *class, const bw_outline *outline,
+                      const bw_follow_options *follow, int conditions, lbw_create_function *create,
+                      const void *description);
 /* The mover goes over to the outline at argument 3, `follow` takes the body to its mesh. On failure
  * of the body the mover stays where it went; the next frame takes both along. */
 typedef bw_status lbw_follow_function(bw_context *context, void *body, const bw_plane_mesh *mesh,

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* bw.plane: triangle meshes of outlines. What follows an outline is in mover.c. */
 #include "bind.h"
+#include "follow.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -46,6 +47,8 @@ void lbw_read_plane_options(lua_State *L, int index, const char *function,
       {"field", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lbw_options(L, index, function, list, options);
+  lbw_check_one_size(L, index, function, "size");
+  lbw_check_one_size(L, index, function, "field");
   *field = NULL;
   if (lua_istable(L, index) && lbw_option_get(L, index, "field") != LUA_TNIL) {
     *field = lbw_field_read(L, -1, function); /* the value stays below it */

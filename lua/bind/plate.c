@@ -18,33 +18,33 @@ static int64_t nodes_of(const bw_plate *plate) {
   return plate->mesh->topology->nodes->node_count;
 }
 
+typedef struct plate_description {
+  const bw_material *material;
+  double thickness;
+} plate_description;
+
+static bw_status create(bw_context *context, const bw_plane_mesh *mesh, const void *description,
+                        void **body) {
+  const plate_description *d = (const plate_description *)description;
+  bw_plate *plate = NULL;
+  bw_status status = bw_plate_create(context, mesh, d->material, d->thickness, &plate);
+  *body = plate;
+  return status;
+}
+
 /* plate.create(outline, fill, follow, material, thickness) */
 static int plate_create(lua_State *L) {
-  bw_status status = BW_OK;
   lua_settop(L, 5);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
   bw_follow_options follow;
   lbw_read_follow(L, 3, "plate", &follow);
   lbw_read_fill(L, 2, "plate", &follow.fill);
   follow.fill.order = 2;
-  const bw_material *material = (const bw_material *)lbw_check(L, 4, &lbw_material_class);
-  double thickness = lbw_check_real(L, 5, "thickness");
-  lbw_box *box = lbw_box_new(L, &lbw_plate_class);
-  bw_plane_mesh *mesh = NULL;
-  bw_mover *mover = NULL;
-  bw_plate *plate = NULL;
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_plane_fill(context, outline, &follow.fill, &mesh));
-  BW_TRY(bw_mover_create(context, mesh, &follow, &mover));
-  BW_TRY(bw_plate_create(context, mesh, material, thickness, &plate));
-done:
-  bw_release(mesh);
-  if (status == BW_OK)
-    box->extra = mover;
-  else
-    bw_release(mover);
-  lbw_box_fill(L, box, plate);
-  return lbw_leave(L, status, 1);
+  const plate_description description = {
+      (const bw_material *)lbw_check(L, 4, &lbw_material_class),
+      lbw_check_real(L, 5, "thickness"),
+  };
+  return lbw_follow_create(L, &lbw_plate_class, outline, &follow, 0, create, &description);
 }
 
 static bw_status follow_mesh(bw_context *context, void *plate, const bw_plane_mesh *mesh,

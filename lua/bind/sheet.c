@@ -37,9 +37,17 @@ static bw_sheet_section *read_sections(lua_State *L, int index, int32_t *count) 
   return section;
 }
 
+static bw_status create(bw_context *context, const bw_plane_mesh *mesh, const void *description,
+                        void **body) {
+  bw_sheet *sheet = NULL;
+  bw_status status =
+      bw_sheet_create(context, mesh, (const bw_sheet_description *)description, &sheet);
+  *body = sheet;
+  return status;
+}
+
 /* sheet.create(outline, fill, follow, sections, conditions, gravity) */
 static int sheet_create(lua_State *L) {
-  bw_status status = BW_OK;
   lua_settop(L, 6);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 1, &lbw_outline_class);
   bw_follow_options follow;
@@ -56,26 +64,7 @@ static int sheet_create(lua_State *L) {
     description.gravity[i] = lua_tonumber(L, -1);
     lua_pop(L, 1);
   }
-  lbw_box *box = lbw_box_new(L, &lbw_sheet_class);
-  int made = lua_gettop(L);
-  lbw_conditions_keep(L, made, place);
-  lbw_conditions_begin(L, made);
-  bw_plane_mesh *mesh = NULL;
-  bw_mover *mover = NULL;
-  bw_sheet *sheet = NULL;
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_plane_fill(context, outline, &follow.fill, &mesh));
-  BW_TRY(bw_mover_create(context, mesh, &follow, &mover));
-  BW_TRY(bw_sheet_create(context, mesh, &description, &sheet));
-done:
-  bw_release(mesh);
-  if (status == BW_OK)
-    box->extra = mover;
-  else
-    bw_release(mover);
-  lbw_box_fill(L, box, sheet);
-  lua_pushvalue(L, made);
-  return lbw_leave(L, status, 1);
+  return lbw_follow_create(L, &lbw_sheet_class, outline, &follow, place, create, &description);
 }
 
 /* ---- following and solving ------------------------------------------------------------------- */

@@ -2300,7 +2300,9 @@ function responsive_module.vibration(options) end
 function responsive_module.flow(options) end
 
 ---Flow with heat that is carried along and lifts (Boussinesq): also diffusivity (m2/s), expansion (1/K),
----reference (temperature without lift, and at the start, K), and in the conditions temperature = .
+---reference (temperature without lift, and at the start, K), and in the conditions temperature = ,
+---heat_flux = (into the fluid, over density times heat capacity: K m/s), convection = {coefficient = (over the same:
+---m/s), temperature = (of what is around)}: coefficient (temperature - T) comes in. Numbers, formulas or functions.
 ---@param options {outline: bw.Outline, viscosity: number, diffusivity: number, density?: number, expansion?: number, reference?: number, conditions?: table, gravity?: number[], step?: number, steady?: boolean, bdf?: integer, iterations?: integer, tolerance?: number, ale?: boolean, elements?: integer, size?: number|string|function, follow?: table, solver?: table}
 ---@return bw.ThermalFlow?
 ---@return string? message
@@ -3156,6 +3158,19 @@ function FlowBody:force(tag) end
 ---@return number
 function FlowBody:heat(tag) end
 
+---The flow as it is.
+---@return bw.FlowState?
+---@return string? message
+---@return table? details
+function FlowBody:keep() end
+
+---Back to a state that was kept, bit for bit.
+---@param state bw.FlowState
+---@return table?
+---@return string? message
+---@return table? details
+function FlowBody:return_to(state) end
+
 ---@param x number
 ---@param y number
 ---@return number ...
@@ -3166,3 +3181,9 @@ function FlowBody:at(x, y) end
 function FlowBody:counts() end
 
 function FlowBody:close() end
+
+---A state of a flow that was kept.
+---@class bw.FlowState
+local FlowState = {}
+
+function FlowState:close() end

@@ -16,7 +16,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   domains = "bw.Domains", local_system = "bw.LocalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
-  plane_mesh = "bw.PlaneMesh", mover = "bw.Mover", flow = "bw.FlowBody"}
+  plane_mesh = "bw.PlaneMesh", mover = "bw.Mover", flow = "bw.FlowBody", flow_state = "bw.FlowState"}
 
 local function keys(...)
   local out = {}

@@ -18,7 +18,8 @@ typedef struct bw_flow_description {
   double gravity[2];
   /* BW_PRESCRIBED: components 0, 1 velocity, 2 pressure, 3 temperature; outflow without tractions
      where nothing is prescribed. Without a prescribed pressure and without an outflow the mean
-     pressure is 0. */
+     pressure is 0. Heat: BW_TRACTION of component 3 is a flux into the fluid, BW_CONVECTION one of
+     coefficient (value - T); where neither is and no temperature is prescribed, none passes. */
   int32_t condition_count;
   const bw_condition *condition;
 } bw_flow_description;
@@ -54,9 +55,18 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
 /* One implicit time step, or the steady state. BW_CONVERGENCE leaves the state as it was. */
 bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                        bw_kept *kept);
+/* A flow as it is, to be had back bit for bit: mesh, fields, what the next step starts from. */
+typedef struct bw_flow_state bw_flow_state; /* an object: bw_retain, bw_release */
+bw_status bw_flow_keep(bw_context *context, const bw_flow *flow, bw_flow_state **state);
+/* The mesh that it was kept on. */
+const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
+/* On failure (memory) the flow is as it was. */
+bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
+
 /* Force of the fluid on the segments of a tag, per depth (N/m), as the reaction of the discrete
  * equations (the consistent one, twice the order of integrating stresses), and heat flow into the
- * fluid through them (W/m over density times heat capacity: K m2/s). */
+ * fluid through them (W/m over density times heat capacity: K m2/s): reactions where temperatures
+ * are prescribed, and what fluxes and convection bring. Functions of conditions are asked again. */
 bw_status bw_flow_force(bw_context *context, const bw_flow *flow, int32_t tag, double force[2]);
 bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, double *heat);
 /* Velocity, pressure (and temperature) at a place (`components` numbers). */

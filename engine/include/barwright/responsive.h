@@ -103,8 +103,10 @@ void bw_stale_forget(bw_stale *stale);
 typedef double bw_plane_function(void *data, const double at[2], double time);
 typedef enum bw_condition_kind {
   BW_PRESCRIBED, /* component = value on the nodes of the segments */
-  BW_TRACTION,   /* component = value per length and thickness (Pa) on the segments */
-  BW_PRESSURE    /* along the inner normal (Pa); component not used */
+  BW_TRACTION,   /* component = value per length and thickness (Pa) on the segments; component 3:
+                    heat that comes in, over density times heat capacity (K m/s) */
+  BW_PRESSURE,   /* along the inner normal (Pa); component not used */
+  BW_CONVECTION /* flows: heat coefficient (value - temperature) per length comes in; component 3 */
 } bw_condition_kind;
 /* Conditions sit on tags, so that they follow the outline through every level. */
 typedef struct bw_condition {
@@ -114,6 +116,7 @@ typedef struct bw_condition {
   double value;
   bw_plane_function *function; /* in place of value; may be NULL */
   void *data;
+  double coefficient; /* of convection, over density times heat capacity (m/s) */
 } bw_condition;
 /* held and prescribed (node_count x components) at a time. Later conditions win at shared nodes. */
 bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,

@@ -48,10 +48,12 @@ static double parabola(void *data, const double at[2], double time) {
   return 4 * at[1] * (1 - at[1]);
 }
 
-static const bw_condition channel[6] = {
-    {BOTTOM, BW_PRESCRIBED, 0, 0, NULL, NULL},   {BOTTOM, BW_PRESCRIBED, 1, 0, NULL, NULL},
-    {TOP, BW_PRESCRIBED, 0, 0, NULL, NULL},      {TOP, BW_PRESCRIBED, 1, 0, NULL, NULL},
-    {LEFT, BW_PRESCRIBED, 0, 0, parabola, NULL}, {LEFT, BW_PRESCRIBED, 1, 0, NULL, NULL}};
+static const bw_condition channel[6] = {{.tag = BOTTOM, .component = 0},
+                                        {.tag = BOTTOM, .component = 1},
+                                        {.tag = TOP, .component = 0},
+                                        {.tag = TOP, .component = 1},
+                                        {.tag = LEFT, .component = 0, .function = parabola},
+                                        {.tag = LEFT, .component = 1}};
 
 /* Poiseuille's flow: second order in the velocity, and the outlet is left as if there were none. */
 static void test_channel(void **state) {
@@ -80,11 +82,14 @@ static void test_channel(void **state) {
  * ones would let the lid carry fluid through the walls. */
 static void test_cavity(void **state) {
   bw_context *context = check_context(state);
-  static const bw_condition walls[8] = {
-      {TOP, BW_PRESCRIBED, 0, 1, NULL, NULL},    {TOP, BW_PRESCRIBED, 1, 0, NULL, NULL},
-      {BOTTOM, BW_PRESCRIBED, 0, 0, NULL, NULL}, {BOTTOM, BW_PRESCRIBED, 1, 0, NULL, NULL},
-      {LEFT, BW_PRESCRIBED, 0, 0, NULL, NULL},   {LEFT, BW_PRESCRIBED, 1, 0, NULL, NULL},
-      {RIGHT, BW_PRESCRIBED, 0, 0, NULL, NULL},  {RIGHT, BW_PRESCRIBED, 1, 0, NULL, NULL}};
+  static const bw_condition walls[8] = {{.tag = TOP, .component = 0, .value = 1},
+                                        {.tag = TOP, .component = 1},
+                                        {.tag = BOTTOM, .component = 0},
+                                        {.tag = BOTTOM, .component = 1},
+                                        {.tag = LEFT, .component = 0},
+                                        {.tag = LEFT, .component = 1},
+                                        {.tag = RIGHT, .component = 0},
+                                        {.tag = RIGHT, .component = 1}};
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 32, 32, 1);
   bw_flow *flow = make_flow(context, mesh, 0.01, 8, walls);
   double mean = 0;
@@ -118,10 +123,10 @@ static void test_cavity(void **state) {
 static void test_heated_square(void **state) {
   bw_context *context = check_context(state);
   static const double nusselt[3] = {1.118, 2.243, 4.519};
-  static const bw_condition walls[4] = {{-1, BW_PRESCRIBED, 0, 0, NULL, NULL},
-                                        {-1, BW_PRESCRIBED, 1, 0, NULL, NULL},
-                                        {LEFT, BW_PRESCRIBED, 3, 1, NULL, NULL},
-                                        {RIGHT, BW_PRESCRIBED, 3, 0, NULL, NULL}};
+  static const bw_condition walls[4] = {{.tag = -1, .component = 0},
+                                        {.tag = -1, .component = 1},
+                                        {.tag = LEFT, .component = 3, .value = 1},
+                                        {.tag = RIGHT, .component = 3}};
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 20, 20, 2);
   for (int k = 0; k < 3; k++) {
     double rayleigh = pow(10, 3 + k), prandtl = 0.71, in, out;
@@ -147,6 +152,123 @@ static void test_heated_square(void **state) {
 
 static double growing(void *data, const double at[2], double time) {
   return *(double *)data * at[1] * (1 - at[1]) * (1 - exp(-time));
+}
+
+static bw_flow *warm_flow(bw_context *context, const bw_plane_mesh *mesh, double diffusivity,
+                          int conditions, const bw_condition *condition) {
+  bw_flow_description d = {.density = 1,
+                           .viscosity = 1,
+                           .diffusivity = diffusivity,
+                           .condition_count = conditions,
+                           .condition = condition};
+  bw_flow *flow;
+  check_ok(context, bw_flow_create(context, mesh, &d, &flow));
+  return flow;
+}
+
+/* A wall that heat comes into on the left by a flux q and leaves on the right by convection: T
+ * falls by q L / alpha across it, and is q / h above the surroundings at its end. */
+static void test_flux_and_convection(void **state) {
+  bw_context *context = check_context(state);
+  const double q = 0.7, h = 2, outside = 5, alpha = 0.5, length = 2;
+  bw_plane_mesh *mesh = rectangle(context, length, 1, 6, 5, 1.5);
+  bw_condition conditions[4] = {
+      {.tag = -1, .component = 0},
+      {.tag = -1, .component = 1},
+      {.tag = LEFT, .kind = BW_TRACTION, .component = 3, .value = q},
+      {.tag = RIGHT, .kind = BW_CONVECTION, .component = 3, .value = outside, .coefficient = h}};
+  bw_flow *flow = warm_flow(context, mesh, alpha, 4, conditions);
+  double heat[4];
+  check_ok(context, bw_flow_step(context, flow, NULL, NULL));
+  for (int64_t i = 0; i < mesh->topology->nodes->node_count; i++)
+    check_near(flow->state[4 * i + 3], outside + q / h + q / alpha * (length - mesh->point[2 * i]),
+               1e-7);
+  for (int tag = 0; tag < 4; tag++)
+    check_ok(context, bw_flow_heat(context, flow, tag, &heat[tag]));
+  check_near(heat[LEFT], q, 1e-12);
+  check_near(heat[RIGHT], -q, 1e-7);
+  check_near(heat[BOTTOM], 0, 0);
+  check_ok(context, bw_flow_heat(context, flow, -1, heat));
+  check_near(heat[0], 0, 1e-7);
+  bw_release(flow);
+  /* heat that cannot leave: no steady state; in time, the mean rises by q t / L */
+  flow = warm_flow(context, mesh, alpha, 3, conditions);
+  bw_flow_options options;
+  bw_flow_options_default(&options);
+  check_fails(context, BW_INVALID, "no steady state", bw_flow_step(context, flow, &options, NULL));
+  options.step = 0.1;
+  options.linear.tolerance = 1e-11;
+  for (int k = 0; k < 10; k++)
+    check_ok(context, bw_flow_step(context, flow, &options, NULL));
+  double area = 0, sum = 0;
+  for (int64_t e = 0; e < mesh->topology->element_count; e++) {
+    const int32_t *node = mesh->topology->element + 3 * e;
+    const double *a = mesh->point + 2 * node[0], *b = mesh->point + 2 * node[1],
+                 *c = mesh->point + 2 * node[2];
+    double one = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]));
+    area += one;
+    for (int i = 0; i < 3; i++)
+      sum += one / 3 * flow->state[4 * (int64_t)node[i] + 3];
+  }
+  check_near(sum / area, q * 1.0 / length, 1e-8);
+  bw_release(flow);
+  conditions[3].coefficient = -1;
+  bw_flow_description d = {.density = 1,
+                           .viscosity = 1,
+                           .diffusivity = 1,
+                           .condition_count = 4,
+                           .condition = conditions};
+  check_fails(context, BW_INVALID, "convection", bw_flow_create(context, mesh, &d, &flow));
+  bw_release(mesh);
+}
+
+/* Half a cooling fin, symmetric about y = 0, convection on its side y = w, none at its tip x = L:
+ *
+ *   T = cos(k y) cosh(k (L - x)) / cosh(k L),   k tan(k w) = h / alpha,
+ *
+ * is the temperature in the plane where the base has T = cos(k y). */
+typedef struct fin {
+  double k, length;
+} fin;
+
+static double fin_base(void *data, const double at[2], double time) {
+  const fin *f = data;
+  (void)time;
+  return cos(f->k * at[1]) * cosh(f->k * (f->length - at[0])) / cosh(f->k * f->length);
+}
+
+static void test_fin(void **state) {
+  bw_context *context = check_context(state);
+  const double width = 0.5, alpha = 0.8;
+  fin f = {.k = 1.3, .length = 2};
+  double h = alpha * f.k * tan(f.k * width), error[3], lost[3];
+  double exact = alpha * tanh(f.k * f.length) * sin(f.k * width);
+  bw_condition conditions[4] = {
+      {.tag = -1, .component = 0},
+      {.tag = -1, .component = 1},
+      {.tag = LEFT, .component = 3, .function = fin_base, .data = &f},
+      {.tag = TOP, .kind = BW_CONVECTION, .component = 3, .coefficient = h}};
+  for (int r = 0; r < 3; r++) {
+    bw_plane_mesh *mesh = rectangle(context, f.length, width, 8 << r, 2 << r, 0);
+    bw_flow *flow = warm_flow(context, mesh, alpha, 4, conditions);
+    double base, top, tip;
+    check_ok(context, bw_flow_step(context, flow, NULL, NULL));
+    error[r] = 0;
+    for (int64_t i = 0; i < mesh->topology->nodes->node_count; i++)
+      error[r] =
+          fmax(error[r], fabs(flow->state[4 * i + 3] - fin_base(&f, mesh->point + 2 * i, 0)));
+    check_ok(context, bw_flow_heat(context, flow, LEFT, &base));
+    check_ok(context, bw_flow_heat(context, flow, TOP, &top));
+    check_ok(context, bw_flow_heat(context, flow, RIGHT, &tip));
+    check_near(base + top, 0, 1e-7);
+    check_near(tip, 0, 0);
+    lost[r] = fabs(base - exact);
+    bw_release(flow);
+    bw_release(mesh);
+  }
+  if (!(log2(error[1] / error[2]) > 1.8) || !(log2(lost[1] / lost[2]) > 1.8) || !(error[2] < 1e-3))
+    fail_msg("errors %g %g %g, of the heat %g %g %g", error[0], error[1], error[2], lost[0],
+             lost[1], lost[2]);
 }
 
 /* A channel set in motion: implicit Euler is of first order in the step, the other scheme of
@@ -218,6 +340,55 @@ static void test_following(void **state) {
   free(point);
 }
 
+/* What was kept comes back bit for bit, whatever was done since: another shape, another mesh, time.
+ */
+static void test_kept(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_mesh *mesh = rectangle(context, 2, 1, 12, 6, 0),
+                *other = rectangle(context, 2, 1, 9, 5, 0);
+  const size_t size = 3 * (size_t)mesh->topology->nodes->node_count * sizeof(double);
+  bw_flow *flow = make_flow(context, mesh, 0.05, 6, channel);
+  double *state_then = malloc(size), force[2], again[2];
+  bw_flow_options options;
+  bw_flow_options_default(&options);
+  options.step = 0.05;
+  for (int k = 0; k < 3; k++)
+    check_ok(context, bw_flow_step(context, flow, &options, NULL));
+  check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
+  memcpy(state_then, flow->state, size);
+  bw_flow_state *kept;
+  check_ok(context, bw_flow_keep(context, flow, &kept));
+  assert_ptr_equal(bw_flow_state_mesh(kept), mesh);
+  for (int k = 0; k < 2; k++) {
+    bw_plane_mesh *now = k ? other : mesh;
+    check_ok(context, bw_flow_follow(context, flow, now, NULL));
+    check_ok(context, bw_flow_step(context, flow, k ? NULL : &options, NULL));
+    check_ok(context, bw_flow_return(context, flow, kept));
+    assert_ptr_equal(flow->mesh, mesh);
+    assert_memory_equal(flow->state, state_then, size);
+    check_near(flow->time, 0.15, 1e-15);
+    check_ok(context, bw_flow_force(context, flow, BOTTOM, again));
+    assert_memory_equal(force, again, sizeof force);
+  }
+  /* a step from it is the step that would have followed, up to the factor that it is solved on */
+  bw_flow *straight = make_flow(context, mesh, 0.05, 6, channel);
+  options.linear.tolerance = 1e-12;
+  for (int k = 0; k < 4; k++)
+    check_ok(context, bw_flow_step(context, straight, &options, NULL));
+  check_ok(context, bw_flow_step(context, flow, &options, NULL));
+  for (size_t i = 0; i < size / sizeof(double); i++)
+    check_near(flow->state[i], straight->state[i], 2e-5);
+  bw_flow *heated = warm_flow(context, mesh, 1, 6, channel);
+  check_fails(context, BW_INVALID, "another flow", bw_flow_return(context, heated, kept));
+  bw_release(heated);
+  bw_release(straight);
+  bw_release(kept);
+  bw_release(flow);
+  bw_release(mesh);
+  bw_release(other);
+  free(state_then);
+}
+
 static double shear(void *data, const double at[2], double time) {
   (void)data;
   (void)time;
@@ -228,11 +399,11 @@ static double shear(void *data, const double at[2], double time) {
  * disturb it if the equations are told their velocity; if not, they carry it along. */
 static void test_moving_mesh(void **state) {
   bw_context *context = check_context(state);
-  static const bw_condition plates[5] = {{LEFT, BW_PRESCRIBED, 0, 0, shear, NULL},
-                                         {LEFT, BW_PRESCRIBED, 1, 0, NULL, NULL},
-                                         {BOTTOM, BW_PRESCRIBED, 0, 0, NULL, NULL},
-                                         {TOP, BW_PRESCRIBED, 0, 1, NULL, NULL},
-                                         {-1, BW_PRESCRIBED, 1, 0, NULL, NULL}};
+  static const bw_condition plates[5] = {{.tag = LEFT, .component = 0, .function = shear},
+                                         {.tag = LEFT, .component = 1},
+                                         {.tag = BOTTOM, .component = 0},
+                                         {.tag = TOP, .component = 0, .value = 1},
+                                         {.tag = -1, .component = 1}};
   double off[2] = {0};
   for (int ale = 0; ale < 2; ale++) {
     bw_plane_mesh *mesh = rectangle(context, 2, 1, 12, 6, 0);
@@ -283,7 +454,7 @@ static void test_wrong_input(void **state) {
   bw_context *context = check_context(state);
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 2, 2, 0);
   bw_flow_description d = {.density = 1, .viscosity = 0};
-  bw_condition hot = {LEFT, BW_PRESCRIBED, 3, 1, NULL, NULL};
+  bw_condition hot = {.tag = LEFT, .component = 3, .value = 1};
   bw_flow *flow;
   check_fails(context, BW_INVALID, "viscosity", bw_flow_create(context, mesh, &d, &flow));
   d.viscosity = 1;
@@ -303,7 +474,8 @@ static void test_wrong_input(void **state) {
 
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
-  bw_plane_mesh *mesh = rectangle(context, 2, 1, 4, 3, 0);
+  bw_plane_mesh *mesh = rectangle(context, 2, 1, 4, 3, 0),
+                *other = rectangle(context, 2, 1, 3, 2, 0);
   bw_flow *first = make_flow(context, mesh, 0.1, 6, channel);
   check_ok(context, bw_flow_step(context, first, NULL, NULL)); /* makes the context's threads */
   bw_release(first);
@@ -323,21 +495,33 @@ static void test_memory(void **state) {
       status = bw_flow_follow(context, flow, mesh, NULL);
     if (status == BW_OK)
       status = bw_flow_step(context, flow, NULL, NULL);
+    bw_flow_state *kept = NULL;
+    if (status == BW_OK)
+      status = bw_flow_keep(context, flow, &kept);
+    if (status == BW_OK)
+      status = bw_flow_follow(context, flow, other, NULL);
+    if (status == BW_OK)
+      status = bw_flow_return(context, flow, kept);
     bw_fail_allocation(0, false);
+    bw_release(kept);
     bw_release(flow);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK)
       break;
     assert_int_equal(status, BW_MEMORY);
   }
+  bw_release(other);
   bw_release(mesh);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_channel),       check_test(test_cavity),      check_test(test_heated_square),
-      check_test(test_order_in_time), check_test(test_following),   check_test(test_moving_mesh),
-      check_test(test_frequency),     check_test(test_wrong_input), check_test(test_memory),
+      check_test(test_channel),       check_test(test_cavity),
+      check_test(test_heated_square), check_test(test_order_in_time),
+      check_test(test_following),     check_test(test_moving_mesh),
+      check_test(test_frequency),     check_test(test_wrong_input),
+      check_test(test_memory),        check_test(test_flux_and_convection),
+      check_test(test_fin),           check_test(test_kept),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,6 +53,21 @@ static inline bw_plane_mesh *jittered(bw_context *context, bw_plane_mesh *mesh, 
   return moved;
 }
 
+/* The same mesh with the middles of inner sides off their chords. */
+static inline bw_plane_mesh *bowed(bw_context *context, bw_plane_mesh *mesh, double by) {
+  const bw_plane_nodes *nodes = mesh->topology->nodes;
+  bw_plane_mesh *curved;
+  double *point = BW_NEW(context, double, 2 * nodes->node_count);
+  memcpy(point, mesh->point, 2 * (size_t)nodes->node_count * sizeof *point);
+  for (int32_t i = nodes->corner_count; i < nodes->node_count; i++)
+    for (int k = 0; k < 2 && nodes->segment[i] < 0; k++)
+      point[2 * i + k] += by * sin(7.0 * i + k);
+  check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &curved));
+  bw_free(point);
+  bw_release(mesh);
+  return curved;
+}
+
 /* Nodes taken to other places by a map. */
 static inline bw_plane_mesh *mapped(bw_context *context, bw_plane_mesh *mesh,
                                     void (*map)(double point[2])) {

@@ -343,6 +343,75 @@ static void test_regions(void **state) {
   bw_release(stiff);
 }
 
+/* Tractions act on the thickness of the element beside: strips one above the other, of thicknesses
+ * 1 and 3, pulled by the same force per area, stretch alike. */
+static void test_thicknesses(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *material = isotropic(context, 1e6, 0, 10);
+  for (int order = 1; order <= 2; order++) {
+    bw_plane_mesh *grid = rectangle(context, order, 2, 1, 6, 4), *mesh;
+    const bw_plane_topology *t = grid->topology;
+    const bw_plane_nodes *nodes = t->nodes;
+    int width = order == 1 ? 3 : 6;
+    int32_t *region = BW_NEW(context, int32_t, t->element_count);
+    for (int32_t e = 0; e < t->element_count; e++) {
+      double y = 0;
+      for (int a = 0; a < 3; a++)
+        y += grid->point[2 * t->element[e * width + a] + 1] / 3;
+      region[e] = y > 0.5;
+    }
+    check_ok(context, bw_plane_mesh_on(context, grid->outline, order, nodes->node_count,
+                                       grid->point, nodes->segment, nodes->parameter,
+                                       t->element_count, t->element, region, &mesh));
+    bw_sheet_section section[2] = {{material, 1, false}, {material, 3, false}};
+    bw_condition conditions[4] = {{.tag = LEFT, .component = 0},
+                                  {.tag = BOTTOM, .component = 1},
+                                  {.tag = RIGHT, .kind = BW_TRACTION, .value = 600},
+                                  {.tag = RIGHT, .kind = BW_PRESSURE, .value = -400}};
+    bw_sheet_description description = {
+        .section_count = 2, .section = section, .condition_count = 4, .condition = conditions};
+    bw_sheet *sheet;
+    check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
+    check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
+    for (int32_t i = 0; i < nodes->node_count; i++) {
+      check_near(sheet->displacement[2 * i], 1e-3 * mesh->point[2 * i], 1e-10);
+      check_near(sheet->displacement[2 * i + 1], 0, 1e-10);
+    }
+    bw_release(sheet);
+    bw_free(region);
+    bw_release(mesh);
+    bw_release(grid);
+  }
+  bw_release(material);
+}
+
+/* Axes by element are those of a solid's elements. */
+static void test_turned_material(void **state) {
+  bw_context *context = check_context(state);
+  bw_orthotropic spruce = {.name = "spruce",
+                           .young = {11e9, 0.8e9, 0.5e9},
+                           .poisson = {0.4, 0.02, 0.4},
+                           .shear = {0.7e9, 0.7e9, 0.05e9},
+                           .density = 440};
+  bw_material *wood, *turned;
+  bw_sheet *sheet;
+  bw_plate *plate;
+  int32_t group[16] = {0};
+  double rotation[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+  check_ok(context, bw_material_orthotropic(context, &spruce, &wood));
+  check_ok(context, bw_material_turned(context, wood, 16, 1, group, rotation, &turned));
+  bw_plane_mesh *mesh = rectangle(context, 2, 2, 1, 2, 2);
+  bw_sheet_section section = {turned, 1, false};
+  bw_sheet_description description = {.section_count = 1, .section = &section};
+  check_fails(context, BW_INVALID, "turned by element",
+              bw_sheet_create(context, mesh, &description, &sheet));
+  check_fails(context, BW_INVALID, "turned by element",
+              bw_plate_create(context, mesh, turned, 0.01, &plate));
+  bw_release(mesh);
+  bw_release(turned);
+  bw_release(wood);
+}
+
 static void at_rest(bw_context *context, bw_sheet *sheet) {
   check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
 }
@@ -382,9 +451,10 @@ static void test_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_patch),   check_test(test_orders),
-                                     check_test(test_cook),    check_test(test_not_held),
-                                     check_test(test_gravity), check_test(test_regions),
-                                     check_test(test_threads), check_test(test_memory)};
+  const struct CMUnitTest tests[] = {
+      check_test(test_patch),          check_test(test_orders),  check_test(test_cook),
+      check_test(test_not_held),       check_test(test_gravity), check_test(test_regions),
+      check_test(test_threads),        check_test(test_memory),  check_test(test_thicknesses),
+      check_test(test_turned_material)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
