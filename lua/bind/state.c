@@ -143,7 +143,9 @@ double lbw_call_field(lbw_state *state, int function, const double at[3], double
   }
   int is_number;
   double value = lua_tonumberx(L, -1, &is_number);
-  if (!is_number) {
+  if (lua_isboolean(L, -1)) { /* as in formulas */
+    value = lua_toboolean(L, -1);
+  } else if (!is_number) {
     lua_pushfstring(L, "a function of x, y, z must return a number, not %s", lbw_type_name(L, -1));
     keep_error(state);
     value = otherwise;

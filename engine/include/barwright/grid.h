@@ -84,6 +84,46 @@ bw_status bw_grid_boundary(bw_context *context, const bw_grid *grid, bw_grid_fac
 bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface **surface,
                           int32_t **node);
 
+/* ---- choosing by geometry -------------------------------------------------------------------
+ *
+ * A region is said in metres, not in cells, so that the same one serves a fine grid and a coarse
+ * one. */
+enum bw_region_part {
+  BW_IN_BOX = 1,       /* between low and high */
+  BW_IN_BALL = 2,      /* within radius of centre */
+  BW_ON_PLANE = 4,     /* on the plane through plane_point */
+  BW_BEYOND = 8,       /* on the side of beyond_point that beyond_normal points to */
+  BW_ON_SIDE = 16,     /* the outermost nodes, or cells, of the grid on a side */
+  BW_ON_BOUNDARY = 32, /* nodes and elements with a free face */
+  BW_IN_SURFACE = 64,  /* inside a closed surface, up to half a cell */
+  BW_WHERE = 128       /* where(data, at) is neither 0 nor nan */
+};
+typedef struct bw_region {
+  unsigned parts; /* all of these must hold; 0: everywhere */
+  double low[3], high[3];
+  double centre[3], radius;
+  double plane_point[3], plane_normal[3];
+  double beyond_point[3], beyond_normal[3];
+  int side; /* 0..5: low x, high x, low y, ... */
+  const bw_surface *surface;
+  double (*where)(void *data, const double at[3]);
+  void *where_data;
+  double within; /* m; what lies less outside box, ball, planes, side counts too; 0: 1e-6 cells */
+} bw_region;
+/* The nodes in a region, ascending. BW_EMPTY without any: the message has the box of the elements
+ * and the node nearest to the region. Release with bw_free. */
+bw_status bw_grid_nodes(bw_context *context, const bw_grid *grid, const bw_region *region,
+                        int32_t **node, int32_t *count);
+/* The elements' cells whose middle is in a region, ascending; with `voids` the others' too. */
+bw_status bw_grid_cells(bw_context *context, const bw_grid *grid, const bw_region *region,
+                        bool voids, int32_t **cell, int32_t *count);
+/* Materials by place, for `count` cells of a lattice (`cell` NULL: the first ones). A value that is
+ * no whole number from 0 is BW_INVALID with its place. */
+bw_status bw_cell_materials(bw_context *context, const double origin[3], const double spacing[3],
+                            const int32_t cells[3], int64_t count, const int32_t *cell,
+                            double (*at)(void *data, const double at[3]), void *data,
+                            int32_t *material);
+
 /* ---- what is embedded -------------------------------------------------------------------------
  */
 
