@@ -1,0 +1,246 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Contact with planes; what it computes stands in floor.h.
+ *
+ * Invariant: every point has at least one node that is free along its floor's normal. */
+#include "nonlinear/floor.h"
+
+#include <math.h>
+#include <string.h>
+
+/* c over the solid's own stiffness at a point. Each settling of the multipliers takes the gaps down
+ * by about this factor. */
+#define STIFFER 1e3
+
+void bwi_contact_free(bwi_contact *c) {
+  if (!c)
+    return;
+  bw_free(c->floor);
+  bw_free(c->rest);
+  bw_free(c->start);
+  bw_free(c->node);
+  bw_free(c->weight);
+  bw_free(c->stiffness);
+  bw_free(c->force);
+  bw_free(c->gap);
+  bw_free(c->multiplier);
+  bw_free(c->offset);
+  bw_free(c->shift);
+  bw_free(c);
+}
+
+static bool held_along(const bw_solid_case *the, int32_t node, const double normal[3]) {
+  for (int d = 0; d < 3; d++)
+    if (fabs(normal[d]) > 1e-9 && !the->held[3 * (int64_t)node + d])
+      return false;
+  return true;
+}
+
+/* Append a point with these nodes, unless none of them can move along the normal. */
+static void append(bwi_contact *c, int f, const double rest[3], int terms, const int32_t *node,
+                   const double *weight, const double *blocks) {
+  const bw_floor *plane = &c->the->floor[f];
+  double give = 0;
+  int64_t at = c->start[c->count];
+  for (int k = 0; k < terms; k++) {
+    if (weight[k] == 0)
+      continue;
+    c->node[at] = node[k];
+    c->weight[at++] = weight[k];
+    if (held_along(c->the, node[k], plane->normal))
+      continue;
+    double stiff = 0;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++)
+        stiff += plane->normal[i] * blocks[9 * (int64_t)node[k] + 3 * i + j] * plane->normal[j];
+    if (stiff > 0)
+      give += weight[k] * weight[k] / stiff;
+  }
+  if (!(give > 0))
+    return;
+  double y[3] = {rest[0] - plane->point[0], rest[1] - plane->point[1], rest[2] - plane->point[2]};
+  c->floor[c->count] = f;
+  c->rest[c->count] = bw_dot(y, plane->normal);
+  c->stiffness[c->count] = STIFFER / give;
+  c->start[++c->count] = at;
+}
+
+/* Nodes of boundary faces, marked. */
+static bw_status mark_boundary(bw_context *context, const bw_grid *grid, uint8_t *outer) {
+  bw_grid_face *face = NULL;
+  int64_t count = 0;
+  bw_status status = bw_grid_boundary(context, grid, &face, &count);
+  for (int64_t k = 0; status == BW_OK && k < count; k++)
+    for (int c = 0; c < 4; c++)
+      outer[face[k].node[c]] = 1;
+  bw_free(face);
+  return status;
+}
+
+bw_status bwi_contact_create(bw_context *context, const bw_solid_case *the, const double *blocks,
+                             bwi_contact **out) {
+  bw_status status = BW_OK;
+  const bw_grid *grid = the->grid;
+  int64_t most = 0, terms = 0;
+  uint8_t *outer = NULL;
+  bwi_contact *c = NULL;
+  if (the->floor_count == 0)
+    return BW_OK;
+  for (int f = 0; f < the->floor_count; f++) {
+    const bw_embedding *embedding = the->floor[f].embedding;
+    int64_t points = embedding ? embedding->point_count : grid->node_count;
+    most += points;
+    terms += embedding ? 8 * points : points;
+  }
+  c = BW_NEW0(context, bwi_contact, 1);
+  outer = BW_NEW0(context, uint8_t, grid->node_count);
+  if (!c || !outer) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  c->the = the;
+  c->floor = BW_NEW(context, int32_t, most);
+  c->rest = BW_NEW(context, double, most);
+  c->start = BW_NEW0(context, int64_t, most + 1);
+  c->node = BW_NEW(context, int32_t, terms);
+  c->weight = BW_NEW(context, double, terms);
+  c->stiffness = BW_NEW(context, double, most);
+  c->force = BW_NEW0(context, double, most);
+  c->gap = BW_NEW0(context, double, most);
+  c->multiplier = BW_NEW0(context, double, most);
+  c->offset = BW_NEW0(context, double, the->floor_count);
+  c->shift = BW_NEW0(context, double, the->floor_count);
+  if (!c->floor || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
+      !c->gap || !c->multiplier || !c->offset || !c->shift) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(mark_boundary(context, grid, outer));
+  for (int f = 0; f < the->floor_count; f++) {
+    const bw_embedding *e = the->floor[f].embedding;
+    for (int64_t p = 0; e && p < e->point_count; p++)
+      append(c, f, the->floor[f].rest + 3 * p, 8, grid->element + 8 * (int64_t)e->element[p],
+             e->weight + 8 * p, blocks);
+    for (int32_t n = 0; !e && n < grid->node_count; n++) {
+      const double one = 1;
+      double at[3];
+      if (!outer[n])
+        continue;
+      bw_grid_position(grid, n, at);
+      append(c, f, at, 1, &n, &one, blocks);
+    }
+  }
+  *out = c;
+  c = NULL;
+done:
+  bwi_contact_free(c);
+  bw_free(outer);
+  return status;
+}
+
+void bwi_contact_place(bwi_contact *c, double load, bool moved) {
+  for (int f = 0; f < c->the->floor_count; f++) {
+    const bw_floor *plane = &c->the->floor[f];
+    c->offset[f] =
+        (moved ? 1 : load) * bw_dot(plane->move, plane->normal) - (1 - load) * c->shift[f];
+  }
+}
+
+static double displacement(const bwi_contact *c, int64_t p, const double *u) {
+  const double *normal = c->the->floor[c->floor[p]].normal;
+  double sum = 0;
+  for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
+    sum += c->weight[k] * bw_dot(normal, u + 3 * (int64_t)c->node[k]);
+  return sum;
+}
+
+static void add(const bwi_contact *c, int64_t p, double size, double *v) {
+  const double *normal = c->the->floor[c->floor[p]].normal;
+  for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
+    for (int d = 0; d < 3; d++)
+      v[3 * (int64_t)c->node[k] + d] += size * c->weight[k] * normal[d];
+}
+
+void bwi_contact_begin(bwi_contact *c, const double *u) {
+  memset(c->shift, 0, (size_t)c->the->floor_count * sizeof *c->shift);
+  bwi_contact_place(c, 1, true);
+  for (int64_t p = 0; p < c->count; p++) {
+    double gap = c->rest[p] + displacement(c, p, u) - c->offset[c->floor[p]];
+    double *shift = &c->shift[c->floor[p]];
+    *shift = fmax(*shift, -gap);
+  }
+}
+
+int64_t bwi_contact_evaluate(bwi_contact *c, const double *u, double *energy, double *force) {
+  int64_t pushing = 0;
+  *energy = 0;
+  for (int64_t p = 0; p < c->count; p++) {
+    double stiff = c->stiffness[p], before = c->multiplier[p];
+    c->gap[p] = c->rest[p] + displacement(c, p, u) - c->offset[c->floor[p]];
+    double f = c->force[p] = fmax(0, before - stiff * c->gap[p]);
+    *energy += (f * f - before * before) / (2 * stiff);
+    if (f > 0) {
+      pushing++;
+      if (force)
+        add(c, p, f, force);
+    }
+  }
+  return pushing;
+}
+
+double bwi_contact_error(const bwi_contact *c) {
+  double most = 0;
+  for (int64_t p = 0; p < c->count; p++)
+    most = fmax(most, c->force[p] > 0 ? fabs(c->gap[p]) : -c->gap[p]);
+  return most;
+}
+
+void bwi_contact_settle(bwi_contact *c) {
+  memcpy(c->multiplier, c->force, (size_t)c->count * sizeof *c->force);
+}
+
+/* The place of pair (a, b), b <= a. */
+static int64_t find_pair(const bw_graph *graph, int32_t a, int32_t b) {
+  int64_t low = graph->start[a], high = graph->start[a + 1] - 1;
+  while (low < high) {
+    int64_t middle = low + (high - low) / 2;
+    if (graph->column[middle] < b)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+void bwi_contact_stiffness(const bwi_contact *c, const bw_graph *graph, double *pairs) {
+  for (int64_t p = 0; p < c->count; p++) {
+    if (!(c->force[p] > 0))
+      continue;
+    const double *normal = c->the->floor[c->floor[p]].normal;
+    for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
+      for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
+        if (c->node[l] > c->node[k])
+          continue;
+        double *block = pairs + 9 * find_pair(graph, c->node[k], c->node[l]);
+        for (int i = 0; i < 9; i++)
+          block[i] += c->stiffness[p] * c->weight[k] * c->weight[l] * normal[i / 3] * normal[i % 3];
+      }
+  }
+}
+
+void bwi_contact_blocks(const bwi_contact *c, double *blocks) {
+  for (int64_t p = 0; p < c->count; p++) {
+    if (!(c->force[p] > 0))
+      continue;
+    const double *normal = c->the->floor[c->floor[p]].normal;
+    for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
+      for (int i = 0; i < 9; i++)
+        blocks[9 * (int64_t)c->node[k] + i] +=
+            c->stiffness[p] * c->weight[k] * c->weight[k] * normal[i / 3] * normal[i % 3];
+  }
+}
+
+void bwi_contact_multiply(const bwi_contact *c, const double *x, double *y) {
+  for (int64_t p = 0; p < c->count; p++)
+    if (c->force[p] > 0)
+      add(c, p, c->stiffness[p] * displacement(c, p, x), y);
+}

@@ -1,0 +1,311 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Newton's method for a stable equilibrium at one load factor.
+ *
+ * The potential, strain energy less the work of loads plus the energy of contact, is the measure of
+ * every step. The tangent is taken as it is while it is positive definite; where it is not, that
+ * with every point's negative eigenvalues set to zero, and from then on that one, since the factor
+ * of an indefinite tangent is work for nothing, until whole steps bring the residual down again.
+ *
+ * What is held moves in the first iteration, K_ff d_f = -(r_f + K_fh d_h), so that the rest of the
+ * solid goes along: the only step that is not measured by the potential, since the problem changes
+ * with it. It is taken when no element is turned inside out by it. */
+#include "nonlinear/newton.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Multipliers of contact are settled at residuals below this. */
+#define SETTLE_BELOW 1e-3
+/* Gaps of points that push, over the size of the solid. */
+#define GAP 1e-11
+/* Rounding in the forces of an element, over its stiffness times its size. */
+#define NOISE (8 * DBL_EPSILON)
+enum { ESCAPES = 6, CHECKS = 2 };
+
+bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
+  *at = (bwi_balance){0};
+  at->u = BW_NEW0(context, double, size);
+  at->internal = BW_NEW0(context, double, size);
+  at->load = BW_NEW0(context, double, size);
+  at->contact = contact ? BW_NEW0(context, double, size) : NULL;
+  return at->u && at->internal && at->load && (!contact || at->contact) ? BW_OK : BW_MEMORY;
+}
+
+void bwi_balance_clear(bwi_balance *at) {
+  bw_free(at->u);
+  bw_free(at->internal);
+  bw_free(at->load);
+  bw_free(at->contact);
+  *at = (bwi_balance){0};
+}
+
+double bwi_walk_dot(const bwi_walk *walk, const double *a, const double *b) {
+  double sum = 0;
+  for (int64_t i = 0; i < walk->size; i++)
+    if (!walk->the->held[i])
+      sum += a[i] * b[i];
+  return sum;
+}
+
+bw_status bwi_walk_loads(bwi_walk *walk, const double *u, double *load) {
+  double factor = walk->fade ? 1 : walk->load;
+  for (int64_t i = 0; i < walk->size; i++)
+    load[i] = factor * walk->dead[i] + (walk->fade ? (1 - walk->load) * walk->fade[i] : 0);
+  return walk->follows ? bwi_case_follow(walk->context, walk->the, u, factor, load) : BW_OK;
+}
+
+bw_status bwi_walk_balance(bwi_walk *walk, bwi_balance *at) {
+  bw_status status = BW_OK;
+  double before = bw_seconds(), sum = 0;
+  BW_TRY(bw_solid_evaluate(walk->context, walk->solid, at->u, false, &at->energy, at->internal,
+                           NULL, &at->shape));
+  walk->report->evaluations++;
+  walk->report->seconds_quadrature += bw_seconds() - before;
+  if (!at->shape.defined)
+    goto done;
+  BW_TRY(bwi_walk_loads(walk, at->u, at->load));
+  at->contact_energy = 0;
+  at->contacts = 0;
+  if (walk->contact) {
+    memset(at->contact, 0, (size_t)walk->size * sizeof *at->contact);
+    at->contacts =
+        bwi_contact_evaluate(walk->contact, at->u, &at->contact_energy, at->contact);
+    for (int64_t i = 0; i < walk->size; i++)
+      at->load[i] += at->contact[i];
+  }
+  for (int64_t i = 0; i < walk->size; i++)
+    sum += fabs(at->internal[i]) + fabs(at->load[i]);
+  at->shape.defined = isfinite(sum) && isfinite(at->energy) && isfinite(at->contact_energy);
+done:
+  return status;
+}
+
+void bwi_walk_measure(bwi_walk *walk) {
+  const bwi_balance *now = &walk->now;
+  const bw_grid *grid = walk->solid->grid;
+  double left = 0, applied = 0, held = 0, contact = 0, noise = 0;
+  double cell = fmax(grid->spacing[0], fmax(grid->spacing[1], grid->spacing[2]));
+  for (int64_t i = 0; i < walk->size; i++) {
+    double touching = now->contact ? now->contact[i] : 0, other = now->load[i] - touching;
+    double r = now->internal[i] - now->load[i];
+    walk->residual[i] = walk->the->held[i] ? 0 : r;
+    *(walk->the->held[i] ? &held : &left) += r * r;
+    applied += other * other;
+    contact += touching * touching;
+    if (!walk->the->held[i]) {
+      double term = walk->blocks[3 * i + i % 3] * (fabs(now->u[i]) + cell);
+      noise += term * term;
+    }
+  }
+  walk->noise = NOISE * sqrt(noise);
+  walk->reference = sqrt(applied) + sqrt(held) + sqrt(contact);
+  double least = walk->noise / walk->options->tolerance;
+  walk->relative = left > 0 ? sqrt(left) / fmax(walk->reference, least) : 0;
+  if (!isfinite(walk->relative))
+    walk->relative = DBL_MAX;
+}
+
+void bwi_walk_accept(bwi_walk *walk) {
+  bwi_balance old = walk->now;
+  walk->now = walk->trial;
+  walk->trial = old;
+  walk->fresh = false;
+}
+
+static bw_status record(bwi_walk *walk, double step, int32_t cg, double residual) {
+  bw_newton_report *report = walk->report;
+  report->iterations++;
+  report->cg_iterations += cg;
+  if (!bw_grow(walk->context, (void **)&report->history, &walk->history_capacity,
+               (size_t)report->history_count, 1, sizeof *report->history))
+    return BW_MEMORY;
+  report->history[report->history_count++] =
+      (bw_newton_entry){.load = walk->load,
+                        .energy = walk->now.energy,
+                        .residual = residual,
+                        .step = step,
+                        .cg = cg,
+                        .contacts = (int32_t)(walk->now.contacts < INT32_MAX ? walk->now.contacts
+                                                                             : INT32_MAX),
+                        .projected = walk->projected};
+  return BW_OK;
+}
+
+/* Move what is held to where it is at this load factor, and the rest along. */
+static bw_status move_held(bwi_walk *walk, bool *moved) {
+  bw_status status = BW_OK;
+  int32_t cg = 0;
+  double *d = walk->direction, *moving = walk->work, residual = walk->relative;
+  *moved = false;
+  for (int64_t i = 0; i < walk->size; i++)
+    moving[i] = walk->the->held[i] ? bwi_walk_target(walk, i) - walk->now.u[i] : 0;
+  if (walk->free > 0) {
+    BW_TRY(bwi_tangent_multiply(walk, moving, d));
+    for (int64_t i = 0; i < walk->size; i++)
+      d[i] = walk->the->held[i] ? 0 : -walk->residual[i] - d[i];
+    BW_TRY(bwi_tangent_solve(walk, d, 1e-4, d, &cg));
+  } else
+    memset(d, 0, (size_t)walk->size * sizeof *d);
+  for (int64_t i = 0; i < walk->size; i++) {
+    d[i] += moving[i];
+    walk->trial.u[i] = walk->the->held[i] ? bwi_walk_target(walk, i) : walk->now.u[i] + d[i];
+  }
+  BW_TRY(bwi_walk_balance(walk, &walk->trial));
+  bool inverting = walk->trial.shape.inverted > 0 && walk->now.shape.inverted == 0;
+  if (!walk->trial.shape.defined || inverting) {
+    BW_TRY(bwi_newton_cap(walk->context, walk->solid, walk->now.u, d, inverting, &walk->part));
+    walk->obstacle = BWI_INVERTING;
+    goto done;
+  }
+  bwi_walk_accept(walk);
+  BW_TRY(record(walk, 1, cg, residual));
+  *moved = true;
+done:
+  return status;
+}
+
+/* The direction -K^-1 r; where it does not go down (with follower pressures, whose tangent is not
+ * symmetric, or an inexact solution), *slope is not negative. */
+static bw_status find_direction(bwi_walk *walk, double *slope, int32_t *cg) {
+  bw_status status = BW_OK;
+  double rate = walk->previous > 0 ? walk->relative / walk->previous : 1;
+  /* Eisenstat and Walker, choice 2 */
+  double tolerance = fmin(0.1, 0.9 * rate * rate);
+  tolerance = fmax(tolerance, 0.3 * walk->options->tolerance / walk->relative);
+  if (walk->options->cg_tolerance > 0)
+    tolerance = walk->options->cg_tolerance;
+  for (int64_t i = 0; i < walk->size; i++)
+    walk->work[i] = -walk->residual[i];
+  BW_TRY(bwi_tangent_solve(walk, walk->work, tolerance, walk->direction, cg));
+  *slope = bwi_walk_dot(walk, walk->residual, walk->direction);
+done:
+  return status;
+}
+
+static bool must_move(const bwi_walk *walk) {
+  for (int64_t i = 0; i < walk->size; i++)
+    if (walk->the->held[i] && walk->now.u[i] != bwi_walk_target(walk, i))
+      return true;
+  return false;
+}
+
+static double size_of(const bw_grid *grid) {
+  double size = 0;
+  for (int d = 0; d < 3; d++)
+    size = fmax(size, grid->spacing[d] * grid->cells[d]);
+  return size;
+}
+
+/* At a residual that is small enough: whether the state is stable; if not, leave it. */
+static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
+  bw_status status = BW_OK;
+  bool definite = true, lower = false;
+  *stable = true;
+  if (walk->free == 0 || (walk->have_tangent && !walk->projected))
+    return BW_OK;
+  BW_TRY(bwi_tangent_set(walk, false, &definite));
+  if (definite)
+    return BW_OK;
+  BW_TRY(bwi_newton_leave(walk, &lower));
+  if (!lower)
+    return BW_OK;
+  *stable = false;
+  ++*escapes;
+done:
+  return status;
+}
+
+bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
+  bw_status status = BW_OK;
+  const bw_newton_options *options = walk->options;
+  bool project = false, moving;
+  double plain_below = 1; /* residual below which the tangent may be tried as it is again */
+  int escapes = 0;
+  *found = false;
+  walk->load = load;
+  walk->obstacle = BWI_NO_OBSTACLE;
+  walk->part = walk->previous = 0;
+  walk->have_tangent = false;
+  if (walk->contact)
+    bwi_contact_place(walk->contact, load, walk->begin != NULL);
+  moving = must_move(walk);
+  BW_TRY(bwi_walk_balance(walk, &walk->now));
+  for (int k = 0; k <= options->iterations; k++) {
+    bool definite = false;
+    int32_t cg = 0;
+    double slope = 0, step = 0;
+    BW_TRY(bw_check_cancel(walk->context));
+    bwi_walk_measure(walk);
+    double gap = walk->contact ? bwi_contact_error(walk->contact) : 0;
+    bool small = walk->relative <= options->tolerance;
+    if (!moving && gap > GAP * size_of(walk->solid->grid) &&
+        walk->relative <= fmax(SETTLE_BELOW, options->tolerance)) {
+      bwi_contact_settle(walk->contact);
+      BW_TRY(bwi_walk_balance(walk, &walk->now));
+      bwi_walk_measure(walk);
+    } else if (!moving && small) {
+      bool stable;
+      if (walk->now.shape.inverted > 0 && !options->allow_inverted) {
+        walk->obstacle = BWI_INVERTED;
+        goto done;
+      }
+      BW_TRY(check_stable(walk, &escapes, &stable));
+      *found = stable;
+      if (stable)
+        goto done;
+      if (escapes > ESCAPES) {
+        walk->obstacle = BWI_UNSTABLE;
+        goto done;
+      }
+      project = true;
+      plain_below = 1e-2;
+      bwi_walk_measure(walk);
+    }
+    if (k == options->iterations)
+      break;
+    double residual = walk->relative;
+    if (walk->free > 0) {
+      BW_TRY(bwi_tangent_set(walk, project, &definite));
+      if (!definite && !project) {
+        project = true;
+        plain_below = fmin(plain_below, walk->relative) * 1e-2;
+        BW_TRY(bwi_tangent_set(walk, true, &definite));
+      }
+      if (!definite) {
+        walk->obstacle = BWI_STIFFNESS;
+        goto done;
+      }
+    }
+    if (moving) {
+      bool moved;
+      BW_TRY(move_held(walk, &moved));
+      if (!moved)
+        goto done;
+      moving = false;
+      continue;
+    }
+    BW_TRY(find_direction(walk, &slope, &cg));
+    if (slope < 0)
+      BW_TRY(bwi_newton_search(walk, slope, &step));
+    if (step == 0) {
+      BW_TRY(record(walk, 0, cg, residual));
+      if (!project) { /* once more with a direction that is sure to go down */
+        project = true;
+        plain_below = fmin(plain_below, walk->relative) * 1e-2;
+        continue;
+      }
+      walk->obstacle = BWI_SEARCH;
+      goto done;
+    }
+    walk->previous = residual;
+    BW_TRY(record(walk, step, cg, residual));
+    if (project && step == 1) {
+      bwi_walk_measure(walk);
+      project = walk->relative > fmin(plain_below, 0.1);
+    }
+  }
+  walk->obstacle = BWI_ITERATIONS;
+done:
+  return status;
+}

@@ -1,0 +1,121 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Newton's method for one solid under one case: what its files share.
+ *
+ *   newton.c          equilibrium at one load factor
+ *   newton_tangent.c  the tangent, and solving with it
+ *   newton_search.c   how far to go along a direction
+ *   newton_saddle.c   leaving equilibria that are not stable
+ *   statics.c         load steps, results, messages */
+#ifndef BWI_NONLINEAR_NEWTON_H
+#define BWI_NONLINEAR_NEWTON_H
+
+#include "nonlinear/case.h"
+#include "nonlinear/direct.h"
+#include "nonlinear/floor.h"
+
+/* What is kept between solves. */
+struct bw_newton {
+  bwi_direct *direct;
+  double *stiffness; /* 9 numbers for each of `pairs` */
+  int64_t pairs;
+};
+
+/* Energy and forces at displacements u. */
+typedef struct bwi_balance {
+  double *u, *internal, *load; /* internal: gradient of the energy; load: all else, floors included */
+  double *contact;             /* of floors alone, or NULL */
+  double energy;               /* of strain */
+  double contact_energy;
+  int64_t contacts;
+  bw_solid_shape shape;
+} bwi_balance;
+
+/* Why an equilibrium was not found. */
+typedef enum bwi_obstacle {
+  BWI_NO_OBSTACLE,
+  BWI_ITERATIONS, /* as many as allowed */
+  BWI_SEARCH,     /* no step along a direction lowers the potential */
+  BWI_INVERTING,  /* moving what is held would turn elements inside out */
+  BWI_UNSTABLE,   /* from one unstable equilibrium to the next */
+  BWI_STIFFNESS,  /* no tangent to solve with */
+  BWI_INVERTED    /* an equilibrium, with elements inside out */
+} bwi_obstacle;
+
+typedef struct bwi_walk {
+  bw_context *context;
+  const bw_solid *solid;
+  const bw_solid_case *the;
+  bw_newton *newton;
+  const bw_newton_options *options;
+  int64_t size;   /* 3 node_count */
+  int64_t free;   /* components that are not held */
+  double *dead;   /* dead loads at full */
+  double *begin;  /* displacements at load factor 0, or NULL: rest */
+  double *fade;   /* what is out of balance there under full loads, or NULL. Balanced at load factor
+                     0, it fades: at load factor s, 1 - s of it is left */
+  bool follows;   /* the case has follower pressures */
+  bwi_contact *contact; /* or NULL */
+  double load;
+  bwi_balance now, trial;
+  double *blocks;                    /* 9 per node: diagonal of the last tangent */
+  double *residual, *direction, *work; /* size each */
+  double reference, noise; /* forces that residuals are taken relative to, and what rounding leaves */
+  double relative;         /* the residual now */
+  bool projected;          /* the last tangent was */
+  bool have_tangent;
+  bool fresh; /* the stiffness kept is the plain one at now.u, without contact */
+  double previous; /* the residual one iteration before, for how exactly to solve */
+  /* of a failed equilibrium */
+  bwi_obstacle obstacle;
+  double part; /* how much of the movement of what is held would have been possible, 0: not known */
+  bw_newton_report *report;
+  size_t history_capacity;
+} bwi_walk;
+
+bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at);
+void bwi_balance_clear(bwi_balance *at);
+/* Energy and forces at at->u under the load factor of the walk. Nothing but at->shape is to be used
+ * where that says undefined, or where energy or forces are not finite. */
+bw_status bwi_walk_balance(bwi_walk *walk, bwi_balance *at);
+/* The trial becomes the state now, and the other way round. */
+void bwi_walk_accept(bwi_walk *walk);
+/* Loads but for those of floors, at displacements u. */
+bw_status bwi_walk_loads(bwi_walk *walk, const double *u, double *load);
+/* Residual (0 where held), its size relative to the forces at work, and what those are. */
+void bwi_walk_measure(bwi_walk *walk);
+static inline double bwi_walk_target(const bwi_walk *walk, int64_t i) {
+  double from = walk->begin ? walk->begin[i] : 0;
+  return walk->load >= 1 ? walk->the->value[i]
+                         : from + walk->load * (walk->the->value[i] - from);
+}
+double bwi_walk_dot(const bwi_walk *walk, const double *a, const double *b); /* free components */
+
+/* Equilibrium at `load` from walk->now.u, which is left where it ends. BW_OK with *found false and
+ * walk->obstacle where there is none to be found. */
+bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found);
+
+/* Node blocks of the plain stiffness at walk->now.u to walk->blocks. */
+bw_status bwi_tangent_blocks(bwi_walk *walk);
+/* The tangent at walk->now.u. *definite false: nothing to solve with. A projected one is made
+ * definite by all means, or walk->obstacle says that it cannot be. */
+bw_status bwi_tangent_set(bwi_walk *walk, bool project, bool *definite);
+/* y = K x with all components. */
+bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y);
+/* K d = f for free components, to a relative tolerance where that is iterative; *iterations (may be
+ * NULL) gets those. With follower pressures their derivative is a part of K. */
+bw_status bwi_tangent_solve(bwi_walk *walk, const double *force, double tolerance,
+                            double *displacement, int32_t *iterations);
+
+/* Go along walk->direction, along which the potential falls by `slope` < 0 at first: walk->now
+ * becomes a state that is lower, *step says how far; 0: none was found, and nothing changed. */
+bw_status bwi_newton_search(bwi_walk *walk, double slope, double *step);
+/* The largest part of d, up to 1, with which no neo-Hookean point (`all`: no point) loses its
+ * volume. */
+bw_status bwi_newton_cap(bw_context *context, const bw_solid *solid, const double *u,
+                         const double *d, bool all, double *part);
+
+/* At an equilibrium whose tangent is not positive definite: go to a state of lower potential.
+ * *lower false: none was found, the equilibrium is stable as far as can be seen. */
+bw_status bwi_newton_leave(bwi_walk *walk, bool *lower);
+
+#endif

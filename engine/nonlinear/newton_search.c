@@ -1,0 +1,197 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* How far to go along a direction.
+ *
+ * The potential along u + a d is strain energy, less the work of dead loads (linear in a), less
+ * that of follower pressures, plus the energy of contact. A follower's force is quadratic in a, so
+ * its work along the line, the integral of f . d, comes out of Simpson's rule without error: along
+ * a line there is a potential, whether or not the force has one. */
+#include "nonlinear/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+#define ARMIJO 1e-4
+/* Differences of energies below this part of the energies are rounding. */
+#define ROUNDING 1e-11
+enum { TRIALS = 40 };
+
+/* ---- when points lose their volume ---------------------------------------------------------- */
+
+static double determinant(const double f[9]) {
+  return f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
+         f[2] * (f[3] * f[7] - f[4] * f[6]);
+}
+
+/* The least root of c0 + c1 t + c2 t^2 + c3 t^3 in (0, t1], c0 > 0; t1 where there is none. */
+static double least_root(const double c[4], double t1) {
+  double turn[4] = {0}, place[2];
+  int count = 1;
+  double a = 3 * c[3], b = 2 * c[2], d = b * b - 4 * a * c[1];
+  if (a == 0) {
+    if (b != 0)
+      turn[count++] = -c[1] / b;
+  } else if (d > 0) {
+    double q = -0.5 * (b + copysign(sqrt(d), b));
+    place[0] = q / a;
+    place[1] = q != 0 ? c[1] / q : 0;
+    turn[count++] = fmin(place[0], place[1]);
+    turn[count++] = fmax(place[0], place[1]);
+  }
+  turn[count++] = t1;
+  double low = 0;
+  for (int k = 1; k < count; k++) {
+    double high = turn[k];
+    if (!(high > low) || high > t1)
+      continue;
+    if (c[0] + high * (c[1] + high * (c[2] + high * c[3])) <= 0) {
+      for (int i = 0; i < 60; i++) {
+        double t = 0.5 * (low + high);
+        *(c[0] + t * (c[1] + t * (c[2] + t * c[3])) > 0 ? &low : &high) = t;
+      }
+      return low;
+    }
+    low = high;
+  }
+  return t1;
+}
+
+typedef struct cap {
+  const bw_solid *solid;
+  const double *u, *d;
+  bool all;
+  double *least; /* by chunk */
+} cap;
+
+enum { CHUNK = 256 };
+
+static bw_status cap_chunk(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const cap *c = (const cap *)data;
+  const bw_grid *grid = c->solid->grid;
+  double least = 1;
+  for (int64_t e = begin; e < end; e++) {
+    const bw_solid_material *m = c->solid->palette->material[grid->material[e]];
+    for (int32_t q = 0; q < m->rule->count; q++) {
+      if (!c->all && m->law[q] != BW_NEO_HOOKEAN)
+        continue;
+      double f[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, g[9] = {0}, h[9], at[3];
+      for (int a = 0; a < 8; a++) {
+        int64_t node = grid->element[8 * e + a];
+        for (int i = 0; i < 3; i++)
+          for (int k = 0; k < 3; k++) {
+            double slope = m->rule->gradient[24 * (int64_t)q + 3 * a + k] / grid->spacing[k];
+            f[3 * i + k] += c->u[3 * node + i] * slope;
+            g[3 * i + k] += c->d[3 * node + i] * slope;
+          }
+      }
+      /* the cubic through t = -1, 0, 1 with leading coefficient det g */
+      double cubic[4] = {determinant(f), 0, 0, determinant(g)};
+      if (!(cubic[0] > 0))
+        continue;
+      for (int s = 0; s < 2; s++) {
+        for (int i = 0; i < 9; i++)
+          h[i] = f[i] + (s ? -1 : 1) * g[i];
+        at[s] = determinant(h);
+      }
+      cubic[1] = 0.5 * (at[0] - at[1]) - cubic[3];
+      cubic[2] = 0.5 * (at[0] + at[1]) - cubic[0];
+      least = fmin(least, least_root(cubic, least));
+    }
+  }
+  c->least[begin / CHUNK] = least;
+  return BW_OK;
+}
+
+bw_status bwi_newton_cap(bw_context *context, const bw_solid *solid, const double *u,
+                         const double *d, bool all, double *part) {
+  bw_status status = BW_OK;
+  int64_t elements = solid->grid->element_count, chunks = (elements + CHUNK - 1) / CHUNK;
+  cap c = {solid, u, d, all, BW_NEW(context, double, chunks)};
+  if (!c.least)
+    return BW_MEMORY;
+  BW_TRY(bw_parallel(context, elements, CHUNK, cap_chunk, &c));
+  *part = 1;
+  for (int64_t k = 0; k < chunks; k++)
+    *part = fmin(*part, c.least[k]);
+done:
+  bw_free(c.least);
+  return status;
+}
+
+/* ---- the search ----------------------------------------------------------------------------- */
+
+/* Work per unit step of follower pressures at u + a d. */
+static bw_status follower_power(bwi_walk *walk, double a, double *power) {
+  bw_status status = BW_OK;
+  double *at = walk->trial.u, *load = walk->work; /* both are overwritten before they are used */
+  for (int64_t i = 0; i < walk->size; i++) {
+    at[i] = walk->now.u[i] + a * walk->direction[i];
+    load[i] = 0;
+  }
+  BW_TRY(bwi_case_follow(walk->context, walk->the, at, walk->fade ? 1 : walk->load, load));
+  *power = bwi_walk_dot(walk, load, walk->direction);
+done:
+  return status;
+}
+
+bw_status bwi_newton_search(bwi_walk *walk, double slope, double *step) {
+  bw_status status = BW_OK;
+  const double *d = walk->direction;
+  double a = 1, constant = 0, power[3] = {0}, longest = 0;
+  *step = 0;
+  /* the work of loads that do not follow: those at the state now, less contact and followers */
+  for (int64_t i = 0; i < walk->size; i++)
+    longest = fmax(longest, fabs(d[i]));
+  if (!isfinite(longest) || !isfinite(slope))
+    return BW_OK;
+  for (int64_t i = 0; i < walk->size; i++)
+    if (!walk->the->held[i])
+      constant += (walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0)) * d[i];
+  if (walk->follows) {
+    BW_TRY(follower_power(walk, 0, &power[0]));
+    constant -= power[0];
+  }
+  for (int k = 0; k < TRIALS; k++) {
+    double work = constant * a;
+    if (walk->follows) {
+      BW_TRY(follower_power(walk, 0.5 * a, &power[1]));
+      BW_TRY(follower_power(walk, a, &power[2]));
+      work += a / 6 * (power[0] + 4 * power[1] + power[2]);
+    }
+    for (int64_t i = 0; i < walk->size; i++)
+      walk->trial.u[i] = walk->now.u[i] + a * d[i];
+    BW_TRY(bw_check_cancel(walk->context));
+    BW_TRY(bwi_walk_balance(walk, &walk->trial));
+    if (!walk->trial.shape.defined) {
+      double part;
+      BW_TRY(bwi_newton_cap(walk->context, walk->solid, walk->now.u, d, false, &part));
+      a = fmin(0.5 * a, 0.8 * part);
+      continue;
+    }
+    double change = walk->trial.energy - walk->now.energy + walk->trial.contact_energy -
+                    walk->now.contact_energy - work;
+    double size = fabs(walk->trial.energy) + fabs(walk->now.energy) + fabs(work) +
+                  fabs(walk->trial.contact_energy) + fabs(walk->now.contact_energy);
+    bool good = change <= ARMIJO * a * slope;
+    if (!good && change <= ROUNDING * size) { /* the slope says what the energies no longer can */
+      double ahead = 0;
+      for (int64_t i = 0; i < walk->size; i++)
+        if (!walk->the->held[i])
+          ahead += (walk->trial.internal[i] - walk->trial.load[i]) * d[i];
+      good = fabs(ahead) <= 0.9 * fabs(slope);
+    }
+    if (good) {
+      bwi_walk_accept(walk);
+      *step = a;
+      return BW_OK;
+    }
+    double curvature = change - a * slope; /* of the parabola, times a^2 */
+    double best = curvature > 0 ? -0.5 * slope * a * a / curvature : 0;
+    a = fmin(0.5 * a, fmax(0.1 * a, best));
+  }
+  /* the contact's forces are those of the last trial */
+  if (walk->contact)
+    BW_TRY(bwi_walk_balance(walk, &walk->now));
+done:
+  return status;
+}

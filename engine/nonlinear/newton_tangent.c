@@ -1,0 +1,228 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The tangent of a solid under a case, and solving with it.
+ *
+ * Contact adds entries inside elements, so the solid's graph serves. Follower pressures add an
+ * unsymmetric part between nodes that may share no element; it stays out of the factor. With K the
+ * factored part and K' theirs, GMRES solves (1 - K^-1 K') d = K^-1 f, a small perturbation of the
+ * identity unless the pressures alone hold the solid up: a few solutions with the factor instead of
+ * a larger and unsymmetric one. */
+#include "nonlinear/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SHIFTS = 6, BASIS = 40 };
+#define FOLLOWER_TOLERANCE 1e-6
+
+static bw_status make_room(bwi_walk *walk) {
+  bw_newton *newton = walk->newton;
+  int64_t pairs = walk->solid->graph->pair_count;
+  if (newton->pairs == pairs)
+    return BW_OK;
+  bw_free(newton->stiffness);
+  newton->pairs = 0;
+  newton->stiffness = BW_NEW(walk->context, double, 9 * pairs);
+  if (!newton->stiffness)
+    return BW_MEMORY;
+  newton->pairs = pairs;
+  return BW_OK;
+}
+
+static bw_status evaluate(bwi_walk *walk, bool project) {
+  bw_status status = BW_OK;
+  const bw_graph *graph = walk->solid->graph;
+  double before = bw_seconds();
+  bw_solid_shape shape;
+  BW_TRY(make_room(walk));
+  if (project || !walk->fresh) {
+    BW_TRY(bw_solid_evaluate(walk->context, walk->solid, walk->now.u, project, NULL, NULL,
+                             walk->newton->stiffness, &shape));
+    walk->report->evaluations++;
+    walk->report->seconds_quadrature += bw_seconds() - before;
+  }
+  walk->fresh = !project;
+  for (int64_t n = 0; n < graph->node_count; n++)
+    memcpy(walk->blocks + 9 * n, walk->newton->stiffness + 9 * (graph->start[n + 1] - 1),
+           9 * sizeof(double));
+done:
+  return status;
+}
+
+bw_status bwi_tangent_blocks(bwi_walk *walk) {
+  return evaluate(walk, false);
+}
+
+static bw_status factor(bwi_walk *walk, bool *definite) {
+  const bw_graph *graph = walk->solid->graph;
+  bw_newton *newton = walk->newton;
+  double before = bw_seconds();
+  bw_status status =
+      bwi_direct_analyse(walk->context, newton->direct, graph, walk->the->held);
+  double between = bw_seconds();
+  walk->report->seconds_analysis += between - before;
+  if (status == BW_OK)
+    status = bwi_direct_factor(walk->context, newton->direct, graph, walk->the->held,
+                               newton->stiffness, definite, NULL);
+  walk->report->seconds_factor += bw_seconds() - between;
+  walk->report->factorisations++;
+  return status;
+}
+
+/* Add to the diagonal until the matrix, semidefinite but for rounding, is definite: a step then is
+ * between Newton's and one along the residual, and goes down in any case. */
+static bw_status factor_shifted(bwi_walk *walk, bool *definite) {
+  bw_status status = BW_OK;
+  const bw_graph *graph = walk->solid->graph;
+  double mean = 0, shift = 0, part = 1e-9;
+  for (int64_t i = 0; i < walk->size; i++)
+    mean += walk->blocks[3 * i + i % 3] / (double)walk->size;
+  for (int k = 0; k < SHIFTS && !*definite && mean > 0; k++, part *= 30) {
+    for (int64_t n = 0; n < graph->node_count; n++)
+      for (int c = 0; c < 3; c++)
+        walk->newton->stiffness[9 * (graph->start[n + 1] - 1) + 4 * c] += part * mean - shift;
+    shift = part * mean;
+    BW_TRY(factor(walk, definite));
+  }
+done:
+  return status;
+}
+
+bw_status bwi_tangent_set(bwi_walk *walk, bool project, bool *definite) {
+  bw_status status = BW_OK;
+  *definite = false;
+  walk->projected = project;
+  walk->have_tangent = true;
+  BW_TRY(evaluate(walk, project));
+  if (walk->contact) {
+    bwi_contact_stiffness(walk->contact, walk->solid->graph, walk->newton->stiffness);
+    walk->fresh = false;
+  }
+  BW_TRY(factor(walk, definite));
+  if (project && !*definite)
+    BW_TRY(factor_shifted(walk, definite));
+done:
+  return status;
+}
+
+bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y) {
+  return bw_graph_multiply(walk->context, walk->solid->graph, walk->newton->stiffness, 9, 3, 1, x,
+                           y);
+}
+
+/* d = K^-1 f */
+static bw_status solve(bwi_walk *walk, const double *force, double tolerance, double *displacement,
+                       int32_t *iterations) {
+  (void)tolerance;
+  *iterations = 0;
+  return bwi_direct_solve(walk->context, walk->newton->direct, force, displacement);
+}
+
+/* v -= K^-1 K' v0, v = v0 at first */
+static bw_status perturbed(bwi_walk *walk, const double *v0, double tolerance, double *work,
+                           double *v, int32_t *iterations) {
+  bw_status status = BW_OK;
+  int32_t cg;
+  memset(work, 0, (size_t)walk->size * sizeof *work);
+  BW_TRY(bwi_case_follow_along(walk->context, walk->the, walk->now.u, v0,
+                               walk->fade ? 1 : walk->load, work));
+  for (int64_t i = 0; i < walk->size; i++)
+    if (walk->the->held[i])
+      work[i] = 0;
+  BW_TRY(solve(walk, work, tolerance, work, &cg));
+  *iterations += cg;
+  for (int64_t i = 0; i < walk->size; i++)
+    v[i] = v0[i] - work[i];
+done:
+  return status;
+}
+
+/* GMRES without restarts: d holds K^-1 f and becomes the solution. */
+static bw_status with_followers(bwi_walk *walk, double tolerance, double *d, int32_t *iterations) {
+  bw_status status = BW_OK;
+  int64_t n = walk->size;
+  double h[BASIS + 1][BASIS], cosine[BASIS], sine[BASIS], right[BASIS + 1] = {0};
+  double *basis[BASIS + 1] = {NULL}, *work = BW_NEW(walk->context, double, n);
+  int used = 0;
+  double size = sqrt(bwi_walk_dot(walk, d, d));
+  basis[0] = BW_NEW(walk->context, double, n);
+  if (!work || !basis[0]) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (!(size > 0) || !isfinite(size))
+    goto done;
+  for (int64_t i = 0; i < n; i++)
+    basis[0][i] = d[i] / size;
+  right[0] = size;
+  while (used < BASIS && fabs(right[used]) > FOLLOWER_TOLERANCE * size) {
+    int j = used;
+    double *next = basis[j + 1] = BW_NEW(walk->context, double, n);
+    if (!next) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    BW_TRY(perturbed(walk, basis[j], tolerance, work, next, iterations));
+    for (int i = 0; i <= j; i++) {
+      h[i][j] = bwi_walk_dot(walk, basis[i], next);
+      for (int64_t k = 0; k < n; k++)
+        next[k] -= h[i][j] * basis[i][k];
+    }
+    double length = h[j + 1][j] = sqrt(bwi_walk_dot(walk, next, next));
+    for (int i = 0; i < j; i++) {
+      double a = h[i][j], b = h[i + 1][j];
+      h[i][j] = cosine[i] * a + sine[i] * b;
+      h[i + 1][j] = cosine[i] * b - sine[i] * a;
+    }
+    double r = hypot(h[j][j], h[j + 1][j]);
+    if (!(r > 0) || !isfinite(r))
+      break;
+    cosine[j] = h[j][j] / r;
+    sine[j] = h[j + 1][j] / r;
+    h[j][j] = r;
+    right[j + 1] = -sine[j] * right[j];
+    right[j] *= cosine[j];
+    used++;
+    if (length <= 1e-14 * size || length == 0)
+      break;
+    for (int64_t k = 0; k < n; k++)
+      next[k] /= length;
+  }
+  for (int i = used - 1; i >= 0; i--) {
+    for (int j = i + 1; j < used; j++)
+      right[i] -= h[i][j] * right[j];
+    right[i] /= h[i][i];
+  }
+  if (used > 0)
+    memset(d, 0, (size_t)n * sizeof *d);
+  for (int j = 0; j < used; j++)
+    for (int64_t k = 0; k < n; k++)
+      d[k] += right[j] * basis[j][k];
+done:
+  for (int j = 0; j <= BASIS; j++)
+    bw_free(basis[j]);
+  bw_free(work);
+  return status;
+}
+
+bw_status bwi_tangent_solve(bwi_walk *walk, const double *force, double tolerance,
+                            double *displacement, int32_t *iterations) {
+  bw_status status = BW_OK;
+  double before = bw_seconds();
+  int32_t cg = 0;
+  BW_TRY(solve(walk, force, tolerance, displacement, &cg));
+  if (walk->follows) {
+    /* where pressures alone decide, the direction may point up: then without them */
+    double down = bwi_walk_dot(walk, force, displacement);
+    double *plain = walk->trial.u; /* not in use here */
+    memcpy(plain, displacement, (size_t)walk->size * sizeof *plain);
+    BW_TRY(with_followers(walk, tolerance, displacement, &cg));
+    double now = bwi_walk_dot(walk, force, displacement);
+    if (down > 0 && !(now > 0))
+      memcpy(displacement, plain, (size_t)walk->size * sizeof *plain);
+  }
+  walk->report->seconds_solve += bw_seconds() - before;
+done:
+  if (iterations)
+    *iterations = cg;
+  return status;
+}

@@ -1,0 +1,315 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Statics of a solid: load steps from rest, or from a first guess, to load factor 1.
+ *
+ * At load factor s the loads, the gravity, the movements of what is held and of floors are s times
+ * theirs. From a first guess the loads are there in full at once, and what is out of balance at the
+ * guess is balanced by forces that fade, 1 - s of them being left: so a guess that is the
+ * equilibrium of another case leads on from there, and a path exists in any case.
+ *
+ * A load step that fails is halved, with what the failure said about how far it could have gone;
+ * steps grow again after two that went well. */
+#include "nonlinear/newton.h"
+
+#include <math.h>
+#include <string.h>
+
+void bw_newton_options_default(bw_newton_options *options) {
+  *options = (bw_newton_options){.linear = BW_NEWTON_DIRECT,
+                                 .tolerance = 1e-6,
+                                 .iterations = 100,
+                                 .steps = 1,
+                                 .least_step = 1.0 / 256,
+                                 .cg_iterations = 10000};
+}
+
+bw_status bw_newton_create(bw_context *context, bw_newton **out) {
+  bw_newton *newton = BW_NEW0(context, bw_newton, 1);
+  if (!newton)
+    return BW_MEMORY;
+  bw_status status = bwi_direct_create(context, &newton->direct);
+  if (status != BW_OK)
+    bw_free(newton);
+  else
+    *out = newton;
+  return status;
+}
+
+void bw_newton_free(bw_newton *newton) {
+  if (!newton)
+    return;
+  bwi_direct_free(newton->direct);
+  bw_free(newton->stiffness);
+  bw_free(newton);
+}
+
+static void destroy(void *object) {
+  bw_solid_static *it = (bw_solid_static *)object;
+  bw_release(it->solid);
+  bw_release(it->the);
+  bw_free(it->displacement);
+  bw_free(it->reaction);
+  bw_free(it->report.history);
+  bw_free(it);
+}
+
+static size_t bytes(const void *object) {
+  const bw_solid_static *it = (const bw_solid_static *)object;
+  return sizeof *it + 48 * (size_t)it->solid->grid->node_count;
+}
+
+static const bw_kind static_kind = {"solid static", destroy, bytes};
+
+static bw_status check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
+                       const bw_newton_options *o) {
+  if (!bw_grid_same_elements(solid->grid, the->grid))
+    return bw_fail(context, BW_INVALID,
+                   "the case is for a grid of %d elements, not for the solid's, which has %d",
+                   (int)the->grid->element_count, (int)solid->grid->element_count);
+  if (o->linear != BW_NEWTON_DIRECT)
+    return bw_fail(context, BW_UNSUPPORTED, "only direct solutions are there");
+  if (!(o->tolerance > 0 && o->tolerance < 1))
+    return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
+                   o->tolerance);
+  if (o->iterations < 1 || o->steps < 1)
+    return bw_fail(context, BW_INVALID, "%d iterations in each of %d load steps; at least one",
+                   o->iterations, o->steps);
+  if (!(o->least_step > 0 && o->least_step <= 1))
+    return bw_fail(context, BW_INVALID, "the least load step is %g; it must lie above 0, up to 1",
+                   o->least_step);
+  for (int64_t i = 0; o->start && i < 3 * (int64_t)solid->grid->node_count; i++)
+    if (!isfinite(o->start[i]))
+      return bw_fail(context, BW_INVALID, "the first guess is %g at node %lld; it must be finite",
+                     o->start[i], (long long)(i / 3) + 1);
+  return BW_OK;
+}
+
+static void walk_clear(bwi_walk *walk) {
+  bw_free(walk->dead);
+  bw_free(walk->begin);
+  bw_free(walk->fade);
+  bwi_contact_free(walk->contact);
+  bwi_balance_clear(&walk->now);
+  bwi_balance_clear(&walk->trial);
+  bw_free(walk->blocks);
+  bw_free(walk->residual);
+  bw_free(walk->direction);
+  bw_free(walk->work);
+}
+
+static bw_status say_undefined(bwi_walk *walk) {
+  int32_t e = walk->now.shape.worst;
+  double at[3];
+  const bw_grid *grid = walk->solid->grid;
+  bw_grid_position(grid, grid->element[8 * (int64_t)e], at);
+  bw_status status = bw_fail(walk->context, BW_GEOMETRY,
+                             "the first guess turns element %d at (%g, %g, %g) m inside out (det F "
+                             "= %.3g), where its law has no energy: begin at rest",
+                             (int)e + 1, at[0], at[1], at[2], walk->now.shape.least_ratio);
+  bw_detail_number(walk->context, "element", e + 1);
+  return status;
+}
+
+/* Everything at load factor 0. */
+static bw_status walk_begin(bwi_walk *walk) {
+  bw_status status = BW_OK;
+  bw_context *context = walk->context;
+  const double *start = walk->options->start;
+  int64_t n = walk->size = 3 * (int64_t)walk->solid->grid->node_count;
+  for (int64_t i = 0; i < n; i++)
+    walk->free += !walk->the->held[i];
+  walk->follows = bwi_case_follows(walk->the);
+  walk->dead = BW_NEW(context, double, n);
+  walk->blocks = BW_NEW(context, double, 3 * n);
+  walk->residual = BW_NEW0(context, double, n);
+  walk->direction = BW_NEW0(context, double, n);
+  walk->work = BW_NEW0(context, double, n);
+  if (!walk->dead || !walk->blocks || !walk->residual || !walk->direction || !walk->work)
+    return BW_MEMORY;
+  BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->now));
+  BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->trial));
+  BW_TRY(bwi_case_dead(context, walk->solid, walk->the, walk->dead));
+  if (start) {
+    walk->begin = BW_NEW(context, double, n);
+    walk->fade = BW_NEW0(context, double, n);
+    if (!walk->begin || !walk->fade)
+      return BW_MEMORY;
+    memcpy(walk->begin, start, (size_t)n * sizeof *start);
+    memcpy(walk->now.u, start, (size_t)n * sizeof *start);
+    BW_TRY(bwi_walk_balance(walk, &walk->now));
+    if (!walk->now.shape.defined)
+      return say_undefined(walk);
+    for (int64_t i = 0; i < n; i++)
+      walk->fade[i] = walk->the->held[i] ? 0 : walk->now.internal[i] - walk->now.load[i];
+  }
+  BW_TRY(bwi_tangent_blocks(walk));
+  BW_TRY(bwi_contact_create(context, walk->the, walk->blocks, &walk->contact));
+  if (walk->contact && start)
+    bwi_contact_begin(walk->contact, walk->now.u);
+done:
+  return status;
+}
+
+/* What goes wrong in a load step. */
+typedef struct failure {
+  bwi_obstacle obstacle;
+  double load, residual;
+  bw_solid_shape shape;
+} failure;
+
+static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
+  static const char *const why[] = {
+      [BWI_NO_OBSTACLE] = "",
+      [BWI_ITERATIONS] = "the iterations did not suffice",
+      [BWI_SEARCH] = "no step lowers the potential any more",
+      [BWI_INVERTING] = "moving what is held turns elements inside out",
+      [BWI_UNSTABLE] = "one unstable equilibrium followed on another",
+      [BWI_STIFFNESS] = "something can move without any force",
+      [BWI_INVERTED] = "the equilibrium has elements that are inside out"};
+  bw_context *context = walk->context;
+  const bw_grid *grid = walk->solid->grid;
+  double at[3];
+  int32_t e = f->shape.worst >= 0 && f->shape.worst < grid->element_count ? f->shape.worst : 0;
+  bw_grid_position(grid, grid->element[8 * (int64_t)e], at);
+  for (int d = 0; d < 3; d++)
+    at[d] += 0.5 * grid->spacing[d];
+  bool inverted = f->obstacle == BWI_INVERTED;
+  bw_status status = bw_fail(
+      context, inverted ? BW_GEOMETRY : BW_CONVERGENCE,
+      "no %sequilibrium beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; element "
+      "%d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted). The load may be "
+      "more than the solid carries; otherwise take smaller or more load steps, or smaller cells",
+      inverted ? "regular " : "", reached, f->load, why[f->obstacle], f->residual,
+      walk->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.least_ratio,
+      (long long)f->shape.inverted);
+  bw_detail_number(context, "load", reached);
+  bw_detail_number(context, "residual", f->residual);
+  bw_detail_number(context, "element", e + 1);
+  bw_detail_number(context, "least_ratio", f->shape.least_ratio);
+  bw_detail_number(context, "inverted", (double)f->shape.inverted);
+  return status;
+}
+
+/* Load steps until load factor 1 or the least step. `u` and `multiplier` (may be NULL) hold the
+ * last equilibrium, *reached its load factor. */
+static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, double *reached,
+                             failure *failed) {
+  bw_status status = BW_OK;
+  const bw_newton_options *o = walk->options;
+  size_t size = (size_t)walk->size * sizeof(double),
+         contact = walk->contact ? (size_t)walk->contact->count * sizeof(double) : 0;
+  double step = 1.0 / o->steps, least = fmin(o->least_step, step);
+  int good = 0;
+  failed->obstacle = BWI_NO_OBSTACLE;
+  while (*reached < 1) {
+    double load = *reached + step > 1 - 1e-9 ? 1 : *reached + step;
+    bool found;
+    bw_progress(walk->context, "equilibrium", *reached);
+    BW_TRY(bwi_newton_equilibrium(walk, load, &found));
+    if (found) {
+      *reached = load;
+      memcpy(u, walk->now.u, size);
+      if (contact)
+        memcpy(multiplier, walk->contact->multiplier, contact);
+      walk->report->load_steps++;
+      walk->report->residual = walk->relative;
+      if (++good % 2 == 0)
+        step = fmin(2 * step, 1);
+      continue;
+    }
+    *failed = (failure){walk->obstacle, load, walk->relative, walk->now.shape};
+    walk->report->failed_steps++;
+    memcpy(walk->now.u, u, size);
+    walk->fresh = false;
+    if (contact)
+      memcpy(walk->contact->multiplier, multiplier, contact);
+    good = 0;
+    step = load - *reached;
+    if (step <= least * (1 + 1e-9))
+      break;
+    step = fmax(least, step * (walk->part > 0 ? fmin(0.5, fmax(0.1, 0.8 * walk->part)) : 0.5));
+  }
+done:
+  return status;
+}
+
+/* Reactions and energies of the state that was reached. */
+static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result) {
+  bw_status status = BW_OK;
+  memcpy(walk->now.u, result->displacement, (size_t)walk->size * sizeof(double));
+  walk->load = reached;
+  if (walk->contact)
+    bwi_contact_place(walk->contact, reached, walk->begin != NULL);
+  BW_TRY(bwi_walk_balance(walk, &walk->now));
+  for (int64_t i = 0; i < walk->size; i++) {
+    double contact = walk->now.contact ? walk->now.contact[i] : 0;
+    result->reaction[i] = walk->the->held[i]
+                              ? walk->now.internal[i] - walk->now.load[i] + contact
+                              : contact;
+  }
+  result->energy = walk->now.energy;
+  result->report.load = reached;
+  result->report.shape = walk->now.shape;
+  result->report.contacts = walk->now.contacts;
+  result->complete = reached >= 1;
+done:
+  return status;
+}
+
+bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
+                           bw_newton *newton, const bw_newton_options *options,
+                           bw_solid_static **out) {
+  bw_status status = BW_OK;
+  bw_newton *own = NULL;
+  bw_newton_options chosen;
+  bw_solid_static *result = NULL;
+  bwi_walk walk = {.context = context, .solid = solid, .the = the};
+  double *multiplier = NULL, reached = 0, before = bw_seconds();
+  failure failed = {0};
+  if (options)
+    chosen = *options;
+  else
+    bw_newton_options_default(&chosen);
+  BW_TRY(check(context, solid, the, &chosen));
+  BW_TRY(bwi_case_check_held(context, the));
+  result = BW_NEW0(context, bw_solid_static, 1);
+  if (!result)
+    return BW_MEMORY;
+  bw_object_init(result, &static_kind);
+  result->solid = bw_retain(solid);
+  result->the = bw_retain(the);
+  result->displacement = BW_NEW0(context, double, 3 * (int64_t)solid->grid->node_count);
+  result->reaction = BW_NEW0(context, double, 3 * (int64_t)solid->grid->node_count);
+  if (!result->displacement || !result->reaction) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (!newton) {
+    BW_TRY(bw_newton_create(context, &own));
+    newton = own;
+  }
+  walk.newton = newton;
+  walk.options = &chosen;
+  walk.report = &result->report;
+  BW_TRY(walk_begin(&walk));
+  memcpy(result->displacement, walk.now.u, (size_t)walk.size * sizeof(double));
+  if (walk.contact) {
+    multiplier = BW_NEW0(context, double, walk.contact->count);
+    if (!multiplier) {
+      status = BW_MEMORY;
+      goto done;
+    }
+  }
+  BW_TRY(follow_path(&walk, result->displacement, multiplier, &reached, &failed));
+  BW_TRY(finish(&walk, reached, result));
+  result->report.seconds = bw_seconds() - before;
+  if (reached < 1)
+    status = say_failure(&walk, reached, &failed);
+  *out = result;
+  result = NULL;
+done:
+  walk_clear(&walk);
+  bw_newton_free(own);
+  bw_free(multiplier);
+  bw_release(result);
+  return status;
+}
