@@ -208,8 +208,8 @@ bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
   }
   patch.triangle = BW_NEW(context, int32_t, 3 * triangles);
   patch.pressure = BW_NEW(context, double, triangles);
-  bw_pressure_patch *list = (bw_pressure_patch *)bw_resize(
-      context, it->patch, (size_t)it->patch_count + 1, sizeof *list);
+  bw_pressure_patch *list =
+      (bw_pressure_patch *)bw_resize(context, it->patch, (size_t)it->patch_count + 1, sizeof *list);
   if (list)
     it->patch = list;
   if (!list || !patch.triangle || !patch.pressure) {

@@ -87,9 +87,9 @@ static bw_status say_free(bw_context *context, const bw_grid *grid, const group 
       bw_fail(context, BW_FREE,
               "the solid%s can %s as a whole: hold more of its nodes (a group of %d elements "
               "around element %d at (%g, %g, %g) m, %s (%.3g, %.3g, %.3g))",
-              groups > 1 ? " is in several pieces, of which one" : "", turn > move ? "turn" : "move",
-              (int)g->elements, (int)g->first + 1, at[0], at[1], at[2],
-              turn > move ? "about" : "along", d[0] / length, d[1] / length, d[2] / length);
+              groups > 1 ? " is in several pieces, of which one" : "",
+              turn > move ? "turn" : "move", (int)g->elements, (int)g->first + 1, at[0], at[1],
+              at[2], turn > move ? "about" : "along", d[0] / length, d[1] / length, d[2] / length);
   bw_detail_number(context, "element", g->first + 1);
   bw_detail_number(context, "groups", groups);
   return status;

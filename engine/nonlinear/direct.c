@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Direct solutions: the engine's multifrontal factor on a solid's graph.
  *
- * Invariants: `symbolic` is of `graph` and `held`, all NULL before the first analysis; `factor`, when
- * there is one, is of `symbolic`, and its numbers are to be used while `usable`. */
+ * Invariants: `symbolic` is of `graph` and `held`, all NULL before the first analysis; `factor`,
+ * when there is one, is of `symbolic`, and its numbers are to be used while `usable`. */
 #include "nonlinear/direct.h"
 
 #include <string.h>

@@ -24,8 +24,8 @@ typedef struct bwi_contact {
   double *force;     /* count: f at the last evaluation */
   double *gap;       /* count: likewise */
   double *multiplier;
-  double *offset;    /* floor_count: how far each plane has moved along its normal */
-  double *shift;     /* floor_count: how much further back it is at load factor 0 */
+  double *offset; /* floor_count: how far each plane has moved along its normal */
+  double *shift;  /* floor_count: how much further back it is at load factor 0 */
 } bwi_contact;
 
 /* `blocks`: node_count x 9, the solid's own stiffness at each node. *contact stays NULL for a case

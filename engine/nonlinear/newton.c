@@ -5,6 +5,9 @@
  * every step. The tangent is taken as it is while it is positive definite; where it is not, that
  * with every point's negative eigenvalues set to zero, and from then on that one, since the factor
  * of an indefinite tangent is work for nothing, until whole steps bring the residual down again.
+ * Projected tangents are good where elements are badly out of shape, and far too stiff where the
+ * solid as a whole is unstable, close to equilibria: there, and where projected ones take long, as
+ * little is added to the diagonal as makes it positive definite.
  *
  * What is held moves in the first iteration, K_ff d_f = -(r_f + K_fh d_h), so that the rest of the
  * solid goes along: the only step that is not measured by the potential, since the problem changes
@@ -21,7 +24,9 @@
 #define GAP 1e-11
 /* Rounding in the forces of an element, over its stiffness times its size. */
 #define NOISE (8 * DBL_EPSILON)
-enum { ESCAPES = 6, CHECKS = 2 };
+/* Residuals below this are near an equilibrium. */
+#define NEAR 0.1
+enum { ESCAPES = 6, PATIENCE = 12 };
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
   *at = (bwi_balance){0};
@@ -69,8 +74,7 @@ bw_status bwi_walk_balance(bwi_walk *walk, bwi_balance *at) {
   at->contacts = 0;
   if (walk->contact) {
     memset(at->contact, 0, (size_t)walk->size * sizeof *at->contact);
-    at->contacts =
-        bwi_contact_evaluate(walk->contact, at->u, &at->contact_energy, at->contact);
+    at->contacts = bwi_contact_evaluate(walk->contact, at->u, &at->contact_energy, at->contact);
     for (int64_t i = 0; i < walk->size; i++)
       at->load[i] += at->contact[i];
   }
@@ -120,15 +124,14 @@ static bw_status record(bwi_walk *walk, double step, int32_t cg, double residual
   if (!bw_grow(walk->context, (void **)&report->history, &walk->history_capacity,
                (size_t)report->history_count, 1, sizeof *report->history))
     return BW_MEMORY;
-  report->history[report->history_count++] =
-      (bw_newton_entry){.load = walk->load,
-                        .energy = walk->now.energy,
-                        .residual = residual,
-                        .step = step,
-                        .cg = cg,
-                        .contacts = (int32_t)(walk->now.contacts < INT32_MAX ? walk->now.contacts
-                                                                             : INT32_MAX),
-                        .projected = walk->projected};
+  report->history[report->history_count++] = (bw_newton_entry){
+      .load = walk->load,
+      .energy = walk->now.energy,
+      .residual = residual,
+      .step = step,
+      .cg = cg,
+      .contacts = (int32_t)(walk->now.contacts < INT32_MAX ? walk->now.contacts : INT32_MAX),
+      .projected = walk->tangent != BWI_PLAIN};
   return BW_OK;
 }
 
@@ -202,9 +205,9 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bw_status status = BW_OK;
   bool definite = true, lower = false;
   *stable = true;
-  if (walk->free == 0 || (walk->have_tangent && !walk->projected))
+  if (walk->free == 0 || (walk->have_tangent && walk->tangent == BWI_PLAIN))
     return BW_OK;
-  BW_TRY(bwi_tangent_set(walk, false, &definite));
+  BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
   if (definite)
     return BW_OK;
   BW_TRY(bwi_newton_leave(walk, &lower));
@@ -219,13 +222,14 @@ done:
 bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
   bw_status status = BW_OK;
   const bw_newton_options *options = walk->options;
-  bool project = false, moving;
+  bwi_tangent kind = BWI_PLAIN;
+  bool moving;
   double plain_below = 1; /* residual below which the tangent may be tried as it is again */
-  int escapes = 0;
+  int escapes = 0, projected = 0;
   *found = false;
   walk->load = load;
   walk->obstacle = BWI_NO_OBSTACLE;
-  walk->part = walk->previous = 0;
+  walk->part = walk->previous = walk->shift = 0;
   walk->have_tangent = false;
   if (walk->contact)
     bwi_contact_place(walk->contact, load, walk->begin != NULL);
@@ -258,7 +262,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
         walk->obstacle = BWI_UNSTABLE;
         goto done;
       }
-      project = true;
+      kind = BWI_SHIFTED;
       plain_below = 1e-2;
       bwi_walk_measure(walk);
     }
@@ -266,11 +270,13 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       break;
     double residual = walk->relative;
     if (walk->free > 0) {
-      BW_TRY(bwi_tangent_set(walk, project, &definite));
-      if (!definite && !project) {
-        project = true;
+      if (kind == BWI_PROJECTED && ++projected > PATIENCE)
+        kind = BWI_SHIFTED;
+      BW_TRY(bwi_tangent_set(walk, kind, &definite));
+      if (!definite && kind == BWI_PLAIN) {
+        kind = walk->relative < NEAR || projected > PATIENCE ? BWI_SHIFTED : BWI_PROJECTED;
         plain_below = fmin(plain_below, walk->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(walk, true, &definite));
+        BW_TRY(bwi_tangent_set(walk, kind, &definite));
       }
       if (!definite) {
         walk->obstacle = BWI_STIFFNESS;
@@ -290,8 +296,8 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       BW_TRY(bwi_newton_search(walk, slope, &step));
     if (step == 0) {
       BW_TRY(record(walk, 0, cg, residual));
-      if (!project) { /* once more with a direction that is sure to go down */
-        project = true;
+      if (kind == BWI_PLAIN) { /* once more with a direction that is sure to go down */
+        kind = BWI_PROJECTED;
         plain_below = fmin(plain_below, walk->relative) * 1e-2;
         continue;
       }
@@ -300,9 +306,10 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     }
     walk->previous = residual;
     BW_TRY(record(walk, step, cg, residual));
-    if (project && step == 1) {
+    if (kind != BWI_PLAIN && step >= 1) {
       bwi_walk_measure(walk);
-      project = walk->relative > fmin(plain_below, 0.1);
+      if (walk->relative <= fmin(plain_below, NEAR))
+        kind = BWI_PLAIN;
     }
   }
   walk->obstacle = BWI_ITERATIONS;

@@ -22,13 +22,21 @@ struct bw_newton {
 
 /* Energy and forces at displacements u. */
 typedef struct bwi_balance {
-  double *u, *internal, *load; /* internal: gradient of the energy; load: all else, floors included */
-  double *contact;             /* of floors alone, or NULL */
-  double energy;               /* of strain */
+  double *u, *internal,
+      *load;       /* internal: gradient of the energy; load: all else, floors included */
+  double *contact; /* of floors alone, or NULL */
+  double energy;   /* of strain */
   double contact_energy;
   int64_t contacts;
   bw_solid_shape shape;
 } bwi_balance;
+
+/* How the tangent is made definite. */
+typedef enum bwi_tangent {
+  BWI_PLAIN,     /* not at all */
+  BWI_PROJECTED, /* point by point: negative eigenvalues become zero */
+  BWI_SHIFTED    /* by adding to its diagonal, as little as will do */
+} bwi_tangent;
 
 /* Why an equilibrium was not found. */
 typedef enum bwi_obstacle {
@@ -47,23 +55,25 @@ typedef struct bwi_walk {
   const bw_solid_case *the;
   bw_newton *newton;
   const bw_newton_options *options;
-  int64_t size;   /* 3 node_count */
-  int64_t free;   /* components that are not held */
-  double *dead;   /* dead loads at full */
-  double *begin;  /* displacements at load factor 0, or NULL: rest */
-  double *fade;   /* what is out of balance there under full loads, or NULL. Balanced at load factor
-                     0, it fades: at load factor s, 1 - s of it is left */
-  bool follows;   /* the case has follower pressures */
+  int64_t size;  /* 3 node_count */
+  int64_t free;  /* components that are not held */
+  double *dead;  /* dead loads at full */
+  double *begin; /* displacements at load factor 0, or NULL: rest */
+  double *fade;  /* what is out of balance there under full loads, or NULL. Balanced at load factor
+                    0, it fades: at load factor s, 1 - s of it is left */
+  bool follows;  /* the case has follower pressures */
   bwi_contact *contact; /* or NULL */
   double load;
   bwi_balance now, trial;
-  double *blocks;                    /* 9 per node: diagonal of the last tangent */
+  double *blocks;                      /* 9 per node: diagonal of the last tangent */
   double *residual, *direction, *work; /* size each */
-  double reference, noise; /* forces that residuals are taken relative to, and what rounding leaves */
-  double relative;         /* the residual now */
-  bool projected;          /* the last tangent was */
+  double reference,
+      noise;           /* forces that residuals are taken relative to, and what rounding leaves */
+  double relative;     /* the residual now */
+  bwi_tangent tangent; /* the last one */
   bool have_tangent;
-  bool fresh; /* the stiffness kept is the plain one at now.u, without contact */
+  double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */
+  bool fresh;   /* the stiffness kept is the plain one at now.u, without contact */
   double previous; /* the residual one iteration before, for how exactly to solve */
   /* of a failed equilibrium */
   bwi_obstacle obstacle;
@@ -85,8 +95,7 @@ bw_status bwi_walk_loads(bwi_walk *walk, const double *u, double *load);
 void bwi_walk_measure(bwi_walk *walk);
 static inline double bwi_walk_target(const bwi_walk *walk, int64_t i) {
   double from = walk->begin ? walk->begin[i] : 0;
-  return walk->load >= 1 ? walk->the->value[i]
-                         : from + walk->load * (walk->the->value[i] - from);
+  return walk->load >= 1 ? walk->the->value[i] : from + walk->load * (walk->the->value[i] - from);
 }
 double bwi_walk_dot(const bwi_walk *walk, const double *a, const double *b); /* free components */
 
@@ -96,9 +105,9 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found);
 
 /* Node blocks of the plain stiffness at walk->now.u to walk->blocks. */
 bw_status bwi_tangent_blocks(bwi_walk *walk);
-/* The tangent at walk->now.u. *definite false: nothing to solve with. A projected one is made
- * definite by all means, or walk->obstacle says that it cannot be. */
-bw_status bwi_tangent_set(bwi_walk *walk, bool project, bool *definite);
+/* The tangent at walk->now.u. *definite false: nothing to solve with; for kinds but BWI_PLAIN that
+ * is a solid which can move freely, or numbers that are not finite. */
+bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite);
 /* y = K x with all components. */
 bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y);
 /* K d = f for free components, to a relative tolerance where that is iterative; *iterations (may be

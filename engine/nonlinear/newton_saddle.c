@@ -128,7 +128,7 @@ bw_status bwi_newton_leave(bwi_walk *walk, bool *lower) {
   *lower = false;
   newton->stiffness = NULL;
   newton->pairs = 0;
-  BW_TRY(bwi_tangent_set(walk, true, &definite));
+  BW_TRY(bwi_tangent_set(walk, BWI_PROJECTED, &definite));
   if (definite)
     BW_TRY(find_negative(walk, plain, &found));
   if (found)

@@ -134,58 +134,102 @@ done:
   return status;
 }
 
+/* What a search knows of its line. */
+typedef struct line {
+  double constant; /* power of loads that do not follow */
+  double power;    /* of those that do, at the beginning */
+  double change;   /* of the potential, at the last trial */
+  double rounding; /* what of that may be rounding */
+} line;
+
+/* walk->trial at `a` along the line. */
+static bw_status try_length(bwi_walk *walk, double a, line *l) {
+  bw_status status = BW_OK;
+  const bwi_balance *now = &walk->now, *trial = &walk->trial;
+  double work = l->constant * a, power[2];
+  if (walk->follows) {
+    BW_TRY(follower_power(walk, 0.5 * a, &power[0]));
+    BW_TRY(follower_power(walk, a, &power[1]));
+    work += a / 6 * (l->power + 4 * power[0] + power[1]);
+  }
+  for (int64_t i = 0; i < walk->size; i++)
+    walk->trial.u[i] = now->u[i] + a * walk->direction[i];
+  BW_TRY(bw_check_cancel(walk->context));
+  BW_TRY(bwi_walk_balance(walk, &walk->trial));
+  l->change = trial->energy - now->energy + trial->contact_energy - now->contact_energy - work;
+  l->rounding = ROUNDING * (fabs(trial->energy) + fabs(now->energy) + fabs(work) +
+                            fabs(trial->contact_energy) + fabs(now->contact_energy));
+done:
+  return status;
+}
+
+/* Whether the trial's slope says that the way was good, where energies no longer can. */
+static bool slope_is_less(const bwi_walk *walk, double slope) {
+  double ahead = 0;
+  for (int64_t i = 0; i < walk->size; i++)
+    if (!walk->the->held[i])
+      ahead += (walk->trial.internal[i] - walk->trial.load[i]) * walk->direction[i];
+  return fabs(ahead) <= 0.9 * fabs(slope);
+}
+
+/* Where a step falls by more than the tangent's parabola, which loses half of the slope, the
+ * tangent was projected and too stiff, as it is beside unstable equilibria: twice the step, and
+ * again, while that pays. */
+static bool worth_more(const line *l, double a, double slope) {
+  return l->change < 0.6 * a * slope && -l->change > l->rounding;
+}
+
+static bw_status extend(bwi_walk *walk, double slope, line *l, double *step) {
+  bw_status status = BW_OK;
+  double best = l->change, a = *step;
+  while (walk->tangent != BWI_PLAIN && a < 1e6 && worth_more(l, a, slope)) {
+    BW_TRY(try_length(walk, 2 * a, l));
+    if (!walk->trial.shape.defined || !(l->change < best))
+      break;
+    a *= 2;
+    best = l->change;
+  }
+  if (a == *step && l->change == best)
+    goto done; /* the trial is that step */
+  *step = a;
+  BW_TRY(try_length(walk, a, l));
+done:
+  return status;
+}
+
 bw_status bwi_newton_search(bwi_walk *walk, double slope, double *step) {
   bw_status status = BW_OK;
   const double *d = walk->direction;
-  double a = 1, constant = 0, power[3] = {0}, longest = 0;
+  double a = 1, longest = 0;
+  line l = {0};
   *step = 0;
-  /* the work of loads that do not follow: those at the state now, less contact and followers */
   for (int64_t i = 0; i < walk->size; i++)
     longest = fmax(longest, fabs(d[i]));
   if (!isfinite(longest) || !isfinite(slope))
     return BW_OK;
   for (int64_t i = 0; i < walk->size; i++)
     if (!walk->the->held[i])
-      constant += (walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0)) * d[i];
+      l.constant += (walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0)) * d[i];
   if (walk->follows) {
-    BW_TRY(follower_power(walk, 0, &power[0]));
-    constant -= power[0];
+    BW_TRY(follower_power(walk, 0, &l.power));
+    l.constant -= l.power;
   }
   for (int k = 0; k < TRIALS; k++) {
-    double work = constant * a;
-    if (walk->follows) {
-      BW_TRY(follower_power(walk, 0.5 * a, &power[1]));
-      BW_TRY(follower_power(walk, a, &power[2]));
-      work += a / 6 * (power[0] + 4 * power[1] + power[2]);
-    }
-    for (int64_t i = 0; i < walk->size; i++)
-      walk->trial.u[i] = walk->now.u[i] + a * d[i];
-    BW_TRY(bw_check_cancel(walk->context));
-    BW_TRY(bwi_walk_balance(walk, &walk->trial));
+    BW_TRY(try_length(walk, a, &l));
     if (!walk->trial.shape.defined) {
       double part;
       BW_TRY(bwi_newton_cap(walk->context, walk->solid, walk->now.u, d, false, &part));
       a = fmin(0.5 * a, 0.8 * part);
       continue;
     }
-    double change = walk->trial.energy - walk->now.energy + walk->trial.contact_energy -
-                    walk->now.contact_energy - work;
-    double size = fabs(walk->trial.energy) + fabs(walk->now.energy) + fabs(work) +
-                  fabs(walk->trial.contact_energy) + fabs(walk->now.contact_energy);
-    bool good = change <= ARMIJO * a * slope;
-    if (!good && change <= ROUNDING * size) { /* the slope says what the energies no longer can */
-      double ahead = 0;
-      for (int64_t i = 0; i < walk->size; i++)
-        if (!walk->the->held[i])
-          ahead += (walk->trial.internal[i] - walk->trial.load[i]) * d[i];
-      good = fabs(ahead) <= 0.9 * fabs(slope);
-    }
-    if (good) {
-      bwi_walk_accept(walk);
+    if (l.change <= ARMIJO * a * slope || (l.change <= l.rounding && slope_is_less(walk, slope))) {
       *step = a;
+      if (k == 0)
+        BW_TRY(extend(walk, slope, &l, step));
+      bwi_walk_accept(walk);
       return BW_OK;
     }
-    double curvature = change - a * slope; /* of the parabola, times a^2 */
+    double curvature = l.change - a * slope; /* of the parabola, times a^2 */
     double best = curvature > 0 ? -0.5 * slope * a * a / curvature : 0;
     a = fmin(0.5 * a, fmax(0.1 * a, best));
   }

