@@ -70,6 +70,8 @@ bw_status bwi_walk_balance(bwi_walk *walk, bwi_balance *at) {
   if (!at->shape.defined)
     goto done;
   BW_TRY(bwi_walk_loads(walk, at->u, at->load));
+  if (walk->quadratic)
+    BW_TRY(bwi_quadratic_evaluate(walk, at));
   at->contact_energy = 0;
   at->contacts = 0;
   if (walk->contact) {
@@ -103,7 +105,7 @@ void bwi_walk_measure(bwi_walk *walk) {
     }
   }
   walk->noise = NOISE * sqrt(noise);
-  walk->reference = sqrt(applied) + sqrt(held) + sqrt(contact);
+  walk->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
   double least = walk->noise / walk->options->tolerance;
   walk->relative = left > 0 ? sqrt(left) / fmax(walk->reference, least) : 0;
   if (!isfinite(walk->relative))
@@ -205,7 +207,7 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bw_status status = BW_OK;
   bool definite = true, lower = false;
   *stable = true;
-  if (walk->free == 0 || (walk->have_tangent && walk->tangent == BWI_PLAIN))
+  if (walk->free == 0 || walk->quadratic || (walk->have_tangent && walk->tangent == BWI_PLAIN))
     return BW_OK;
   BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
   if (definite)

@@ -20,13 +20,26 @@ struct bw_newton {
   int64_t pairs;
 };
 
+/* What may be added to the potential: 1/2 (u - centre) . Q (u - centre) + force . (u - centre),
+ * Q = of_mass M + of_stiffness K. A step in time has one; nothing need be held then, and any state
+ * without a residual is its solution. */
+typedef struct bwi_quadratic {
+  const double *centre, *force; /* node_count x 3 */
+  double of_mass;               /* 1/s2 */
+  const double *stiffness;      /* K, 9 per pair of the graph, or NULL */
+  double of_stiffness;
+  double *room[2]; /* node_count x 3 */
+} bwi_quadratic;
+
 /* Energy and forces at displacements u. */
 typedef struct bwi_balance {
-  double *u, *internal,
-      *load;       /* internal: gradient of the energy; load: all else, floors included */
-  double *contact; /* of floors alone, or NULL */
-  double energy;   /* of strain */
-  double contact_energy;
+  double *u;
+  double *internal; /* gradient of the energy of strain and of the quadratic term */
+  double *load;     /* all else, floors included */
+  double *contact;  /* of floors alone, or NULL */
+  double energy;    /* of strain */
+  double contact_energy, quadratic_energy;
+  double quadratic_size; /* norm of the quadratic term's gradient */
   int64_t contacts;
   bw_solid_shape shape;
 } bwi_balance;
@@ -62,7 +75,8 @@ typedef struct bwi_walk {
   double *fade;  /* what is out of balance there under full loads, or NULL. Balanced at load factor
                     0, it fades: at load factor s, 1 - s of it is left */
   bool follows;  /* the case has follower pressures */
-  bwi_contact *contact; /* or NULL */
+  bwi_contact *contact;           /* or NULL */
+  const bwi_quadratic *quadratic; /* or NULL */
   double load;
   bwi_balance now, trial;
   double *blocks;                      /* 9 per node: diagonal of the last tangent */
@@ -81,6 +95,16 @@ typedef struct bwi_walk {
   bw_newton_report *report;
   size_t history_capacity;
 } bwi_walk;
+
+/* Room for a walk whose context, solid, case, newton, options and report are set; it begins at
+ * rest, at load factor 0. The contact is not made. */
+bw_status bwi_walk_create(bwi_walk *walk);
+void bwi_walk_clear(bwi_walk *walk);
+
+/* The quadratic term's energy at at->u; its gradient is added to at->internal (quadratic.c). */
+bw_status bwi_quadratic_evaluate(bwi_walk *walk, bwi_balance *at);
+/* Its second derivatives, added to the stiffness kept and to the walk's blocks. */
+void bwi_quadratic_stiffness(bwi_walk *walk);
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at);
 void bwi_balance_clear(bwi_balance *at);

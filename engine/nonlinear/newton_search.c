@@ -156,9 +156,11 @@ static bw_status try_length(bwi_walk *walk, double a, line *l) {
     walk->trial.u[i] = now->u[i] + a * walk->direction[i];
   BW_TRY(bw_check_cancel(walk->context));
   BW_TRY(bwi_walk_balance(walk, &walk->trial));
-  l->change = trial->energy - now->energy + trial->contact_energy - now->contact_energy - work;
+  l->change = trial->energy - now->energy + trial->contact_energy - now->contact_energy +
+              trial->quadratic_energy - now->quadratic_energy - work;
   l->rounding = ROUNDING * (fabs(trial->energy) + fabs(now->energy) + fabs(work) +
-                            fabs(trial->contact_energy) + fabs(now->contact_energy));
+                            fabs(trial->contact_energy) + fabs(now->contact_energy) +
+                            fabs(trial->quadratic_energy) + fabs(now->quadratic_energy));
 done:
   return status;
 }

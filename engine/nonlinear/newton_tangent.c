@@ -100,6 +100,10 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
   walk->tangent = kind;
   walk->have_tangent = true;
   BW_TRY(evaluate(walk, kind == BWI_PROJECTED));
+  if (walk->quadratic) {
+    bwi_quadratic_stiffness(walk);
+    walk->fresh = false;
+  }
   if (walk->contact) {
     bwi_contact_stiffness(walk->contact, walk->solid->graph, walk->newton->stiffness);
     walk->fresh = false;

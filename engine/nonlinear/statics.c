@@ -83,7 +83,7 @@ static bw_status check(bw_context *context, const bw_solid *solid, const bw_soli
   return BW_OK;
 }
 
-static void walk_clear(bwi_walk *walk) {
+void bwi_walk_clear(bwi_walk *walk) {
   bw_free(walk->dead);
   bw_free(walk->begin);
   bw_free(walk->fade);
@@ -109,11 +109,9 @@ static bw_status say_undefined(bwi_walk *walk) {
   return status;
 }
 
-/* Everything at load factor 0. */
-static bw_status walk_begin(bwi_walk *walk) {
+bw_status bwi_walk_create(bwi_walk *walk) {
   bw_status status = BW_OK;
   bw_context *context = walk->context;
-  const double *start = walk->options->start;
   int64_t n = walk->size = 3 * (int64_t)walk->solid->grid->node_count;
   for (int64_t i = 0; i < n; i++)
     walk->free += !walk->the->held[i];
@@ -128,6 +126,17 @@ static bw_status walk_begin(bwi_walk *walk) {
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->now));
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->trial));
   BW_TRY(bwi_case_dead(context, walk->solid, walk->the, walk->dead));
+done:
+  return status;
+}
+
+/* Everything at load factor 0. */
+static bw_status walk_begin(bwi_walk *walk) {
+  bw_status status = BW_OK;
+  bw_context *context = walk->context;
+  const double *start = walk->options->start;
+  BW_TRY(bwi_walk_create(walk));
+  int64_t n = walk->size;
   if (start) {
     walk->begin = BW_NEW(context, double, n);
     walk->fade = BW_NEW0(context, double, n);
@@ -307,7 +316,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_
   *out = result;
   result = NULL;
 done:
-  walk_clear(&walk);
+  bwi_walk_clear(&walk);
   bw_newton_free(own);
   bw_free(multiplier);
   bw_release(result);

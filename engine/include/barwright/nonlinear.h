@@ -279,6 +279,7 @@ typedef struct bw_motion_options {
   double beta, gamma;                     /* Newmark; default 1/4, 1/2 */
   double tolerance;                       /* as in bw_newton_options */
   int iterations;                         /* 1: linearly implicit; default 30 */
+  bool allow_inverted;                    /* as in bw_newton_options */
 } bw_motion_options;
 void bw_motion_options_default(bw_motion_options *options);
 /* A solid in motion under a constant case, its loads at full. Mutable. */
@@ -289,13 +290,15 @@ typedef struct bw_solid_motion {
   bw_motion_options options;
   double time;
   int64_t steps;
-  double *displacement, *velocity, *acceleration; /* node_count x 3 */
+  double *displacement, *velocity, *acceleration; /* node_count x 3; Newmark's acceleration is
+                                                     without the push of floors */
   double kinetic, strain, potential;              /* J; potential: of loads and gravity */
   double dissipated;       /* by damping and the scheme, so that the sum stays */
   bw_newton_report report; /* of the last step */
   struct bwi_motion *inner;
 } bw_solid_motion;
-/* u and v (node_count x 3) may be NULL: at rest. BW_INVALID for a solid without density. */
+/* u and v (node_count x 3) may be NULL: at rest. What is held is where the case has it from the
+ * start. BW_INVALID for a solid without density. */
 bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
                                  const bw_solid_case *the, const bw_motion_options *options,
                                  const double *u, const double *v, bw_solid_motion **motion);

@@ -1,0 +1,220 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Motions of solids: what one is, and where it begins. */
+#include "nonlinear/motion.h"
+
+#include <math.h>
+#include <string.h>
+
+static void destroy(void *object) {
+  bw_solid_motion *motion = (bw_solid_motion *)object;
+  bwi_motion *inner = motion->inner;
+  if (inner) {
+    bw_newton_free(inner->newton);
+    bw_free(inner->dead);
+    bwi_contact_free(inner->contact);
+    bw_free(inner->multiplier);
+    bw_free(inner->damping);
+    bw_free(inner->centre);
+    bw_free(inner->next_velocity);
+    bw_free(inner->room[0]);
+    bw_free(inner->room[1]);
+    bw_free(inner->room[2]);
+    bw_free(inner);
+  }
+  bw_free(motion->report.history);
+  bw_free(motion->displacement);
+  bw_free(motion->velocity);
+  bw_free(motion->acceleration);
+  bw_release(motion->the);
+  bw_release(motion->solid);
+  bw_free(motion);
+}
+
+static size_t bytes(const void *object) {
+  const bw_solid_motion *motion = (const bw_solid_motion *)object;
+  size_t nodes = (size_t)motion->solid->grid->node_count;
+  size_t damping = motion->inner && motion->inner->damping ? 9 : 0;
+  return sizeof *motion + nodes * 9 * 3 * sizeof(double) +
+         damping * (size_t)motion->solid->graph->pair_count * sizeof(double);
+}
+
+static const bw_kind motion_kind = {"motion", destroy, bytes};
+
+void bw_motion_options_default(bw_motion_options *options) {
+  *options = (bw_motion_options){.scheme = BW_IMPLICIT_EULER,
+                                 .step = 0.01,
+                                 .beta = 0.25,
+                                 .gamma = 0.5,
+                                 .tolerance = 1e-6,
+                                 .iterations = 30};
+}
+
+bw_status bwi_motion_check(bw_context *context, const bw_motion_options *o) {
+  if (o->scheme != BW_IMPLICIT_EULER && o->scheme != BW_NEWMARK)
+    return bw_fail(context, BW_INVALID, "there is no scheme %d of motion", (int)o->scheme);
+  if (!(o->step > 0) || !isfinite(o->step))
+    return bw_fail(context, BW_INVALID, "the time step is %g s; it must be positive", o->step);
+  if (!(o->mass_damping >= 0 && o->stiffness_damping >= 0) || !isfinite(o->mass_damping) ||
+      !isfinite(o->stiffness_damping))
+    return bw_fail(context, BW_INVALID,
+                   "damping by mass %g 1/s, by stiffness %g s: neither may be negative",
+                   o->mass_damping, o->stiffness_damping);
+  if (!(o->tolerance > 0 && o->tolerance < 1))
+    return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
+                   o->tolerance);
+  if (o->iterations < 1)
+    return bw_fail(context, BW_INVALID,
+                   "%d iterations in a step; 1 for the linearly implicit integrator, 30 otherwise",
+                   o->iterations);
+  if (o->scheme == BW_NEWMARK && !(o->gamma >= 0.5 && o->gamma <= 2))
+    return bw_fail(context, BW_INVALID,
+                   "Newmark's gamma is %g; below 1/2 motions grow by themselves, above 2 nothing "
+                   "is left of them. 1/2 keeps the energy",
+                   o->gamma);
+  if (o->scheme == BW_NEWMARK && !(2 * o->beta >= o->gamma && o->beta <= 2))
+    return bw_fail(context, BW_INVALID,
+                   "Newmark's beta is %g; below gamma / 2 = %g the method is stable for short "
+                   "steps only. 1/4 is average acceleration",
+                   o->beta, o->gamma / 2);
+  return BW_OK;
+}
+
+bwi_motion_rule bwi_motion_rule_of(const bw_motion_options *o) {
+  double h = o->step;
+  if (o->scheme == BW_IMPLICIT_EULER)
+    return (bwi_motion_rule){h * h, 1 / h, 0, 0};
+  return (bwi_motion_rule){o->beta * h * h, o->gamma / (o->beta * h), (0.5 - o->beta) * h * h,
+                           (1 - o->gamma) * h};
+}
+
+static bw_status check_finite(bw_context *context, const char *what, const double *value,
+                              int64_t count) {
+  for (int64_t i = 0; i < count; i++)
+    if (!isfinite(value[i])) {
+      bw_fail(context, BW_INVALID, "the %s of node %lld is %g", what, (long long)(i / 3 + 1),
+              value[i]);
+      bw_detail_number(context, "node", (double)(i / 3 + 1));
+      return BW_INVALID;
+    }
+  return BW_OK;
+}
+
+static bw_status make_room(bw_context *context, bw_solid_motion *motion) {
+  bwi_motion *inner = motion->inner = BW_NEW0(context, bwi_motion, 1);
+  if (!inner)
+    return BW_MEMORY;
+  double **room[] = {&motion->displacement, &motion->velocity, &motion->acceleration,
+                     &inner->dead,          &inner->centre,    &inner->next_velocity,
+                     &inner->room[0],       &inner->room[1],   &inner->room[2]};
+  for (size_t k = 0; k < sizeof room / sizeof *room; k++) {
+    *room[k] = BW_NEW0(context, double, 3 * (int64_t)motion->solid->grid->node_count);
+    if (!*room[k])
+      return BW_MEMORY;
+  }
+  return bw_newton_create(context, &inner->newton);
+}
+
+double bwi_motion_kinetic(const bw_solid *solid, const double *v) {
+  double sum = 0;
+  for (int64_t i = 0; i < solid->grid->node_count; i++)
+    sum += solid->mass[i] * bw_dot(v + 3 * i, v + 3 * i);
+  return 0.5 * sum;
+}
+
+double bwi_motion_work(const bw_solid_motion *motion, const double *u) {
+  double sum = 0;
+  for (int64_t i = 0; i < 3 * (int64_t)motion->solid->grid->node_count; i++)
+    sum += motion->inner->dead[i] * u[i];
+  return sum;
+}
+
+bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion) {
+  bwi_motion *inner = motion->inner;
+  bw_solid_shape shape;
+  if (!inner->damping)
+    inner->damping = BW_NEW(context, double, 9 * motion->solid->graph->pair_count);
+  if (!inner->damping)
+    return BW_MEMORY;
+  return bw_solid_evaluate(context, motion->solid, motion->displacement, true, NULL, NULL,
+                           inner->damping, &shape);
+}
+
+/* M a = f - grad W - C v, and the strain energy. */
+static bw_status begin(bw_context *context, bw_solid_motion *motion) {
+  bw_status status = BW_OK;
+  const bw_solid *solid = motion->solid;
+  bwi_motion *inner = motion->inner;
+  double *force = inner->room[0], *other = inner->room[1];
+  int64_t size = 3 * (int64_t)solid->grid->node_count;
+  bw_solid_shape shape;
+  BW_TRY(bw_solid_evaluate(context, solid, motion->displacement, false, &motion->strain, other,
+                           NULL, &shape));
+  if (!shape.defined || !isfinite(motion->strain)) {
+    status = bw_fail(context, BW_GEOMETRY,
+                     "the shape that the motion should begin with has no energy: element %d is "
+                     "turned inside out (det F = %g)",
+                     (int)shape.worst + 1, shape.least_ratio);
+    bw_detail_number(context, "element", shape.worst + 1);
+    goto done;
+  }
+  memcpy(force, inner->dead, (size_t)size * sizeof *force);
+  BW_TRY(bwi_case_follow(context, motion->the, motion->displacement, 1, force));
+  for (int64_t i = 0; i < size; i++)
+    force[i] -= other[i];
+  if (motion->options.stiffness_damping > 0) {
+    BW_TRY(bwi_motion_tangent(context, motion));
+    BW_TRY(
+        bw_graph_multiply(context, solid->graph, inner->damping, 9, 3, 1, motion->velocity, other));
+    for (int64_t i = 0; i < size; i++)
+      force[i] -= motion->options.stiffness_damping * other[i];
+  }
+  for (int64_t i = 0; i < size; i++)
+    motion->acceleration[i] =
+        motion->the->held[i]
+            ? 0
+            : force[i] / solid->mass[i / 3] - motion->options.mass_damping * motion->velocity[i];
+  motion->kinetic = bwi_motion_kinetic(solid, motion->velocity);
+  motion->potential = -bwi_motion_work(motion, motion->displacement);
+done:
+  return status;
+}
+
+bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
+                                 const bw_solid_case *the, const bw_motion_options *options,
+                                 const double *u, const double *v, bw_solid_motion **out) {
+  bw_status status = BW_OK;
+  bw_solid_motion *motion = NULL;
+  bw_motion_options plain;
+  int64_t size = 3 * (int64_t)solid->grid->node_count;
+  bw_motion_options_default(&plain);
+  options = options ? options : &plain;
+  BW_TRY(bwi_motion_check(context, options));
+  if (the->grid != solid->grid)
+    return bw_fail(context, BW_INVALID, "the supports and loads belong to another grid");
+  if (solid->weightless)
+    return bw_fail(context, BW_INVALID,
+                   "a motion needs every material's density, and one is not known: give it one");
+  if (u)
+    BW_TRY(check_finite(context, "displacement", u, size));
+  if (v)
+    BW_TRY(check_finite(context, "velocity", v, size));
+  motion = BW_NEW0(context, bw_solid_motion, 1);
+  if (!motion)
+    return BW_MEMORY;
+  bw_object_init(motion, &motion_kind);
+  motion->solid = bw_retain(solid);
+  motion->the = bw_retain(the);
+  motion->options = *options;
+  BW_TRY(make_room(context, motion));
+  for (int64_t i = 0; i < size; i++) {
+    motion->displacement[i] = the->held[i] ? the->value[i] : u ? u[i] : 0;
+    motion->velocity[i] = the->held[i] || !v ? 0 : v[i];
+  }
+  BW_TRY(bwi_case_dead(context, solid, the, motion->inner->dead));
+  BW_TRY(begin(context, motion));
+  *out = motion;
+  motion = NULL;
+done:
+  bw_release(motion);
+  return status;
+}

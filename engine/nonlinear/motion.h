@@ -1,0 +1,40 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of motion share.
+ *
+ * Invariants between steps: held components of u are the case's values, and their velocities and
+ * accelerations 0; kinetic + strain + potential + dissipated changes by the work of follower
+ * pressures only; Newmark's acceleration is without the push of floors. A step that fails has
+ * written nothing but what is marked as room. */
+#ifndef BWI_NONLINEAR_MOTION_H
+#define BWI_NONLINEAR_MOTION_H
+
+#include "nonlinear/newton.h"
+
+typedef struct bwi_motion {
+  bw_newton *newton;
+  double *dead; /* node_count x 3: loads that do not follow */
+  bwi_contact *contact;
+  double contact_for; /* the factor of the mass that `contact` was made for */
+  /* room */
+  double *multiplier; /* of contact, before the step */
+  double *damping;    /* 9 per pair: the tangent at the step's start, where damping needs it */
+  double *centre, *next_velocity, *room[3]; /* node_count x 3 each */
+} bwi_motion;
+
+/* The coefficients of a step of length h, with which the end's displacement u gives
+ *   a = (u - u*) / displacement,        u* = u + h v + old_displacement a,
+ *   v = v* + velocity (u - u*),         v* = v + old_velocity a. */
+typedef struct bwi_motion_rule {
+  double displacement, velocity, old_displacement, old_velocity;
+} bwi_motion_rule;
+bwi_motion_rule bwi_motion_rule_of(const bw_motion_options *options);
+
+/* BW_INVALID says which option cannot be. */
+bw_status bwi_motion_check(bw_context *context, const bw_motion_options *options);
+double bwi_motion_kinetic(const bw_solid *solid, const double *v);
+/* Of loads that do not follow. */
+double bwi_motion_work(const bw_solid_motion *motion, const double *u);
+/* The projected tangent at the motion's displacements, into inner->damping. */
+bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion);
+
+#endif

@@ -1,0 +1,243 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* One step of a motion: the minimum of the incremental potential
+ *
+ *   potential(u) + 1/2 (u - u*)^T Q (u - u*) + (u - u*)^T C v*,
+ *   Q = M / displacement + velocity C,   C = am M + ak K(u at the step's start),
+ *
+ * whose gradient is the equation of motion at the step's end with a and v as in bwi_motion_rule. */
+#include "nonlinear/motion.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Contact is set up for the matrix of a step: as stiff against it as a static one against the
+ * solid. */
+static bw_status prepare_floors(bw_context *context, bw_solid_motion *motion, double of_mass) {
+  bw_status status = BW_OK;
+  bwi_motion *inner = motion->inner;
+  const bw_solid *solid = motion->solid;
+  const bw_graph *graph = solid->graph;
+  int64_t nodes = solid->grid->node_count;
+  double *blocks = NULL, *matrix = NULL;
+  bwi_contact *contact = NULL;
+  bw_solid_shape shape;
+  if (motion->the->floor_count == 0 || (inner->contact && inner->contact_for == of_mass))
+    return BW_OK;
+  blocks = BW_NEW(context, double, 9 * nodes);
+  matrix = BW_NEW(context, double, 9 * graph->pair_count);
+  if (!blocks || !matrix) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memset(inner->room[0], 0, 3 * (size_t)nodes * sizeof(double));
+  BW_TRY(bw_solid_evaluate(context, solid, inner->room[0], true, NULL, NULL, matrix, &shape));
+  for (int64_t i = 0; i < nodes; i++) {
+    memcpy(blocks + 9 * i, matrix + 9 * (graph->start[i + 1] - 1), 9 * sizeof *blocks);
+    for (int c = 0; c < 3; c++)
+      blocks[9 * i + 4 * c] += of_mass * solid->mass[i];
+  }
+  BW_TRY(bwi_contact_create(context, motion->the, blocks, &contact));
+  double *before = BW_NEW0(context, double, contact->count);
+  if (!before) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  bwi_contact_free(inner->contact);
+  bw_free(inner->multiplier);
+  inner->contact = contact;
+  inner->multiplier = before;
+  inner->contact_for = of_mass;
+  contact = NULL;
+done:
+  bwi_contact_free(contact);
+  bw_free(blocks);
+  bw_free(matrix);
+  return status;
+}
+
+/* u*, v* (into next_velocity) and C v* (into room[0]). */
+static bw_status set_centre(bw_context *context, bw_solid_motion *motion,
+                            const bwi_motion_rule *rule) {
+  bw_status status = BW_OK;
+  const bw_motion_options *o = &motion->options;
+  const bw_solid *solid = motion->solid;
+  bwi_motion *inner = motion->inner;
+  int64_t size = 3 * (int64_t)solid->grid->node_count;
+  for (int64_t i = 0; i < size; i++) {
+    bool held = motion->the->held[i];
+    inner->centre[i] = motion->displacement[i];
+    inner->next_velocity[i] = 0;
+    if (held)
+      continue;
+    inner->centre[i] +=
+        o->step * motion->velocity[i] + rule->old_displacement * motion->acceleration[i];
+    inner->next_velocity[i] = motion->velocity[i] + rule->old_velocity * motion->acceleration[i];
+  }
+  if (o->stiffness_damping > 0) {
+    BW_TRY(bwi_motion_tangent(context, motion));
+    BW_TRY(bw_graph_multiply(context, solid->graph, inner->damping, 9, 3, 1, inner->next_velocity,
+                             inner->room[0]));
+  } else
+    memset(inner->room[0], 0, (size_t)size * sizeof(double));
+  for (int64_t i = 0; i < size; i++)
+    inner->room[0][i] = o->stiffness_damping * inner->room[0][i] +
+                        o->mass_damping * solid->mass[i / 3] * inner->next_velocity[i];
+done:
+  return status;
+}
+
+/* Where to begin: at the shape that the accelerations lead to if they stay, where that is lower
+ * than the shape now. The linearly implicit step is linear about the shape now. */
+static bw_status choose_start(bw_solid_motion *motion, const bwi_motion_rule *rule,
+                              bwi_walk *walk) {
+  bw_status status = BW_OK;
+  bwi_balance *now = &walk->now, *ahead = &walk->trial;
+  memcpy(now->u, motion->displacement, (size_t)walk->size * sizeof(double));
+  if (motion->options.iterations == 1)
+    return BW_OK;
+  for (int64_t i = 0; i < walk->size; i++)
+    ahead->u[i] =
+        motion->inner->centre[i] + rule->displacement * motion->acceleration[i]; /* held: 0 */
+  BW_TRY(bwi_walk_balance(walk, now));
+  BW_TRY(bwi_walk_balance(walk, ahead));
+  if (!ahead->shape.defined)
+    goto done;
+  double change = 0, work = 0;
+  for (int64_t i = 0; i < walk->size; i++)
+    work += motion->inner->dead[i] * (ahead->u[i] - now->u[i]);
+  change = ahead->energy + ahead->quadratic_energy + ahead->contact_energy - now->energy -
+           now->quadratic_energy - now->contact_energy - work;
+  if (change < 0)
+    memcpy(now->u, ahead->u, (size_t)walk->size * sizeof(double));
+done:
+  return status;
+}
+
+static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
+                            const bwi_walk *walk) {
+  const bw_motion_options *o = &motion->options;
+  const bw_solid_shape *shape = &walk->now.shape;
+  double at[3];
+  bw_status status;
+  int32_t worst = shape->worst;
+  bw_grid_position(motion->solid->grid, motion->solid->grid->element[8 * (int64_t)worst], at);
+  if (walk->obstacle == BWI_INVERTED)
+    status = bw_fail(context, BW_GEOMETRY,
+                     "the step from %g s, %g s long, ends with %lld elements turned inside out, "
+                     "the worst element %d at (%g, %g, %g) m with det F = %.3g. Make the step "
+                     "shorter, or allow inverted elements",
+                     motion->time, o->step, (long long)shape->inverted, (int)worst + 1, at[0],
+                     at[1], at[2], shape->least_ratio);
+  else
+    status = bw_fail(context, BW_CONVERGENCE,
+                     "the step from %g s, %g s long, found no solution in %d iterations: the "
+                     "residual is %.2e of the forces at work, the tolerance %.2e; the most "
+                     "squeezed element is %d at (%g, %g, %g) m, det F = %.3g. Make the step "
+                     "shorter, or allow more iterations",
+                     motion->time, o->step, walk->report->iterations, walk->relative, o->tolerance,
+                     (int)worst + 1, at[0], at[1], at[2], shape->least_ratio);
+  bw_detail_number(context, "time", motion->time);
+  bw_detail_number(context, "step", o->step);
+  bw_detail_number(context, "residual", walk->relative);
+  bw_detail_number(context, "element", worst + 1);
+  for (int d = 0; d < 3; d++)
+    bw_detail_number(context, d == 0 ? "x" : d == 1 ? "y" : "z", at[d]);
+  return status;
+}
+
+/* Nothing fails from here on. */
+static void take(bw_solid_motion *motion, const bwi_motion_rule *rule, const bwi_walk *walk,
+                 double follower_work) {
+  bwi_motion *inner = motion->inner;
+  const bw_solid *solid = motion->solid;
+  double before = motion->kinetic + motion->strain + motion->potential;
+  for (int64_t i = 0; i < walk->size; i++) {
+    double moved = walk->now.u[i] - inner->centre[i];
+    if (motion->the->held[i])
+      continue;
+    motion->displacement[i] = walk->now.u[i];
+    motion->velocity[i] = inner->next_velocity[i] + rule->velocity * moved;
+    motion->acceleration[i] = moved / rule->displacement;
+    if (walk->now.contact && motion->options.scheme == BW_NEWMARK)
+      motion->acceleration[i] -= walk->now.contact[i] / solid->mass[i / 3];
+  }
+  motion->strain = walk->now.energy;
+  motion->kinetic = bwi_motion_kinetic(solid, motion->velocity);
+  motion->potential = -bwi_motion_work(motion, motion->displacement);
+  motion->dissipated +=
+      before + follower_work - motion->kinetic - motion->strain - motion->potential;
+  motion->time += motion->options.step;
+  motion->steps++;
+}
+
+bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
+  bw_status status = BW_OK;
+  const bw_motion_options *o = &motion->options;
+  bwi_motion *inner = motion->inner;
+  bw_newton_options newton;
+  bw_newton_report report = {0};
+  bwi_walk walk = {.context = context, .solid = motion->solid, .the = motion->the};
+  double start = bw_seconds(), work = 0;
+  bool found = false;
+  BW_TRY(bwi_motion_check(context, o));
+  BW_TRY(bw_check_cancel(context));
+  bwi_motion_rule rule = bwi_motion_rule_of(o);
+  double of_mass = 1 / rule.displacement + rule.velocity * o->mass_damping;
+  BW_TRY(prepare_floors(context, motion, of_mass));
+  BW_TRY(set_centre(context, motion, &rule));
+  bwi_quadratic inertia = {.centre = inner->centre,
+                           .force = inner->room[0],
+                           .of_mass = of_mass,
+                           .stiffness = o->stiffness_damping > 0 ? inner->damping : NULL,
+                           .of_stiffness = rule.velocity * o->stiffness_damping,
+                           .room = {inner->room[1], inner->room[2]}};
+  bw_newton_options_default(&newton);
+  newton.tolerance = o->tolerance;
+  newton.iterations = o->iterations;
+  newton.allow_inverted = o->allow_inverted;
+  walk.newton = inner->newton;
+  walk.options = &newton;
+  walk.report = &report;
+  BW_TRY(bwi_walk_create(&walk));
+  walk.load = 1;
+  walk.quadratic = &inertia;
+  walk.contact = inner->contact;
+  if (inner->contact) {
+    memcpy(inner->multiplier, inner->contact->multiplier,
+           (size_t)inner->contact->count * sizeof(double));
+    bwi_contact_place(inner->contact, 1, false);
+  }
+  BW_TRY(choose_start(motion, &rule, &walk));
+  BW_TRY(bwi_newton_equilibrium(&walk, 1, &found));
+  bool went = report.history_count > 0 && report.history[report.history_count - 1].step > 0;
+  if (!found && !(o->iterations == 1 && walk.obstacle == BWI_ITERATIONS && went)) {
+    status = say_failed(context, motion, &walk);
+    goto done;
+  }
+  if (walk.follows) { /* by the trapezoidal rule */
+    const double *u[2] = {motion->displacement, walk.now.u};
+    memset(inner->room[1], 0, (size_t)walk.size * sizeof(double));
+    for (int k = 0; k < 2; k++)
+      BW_TRY(bwi_case_follow(context, motion->the, u[k], 0.5, inner->room[1]));
+    for (int64_t i = 0; i < walk.size; i++)
+      work += inner->room[1][i] * (u[1][i] - u[0][i]);
+  }
+  take(motion, &rule, &walk, work);
+  report.shape = walk.now.shape;
+  report.contacts = walk.now.contacts;
+  report.load = 1;
+  report.load_steps = 1;
+  report.residual = walk.relative;
+  report.seconds = bw_seconds() - start;
+  bw_free(motion->report.history);
+  motion->report = report;
+  report.history = NULL;
+done:
+  if (status != BW_OK && inner->contact && walk.contact)
+    memcpy(inner->contact->multiplier, inner->multiplier,
+           (size_t)inner->contact->count * sizeof(double));
+  walk.contact = NULL; /* the motion's */
+  bwi_walk_clear(&walk);
+  bw_free(report.history);
+  return status;
+}
