@@ -1,141 +1,194 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Energy of a solid, its gradient and its second derivatives. */
+/* Energy of a solid, its gradient and its second derivatives.
+ *
+ * Elements are computed window by window, into a ring that holds no more of them than the nodes
+ * still to be gathered need; after each window the nodes all of whose elements are done sum what
+ * these hold, in ascending order of elements. So the element stiffnesses of a large solid pass
+ * through the cache instead of memory, and no number depends on the threads. */
 #include "nonlinear/internal.h"
 
-#include <math.h>
-#include <string.h>
-
-enum { ELEMENTS_PER_CHUNK = 64, ROWS_PER_CHUNK = 256, SIZE = 24 };
-
-typedef struct element_shape {
-  double energy, ratio;
-  bool defined;
-} element_shape;
+enum { ELEMENTS_PER_CHUNK = 32, ROWS_PER_CHUNK = 64, WINDOW = 1024 };
 
 typedef struct data {
   const bw_solid *solid;
   const double *u;
   bool project;
-  element_shape *shape; /* by element */
-  double *force;        /* elements x 24, or NULL */
-  double *matrix;       /* elements x 24 x 24, or NULL */
+  bwi_want want;
+  bwi_element_state *state; /* by element */
+  int64_t ring;             /* elements that fit */
+  double *force, *matrix;   /* ring x 24, ring x 300, or NULL */
   double *gradient, *stiffness;
+  int64_t first; /* element or node that item 0 of the loop is */
 } data;
-
-static bool point(const data *d, const bw_solid_material *m, int32_t e, int q, double volume,
-                  element_shape *shape) {
-  const bw_grid *grid = d->solid->grid;
-  double g[8][3], f[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, energy, stress[9], tangent[81];
-  for (int a = 0; a < 8; a++)
-    for (int k = 0; k < 3; k++)
-      g[a][k] = m->rule->gradient[24 * (int64_t)q + 3 * a + k] / grid->spacing[k];
-  for (int a = 0; a < 8; a++)
-    for (int i = 0; i < 3; i++)
-      for (int k = 0; k < 3; k++)
-        f[3 * i + k] += d->u[3 * (int64_t)grid->element[8 * (int64_t)e + a] + i] * g[a][k];
-  double ratio = f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
-                 f[2] * (f[3] * f[7] - f[4] * f[6]);
-  shape->ratio = fmin(shape->ratio, ratio);
-  if (!bw_law_evaluate((bw_law)m->law[q], m->mu[q], m->lambda[q], f, d->project, &energy,
-                       d->force ? stress : NULL, d->matrix ? tangent : NULL))
-    return false;
-  for (int k = 0; k < m->fibre_count; k++)
-    bw_fibre_add(m->fibre_stiffness[q * m->fibre_count + k],
-                 m->fibre + 3 * ((int64_t)q * m->fibre_count + k), f, d->project, &energy,
-                 d->force ? stress : NULL, d->matrix ? tangent : NULL);
-  double weight = volume * m->rule->weight[q];
-  shape->energy += weight * energy;
-  if (d->force)
-    for (int a = 0; a < 8; a++)
-      for (int i = 0; i < 3; i++)
-        d->force[SIZE * (int64_t)e + 3 * a + i] += weight * bw_dot(stress + 3 * i, g[a]);
-  if (d->matrix)
-    for (int a = 0; a < 8; a++)
-      for (int i = 0; i < 3; i++)
-        for (int b = 0; b < 8; b++)
-          for (int k = 0; k < 3; k++) {
-            double sum = 0;
-            for (int j = 0; j < 3; j++)
-              for (int l = 0; l < 3; l++)
-                sum += g[a][j] * tangent[9 * (3 * i + j) + 3 * k + l] * g[b][l];
-            d->matrix[SIZE * (SIZE * (int64_t)e + 3 * a + i) + 3 * b + k] += weight * sum;
-          }
-  return true;
-}
 
 static bw_status elements(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
   (void)worker;
-  for (int64_t e = begin; e < end; e++) {
-    const bw_solid_material *m = d->solid->palette->material[d->solid->grid->material[e]];
-    double volume = bwi_solid_volume(d->solid->grid, (int32_t)e);
-    d->shape[e] = (element_shape){0, INFINITY, true};
-    for (int32_t q = 0; q < m->rule->count; q++)
-      if (!point(d, m, (int32_t)e, q, volume, &d->shape[e]))
-        d->shape[e].defined = false;
+  for (int64_t e = d->first + begin; e < d->first + end; e++) {
+    int64_t slot = e % d->ring;
+    bwi_element_evaluate(d->solid, (int32_t)e, d->u, d->want, d->project, &d->state[e],
+                         d->force ? d->force + BWI_ELEMENT_FORCES * slot : NULL,
+                         d->matrix ? d->matrix + BWI_ELEMENT_NUMBERS * slot : NULL);
   }
   return BW_OK;
+}
+
+static inline void gather_block(const data *d, int64_t pair, double block[9]) {
+  const bw_graph *graph = d->solid->graph;
+  for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
+    int code = graph->gather_local[k];
+    const double *from = d->matrix + BWI_ELEMENT_NUMBERS * (graph->gather_element[k] % d->ring) +
+                         bwi_block(code >> 4, code & 15);
+    for (int i = 0; i < 9; i++)
+      block[i] += from[i];
+  }
 }
 
 static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
   const bw_graph *graph = d->solid->graph;
   (void)worker;
-  for (int64_t i = begin; i < end; i++)
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
-      double block[9] = {0};
-      for (int64_t k = graph->gather_start[p]; k < graph->gather_start[p + 1]; k++) {
-        int64_t e = graph->gather_element[k];
-        int a = graph->gather_local[k] >> 4, b = graph->gather_local[k] & 15;
-        for (int r = 0; r < 3 && d->stiffness; r++)
-          for (int c = 0; c < 3; c++)
-            block[3 * r + c] += d->matrix[SIZE * (SIZE * e + 3 * a + r) + 3 * b + c];
-        if (d->gradient && graph->column[p] == i)
-          for (int r = 0; r < 3; r++)
-            d->gradient[3 * i + r] += d->force[SIZE * e + 3 * a + r];
-      }
-      if (d->stiffness)
-        memcpy(d->stiffness + 9 * p, block, sizeof block);
+  for (int64_t i = d->first + begin; i < d->first + end; i++) {
+    int64_t diagonal = graph->start[i + 1] - 1;
+    double force[3] = {0}, six[6] = {0};
+    for (int64_t k = graph->gather_start[diagonal]; k < graph->gather_start[diagonal + 1]; k++) {
+      int64_t slot = graph->gather_element[k] % d->ring;
+      int a = graph->gather_local[k] >> 4;
+      for (int r = 0; r < 3 && d->force; r++)
+        force[r] += d->force[BWI_ELEMENT_FORCES * slot + 3 * a + r];
+      for (int r = 0; r < 6 && d->matrix; r++)
+        six[r] += d->matrix[BWI_ELEMENT_NUMBERS * slot + bwi_block(a, a) + r];
     }
+    if (d->gradient)
+      memcpy(d->gradient + 3 * i, force, sizeof force);
+    if (!d->stiffness)
+      continue;
+    for (int64_t pair = graph->start[i]; pair < diagonal; pair++) {
+      double block[9] = {0};
+      gather_block(d, pair, block);
+      memcpy(d->stiffness + 9 * pair, block, sizeof block);
+    }
+    double full[9] = {six[0], six[1], six[2], six[1], six[3], six[4], six[2], six[4], six[5]};
+    memcpy(d->stiffness + 9 * diagonal, full, sizeof full);
+  }
   return BW_OK;
+}
+
+/* First and last element around a node. */
+static inline int32_t first_of(const bw_graph *graph, int64_t node) {
+  return graph->gather_element[graph->gather_start[graph->start[node + 1] - 1]];
+}
+static inline int32_t last_of(const bw_graph *graph, int64_t node) {
+  return graph->gather_element[graph->gather_start[graph->start[node + 1]] - 1];
+}
+
+/* When which nodes are gathered, and how many elements the ring must hold meanwhile. */
+typedef struct schedule {
+  int64_t windows, ring;
+  int64_t *ready; /* windows: the nodes before it have all their elements in windows up to this */
+} schedule;
+
+/* The ring reaches from the first element that a node not yet gathered needs to the end of the
+ * window that is being computed. */
+static bw_status plan(bw_context *context, const bw_solid *solid, schedule *it) {
+  const bw_graph *graph = solid->graph;
+  int64_t nodes = graph->node_count, elements_all = solid->grid->element_count;
+  int32_t *oldest = BW_NEW(context, int32_t, nodes + 1); /* element needed by nodes from here on */
+  it->windows = (elements_all + WINDOW - 1) / WINDOW;
+  it->ready = BW_NEW(context, int64_t, it->windows);
+  it->ring = 1;
+  if (!oldest || !it->ready) {
+    bw_free(oldest);
+    return BW_MEMORY;
+  }
+  oldest[nodes] = (int32_t)elements_all;
+  for (int64_t n = nodes - 1; n >= 0; n--)
+    oldest[n] = first_of(graph, n) < oldest[n + 1] ? first_of(graph, n) : oldest[n + 1];
+  int64_t node = 0;
+  for (int64_t w = 0; w < it->windows; w++) {
+    int64_t end = w + 1 < it->windows ? (w + 1) * WINDOW : elements_all;
+    if (end - oldest[node] > it->ring)
+      it->ring = end - oldest[node];
+    while (node < nodes && last_of(graph, node) < end)
+      node++;
+    it->ready[w] = node;
+  }
+  bw_free(oldest);
+  return BW_OK;
+}
+
+/* All elements, and with gradient or stiffness the rows that they complete. */
+static bw_status run(bw_context *context, data *d, const schedule *it) {
+  bw_status status = BW_OK;
+  int64_t count = d->solid->grid->element_count, node = 0;
+  if (d->want == BWI_ENERGY)
+    return bw_parallel(context, count, ELEMENTS_PER_CHUNK, elements, d);
+  for (int64_t w = 0; w < it->windows; w++) {
+    int64_t begin = w * WINDOW, end = begin + WINDOW < count ? begin + WINDOW : count;
+    d->first = begin;
+    BW_TRY(bw_parallel(context, end - begin, ELEMENTS_PER_CHUNK, elements, d));
+    d->first = node;
+    BW_TRY(bw_parallel(context, it->ready[w] - node, ROWS_PER_CHUNK, rows, d));
+    node = it->ready[w];
+    BW_TRY(bw_check_cancel(context));
+  }
+done:
+  return status;
+}
+
+/* The sum of the energies, and the worst shape, in the order of the elements. */
+static double sum_up(const bw_solid *solid, const bwi_element_state *state, bw_solid_shape *shape) {
+  double sum = 0;
+  *shape = (bw_solid_shape){.least_ratio = INFINITY, .defined = true};
+  for (int32_t e = 0; e < solid->grid->element_count; e++) {
+    sum += state[e].energy;
+    shape->inverted += !(state[e].ratio > 0);
+    shape->defined = shape->defined && state[e].defined;
+    if (!(state[e].ratio >= shape->least_ratio) && !isnan(shape->least_ratio)) {
+      shape->least_ratio = state[e].ratio;
+      shape->worst = e;
+    }
+  }
+  shape->defined = shape->defined && isfinite(sum);
+  return sum;
 }
 
 bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
                             bool project, double *energy, double *gradient, double *stiffness,
-                            bw_solid_shape *out) {
+                            bw_solid_shape *shape) {
   bw_status status = BW_OK;
-  int64_t count = solid->grid->element_count;
-  data d = {
-      .solid = solid, .u = u, .project = project, .gradient = gradient, .stiffness = stiffness};
-  d.shape = BW_NEW(context, element_shape, count);
-  d.force = gradient ? BW_NEW0(context, double, SIZE *count) : NULL;
-  d.matrix = stiffness ? BW_NEW0(context, double, SIZE *SIZE *count) : NULL;
-  if (!d.shape || (gradient && !d.force) || (stiffness && !d.matrix)) {
+  schedule it = {0};
+  data d = {.solid = solid,
+            .u = u,
+            .project = project,
+            .want = stiffness  ? BWI_TANGENT
+                    : gradient ? BWI_STRESS
+                               : BWI_ENERGY,
+            .gradient = gradient,
+            .stiffness = stiffness,
+            .ring = 1};
+  d.state = BW_NEW(context, bwi_element_state, solid->grid->element_count);
+  if (!d.state) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_parallel(context, count, ELEMENTS_PER_CHUNK, elements, &d));
-  double sum = 0;
-  *out = (bw_solid_shape){.least_ratio = INFINITY, .defined = true};
-  for (int32_t e = 0; e < count; e++) {
-    sum += d.shape[e].energy;
-    out->inverted += !(d.shape[e].ratio > 0);
-    out->defined = out->defined && d.shape[e].defined;
-    if (!(d.shape[e].ratio >= out->least_ratio)) {
-      out->least_ratio = d.shape[e].ratio;
-      out->worst = e;
+  if (d.want > BWI_ENERGY) {
+    BW_TRY(plan(context, solid, &it));
+    d.ring = it.ring;
+    d.force = BW_NEW(context, double, BWI_ELEMENT_FORCES *it.ring);
+    d.matrix = stiffness ? BW_NEW(context, double, BWI_ELEMENT_NUMBERS *it.ring) : NULL;
+    if (!d.force || (stiffness && !d.matrix)) {
+      status = BW_MEMORY;
+      goto done;
     }
   }
-  if (!out->defined)
-    goto done;
-  if (energy)
+  BW_TRY(run(context, &d, &it));
+  double sum = sum_up(solid, d.state, shape);
+  if (energy && shape->defined)
     *energy = sum;
-  if (gradient)
-    memset(gradient, 0, 3 * (size_t)solid->grid->node_count * sizeof *gradient);
-  if (gradient || stiffness)
-    BW_TRY(bw_parallel(context, solid->graph->node_count, ROWS_PER_CHUNK, rows, &d));
 done:
-  bw_free(d.shape);
+  bw_free(it.ready);
+  bw_free(d.state);
   bw_free(d.force);
   bw_free(d.matrix);
   return status;

@@ -4,6 +4,7 @@
 #define BWI_NONLINEAR_INTERNAL_H
 
 #include "barwright/nonlinear.h"
+#include "nonlinear/law.h"
 
 /* The part of a cell that counts at least, so that a cell which is hardly cut holds its nodes. */
 #define BWI_LEAST_FRACTION 1e-3
@@ -14,5 +15,29 @@ static inline double bwi_solid_volume(const bw_grid *grid, int32_t element) {
   return grid->spacing[0] * grid->spacing[1] * grid->spacing[2] *
          (fraction > BWI_LEAST_FRACTION ? fraction : BWI_LEAST_FRACTION);
 }
+
+/* Element stiffnesses are stored as their lower triangle: for a = 0..7 the blocks (a, b), b < a, of
+ * 9 numbers, and the diagonal block's 6: 00 01 02 11 12 22. Corners and nodes are both numbered
+ * along the lattice, so that a pair (i, j), i >= j, of the graph always is a pair a >= b. */
+enum { BWI_ELEMENT_NUMBERS = 300, BWI_ELEMENT_FORCES = 24 };
+static inline int bwi_block(int a, int b) {
+  return 9 * a * (a - 1) / 2 + 6 * a + 9 * b;
+}
+
+typedef struct bwi_element_state {
+  double energy;
+  double ratio; /* least det F; NaN where any is */
+  bool defined;
+} bwi_element_state;
+/* One element at nodal displacements u of the whole grid; force (24) and stiffness (300) are
+ * written as far as `want` goes. */
+void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *u, bwi_want want,
+                          bool project, bwi_element_state *state, double *force, double *stiffness);
+/* Integrals over the element of P F^T (tensor, 9) and of det F, both by its points' weights, which
+ * sum to 1; false where the energy does not exist. */
+bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double *u,
+                           double tensor[9], double *ratio);
+/* BW_GEOMETRY that names an element whose energy does not exist. */
+bw_status bwi_fail_undefined(bw_context *context, int64_t element);
 
 #endif

@@ -71,3 +71,13 @@ done:
   bw_release(solid);
   return status;
 }
+
+bw_status bwi_fail_undefined(bw_context *context, int64_t element) {
+  bw_status status = bw_fail(context, BW_GEOMETRY,
+                             "element %lld has a neo-Hookean point with det F <= 0, where its "
+                             "energy does not exist; take displacements that do not turn it inside "
+                             "out",
+                             (long long)element + 1);
+  bw_detail_number(context, "element", (double)element + 1);
+  return status;
+}
