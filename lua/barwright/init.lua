@@ -40,6 +40,7 @@ local bw = {
   outline = require "barwright.outline",
   responsive = require "barwright.responsive",
   plane = core.plane,
+  grid = core.grid,
   edit = require "barwright.edit",
   live = require("barwright.live").run,
   von_mises_gradient = core.von_mises_gradient,

@@ -102,7 +102,8 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
-    lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_flow_state_class, lbw_plate_class;
+    lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_flow_state_class, lbw_plate_class,
+    lbw_grid_class, lbw_embedding_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -245,6 +246,7 @@ void lbw_open_plane(lua_State *L);
 void lbw_open_mover(lua_State *L);
 void lbw_open_flow(lua_State *L);
 void lbw_open_plate(lua_State *L);
+void lbw_open_grid(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

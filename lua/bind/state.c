@@ -364,5 +364,6 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_mover(L);
   lbw_open_flow(L);
   lbw_open_plate(L);
+  lbw_open_grid(L);
   return 1;
 }

@@ -28,6 +28,7 @@
 ---@field outline bw.OutlineModule
 ---@field responsive bw.ResponsiveModule
 ---@field plane bw.PlaneModule
+---@field grid bw.GridModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
@@ -2790,6 +2791,171 @@ function Plate:counts() end
 
 ---Releases it early.
 function Plate:close() end
+
+-- ---- grids ---------------------------------------------------------------------------------------
+
+---Grids of hexahedra: boxes, and voxels of closed surfaces.
+---@class bw.GridModule
+local grid_module = {}
+
+---What is chosen by geometry, in metres, so that it means the same on a fine grid and on its coarse one.
+---All parts that are given must hold. Cells count by their middles, `inside` by half their volume. In
+---its place a function of x, y, z or a formula (`where`), or a surface (`inside`), may stand.
+---@class bw.Region
+---@field low? bw.Vector low corner of a box along the axes
+---@field high? bw.Vector its high corner; either of the two may be left out
+---@field box? bw.Vector[] both at once: {low, high}
+---@field centre? bw.Vector of a ball
+---@field radius? number of the ball, m
+---@field plane? bw.Vector[] {point, normal}: on this plane
+---@field beyond? bw.Vector[] {point, normal}: on the side that the normal points to
+---@field side? string the outermost nodes or cells: "low x", "high x", "low y", "high y", "low z", "high z"
+---@field boundary? boolean with a face that has no neighbour
+---@field inside? bw.Surface closed
+---@field where? function|string of x, y, z: true, or a number but 0
+---@field within? number what lies outside by less counts too, m; default a millionth of a cell
+
+---A box of elements. Two of `size` (or `high`), `cells` and `spacing` are needed; one number stands for
+---three alike. `material` is a number (1), a function of x, y, z or a formula in them, taken at the
+---middle of each cell, or a list with one for every cell, x fastest; 0 is void.
+---@param options {size?: bw.Vector|number, low?: bw.Vector|number, high?: bw.Vector|number, cells?: integer[]|integer, spacing?: bw.Vector|number, material?: integer|function|string|table|bw.Array}
+---@return bw.Grid?
+---@return string? message
+---@return table? details
+function grid_module.box(options) end
+
+---The cubes that a closed surface cuts or holds, of side `spacing`, or `cells` (32) along its longest
+---side. Cells with a part inside that is smaller than `least` (0.05) are void; others count by their
+---part, or as full ones with `whole`. `multiple`: so many cells in each direction, or a multiple of it.
+---`material` as for a box, but no list.
+---@param surface bw.Surface
+---@param options? {spacing?: number, cells?: integer, least?: number, whole?: boolean, multiple?: integer, material?: integer|function|string}
+---@return bw.Grid?
+---@return string? message
+---@return table? details
+function grid_module.voxels(surface, options) end
+
+---Equal boxes of which some are elements, with the nodes that they have; never changed. Cells and nodes
+---are numbered x fastest. Corner c of an element (1 to 8) lies at the bits of c - 1: x, y, z.
+---@class bw.Grid
+---@field cells integer[] of the lattice along x, y, z
+---@field spacing bw.Vector sides of a cell, m
+---@field origin bw.Vector low corner of the lattice, m
+---@field box bw.Box of the elements
+---@field element_count integer
+---@field node_count integer
+---@field points bw.Array x, y, z of nodes, m
+---@field elements bw.Array eight nodes each
+---@field element_cells bw.Array the cell of each element
+---@field materials bw.Array of elements: 1 and above
+---@field fractions bw.Array of elements: the part of the cell that is inside the body
+---@field material_counts table<integer, integer> elements of each material
+---@field volume number m3, fractions counted
+local Grid = {}
+
+---The grid with other materials in some cells: cells by number, as they stand; or the elements in a
+---region, with `void` its void cells too. Material 0 takes elements away. `material` as for grid.box;
+---a list goes with cells by number. The grid itself where nothing changes.
+---@param cells integer|integer[]|bw.Array|bw.Region|bw.Surface|function|string
+---@param material integer|function|string|table|bw.Array
+---@param options? {void?: boolean}
+---@return bw.Grid?
+---@return string? message
+---@return table? details
+function Grid:set(cells, material, options) end
+
+---Numbers of the nodes in a region. None at all is an error that names the nearest.
+---@param region bw.Region|bw.Surface|function|string
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Grid:nodes(region) end
+
+---Numbers of the elements' cells in a region, with `void` of other cells too.
+---@param region bw.Region|bw.Surface|function|string
+---@param options? {void?: boolean}
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Grid:cells_in(region, options) end
+
+---2 x 2 x 2 cells become one, `levels` times (1): an element where one of them is. Its materials are
+---all 1.
+---@param levels? integer
+---@return bw.Grid?
+---@return bw.Array parents the coarse element of every element; or a message
+---@return table? details
+function Grid:coarse(levels) end
+
+---The boundary as a surface, two triangles a face, with the materials as groups.
+---@return bw.Surface?
+---@return bw.Array nodes of the surface's points; or a message
+---@return table? details
+function Grid:surface() end
+
+---Bodies: elements that hang together by nodes.
+---@return integer? count
+---@return bw.Array bodies of elements; or a message
+---@return table? details
+function Grid:components() end
+
+---Points, or those of a surface, that go with the elements. A point outside takes the nearest element,
+---up to `reach` cells away (1).
+---@param what bw.Surface|bw.Array|table
+---@param options? {reach?: number}
+---@return bw.Embedding?
+---@return string? message
+---@return table? details
+function Grid:embed(what, options) end
+
+---The mean distance of nodes moved by u and by v, over the longest side of the box.
+---@param u table|bw.Array a row of three for every node
+---@param v table|bw.Array
+---@return number
+function Grid:difference(u, v) end
+
+---Whether elements and nodes are the same; materials may differ.
+---@param other bw.Grid
+---@return boolean
+function Grid:same_elements(other) end
+
+---Writes a .vtu file of hexahedra with materials and fractions.
+---@param path string
+---@param options? {fields?: table} name = array, of nodes or elements
+---@return boolean?
+---@return string? message
+---@return table? details
+function Grid:write(path, options) end
+
+---Lets go at once.
+function Grid:close() end
+
+---Points that go with a grid's elements by trilinear interpolation.
+---@class bw.Embedding
+---@field grid bw.Grid
+---@field elements bw.Array of points
+---@field point_count integer
+local Embedding = {}
+
+---Values of nodes at the points.
+---@param values table|bw.Array a row for every node
+---@return bw.Array
+function Embedding:values(values) end
+
+---Forces at the points as forces at nodes: the same total, moment and work.
+---@param forces table|bw.Array a row for every point
+---@return bw.Array
+function Embedding:forces(forces) end
+
+---The surface, moved with the nodes.
+---@param displacements table|bw.Array a row of three for every node
+---@return bw.Surface?
+---@return string? message
+---@return table? details
+function Embedding:moved(displacements) end
+
+---Lets go at once.
+function Embedding:close() end
 
 -- ---- plane meshes --------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ local spoken = {
   ["bw"] = "bw", ["bw.ArrayModule"] = "bw.array", ["bw.SurfaceModule"] = "bw.surface",
   ["bw.MeshModule"] = "bw.mesh", ["bw.MaterialModule"] = "bw.material", ["bw.JsonModule"] = "bw.json",
   ["bw.ResultsModule"] = "bw.results", ["bw.OutlineModule"] = "bw.outline",
-  ["bw.ResponsiveModule"] = "bw.responsive",
+  ["bw.ResponsiveModule"] = "bw.responsive", ["bw.GridModule"] = "bw.grid",
 }
 
 local function title(class)

@@ -16,6 +16,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   domains = "bw.Domains", local_system = "bw.LocalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
+  grid = "bw.Grid", embedding = "bw.Embedding",
   plane_mesh = "bw.PlaneMesh", mover = "bw.Mover", flow = "bw.FlowBody", flow_state = "bw.FlowState"}
 
 local function keys(...)
@@ -56,6 +57,7 @@ describe("the stubs", function()
     same(keys(bw.outline), "bw.OutlineModule")
     same(keys(bw.responsive), "bw.ResponsiveModule")
     same(keys(bw.plane), "bw.PlaneModule")
+    same(keys(bw.grid), "bw.GridModule")
     same(keys(bw.edit), "bw.EditModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
     local library = {}

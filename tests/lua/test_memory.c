@@ -53,6 +53,10 @@ static const char script[] =
     "local ball = bw.surface.implicit(function(x, y, z) return x*x + y*y + z*z - 0.5 end,\n"
     "  {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 3})\n"
     "bw.surface.read 'no such file'\n"
+    "local grid = assert(bw.grid.voxels(ball, {cells = 4, material = '1 + (x > 0)'}))\n"
+    "grid = assert(grid:set({side = 'low x'}, 0)):set(function(x) return x > 0.2 end, 3)\n"
+    "assert(grid:coarse():nodes{side = 'high x', where = 'y > 0'})\n"
+    "assert(grid:embed(ball, {reach = 9}):moved(grid.points))\n"
     "return #a:totable()\n";
 
 static int work(lua_State *L) {
