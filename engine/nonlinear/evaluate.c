@@ -38,7 +38,7 @@ static inline void gather_block(const data *d, int64_t pair, double block[9]) {
   for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
     int code = graph->gather_local[k];
     const double *from = d->matrix + BWI_ELEMENT_NUMBERS * (graph->gather_element[k] % d->ring) +
-                         bwi_block(code >> 4, code & 15);
+                         bwi_element_block(code >> 4, code & 15);
     for (int i = 0; i < 9; i++)
       block[i] += from[i];
   }
@@ -57,7 +57,7 @@ static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
       for (int r = 0; r < 3 && d->force; r++)
         force[r] += d->force[BWI_ELEMENT_FORCES * slot + 3 * a + r];
       for (int r = 0; r < 6 && d->matrix; r++)
-        six[r] += d->matrix[BWI_ELEMENT_NUMBERS * slot + bwi_block(a, a) + r];
+        six[r] += d->matrix[BWI_ELEMENT_NUMBERS * slot + bwi_element_block(a, a) + r];
     }
     if (d->gradient)
       memcpy(d->gradient + 3 * i, force, sizeof force);

@@ -120,13 +120,13 @@ static void add_stiffness(const points *p, const bwi_lanes tangent[81], bwi_lane
         t[i][m] = g[0] * tangent[27 * i + m] + g[1] * tangent[27 * i + 9 + m] +
                   g[2] * tangent[27 * i + 18 + m];
     for (int b = 0; b < a; b++) {
-      bwi_lanes *block = stiffness + bwi_block(a, b);
+      bwi_lanes *block = stiffness + bwi_element_block(a, b);
       bwi_lanes x = p->gradient[b][0], y = p->gradient[b][1], z = p->gradient[b][2];
       for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
           block[3 * i + k] += t[i][3 * k] * x + t[i][3 * k + 1] * y + t[i][3 * k + 2] * z;
     }
-    bwi_lanes *block = stiffness + bwi_block(a, a);
+    bwi_lanes *block = stiffness + bwi_element_block(a, a);
     for (int i = 0; i < 3; i++)
       for (int k = i; k < 3; k++)
         *block++ += t[i][3 * k] * g[0] + t[i][3 * k + 1] * g[1] + t[i][3 * k + 2] * g[2];

@@ -20,7 +20,7 @@ static inline double bwi_solid_volume(const bw_grid *grid, int32_t element) {
  * 9 numbers, and the diagonal block's 6: 00 01 02 11 12 22. Corners and nodes are both numbered
  * along the lattice, so that a pair (i, j), i >= j, of the graph always is a pair a >= b. */
 enum { BWI_ELEMENT_NUMBERS = 300, BWI_ELEMENT_FORCES = 24 };
-static inline int bwi_block(int a, int b) {
+static inline int bwi_element_block(int a, int b) {
   return 9 * a * (a - 1) / 2 + 6 * a + 9 * b;
 }
 

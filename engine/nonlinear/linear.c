@@ -148,7 +148,7 @@ static bw_status gather_blocks(void *of, int64_t begin, int64_t end, int worker)
       int a = graph->gather_local[k] >> 4;
       const double *from = d->linear->stiffness +
                            BWI_ELEMENT_NUMBERS * (int64_t)graph->gather_element[k] +
-                           bwi_block(a, a);
+                           bwi_element_block(a, a);
       for (int r = 0; r < 6; r++)
         s[r] += from[r];
     }
