@@ -23,6 +23,7 @@ void bwi_contact_free(bwi_contact *c) {
   bw_free(c->force);
   bw_free(c->gap);
   bw_free(c->multiplier);
+  bw_free(c->pushes);
   bw_free(c->offset);
   bw_free(c->shift);
   bw_free(c);
@@ -107,10 +108,11 @@ bw_status bwi_contact_create(bw_context *context, const bw_solid_case *the, cons
   c->force = BW_NEW0(context, double, most);
   c->gap = BW_NEW0(context, double, most);
   c->multiplier = BW_NEW0(context, double, most);
+  c->pushes = BW_NEW0(context, uint8_t, most);
   c->offset = BW_NEW0(context, double, the->floor_count);
   c->shift = BW_NEW0(context, double, the->floor_count);
   if (!c->floor || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
-      !c->gap || !c->multiplier || !c->offset || !c->shift) {
+      !c->gap || !c->multiplier || !c->pushes || !c->offset || !c->shift) {
     status = BW_MEMORY;
     goto done;
   }
@@ -178,6 +180,7 @@ int64_t bwi_contact_evaluate(bwi_contact *c, const double *u, double *energy, do
     c->gap[p] = c->rest[p] + displacement(c, p, u) - c->offset[c->floor[p]];
     double f = c->force[p] = fmax(0, before - stiff * c->gap[p]);
     *energy += (f * f - before * before) / (2 * stiff);
+    c->pushes[p] = f > 0;
     if (f > 0) {
       pushing++;
       if (force)
@@ -211,25 +214,51 @@ static int64_t find_pair(const bw_graph *graph, int32_t a, int32_t b) {
   return low;
 }
 
+/* `part` of a point's derivatives. */
+static void add_stiffness(const bwi_contact *c, int64_t p, double part, const bw_graph *graph,
+                          double *pairs) {
+  const double *normal = c->the->floor[c->floor[p]].normal;
+  for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
+    for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
+      if (c->node[l] > c->node[k])
+        continue;
+      double *block = pairs + 9 * find_pair(graph, c->node[k], c->node[l]);
+      double size = part * c->stiffness[p] * c->weight[k] * c->weight[l];
+      for (int i = 0; i < 9; i++)
+        block[i] += size * normal[i / 3] * normal[i % 3];
+    }
+}
+
 void bwi_contact_stiffness(const bwi_contact *c, const bw_graph *graph, double *pairs) {
+  for (int64_t p = 0; p < c->count; p++)
+    if (c->pushes[p])
+      add_stiffness(c, p, 1, graph, pairs);
+}
+
+int64_t bwi_contact_foresee(bwi_contact *c, const double *d, const bw_graph *graph, double *pairs) {
+  int64_t changed = 0;
   for (int64_t p = 0; p < c->count; p++) {
-    if (!(c->force[p] > 0))
+    double gap = c->gap[p] + displacement(c, p, d);
+    bool pushes = c->multiplier[p] - c->stiffness[p] * gap > 0;
+    if (pushes == c->pushes[p])
       continue;
-    const double *normal = c->the->floor[c->floor[p]].normal;
-    for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
-      for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
-        if (c->node[l] > c->node[k])
-          continue;
-        double *block = pairs + 9 * find_pair(graph, c->node[k], c->node[l]);
-        for (int i = 0; i < 9; i++)
-          block[i] += c->stiffness[p] * c->weight[k] * c->weight[l] * normal[i / 3] * normal[i % 3];
-      }
+    changed++;
+    c->pushes[p] = pushes;
+    if (pairs)
+      add_stiffness(c, p, pushes ? 1 : -1, graph, pairs);
   }
+  return changed;
+}
+
+void bwi_contact_linear(const bwi_contact *c, double *force) {
+  for (int64_t p = 0; p < c->count; p++)
+    if (c->pushes[p])
+      add(c, p, c->multiplier[p] - c->stiffness[p] * c->gap[p], force);
 }
 
 void bwi_contact_blocks(const bwi_contact *c, double *blocks) {
   for (int64_t p = 0; p < c->count; p++) {
-    if (!(c->force[p] > 0))
+    if (!c->pushes[p])
       continue;
     const double *normal = c->the->floor[c->floor[p]].normal;
     for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
@@ -241,6 +270,6 @@ void bwi_contact_blocks(const bwi_contact *c, double *blocks) {
 
 void bwi_contact_multiply(const bwi_contact *c, const double *x, double *y) {
   for (int64_t p = 0; p < c->count; p++)
-    if (c->force[p] > 0)
+    if (c->pushes[p])
       add(c, p, c->stiffness[p] * displacement(c, p, x), y);
 }

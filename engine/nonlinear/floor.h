@@ -24,8 +24,9 @@ typedef struct bwi_contact {
   double *force;     /* count: f at the last evaluation */
   double *gap;       /* count: likewise */
   double *multiplier;
-  double *offset; /* floor_count: how far each plane has moved along its normal */
-  double *shift;  /* floor_count: how much further back it is at load factor 0 */
+  uint8_t *pushes; /* count: f > 0 at the last evaluation, or as was foreseen since */
+  double *offset;  /* floor_count: how far each plane has moved along its normal */
+  double *shift;   /* floor_count: how much further back it is at load factor 0 */
 } bwi_contact;
 
 /* `blocks`: node_count x 9, the solid's own stiffness at each node. *contact stays NULL for a case
@@ -43,8 +44,14 @@ int64_t bwi_contact_evaluate(bwi_contact *contact, const double *u, double *ener
 double bwi_contact_error(const bwi_contact *contact);
 /* Multipliers become the forces of the last evaluation. */
 void bwi_contact_settle(bwi_contact *contact);
-/* Derivatives with the points that pushed at the last evaluation: added to pairs of a graph, to
- * node blocks, to y for x. */
+/* Which points will push after a step d, their forces taken as linear, l - c g, in those that are
+ * taken to push: `pushes` becomes that, and pairs of a graph (may be NULL) follow. Returns how many
+ * are not as before. */
+int64_t bwi_contact_foresee(bwi_contact *contact, const double *d, const bw_graph *graph,
+                            double *pairs);
+/* Those linear forces at the last evaluation, added. */
+void bwi_contact_linear(const bwi_contact *contact, double *force);
+/* Derivatives with the points that push: added to pairs of a graph, to node blocks, to y for x. */
 void bwi_contact_stiffness(const bwi_contact *contact, const bw_graph *graph, double *pairs);
 void bwi_contact_blocks(const bwi_contact *contact, double *blocks);
 void bwi_contact_multiply(const bwi_contact *contact, const double *x, double *y);

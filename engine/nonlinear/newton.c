@@ -26,7 +26,7 @@
 #define NOISE (8 * DBL_EPSILON)
 /* Residuals below this are near an equilibrium. */
 #define NEAR 0.1
-enum { ESCAPES = 6, PATIENCE = 12 };
+enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8 };
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
   *at = (bwi_balance){0};
@@ -170,6 +170,38 @@ done:
   return status;
 }
 
+/* Floors are stiff: a direction that does not know of them ends at the first that it meets, a
+ * little of the way. So the direction is found again for the points that push at its end, until
+ * these are those that it was found for: the minimum of the potential's parabola with floors. It
+ * goes down, since what is added to a parabola where a point is about to push, or taken away where
+ * it is about to leave, only makes a step towards its minimum lower. */
+static bw_status foresee_contacts(bwi_walk *walk, double tolerance, double *slope, int32_t *cg) {
+  bw_status status = BW_OK;
+  size_t size = (size_t)walk->size * sizeof(double);
+  double *first = walk->trial.internal, *linear = walk->trial.load; /* not in use here */
+  memcpy(first, walk->direction, size);
+  for (int k = 0; k < FORESEEN; k++) {
+    bool changed, definite;
+    int32_t more = 0;
+    BW_TRY(bwi_tangent_foresee(walk, &changed, &definite));
+    if (!changed || !definite)
+      break;
+    memset(linear, 0, size);
+    bwi_contact_linear(walk->contact, linear);
+    for (int64_t i = 0; i < walk->size; i++)
+      walk->work[i] = walk->the->held[i] ? 0 : linear[i] - walk->now.contact[i] - walk->residual[i];
+    BW_TRY(bwi_tangent_solve(walk, walk->work, tolerance, walk->direction, &more));
+    *cg += more;
+  }
+  double along = bwi_walk_dot(walk, walk->residual, walk->direction);
+  if (along < 0)
+    *slope = along;
+  else
+    memcpy(walk->direction, first, size);
+done:
+  return status;
+}
+
 /* The direction -K^-1 r; where it does not go down (with follower pressures, whose tangent is not
  * symmetric, or an inexact solution), *slope is not negative. */
 static bw_status find_direction(bwi_walk *walk, double *slope, int32_t *cg) {
@@ -184,6 +216,8 @@ static bw_status find_direction(bwi_walk *walk, double *slope, int32_t *cg) {
     walk->work[i] = -walk->residual[i];
   BW_TRY(bwi_tangent_solve(walk, walk->work, tolerance, walk->direction, cg));
   *slope = bwi_walk_dot(walk, walk->residual, walk->direction);
+  if (walk->contact && *slope < 0)
+    BW_TRY(foresee_contacts(walk, tolerance, slope, cg));
 done:
   return status;
 }

@@ -132,6 +132,9 @@ bw_status bwi_tangent_blocks(bwi_walk *walk);
 /* The tangent at walk->now.u. *definite false: nothing to solve with; for kinds but BWI_PLAIN that
  * is a solid which can move freely, or numbers that are not finite. */
 bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite);
+/* The same tangent for the points that will push after walk->direction (floor.h); *changed false:
+ * they are those that it is for. */
+bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite);
 /* y = K x with all components. */
 bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y);
 /* K d = f for free components, to a relative tolerance where that is iterative; *iterations (may be

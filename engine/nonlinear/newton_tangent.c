@@ -121,6 +121,13 @@ done:
   return status;
 }
 
+bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite) {
+  *changed = bwi_contact_foresee(walk->contact, walk->direction, walk->solid->graph,
+                                 walk->newton->stiffness) > 0;
+  *definite = true;
+  return *changed ? factor(walk, definite) : BW_OK;
+}
+
 bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y) {
   return bw_graph_multiply(walk->context, walk->solid->graph, walk->newton->stiffness, 9, 3, 1, x,
                            y);
