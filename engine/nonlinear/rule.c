@@ -17,7 +17,12 @@ static void destroy(void *object) {
   bw_free(rule);
 }
 
-static const bw_kind rule_kind = {"rule", destroy, NULL};
+static size_t bytes(const void *object) {
+  const bw_rule *rule = (const bw_rule *)object;
+  return sizeof *rule + (3 + 1 + 8 + 24) * sizeof(double) * (size_t)rule->count;
+}
+
+static const bw_kind rule_kind = {"rule", destroy, bytes};
 
 static void place(bw_rule *rule) {
   const double gauss[2] = {0.5 - 0.5 / sqrt(3.0), 0.5 + 0.5 / sqrt(3.0)};

@@ -139,7 +139,12 @@ static void destroy_palette(void *object) {
   bw_free(palette);
 }
 
-static const bw_kind palette_kind = {"palette", destroy_palette, NULL};
+static size_t bytes_of_palette(const void *object) {
+  const bw_palette *palette = (const bw_palette *)object;
+  return sizeof *palette + sizeof(void *) * (size_t)palette->count;
+}
+
+static const bw_kind palette_kind = {"palette", destroy_palette, bytes_of_palette};
 
 bw_status bw_palette_create(bw_context *context, int32_t count,
                             const bw_solid_material *const *material, bw_palette **out) {

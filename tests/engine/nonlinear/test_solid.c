@@ -1,34 +1,17 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Solids: their graph serves the engine's own factor; mass; what is refused. */
-#include "check.h"
+#include "nonlinear/solids.h"
 #include "solve/internal.h"
 
-static bw_palette *palette_of(bw_context *context, bw_law law, double density) {
-  bw_solid_material *material = NULL;
-  bw_palette *palette = NULL;
-  check_ok(context, bw_solid_material_create(context, "it", law, 1e6, 0.3, density, &material));
-  check_ok(context,
-           bw_palette_create(context, 2, (const bw_solid_material *const *)&material, &palette));
-  bw_release(material);
-  return palette;
-}
-
-static bw_solid *solid_of(bw_context *context, const int32_t cells[3], bw_law law) {
-  double origin[3] = {0, 0, 0}, spacing[3] = {0.1, 0.2, 0.15};
-  bw_grid *grid = NULL;
-  bw_solid *solid = NULL;
-  bw_palette *palette = palette_of(context, law, 1000);
-  check_ok(context, bw_grid_create(context, origin, spacing, cells, NULL, NULL, &grid));
-  check_ok(context, bw_solid_create(context, grid, palette, NULL, &solid));
-  bw_release(grid);
-  bw_release(palette);
-  return solid;
+static bw_solid *block(bw_context *context, const int32_t cells[3], bw_law law) {
+  bw_solid_material *one = solids_simple(context, law);
+  return solids_create(context, cells, 1, &one, NULL, NULL);
 }
 
 /* K x = b through order, symbolic and factor, for a block of which one end is held. */
 static void test_factor(void **state) {
   bw_context *context = check_context(state);
-  bw_solid *solid = solid_of(context, (const int32_t[3]){5, 3, 2}, BW_COROTATED);
+  bw_solid *solid = block(context, (const int32_t[3]){5, 3, 2}, BW_COROTATED);
   const bw_grid *grid = solid->grid;
   bw_graph *graph = solid->graph;
   int64_t n = grid->node_count, unknowns = 0;
@@ -44,7 +27,7 @@ static void test_factor(void **state) {
     double at[3];
     bw_grid_position(grid, i, at);
     for (int k = 0; k < 3; k++) {
-      unknown[3 * i + k] = at[0] > 1e-9 ? (int32_t)unknowns++ : -1;
+      unknown[3 * i + k] = at[0] > grid->origin[0] + 1e-9 ? (int32_t)unknowns++ : -1;
       x[3 * i + k] = unknown[3 * i + k] >= 0 ? sin(1.0 + 7 * i + k) : 0;
     }
   }
@@ -76,7 +59,68 @@ static void test_factor(void **state) {
   bw_release(solid);
 }
 
+/* Mass: density times volume, parts of cells by their fraction, an eighth to every corner. */
+static void test_mass(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 1, 1}, material[2] = {1, 2};
+  const double fraction[2] = {0.5, 1e-9}, volume = 0.1 * 0.2 * 0.15;
+  bw_solid_material *both[2] = {solids_simple(context, BW_COROTATED),
+                                solids_mixed(context, BW_COROTATED, 1, 0, 1)};
+  bw_solid *solid = solids_create(context, cells, 2, both, material, fraction);
+  double sum = 0;
+  for (int i = 0; i < 12; i++)
+    sum += solid->mass[i];
+  check_near(solid->mass[0], 1000 * 0.5 * volume / 8, 1e-15);
+  check_near(solid->mass[2], 800 * 1e-3 * volume / 8, 1e-15); /* never below a thousandth */
+  check_near(sum, (1000 * 0.5 + 800 * 1e-3) * volume, 1e-14);
+  assert_false(solid->weightless);
+  assert_null(solid->graph->mesh);
+  assert_true(bw_bytes(solid) >= sizeof *solid + 12 * sizeof(double));
+  bw_release(solid);
+}
+
+/* The graph of the same elements serves another solid; of other elements not. */
+static void test_previous(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 2, 1}, other[4] = {1, 1, 1, 0};
+  bw_solid *first = block(context, cells, BW_COROTATED), *second = NULL;
+  bw_grid *grid = NULL;
+  check_ok(context, bw_solid_create(context, first->grid, first->palette, first, &second));
+  assert_true(second->graph == first->graph);
+  bw_release(second);
+  check_ok(context, bw_grid_create(context, first->grid->origin, first->grid->spacing, cells, other,
+                                   NULL, &grid));
+  check_ok(context, bw_solid_create(context, grid, first->palette, first, &second));
+  assert_true(second->graph != first->graph);
+  bw_release(second);
+  bw_release(grid);
+  bw_release(first);
+}
+
+static void test_refused(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 1, 1}, material[2] = {1, 3};
+  bw_solid *first = block(context, cells, BW_COROTATED), *second = NULL;
+  bw_grid *grid = NULL;
+  check_ok(context, bw_grid_create(context, first->grid->origin, first->grid->spacing, cells,
+                                   material, NULL, &grid));
+  check_fails(context, BW_INVALID, "element 2 (cell 2) is of material 3",
+              bw_solid_create(context, grid, first->palette, NULL, &second));
+  assert_null(second);
+  /* a graph of element lists is no mesh's */
+  bw_mesh *mesh = NULL;
+  double low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, values[1];
+  const int three[3] = {1, 1, 1};
+  check_ok(context, bw_mesh_box_grid(context, low, high, three, 1, &mesh));
+  check_fails(context, BW_INVALID, "element lists",
+              bw_laplacian(context, first->graph, mesh, values));
+  bw_release(mesh);
+  bw_release(grid);
+  bw_release(first);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_factor)};
+  const struct CMUnitTest tests[] = {check_test(test_factor), check_test(test_mass),
+                                     check_test(test_previous), check_test(test_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
