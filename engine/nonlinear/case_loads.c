@@ -123,3 +123,55 @@ bw_status bwi_case_follow_along(bw_context *context, const bw_solid_case *it, co
 done:
   return status;
 }
+
+/* Moving point k of a triangle by v changes its area vector by s_k x v / 2, s_k the side opposite
+ * to it, from the next point to the one after, so every point's force by -p/6 s_k x v. The
+ * potential's second derivative between points c and k then is p/6 [s_k x], its symmetric part p/12
+ * [(s_k - s_c) x]. */
+static void add_pair(const bw_embedding *embedding, int32_t c, int32_t k, const double axis[3],
+                     const bw_graph *graph, double *pairs) {
+  const bw_grid *grid = embedding->grid;
+  const double cross[9] = {0, -axis[2], axis[1], axis[2], 0, -axis[0], -axis[1], axis[0], 0};
+  for (int a = 0; a < 8; a++)
+    for (int b = 0; b < 8; b++) {
+      int32_t row = grid->element[8 * (int64_t)embedding->element[c] + a],
+              column = grid->element[8 * (int64_t)embedding->element[k] + b];
+      double weight = embedding->weight[8 * (int64_t)c + a] * embedding->weight[8 * (int64_t)k + b];
+      int64_t pair = column <= row && weight != 0 ? bwi_graph_pair(graph, row, column) : -1;
+      for (int i = 0; pair >= 0 && i < 9; i++)
+        pairs[9 * pair + i] += weight * cross[i];
+    }
+}
+
+bw_status bwi_case_follow_stiffness(bw_context *context, const bw_solid_case *it, const double *u,
+                                    double factor, const bw_graph *graph, double *pairs) {
+  bw_status status = BW_OK;
+  for (int32_t p = 0; p < it->patch_count; p++) {
+    const bw_pressure_patch *patch = &it->patch[p];
+    double *x = NULL, *y = NULL, *force = NULL;
+    if (!patch->follower)
+      continue;
+    status = patch_points(context, patch, u, NULL, &x, &y, &force);
+    for (int64_t t = 0; status == BW_OK && t < patch->triangle_count; t++) {
+      const int32_t *point = patch->triangle + 3 * t;
+      double side[3][3], axis[3];
+      for (int c = 0; c < 3; c++)
+        for (int d = 0; d < 3; d++)
+          side[c][d] =
+              x[3 * (int64_t)point[(c + 2) % 3] + d] - x[3 * (int64_t)point[(c + 1) % 3] + d];
+      for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++) {
+          for (int d = 0; d < 3; d++)
+            axis[d] = factor * patch->pressure[t] / 12 * (side[k][d] - side[c][d]);
+          if (c != k)
+            add_pair(patch->embedding, point[c], point[k], axis, graph, pairs);
+        }
+    }
+    bw_free(x);
+    bw_free(y);
+    bw_free(force);
+    BW_TRY(status);
+  }
+done:
+  return status;
+}

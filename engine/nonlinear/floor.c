@@ -7,6 +7,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "nonlinear/case.h"
+
 /* c over the solid's own stiffness at a point. Each settling of the multipliers takes the gaps down
  * by about this factor. */
 #define STIFFER 1e3
@@ -201,19 +203,6 @@ void bwi_contact_settle(bwi_contact *c) {
   memcpy(c->multiplier, c->force, (size_t)c->count * sizeof *c->force);
 }
 
-/* The place of pair (a, b), b <= a. */
-static int64_t find_pair(const bw_graph *graph, int32_t a, int32_t b) {
-  int64_t low = graph->start[a], high = graph->start[a + 1] - 1;
-  while (low < high) {
-    int64_t middle = low + (high - low) / 2;
-    if (graph->column[middle] < b)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 /* `part` of a point's derivatives. */
 static void add_stiffness(const bwi_contact *c, int64_t p, double part, const bw_graph *graph,
                           double *pairs) {
@@ -222,7 +211,7 @@ static void add_stiffness(const bwi_contact *c, int64_t p, double part, const bw
     for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
       if (c->node[l] > c->node[k])
         continue;
-      double *block = pairs + 9 * find_pair(graph, c->node[k], c->node[l]);
+      double *block = pairs + 9 * bwi_graph_pair(graph, c->node[k], c->node[l]);
       double size = part * c->stiffness[p] * c->weight[k] * c->weight[l];
       for (int i = 0; i < 9; i++)
         block[i] += size * normal[i / 3] * normal[i % 3];

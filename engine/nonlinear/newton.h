@@ -75,6 +75,7 @@ typedef struct bwi_walk {
   double *fade;  /* what is out of balance there under full loads, or NULL. Balanced at load factor
                     0, it fades: at load factor s, 1 - s of it is left */
   bool follows;  /* the case has follower pressures */
+  double *follower; /* 9 per pair: what follower pressures add to the tangent, or NULL */
   bwi_contact *contact;           /* or NULL */
   const bwi_quadratic *quadratic; /* or NULL */
   double load;

@@ -1,11 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The tangent of a solid under a case, and solving with it.
  *
- * Contact adds entries inside elements, so the solid's graph serves. Follower pressures add an
- * unsymmetric part between nodes that may share no element; it stays out of the factor. With K the
- * factored part and K' theirs, GMRES solves (1 - K^-1 K') d = K^-1 f, a small perturbation of the
- * identity unless the pressures alone hold the solid up: a few solutions with the factor instead of
- * a larger and unsymmetric one. */
+ * Contact adds entries inside elements, so the solid's graph serves. Follower pressures add a part
+ * K' that is not symmetric and goes beyond the graph; its symmetric part S within the graph goes
+ * into the factor, of M = K + S. GMRES on M^-1 (K + K') = 1 - M^-1 (S - K') then solves with the
+ * exact tangent: a few solutions with the factor instead of a larger and unsymmetric one. */
 #include "nonlinear/newton.h"
 
 #include <math.h>
@@ -108,6 +107,16 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
     bwi_contact_stiffness(walk->contact, walk->solid->graph, walk->newton->stiffness);
     walk->fresh = false;
   }
+  if (walk->follows) {
+    size_t size = 9 * (size_t)walk->solid->graph->pair_count;
+    memset(walk->follower, 0, size * sizeof(double));
+    BW_TRY(bwi_case_follow_stiffness(walk->context, walk->the, walk->now.u,
+                                     walk->fade ? 1 : walk->load, walk->solid->graph,
+                                     walk->follower));
+    for (size_t i = 0; i < size; i++)
+      walk->newton->stiffness[i] += walk->follower[i];
+    walk->fresh = false;
+  }
   if (kind == BWI_SHIFTED) {
     BW_TRY(factor_shifted(walk, shift, 5, definite));
     goto done;
@@ -141,12 +150,12 @@ static bw_status solve(bwi_walk *walk, const double *force, double tolerance, do
   return bwi_direct_solve(walk->context, walk->newton->direct, force, displacement);
 }
 
-/* v -= K^-1 K' v0, v = v0 at first */
-static bw_status perturbed(bwi_walk *walk, const double *v0, double tolerance, double *work,
-                           double *v, int32_t *iterations) {
+/* v = M^-1 (K + K') v0 */
+static bw_status exact(bwi_walk *walk, const double *v0, double tolerance, double *work, double *v,
+                       int32_t *iterations) {
   bw_status status = BW_OK;
   int32_t cg;
-  memset(work, 0, (size_t)walk->size * sizeof *work);
+  BW_TRY(bw_graph_multiply(walk->context, walk->solid->graph, walk->follower, 9, 3, 1, v0, work));
   BW_TRY(bwi_case_follow_along(walk->context, walk->the, walk->now.u, v0,
                                walk->fade ? 1 : walk->load, work));
   for (int64_t i = 0; i < walk->size; i++)
@@ -160,7 +169,7 @@ done:
   return status;
 }
 
-/* GMRES without restarts: d holds K^-1 f and becomes the solution. */
+/* GMRES without restarts: d holds M^-1 f and becomes the solution. */
 static bw_status with_followers(bwi_walk *walk, double tolerance, double *d, int32_t *iterations) {
   bw_status status = BW_OK;
   int64_t n = walk->size;
@@ -185,7 +194,7 @@ static bw_status with_followers(bwi_walk *walk, double tolerance, double *d, int
       status = BW_MEMORY;
       goto done;
     }
-    BW_TRY(perturbed(walk, basis[j], tolerance, work, next, iterations));
+    BW_TRY(exact(walk, basis[j], tolerance, work, next, iterations));
     for (int i = 0; i <= j; i++) {
       h[i][j] = bwi_walk_dot(walk, basis[i], next);
       for (int64_t k = 0; k < n; k++)

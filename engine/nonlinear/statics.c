@@ -87,6 +87,7 @@ void bwi_walk_clear(bwi_walk *walk) {
   bw_free(walk->dead);
   bw_free(walk->begin);
   bw_free(walk->fade);
+  bw_free(walk->follower);
   bwi_contact_free(walk->contact);
   bwi_balance_clear(&walk->now);
   bwi_balance_clear(&walk->trial);
@@ -125,6 +126,11 @@ bw_status bwi_walk_create(bwi_walk *walk) {
     return BW_MEMORY;
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->now));
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->trial));
+  if (walk->follows) {
+    walk->follower = BW_NEW(context, double, 9 * walk->solid->graph->pair_count);
+    if (!walk->follower)
+      return BW_MEMORY;
+  }
   BW_TRY(bwi_case_dead(context, walk->solid, walk->the, walk->dead));
 done:
   return status;

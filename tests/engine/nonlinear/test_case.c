@@ -1,0 +1,198 @@
+/* What acts on a solid: totals, contradictions, what is not held, pressures that follow. */
+#include "solid_box.h"
+
+#include "nonlinear/case.h"
+
+static const int32_t cells[3] = {2, 2, 2};
+static const double size[3] = {0.3, 0.2, 0.2};
+
+/* Points of a face of the box, n x n, and triangles between them seen from outside. */
+static bw_embedding *face(bw_context *context, const box *b, int axis, int high, int n,
+                          int32_t *triangle) {
+  double *at = malloc(sizeof *at * 3 * (size_t)(n * n));
+  bw_embedding *embedding;
+  int p = (axis + 1) % 3, q = (axis + 2) % 3;
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      double *x = at + 3 * (i * n + j);
+      x[axis] = high ? b->size[axis] : 0;
+      x[p] = b->size[p] * i / (n - 1);
+      x[q] = b->size[q] * j / (n - 1);
+    }
+  for (int i = 0; i < n - 1; i++)
+    for (int j = 0; j < n - 1; j++) {
+      int32_t corner[4] = {i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1};
+      int32_t *t = triangle + 6 * (i * (n - 1) + j);
+      for (int k = 0; k < 6; k++) {
+        static const int order[6] = {0, 1, 2, 0, 2, 3};
+        /* diagonals alternate, so that sums over cells are exact for bilinear functions */
+        t[k] = corner[((high ? order[k] : order[5 - k]) + i + j) % 4];
+      }
+    }
+  check_ok(context, bw_embedding_create(context, b->grid, n * n, at, 1, &embedding));
+  free(at);
+  return embedding;
+}
+
+enum { N = 5, TRIANGLES = 2 * (N - 1) * (N - 1) };
+
+static void press_face(bw_context *context, box *b, int axis, int high, double pressure,
+                       bool follower) {
+  int32_t triangle[3 * TRIANGLES];
+  double pressures[TRIANGLES];
+  bw_embedding *embedding = face(context, b, axis, high, N, triangle);
+  for (int t = 0; t < TRIANGLES; t++)
+    pressures[t] = pressure;
+  check_ok(context, bw_solid_case_pressure(context, b->the, embedding, TRIANGLES, triangle,
+                                           pressures, follower));
+  bw_release(embedding);
+}
+
+static void test_totals(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  double gravity[3] = {1, 2, -9}, total[3] = {0}, moment = 0;
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
+  box_force(context, &b, 0, 1, 5, 6, 7);
+  check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
+  press_face(context, &b, 0, 1, 1000, false);
+  press_face(context, &b, 2, 0, 500, false);
+  double *force = malloc(24 * (size_t)b.grid->node_count);
+  check_ok(context, bwi_case_dead(context, b.solid, b.the, force));
+  for (int32_t n = 0; n < b.grid->node_count; n++) {
+    double x[3];
+    bw_grid_position(b.grid, n, x);
+    for (int d = 0; d < 3; d++)
+      total[d] += force[3 * n + d];
+    moment += (x[1] - 0.1) * force[3 * n] - (x[0] - 0.15) * force[3 * n + 1];
+  }
+  check_near(total[0], 5 + 12 * 1 - 1000 * 0.04, 1e-9);
+  check_near(total[1], 6 + 12 * 2, 1e-9);
+  check_near(total[2], 7 - 12 * 9 + 500 * 0.06, 1e-9);
+  check_near(moment, -0.15 * 6, 1e-9);
+  free(force);
+  box_free(&b);
+}
+
+/* A cube pressed from all sides (an eighth of it, by symmetry) shrinks to the stretch l with mu (l
+ * - 1/l) + 3 lambda ln(l) / l = -p l^2: pressure on what the faces have become. */
+static void test_followers(void **state) {
+  bw_context *context = check_context(state);
+  const double young = 1, poisson = 0.3, pressure = 0.8;
+  double mu = young / (2 * (1 + poisson)), lambda = young * poisson / ((1 + poisson) * 0.4);
+  double low = 0.3, high = 1;
+  for (int k = 0; k < 100; k++) {
+    double l = 0.5 * (low + high);
+    *(mu * (l - 1 / l) + 3 * lambda * log(l) / l + pressure * l * l > 0 ? &high : &low) = l;
+  }
+  box b;
+  bw_newton_options options;
+  bw_newton_options_default(&options);
+  options.tolerance = 1e-10;
+  box_make(context, &b, cells, size, BW_NEO_HOOKEAN, young, poisson, 0);
+  box_symmetric(context, &b);
+  for (int axis = 0; axis < 3; axis++)
+    press_face(context, &b, axis, 1, pressure, true);
+  bw_solid_static *result;
+  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  for (int axis = 0; axis < 3; axis++)
+    check_near(1 + box_mean(&b, result->displacement, axis, 1, axis) / size[axis], low, 1e-9);
+  assert_in_range(result->report.iterations, 3, 12);
+  bw_release(result);
+  box_free(&b);
+}
+
+/* The derivative of follower forces against differences. */
+static void test_follower_derivative(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  bw_random random;
+  double step = 1e-5;
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
+  press_face(context, &b, 1, 1, 3, true);
+  press_face(context, &b, 0, 0, 2, true);
+  int n = 3 * b.grid->node_count;
+  double *u = calloc(7 * (size_t)n, sizeof *u), *v = u + n, *moved = v + n;
+  bw_random_seed(&random, 3);
+  for (int i = 0; i < n; i++) {
+    u[i] = 0.1 * bw_random_uniform(&random);
+    v[i] = bw_random_uniform(&random);
+  }
+  double *exact = moved + n, *side = exact + n;
+  check_ok(context, bwi_case_follow_along(context, b.the, u, v, 1, exact));
+  for (int s = 0; s < 2; s++) {
+    for (int i = 0; i < n; i++)
+      moved[i] = u[i] + (s ? -step : step) * v[i];
+    check_ok(context, bwi_case_follow(context, b.the, moved, 1, side + s * n));
+  }
+  for (int i = 0; i < n; i++)
+    check_near(exact[i], (side[i] - side[n + i]) / (2 * step), 1e-9);
+  free(u);
+  box_free(&b);
+}
+
+static void test_contradictions(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  int32_t node[2] = {0, 7}, wrong = 1000, point[3] = {0, 1, 99};
+  bool z[3] = {false, false, true}, none[3] = {false, false, false};
+  double up[3] = {0, 0, 0.1}, other[3] = {0, 0, 0.2}, bad[3] = {0, 0, INFINITY}, p = 1;
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
+  check_ok(context, bw_solid_case_hold(context, b.the, 2, node, z, up));
+  check_ok(context, bw_solid_case_hold(context, b.the, 1, node, z, up));
+  check_fails(context, BW_INVALID, "node 8",
+              bw_solid_case_hold(context, b.the, 1, node + 1, z, other));
+  check_fails(context, BW_INVALID, "no node 1001",
+              bw_solid_case_hold(context, b.the, 1, &wrong, z, up));
+  check_fails(context, BW_INVALID, "finite", bw_solid_case_hold(context, b.the, 1, node, z, bad));
+  check_fails(context, BW_EMPTY, "no direction",
+              bw_solid_case_hold(context, b.the, 1, node, none, up));
+  check_fails(context, BW_EMPTY, "no node", bw_solid_case_force(context, b.the, 0, node, up));
+  bw_embedding *embedding;
+  double at[6] = {0.1, 0.1, 0.1, 0.2, 0.1, 0.1};
+  check_ok(context, bw_embedding_create(context, b.grid, 2, at, 1, &embedding));
+  check_fails(context, BW_INVALID, "point 100",
+              bw_solid_case_pressure(context, b.the, embedding, 1, point, &p, false));
+  bw_release(embedding);
+  box_free(&b);
+}
+
+static void check_free(bw_context *context, box *b, const char *text) {
+  bw_solid_static *result;
+  check_fails(context, BW_FREE, text,
+              bw_solid_statics(context, b->solid, b->the, NULL, NULL, &result));
+}
+
+static void test_not_held(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  double gravity[3] = {0, 0, -1};
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
+  check_free(context, &b, "can move");
+  box_hold(context, &b, 2, 0, false, false, true, 0);
+  box_hold(context, &b, 1, 0, false, true, false, 0);
+  check_free(context, &b, "along (");
+  box_free(&b);
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 0);
+  int32_t two[2] = {0, 2}; /* both on the x axis: it can turn about that */
+  bool all[3] = {true, true, true};
+  check_ok(context, bw_solid_case_hold(context, b.the, 2, two, all, NULL));
+  check_free(context, &b, "turn as a whole");
+  box_hold(context, &b, 0, 0, true, true, true, 0);
+  check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
+  bw_solid_static *result;
+  check_fails(context, BW_INVALID, "density",
+              bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+  box_free(&b);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_totals),
+      check_test(test_followers),
+      check_test(test_follower_derivative),
+      check_test(test_contradictions),
+      check_test(test_not_held),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
