@@ -159,17 +159,13 @@ static void corners(const bw_grid *grid, int32_t element, const double *u, doubl
     memcpy(own[a], u + 3 * (int64_t)node[a], sizeof own[a]);
 }
 
-void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *u, bwi_want want,
-                          bool project, bwi_element_state *state, double *force,
-                          double *stiffness) {
-  const bw_grid *grid = solid->grid;
-  const bw_solid_material *m = solid->palette->material[grid->material[element]];
-  double own[8][3], volume = bwi_solid_volume(grid, element);
+void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], double volume,
+                       const double own[8][3], bwi_want want, bool project,
+                       bwi_element_state *state, double *force, double *stiffness) {
   points p;
   bwi_lanes h[9], ratio = BWI_ALL(INFINITY), defined_ratio;
   bwi_response response;
   sums sum;
-  corners(grid, element, u, own);
   sum.energy = BWI_ALL(0.0);
   if (want >= BWI_STRESS)
     memset(sum.force, 0, sizeof sum.force);
@@ -177,7 +173,7 @@ void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *
     memset(sum.stiffness, 0, sizeof sum.stiffness);
   bwi_mask defined = (bwi_mask){0} == 0;
   for (int32_t first = 0; first < m->rule->count; first += BWI_LANES) {
-    points_of(m->rule, first, grid->spacing, &p);
+    points_of(m->rule, first, spacing, &p);
     displacement_gradient(&p, own, h);
     respond(m, first, &p, volume, h, want, project, &response);
     sum.energy += response.energy;
@@ -208,6 +204,17 @@ void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *
     sum_lanes(sum.stiffness + i, stiffness + i);
   sum_lanes(sum.stiffness + BWI_ELEMENT_NUMBERS - 4, last);
   memcpy(stiffness + BWI_ELEMENT_NUMBERS - 4, last, 4 * sizeof *last);
+}
+
+void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *u, bwi_want want,
+                          bool project, bwi_element_state *state, double *force,
+                          double *stiffness) {
+  const bw_grid *grid = solid->grid;
+  double own[8][3];
+  corners(grid, element, u, own);
+  bwi_cell_evaluate(solid->palette->material[grid->material[element]], grid->spacing,
+                    bwi_solid_volume(grid, element), (const double(*)[3])own, want, project, state,
+                    force, stiffness);
 }
 
 bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double *u,

@@ -33,6 +33,10 @@ typedef struct bwi_element_state {
  * written as far as `want` goes. */
 void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *u, bwi_want want,
                           bool project, bwi_element_state *state, double *force, double *stiffness);
+/* The same for a box of this material: displacements of its corners, and a volume. */
+void bwi_cell_evaluate(const bw_solid_material *material, const double spacing[3], double volume,
+                       const double u[8][3], bwi_want want, bool project, bwi_element_state *state,
+                       double *force, double *stiffness);
 /* Integrals over the element of P F^T (tensor, 9) and of det F, both by its points' weights, which
  * sum to 1; false where the energy does not exist. */
 bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double *u,
