@@ -368,7 +368,8 @@ function tune() {
   const text = byId("target").value.trim();
   const hertz = Number(text.replace(/\s*Hz$/i, ""));
   if (!text) return say("a note like C5, or a frequency in Hz, to tune to", true);
-  send({ type: "tune", target: Number.isFinite(hertz) ? hertz : text });
+  const pins = outline.pins.size ? { pins: [...outline.pins].sort((a, b) => a - b) } : {}; // stay where they are
+  send({ type: "tune", target: Number.isFinite(hertz) ? hertz : text, ...pins });
 }
 byId("tune").addEventListener("click", tune);
 byId("target").addEventListener("keydown", (event) => event.key === "Enter" && tune());

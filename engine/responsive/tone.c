@@ -30,23 +30,28 @@ static double deflection(const bw_plate *plate, int mode, int32_t element,
   return sum;
 }
 
-bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *given,
-                        double *sample) {
+static bw_status check_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone) {
+  if (plate->mode_count < 1)
+    return bw_fail(context, BW_INVALID, "the plate has no modes yet: solve first");
+  if (!(tone->loss > 0) || !(tone->contact >= 0) || !(tone->seconds > 0) || tone->rate < 1000)
+    return bw_fail(context, BW_INVALID,
+                   "a tone needs a loss factor and seconds above 0, a contact of at least 0 and a "
+                   "rate of at least 1000, not %g, %g, %g, %d",
+                   tone->loss, tone->seconds, tone->contact, tone->rate);
+  return BW_OK;
+}
+
+bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_tone *given,
+                         double *gain) {
   bw_status status = BW_OK;
   bw_tone tone;
   bw_tone_default(&tone);
   if (given)
     tone = *given;
   bw_plane_locator *locator = NULL;
-  if (plate->mode_count < 1)
-    return bw_fail(context, BW_INVALID, "the plate has no modes yet: solve first");
-  if (!(tone.loss > 0) || !(tone.contact >= 0) || !(tone.seconds > 0) || tone.rate < 1000)
-    return bw_fail(context, BW_INVALID,
-                   "a tone needs a loss factor and seconds above 0, a contact of at least 0 and a "
-                   "rate of at least 1000, not %g, %g, %g, %d",
-                   tone.loss, tone.seconds, tone.contact, tone.rate);
-  double barycentric[3], outside;
+  double barycentric[3], outside, loudest = 0;
   double at[2] = {tone.at[0], tone.at[1]};
+  BW_TRY(check_tone(context, plate, &tone));
   if (isnan(at[0]) || isnan(at[1])) {
     int64_t most = 0;
     for (int64_t i = 1; i < plate->mesh->topology->nodes->node_count; i++)
@@ -56,25 +61,47 @@ bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_ton
   }
   BW_TRY(bw_plane_locator_create(context, plate->mesh, &locator));
   int32_t element = bw_plane_locate(locator, at, barycentric, &outside);
+  for (int k = 0; k < plate->mode_count; k++) {
+    gain[k] = deflection(plate, k, element, barycentric) *
+              softened(2 * PI * plate->frequency[k], tone.contact);
+    loudest = fmax(loudest, fabs(gain[k]));
+  }
+  for (int k = 0; k < plate->mode_count && loudest > 0; k++)
+    gain[k] /= loudest;
+done:
+  bw_plane_locator_free(locator);
+  return status;
+}
+
+bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *given,
+                        double *sample) {
+  bw_status status = BW_OK;
+  bw_tone tone;
+  double *gain = NULL, loudest = 0;
+  bw_tone_default(&tone);
+  if (given)
+    tone = *given;
+  BW_TRY(check_tone(context, plate, &tone));
+  gain = BW_NEW(context, double, plate->mode_count);
+  if (!gain)
+    return BW_MEMORY;
+  BW_TRY(bw_plate_gains(context, plate, &tone, gain));
   int64_t count = (int64_t)(tone.seconds * tone.rate);
   memset(sample, 0, (size_t)count * sizeof *sample);
   for (int k = 0; k < plate->mode_count; k++) {
-    double f = plate->frequency[k], omega = 2 * PI * f;
+    double f = plate->frequency[k], omega = 2 * PI * f, decay = PI * tone.loss * f;
     if (f >= 0.5 * tone.rate)
       continue;
-    double amplitude = deflection(plate, k, element, barycentric) * softened(omega, tone.contact);
-    double decay = PI * tone.loss * f;
     for (int64_t i = 0; i < count; i++) {
       double t = (double)i / tone.rate;
-      sample[i] += amplitude * exp(-decay * t) * sin(omega * t);
+      sample[i] += gain[k] * exp(-decay * t) * sin(omega * t);
     }
   }
-  double loudest = 0;
   for (int64_t i = 0; i < count; i++)
     loudest = fmax(loudest, fabs(sample[i]));
   for (int64_t i = 0; i < count && loudest > 0; i++)
     sample[i] *= 0.9 / loudest;
 done:
-  bw_plane_locator_free(locator);
+  bw_free(gain);
   return status;
 }

@@ -63,6 +63,16 @@ function methods:step(count)
   return followed.step(self, walk)
 end
 
+--- From now on steps of so many seconds. What is recorded begins anew: signals have equal steps.
+function methods:pace(seconds)
+  if type(seconds) ~= "number" or not (seconds > 0 and seconds < math.huge) then
+    raise(("pace: seconds above 0 expected, got %s"):format(tostring(seconds)))
+  end
+  self.wish.step = seconds
+  for name in pairs(self.signals) do self.signals[name] = {} end
+  return self
+end
+
 --- Finds the steady state. What fails leaves the flow as it was.
 function methods:settle()
   return followed.step(self, function(report) return advance(self, report, 0) end)

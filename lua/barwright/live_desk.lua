@@ -17,6 +17,7 @@ local live_message = require "barwright.live_message"
 local room = require "barwright.live_room"
 
 local tell, tell_all, refuse, send_all = room.tell, room.tell_all, room.refuse, room.send_all
+local own_drag, no_drag = room.own_drag, room.no_drag
 
 local desk = {}
 desk.__index = desk
@@ -133,21 +134,18 @@ local function try(drag, change)
   return nil, why
 end
 
+--- What is dragged, in words.
+function desk:dragged()
+  return self.drag.bone or self.drag.joint
+end
+
 local handlers = {}
 
 function handlers.begin(self, client, message)
-  if self.drag then
-    return refuse(self, client, message, ("%s is being dragged in %s window"):format(
-      self.drag.bone or self.drag.joint, self.drag.client == client and "this" or "another"))
-  end
+  if not room.may_begin(self, client, message) then return end
   self.drag = {client = client, bone = message.bone, joint = message.joint, seq = message.seq,
     good = false, fork = self.session:fork {refill = false}}
   self.told = core.seconds() -- what was told before is no hurry
-end
-
-local function own_drag(self, client, message)
-  if self.drag and self.drag.client == client then return self.drag end
-  refuse(self, client, message, "no drag of this window is going on")
 end
 
 function handlers.move(self, client, message)
@@ -183,11 +181,6 @@ handlers["end"] = function(self, client, message)
   local why = finish(self, not message.cancel)
   if why then refuse(self, client, message, why) end
   return publish(self, self.session)
-end
-
-local function no_drag(self, client, message)
-  if not self.drag then return true end
-  refuse(self, client, message, ("%s is being dragged"):format(self.drag.bone or self.drag.joint))
 end
 
 local function edit(self, client, message, fine, why)
@@ -312,13 +305,10 @@ end
 
 -- A window that is closed ends its drag.
 local function close(self, client)
-  self.clients[client] = nil
-  if self.drag and self.drag.client == client then
-    room.protected(self, client, {type = "end"}, function()
-      finish(self, true)
-      return publish(self, self.session)
-    end)
-  end
+  room.leave(self, client, function()
+    finish(self, true)
+    return publish(self, self.session)
+  end)
 end
 
 local events = {read = live_message.read, open = open, close = close, handlers = handlers}

@@ -16,6 +16,7 @@ local live_plane_message = require "barwright.live_plane_message"
 local room = require "barwright.live_room"
 
 local tell, tell_all, refuse, send_all = room.tell, room.tell_all, room.refuse, room.send_all
+local own_drag, no_drag = room.own_drag, room.no_drag
 
 local desk = {}
 desk.__index = desk
@@ -129,20 +130,17 @@ local function go_to(self, position)
   return keep(self)
 end
 
+--- What is dragged, in words.
+function desk.dragged()
+  return "the outline"
+end
+
 local handlers = {}
 
 function handlers.begin(self, client, message)
-  if self.drag then
-    return refuse(self, client, message, ("the outline is being dragged in %s window"):format(
-      self.drag.client == client and "this" or "another"))
-  end
+  if not room.may_begin(self, client, message) then return end
   self.drag = {client = client, seq = message.seq, handle = message.handle, pins = message.pins,
     reach = message.reach, base = self.object.outline}
-end
-
-local function own_drag(self, client, message)
-  if self.drag and self.drag.client == client then return self.drag end
-  refuse(self, client, message, "no drag of this window is going on")
 end
 
 function handlers.move(self, client, message)
@@ -176,11 +174,6 @@ end
 handlers["end"] = function(self, client, message)
   if not own_drag(self, client, message) then return end
   return done(self, client, message, finish(self, not message.cancel))
-end
-
-local function no_drag(self, client, message)
-  if not self.drag then return true end
-  refuse(self, client, message, "the outline is being dragged")
 end
 
 function handlers.edit(self, client, message)
@@ -262,11 +255,11 @@ function handlers.tune(self, client, message)
     return not (asked_to_stop(self) or core.interrupted())
   end
   tell_all(self, {type = "progress", stage = "tuning"})
-  local report, why = object:tune(message.target, {watch = watch})
+  local report, why = object:tune(message.target, {watch = watch, pins = message.pins})
   local words = report and tuned_words(report) or why == "stopped" and "stopped: the shape is as it was" or why
   tell_all(self, {type = "tuned", met = report ~= nil, message = words})
   if not report then return publish(self) end
-  return done(self, client, message, push(self, edits.tuned(message.target)))
+  return done(self, client, message, push(self, edits.tuned(message.target, message.pins)))
 end
 
 --- Nothing to stop.
@@ -361,13 +354,10 @@ end
 
 -- A window that is closed ends its drag.
 local function close(self, client)
-  self.clients[client] = nil
-  if self.drag and self.drag.client == client then
-    room.protected(self, client, {type = "end"}, function()
-      finish(self, true)
-      return publish(self)
-    end)
-  end
+  room.leave(self, client, function()
+    finish(self, true)
+    return publish(self)
+  end)
 end
 
 local events = {read = live_plane_message.read, open = open, close = close, handlers = handlers}

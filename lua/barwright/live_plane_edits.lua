@@ -98,9 +98,10 @@ function edits.dragged(base, drag, by)
   return made, why, become("pull", vertex, to, options)
 end
 
---- The line that tunes a bar.
-function edits.tuned(target)
-  return ("assert(object:tune(%s))"):format(value(target))
+--- The line that tunes a bar, some vertices staying where they are.
+function edits.tuned(target, pins)
+  if not pins or #pins == 0 then return ("assert(object:tune(%s))"):format(value(target)) end
+  return ("assert(object:tune(%s, {pins = %s}))"):format(value(target), value(pins))
 end
 
 -- ---- the file ------------------------------------------------------------------------------------

@@ -88,20 +88,11 @@ kinds["shaken sheet"] = {
   told = function(object) return {moved(object)} end,
 }
 
--- How loudly every mode sounds of a stroke where the lowest one deflects most: as in the bar's :tone.
-local function tone(object, loss, contact)
-  local frequencies = object.frequencies:totable()
-  local at = object:mode(1):column(1):map("abs(a)"):argmax()
-  local gains, most = {}, 0
-  for k, f in ipairs(frequencies) do
-    local x = 2 * f * contact
-    local off = 1 - x * x
-    local softened = math.abs(off) < 1e-6 and math.pi / 4 or math.abs(math.cos(math.pi * x / 2) / off)
-    gains[k] = math.abs(object:mode(k)[at][1]) * softened
-    most = math.max(most, gains[k])
-  end
-  for k = 1, #gains do gains[k] = gains[k] / most end
-  return {frequencies = frequencies, gains = gains, loss = loss}
+-- How a stroke sounds where the lowest mode deflects most: as in the bar's :tone.
+local loss = 0.002
+local function tone(object)
+  return {frequencies = object.frequencies:totable(),
+    gains = object:gains({loss = loss}):map("abs(a)"):totable(), loss = loss}
 end
 
 kinds["metallophone bar"] = {
@@ -114,7 +105,7 @@ kinds["metallophone bar"] = {
   header = function(object, header)
     header.frequency = object.frequency
     header.note, header.cents = pitch.note(object.frequency)
-    header.tone = tone(object, 0.002, 0.3e-3)
+    header.tone = tone(object)
     local holes = object:holes()
     header.holes = holes or nil
   end,

@@ -107,7 +107,7 @@ local types = {
   show = {field = {field, true}},
   pace = {running = {flag}, steps = {number_between(1, 1000)}},
   limit = {von_mises = {or_null(number_between(1e-3, 1e15)), true}},
-  tune = {target = {target, true}},
+  tune = {target = {target, true}, pins = {list_of(edge, nil, 1000, "numbers of vertices")}},
   undo = nothing,
   redo = nothing,
   reset = nothing,

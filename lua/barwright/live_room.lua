@@ -75,6 +75,35 @@ function room.stopped(details)
   return details and details.status == "cancelled"
 end
 
+-- ---- drags ---------------------------------------------------------------------------------------
+
+--- The drag of a window; where it has none, it is told so.
+function room.own_drag(self, client, message)
+  if self.drag and self.drag.client == client then return self.drag end
+  room.refuse(self, client, message, "no drag of this window is going on")
+end
+
+--- Whether nothing is dragged; a window that asked is told what is: `self:dragged()` names it.
+function room.no_drag(self, client, message)
+  if not self.drag then return true end
+  room.refuse(self, client, message, self:dragged() .. " is being dragged")
+end
+
+--- Whether a window may begin a drag.
+function room.may_begin(self, client, message)
+  if not self.drag then return true end
+  room.refuse(self, client, message, ("%s is being dragged in %s window"):format(self:dragged(),
+    self.drag.client == client and "this" or "another"))
+end
+
+--- A window is closed, which ends its drag: `finish` keeps what went well and tells the others.
+function room.leave(self, client, finish)
+  self.clients[client] = nil
+  if self.drag and self.drag.client == client then
+    room.protected(self, client, {type = "end"}, finish)
+  end
+end
+
 -- ---- files ---------------------------------------------------------------------------------------
 
 --- What a function writes to a path, as text.

@@ -103,7 +103,12 @@ function bar:tone(given)
   return self.body:tone(given)
 end
 
---- The same as a .wav file.
+--- How loudly each mode sounds in it, with its sign, the loudest 1 in size: options of `tone`.
+function bar:gains(given)
+  return self.body:gains(given)
+end
+
+--- The tone as a .wav file.
 function bar:write_tone(path, given)
   local samples, message, details = self.body:tone(given)
   if not samples then return nil, message, details end
@@ -114,6 +119,7 @@ end
 
 local tune_rules = {
   keep = {type = "table", default = {}},
+  pins = {type = "table", default = {}},
   smooth = {type = "number", above = 0},
   finer = {type = "integer", default = 4, least = 1},
   watch = {type = "function"},
@@ -139,16 +145,17 @@ local FAR = 0.05
 
 --- Changes the outline until the tone is `target` (Hz, or a note), moving it least: |p|^2 along the
 --- outline and, over the length `smooth` (default: a tenth of the size), its unevenness. `keep`: numbers
---- of points that stay. Where the pitch is more than 5 % off, the size is changed first (the tone of a
---- thin bar goes with its inverse square), and `keep` holds from there. The tone is met on a mesh `finer`
---- times as fine (default 4; 1: on the bar's own). `watch` is called with the bar after every round; when
---- it returns false, all is as before.
+--- of points that stay; `pins`: of vertices that do, as in outline:pull. Where the pitch is more than 5 %
+--- off, the size is changed first (the tone of a thin bar goes with its inverse square), and `keep` and
+--- `pins` hold from there. The tone is met on a mesh `finer` times as fine (default 4; 1: on the bar's own).
+--- `watch` is called with the bar after every round; when it returns false, all is as before.
 --- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)
   local wish = options.read("tune", given, tune_rules)
   local keep = {}
   for _, point in ipairs(wish.keep) do keep[point] = true end
+  for _, vertex in ipairs(wish.pins) do keep[self.outline:edge(vertex).point] = true end
   local first = self.outline
   local far = math.log(self.frequency / wanted)
   if math.abs(far) > FAR then

@@ -136,32 +136,47 @@ static int plate_nodal_lines(lua_State *L) {
   return 1;
 }
 
-/* plate:tone{at, loss, contact, seconds, rate} */
-static int plate_tone(lua_State *L) {
+/* {at, loss, contact, seconds, rate} at 2, or none */
+static void read_tone(lua_State *L, bw_tone *tone) {
   static const lbw_option list[] = {{"loss", LBW_REAL, offsetof(bw_tone, loss)},
                                     {"contact", LBW_REAL, offsetof(bw_tone, contact)},
                                     {"seconds", LBW_REAL, offsetof(bw_tone, seconds)},
                                     {"rate", LBW_INT, offsetof(bw_tone, rate)},
                                     {"at", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
-  const bw_plate *plate = self(L);
-  bw_tone tone;
   lua_settop(L, 2);
-  bw_tone_default(&tone);
-  lbw_options(L, 2, "tone", list, &tone);
+  bw_tone_default(tone);
+  lbw_options(L, 2, "tone", list, tone);
   if (lbw_option_get(L, 2, "at") != LUA_TNIL) {
     lbw_check_type(L, -1, LUA_TTABLE);
     for (int i = 0; i < 2; i++) {
       lua_rawgeti(L, -1, i + 1);
-      tone.at[i] = lbw_check_real(L, -1, "at");
+      tone->at[i] = lbw_check_real(L, -1, "at");
       lua_pop(L, 1);
     }
   }
   lua_settop(L, 2);
+}
+
+/* plate:tone(options): samples */
+static int plate_tone(lua_State *L) {
+  const bw_plate *plate = self(L);
+  bw_tone tone;
+  read_tone(L, &tone);
   if (!(tone.seconds > 0) || !(tone.seconds <= 600))
     return lbw_option_error(L, "tone", "seconds", "above 0 and at most 600");
   bw_array *array = lbw_push_array(L, BW_F64, (int64_t)(tone.seconds * tone.rate), 1);
   bw_status status = bw_plate_tone(lbw_enter(L), plate, &tone, (double *)array->data);
+  return lbw_leave(L, status, 1);
+}
+
+/* plate:gains(options): how loudly each mode sounds */
+static int plate_gains(lua_State *L) {
+  const bw_plate *plate = self(L);
+  bw_tone tone;
+  read_tone(L, &tone);
+  bw_array *array = lbw_push_array(L, BW_F64, plate->mode_count, 1);
+  bw_status status = bw_plate_gains(lbw_enter(L), plate, &tone, (double *)array->data);
   return lbw_leave(L, status, 1);
 }
 
@@ -220,6 +235,7 @@ static const luaL_Reg methods[] = {{"follow", plate_follow},
                                    {"gradient", plate_gradient},
                                    {"nodal_lines", plate_nodal_lines},
                                    {"tone", plate_tone},
+                                   {"gains", plate_gains},
                                    {"inplane", plate_inplane},
                                    {"counts", plate_counts},
                                    {NULL, NULL}};

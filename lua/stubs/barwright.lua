@@ -1554,7 +1554,7 @@ function Outline:measure(region) end
 ---@return table
 function Outline:loop(loop) end
 
----{tag, loop, from, to, control (of a curve), length, box}.
+---{tag, loop, point (number of the first), from, to, control (of a curve), length, box}.
 ---@param edge integer
 ---@return table
 function Outline:edge(edge) end
@@ -2387,7 +2387,14 @@ function Metallophone:holes() end
 ---@return table? details
 function Metallophone:tone(options) end
 
----The same as a .wav file.
+---How loudly each mode sounds in it, with its sign, the loudest 1 in size.
+---@param options? table as for tone
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Metallophone:gains(options) end
+
+---The tone as a .wav file.
 ---@param path string
 ---@param options? {at?: number[], loss?: number, contact?: number, seconds?: number, rate?: integer}
 ---@return boolean?
@@ -2398,10 +2405,10 @@ function Metallophone:write_tone(path, options) end
 ---Changes the outline until the tone is `target` (Hz, or a note like "C5"), moving it least in the mean
 ---square and as evenly as the length `smooth` asks (default: a tenth of the size), no point by more than a
 ---fifth of the width where it is. More than 5 % off, the size is changed first. `keep`: numbers of points
----that stay (from there). Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
+---that stay (from there), `pins`: of vertices, as in Outline:pull. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
 ---`watch` is called with the bar after every round; where it returns false, tuning ends as a failure.
 ---@param target number|string
----@param options? {keep?: integer[], smooth?: number, finer?: integer, watch?: fun(bar: bw.Metallophone): boolean?}
+---@param options? {keep?: integer[], pins?: integer[], smooth?: number, finer?: integer, watch?: fun(bar: bw.Metallophone): boolean?}
 ---@return {frequency: number, cents: number, moved: number, rounds: integer, mesh_cents: number}?
 ---@return string? message
 ---@return table? details
@@ -2779,6 +2786,12 @@ function Plate:nodal_lines(mode) end
 ---@return table? details
 function Plate:tone(options) end
 
+---@param options? table
+---@return bw.Array?
+---@return string? message
+---@return table? details
+function Plate:gains(options) end
+
 ---@param count? integer
 ---@return bw.Array?
 ---@return string? message
@@ -3129,6 +3142,11 @@ function Flow:become(outline) end
 ---@return table? details
 function Flow:step(count) end
 
+---From now on steps of so many seconds; what is recorded begins anew.
+---@param seconds number
+---@return bw.Flow
+function Flow:pace(seconds) end
+
 ---Finds the steady state; where there is none, all is as it was.
 ---@return bw.Flow?
 ---@return string? message
@@ -3225,6 +3243,11 @@ function ThermalFlow:become(outline) end
 ---@return string? message
 ---@return table? details
 function ThermalFlow:step(count) end
+
+---From now on steps of so many seconds; what is recorded begins anew.
+---@param seconds number
+---@return bw.ThermalFlow
+function ThermalFlow:pace(seconds) end
 
 ---Finds the steady state; where there is none, all is as it was.
 ---@return bw.ThermalFlow?

@@ -128,6 +128,13 @@ describe("a flow in time", function()
     check.near(20 / (2 * math.pi), s:frequency("speed", 4), 0.02)
     s:record "speed"
     check.raises("no signal 'speed'", s.frequency, s, "speed")
+    s:record("speed", function(flow) return (flow:at(0.05, 0.5)) end)
+    assert(s:step(2))
+    assert(s:pace(0.005):step(200)) -- which has a fresh signal
+    assert.equal(200, #s.signals.speed)
+    check.near(2 + 0.04 + 1, s.time, 1e-9)
+    check.near(20 / (2 * math.pi), s:frequency("speed", 2), 0.05)
+    check.raises("seconds above 0", s.pace, s, 0)
   end)
 
   it("takes sizes as formulas and functions", function()

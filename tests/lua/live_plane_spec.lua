@@ -8,50 +8,18 @@ local kinds = require "barwright.live_plane_kinds"
 local live_plane_desk = require "barwright.live_plane_desk"
 local live_pack = require "barwright.live_pack"
 local check = require "check"
+local live_talk = require "live_talk"
 
 local function made(name)
   return assert(dofile(check.root .. "/tests/lua/live_plane/" .. name .. ".lua"))
 end
 
--- A desk whose windows are lists: got[client] = messages in order; blocks in `blocks`.
 local function desk_on(object, about)
-  local server = {got = {}, files = {}, waiting = {}, blocks = {}}
-  function server:send(client, bytes, options)
-    local message, blocks
-    if options and options.binary then
-      message, blocks = live_pack.read(bytes)
-      self.blocks[message.type] = blocks
-    else
-      assert(utf8.len(bytes))
-      message = assert(bw.json.decode(bytes))
-    end
-    self.got[client] = self.got[client] or {}
-    table.insert(self.got[client], message)
-    return true
-  end
-  function server:serve(path, _, bytes) self.files[path] = bytes end
-  function server:receive() return table.unpack(table.remove(self.waiting, 1) or {}) end
-  local desk, why = live_plane_desk.new(object, server, about or {})
-  if not desk then return nil, why end
-  local talk = {desk = desk, server = server, object = object}
-  -- Handles messages of a window; gives the last answer and all of them.
-  function talk.say(client, ...)
-    server.got[client] = {}
-    local events = {}
-    for i, message in ipairs {...} do
-      events[i] = {client, "message", type(message) == "table" and bw.json.encode(message) or message}
-    end
-    desk:handle(events)
-    local got = server.got[client]
-    return got[#got], got
-  end
-  function talk.open(client)
-    server.got[client] = {}
-    desk:handle {{client, "open", ""}}
-    return server.got[client]
-  end
-  function talk.close(client) desk:handle {{client, "close", ""}} end
-  return talk
+  return live_talk(live_plane_desk, object, about, function(bytes, server)
+    local message, blocks = live_pack.read(bytes)
+    server.blocks[message.type] = blocks
+    return message
+  end)
 end
 
 local function points_of(object)
@@ -283,10 +251,16 @@ describe("a desk in the plane", function()
     assert.is_true(seen.progress >= 2 and seen.state >= 2 and seen.tuned == 1)
     assert.equal("C#5", last.note)
     assert.equal('assert(object:tune("C#5"))', last.script[1])
+    -- pinned vertices stay, from where the size is about right
+    local from = talk.object.outline:edge(2).from
+    last = talk.say(1, {type = "tune", target = 1.01 * last.frequency, pins = {2, 3}})
+    assert.truthy(last.script[2]:find(", {pins = {2, 3}}))", 1, true))
+    assert.same(from, talk.object.outline:edge(2).from)
+    assert.equal("error", talk.say(1, {type = "tune", target = 700, pins = {99}}).type)
     local points = points_of(talk.object)
     talk.server.waiting = {{1, "message", '{"type":"stop"}'}}
     last, all = talk.say(1, {type = "tune", target = 700})
-    assert.equal(1, last.edits)
+    assert.equal(2, last.edits)
     assert.truthy(all[#all - 1].message:find "stopped")
     assert.equal(points, points_of(talk.object))
   end)

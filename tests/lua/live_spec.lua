@@ -6,46 +6,13 @@ local core = require "barwright.core"
 local live_desk = require "barwright.live_desk"
 local live_frame = require "barwright.live_frame"
 local check = require "check"
+local live_talk = require "live_talk"
 
 local session_file = check.root .. "/tests/lua/live_session.lua"
 
--- A desk whose windows are lists: got[client] = messages in order, states and scenes as tables.
+-- States and scenes are tables.
 local function desk_on(session, about)
-  local server = {got = {}, files = {}, waiting = {}}
-  function server:send(client, bytes, options)
-    local message
-    if options and options.binary then
-      message = live_frame.read(bytes)
-    else
-      assert(utf8.len(bytes))
-      message = assert(bw.json.decode(bytes))
-    end
-    self.got[client] = self.got[client] or {}
-    table.insert(self.got[client], message)
-    return true
-  end
-  function server:serve(path, _, bytes) self.files[path] = bytes end
-  function server:receive() return table.unpack(table.remove(self.waiting, 1) or {}) end
-  local desk = assert(live_desk.new(session, server, about or {}))
-  local talk = {desk = desk, server = server, session = session}
-  -- Handles messages of a window; gives the last answer and all of them.
-  function talk.say(client, ...)
-    server.got[client] = {}
-    local events = {}
-    for i, message in ipairs {...} do
-      events[i] = {client, "message", type(message) == "table" and bw.json.encode(message) or message}
-    end
-    desk:handle(events)
-    local got = server.got[client]
-    return got[#got], got
-  end
-  function talk.open(client)
-    server.got[client] = {}
-    desk:handle {{client, "open", ""}}
-    return server.got[client]
-  end
-  function talk.close(client) desk:handle {{client, "close", ""}} end
-  return talk
+  return assert(live_talk(live_desk, session, about, live_frame.read))
 end
 
 local shared
@@ -78,7 +45,7 @@ describe("a desk", function()
     assert.equal(3 * #got[2].blocks, got[2].blocks[1].count % 3 == 0 and 3 or 0)
     local state = got[3]
     assert.equal("state", state.type)
-    check.near(assert(talk.session:solve()).von_mises:max(), state.maximum, 1e-9)
+    check.near(assert(talk.object:solve()).von_mises:max(), state.maximum, 1e-9)
     assert.is_false(state.can_undo)
     assert.equal(3 * state.blocks[2].count, state.blocks[1].count)
     assert.equal(53e6, state.limit)
@@ -94,7 +61,7 @@ describe("a desk", function()
     assert.equal(1, #all)
     assert.equal(4, last.drag.seq)
     assert.equal(0, last.edits)
-    assert.equal(0, #talk.session.edits)
+    assert.equal(0, #talk.object.edits)
     assert.same(last, talk.server.got[2][#talk.server.got[2]])
     assert.equal("refused", talk.say(2, {type = "undo"}).type)
     assert.equal("refused", talk.say(2, {type = "begin", bone = "nose", seq = 1}).type)
@@ -102,7 +69,7 @@ describe("a desk", function()
     last = talk.say(1, {type = "end"})
     assert.equal(1, last.edits)
     assert.is_nil(last.drag)
-    assert.equal('session:bone("arm"):scale{1, 1.2, 1.2}', talk.session.edits[1].script)
+    assert.equal('session:bone("arm"):scale{1, 1.2, 1.2}', talk.object.edits[1].script)
     assert.is_true(talk.say(2, {type = "undo"}).can_redo)
     assert.equal(1, talk.say(2, {type = "redo"}).edits)
   end)
@@ -126,14 +93,14 @@ describe("a desk", function()
     assert.equal("refused", answer.type)
     assert.equal(7, answer.seq)
     assert.truthy(answer.message:find "inverts %d+ elements")
-    assert.equal(0, #talk.session.edits)
+    assert.equal(0, #talk.object.edits)
     -- In a drag the shape before stays, and is what the drag's end makes an edit of.
     talk.say(1, {type = "begin", bone = "nose", seq = 1})
     talk.say(1, {type = "move", seq = 2, change = scaled(1.1)})
     assert.equal("refused", talk.say(1, {type = "move", seq = 3, change = bent}).type)
     talk.say(1, {type = "end"})
-    assert.equal('session:bone("nose"):scale{1, 1.1, 1.1}', talk.session.edits[1].script)
-    assert.equal(1, #talk.session.edits)
+    assert.equal('session:bone("nose"):scale{1, 1.1, 1.1}', talk.object.edits[1].script)
+    assert.equal(1, #talk.object.edits)
   end)
 
   it("ends a drag whose window is closed, and takes one back that is cancelled", function()
@@ -142,16 +109,16 @@ describe("a desk", function()
     talk.open(2)
     talk.say(1, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)})
     talk.close(1)
-    assert.equal(1, #talk.session.edits)
+    assert.equal(1, #talk.object.edits)
     local told = talk.server.got[2][#talk.server.got[2]]
     assert.is_nil(told.drag)
     assert.equal(1, told.edits)
     talk.say(2, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)},
       {type = "end", cancel = true})
-    assert.equal(1, #talk.session.edits)
+    assert.equal(1, #talk.object.edits)
     talk.say(2, {type = "begin", bone = "arm", seq = 1})
     talk.close(2)
-    assert.equal(1, #talk.session.edits)
+    assert.equal(1, #talk.object.edits)
   end)
 
   it("does every kind of change", function()
@@ -174,7 +141,7 @@ describe("a desk", function()
     local talk = desk_on(hook())
     local before = talk.open(1)[3].joints
     local function place(name)
-      for j, joint in ipairs(talk.session.skeleton.joint_names) do
+      for j, joint in ipairs(talk.object.skeleton.joint_names) do
         if joint == name then return j end
       end
     end
@@ -193,7 +160,7 @@ describe("a desk", function()
     assert.truthy(state.script[#state.script]:find("session:reach", 1, true))
     local swing = state.joints[tip][3] - before[tip][3]
     assert.is_true(swing > 1e-3)
-    local rotation = talk.session:bone "nose".rotation
+    local rotation = talk.object:bone "nose".rotation
     local trace = rotation[1][1] + rotation[2][2] + rotation[3][3]
     assert.is_true(math.deg(math.acos(math.min(1, (trace - 1) / 2))) < 3.001)
     local at = state.joints[wall]
@@ -231,7 +198,7 @@ describe("a desk", function()
       twist = twist + math.abs(arrow.force[1]) + math.abs(arrow.force[2]) + math.abs(arrow.force[3])
     end
     for k = 1, 3 do assert.is_true(math.abs(force[k]) < 1e-6 * twist) end -- balanced
-    local part = bw.model {mesh = talk.session.source.mesh, material = talk.session.source.material}
+    local part = bw.model {mesh = talk.object.source.mesh, material = talk.object.source.material}
     local worst = assert(bw.worst_case(part))
     part:load {nodal = worst:force()}
     check.near(assert(part:solve {inertia_relief = true}).von_mises:max(), state.maximum, 1e-6)
@@ -280,7 +247,7 @@ describe("a desk", function()
     state, got = talk.say(1, move(7, 1.25))
     assert.equal("shape7 shape state", kinds(got))
     check.near(1.25, state.factors[2][2], 1e-12)
-    check.near(assert(talk.session:solve {method = "scratch"}).von_mises:max(), state.maximum, 1e-8)
+    check.near(assert(talk.object:solve {method = "scratch"}).von_mises:max(), state.maximum, 1e-8)
     -- in one batch the move before the end is not solved at all
     talk.say(1, {type = "begin", bone = "nose", seq = 8})
     talk.desk.seconds = 0
@@ -366,7 +333,7 @@ describe("a message that is none", function()
       assert.equal("error", answer.type, text:sub(1, 80))
       assert.truthy(answer.message:find(expected, 1, true), text:sub(1, 80) .. ": " .. answer.message)
     end
-    assert.equal(0, #talk.session.edits)
+    assert.equal(0, #talk.object.edits)
   end)
 
   it("changes nothing, whatever is in it", function()
@@ -401,7 +368,7 @@ describe("a message that is none", function()
       if talk.desk.drag then talk.say(1, {type = "end", cancel = true}) end
     end
     assert.truthy(answered > 890, answered)
-    assert.equal(0, #talk.session.edits)
+    assert.equal(0, #talk.object.edits)
     assert.equal(1, talk.say(1, good[1]).edits)
   end)
 

@@ -169,6 +169,15 @@ describe("a metallophone bar", function()
       material = bw.material.aluminium, elements = 100, modes = 4})
     local samples = assert(bar:tone {seconds = 0.5, rate = 8000})
     assert.equal(4000, samples.row_count)
+    -- with one mode left of two strokes: the amplitudes are as the gains
+    local here, there = {at = {0.19, 0.0}, contact = 0}, bar:gains {at = {0.1, 0}, contact = 0}:totable()
+    local gains = bar:gains(here):totable()
+    local shapes = {}
+    assert.equal(4, #gains)
+    for k = 1, 4 do shapes[k] = math.abs(gains[k]) end
+    assert.equal(1, math.max(table.unpack(shapes)))
+    assert.equal(1, math.max(table.unpack(bar:gains():map("abs(a)"):totable())))
+    assert.not_equal(gains[2], there[2])
     check.near(0.9, math.max(samples:max(), -samples:min()), 1e-12)
     local path = os.tmpname()
     assert(bar:write_tone(path, {seconds = 0.1}))

@@ -251,6 +251,9 @@ typedef struct bw_tone {
 void bw_tone_default(bw_tone *tone);
 bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone,
                         double *sample);
+/* How loudly each mode sounds in it (mode_count numbers): with its sign, the loudest 1 in size. */
+bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_tone *tone,
+                         double *gain);
 /* Where the mode's deflection vanishes: pieces of line, 4 numbers each (x0 y0 x1 y1); free with
  * bw_free. For the mounting holes. */
 bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int mode, int32_t *count,
