@@ -155,7 +155,13 @@ function bar:tune(target, given)
   local wish = options.read("tune", given, tune_rules)
   local keep = {}
   for _, point in ipairs(wish.keep) do keep[point] = true end
-  for _, vertex in ipairs(wish.pins) do keep[self.outline:edge(vertex).point] = true end
+  local segments = #wish.pins > 0 and self.outline.segments:totable()
+  for _, vertex in ipairs(wish.pins) do
+    if not segments[vertex] then
+      raise(("tune: option 'pins': numbers of vertices from 1 to %d expected"):format(#segments))
+    end
+    keep[segments[vertex][1]] = true
+  end
   local first = self.outline
   local far = math.log(self.frequency / wanted)
   if math.abs(far) > FAR then

@@ -648,8 +648,6 @@ static int outline_edge(lua_State *L) {
   lua_setfield(L, -2, "tag");
   lua_pushstring(L, outline->loop[bw_segment_loop(outline, edge)].name.text);
   lua_setfield(L, -2, "loop");
-  lua_pushinteger(L, segment->point[0] + 1);
-  lua_setfield(L, -2, "point");
   push_pair(L, outline->point + 2 * (int64_t)segment->point[0]);
   lua_setfield(L, -2, "from");
   push_pair(L, outline->point + 2 * (int64_t)segment->point[3]);

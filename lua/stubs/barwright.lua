@@ -1554,7 +1554,7 @@ function Outline:measure(region) end
 ---@return table
 function Outline:loop(loop) end
 
----{tag, loop, point (number of the first), from, to, control (of a curve), length, box}.
+---{tag, loop, from, to, control (of a curve), length, box}.
 ---@param edge integer
 ---@return table
 function Outline:edge(edge) end
@@ -3102,8 +3102,6 @@ function Mover:pull_back(gradient) end
 ---Lets go at once.
 function Mover:close() end
 
-return bw
-
 ---A flow whose outline is dragged.
 ---@class bw.Flow
 ---@field outline bw.Outline as it is now
@@ -3376,3 +3374,5 @@ function FlowBody:close() end
 local FlowState = {}
 
 function FlowState:close() end
+
+return bw
