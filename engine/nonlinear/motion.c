@@ -189,7 +189,7 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
   bw_motion_options_default(&plain);
   options = options ? options : &plain;
   BW_TRY(bwi_motion_check(context, options));
-  if (the->grid != solid->grid)
+  if (!bw_grid_same_elements(the->grid, solid->grid))
     return bw_fail(context, BW_INVALID, "the supports and loads belong to another grid");
   if (solid->weightless)
     return bw_fail(context, BW_INVALID,
