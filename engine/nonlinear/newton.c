@@ -26,6 +26,8 @@
 #define NOISE (8 * DBL_EPSILON)
 /* Residuals below this are near an equilibrium. */
 #define NEAR 0.1
+/* Residual below which the next iteration no longer changes whether the tangent is definite. */
+#define NEARBY 1e-2
 enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8 };
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
@@ -241,7 +243,9 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bw_status status = BW_OK;
   bool definite = true, lower = false;
   *stable = true;
-  if (walk->free == 0 || walk->quadratic || (walk->have_tangent && walk->tangent == BWI_PLAIN))
+  /* a definite tangent one iteration ago says it for here, if that was near */
+  bool near = walk->previous < NEARBY && walk->have_tangent && walk->tangent == BWI_PLAIN;
+  if (walk->free == 0 || walk->quadratic || near)
     return BW_OK;
   BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
   if (definite)
