@@ -30,3 +30,13 @@ void bw_colour(double t, unsigned char rgb[3]) {
   for (int k = 0; k < 3; k++)
     rgb[k] = (unsigned char)(map[i][k] + f * (map[i + 1][k] - map[i][k]) + 0.5);
 }
+
+void bw_category_colour(int64_t index, unsigned char rgb[3]) {
+  enum { COLOURS = 12 };
+  static const unsigned char colour[COLOURS][3] = {
+      {126, 159, 196}, {226, 148, 74}, {104, 176, 128}, {196, 94, 98},
+      {150, 122, 190}, {222, 196, 94}, {92, 178, 186},  {206, 130, 176},
+      {148, 148, 148}, {164, 118, 84}, {178, 204, 108}, {84, 104, 152}};
+  for (int k = 0; k < 3; k++)
+    rgb[k] = colour[(index % COLOURS + COLOURS) % COLOURS][k];
+}

@@ -45,14 +45,19 @@ typedef struct bwi_solid {
   const double *value; /* NULL: plain */
   bool on_facets;
   double low, high;
-  bool edges;  /* every facet's edges are drawn */
-  bool turned; /* a closed surface that faces inwards: its inside is what is seen */
+  bool edges; /* every facet's edges are drawn */
+  bool quads; /* facets 2 q and 2 q + 1 are halves of one: their common edge, from corner 2 to 0 of
+                 the first, is not drawn */
+  const int32_t *category; /* triangle_count, or NULL: colours that tell apart, without values */
+  bool turned;             /* a closed surface that faces inwards: its inside is what is seen */
 } bwi_solid;
 /* Normals averaged over the facets around each corner that make less than `crease` with its own,
  * sharp edges, and pixels. The view must be fitted. `push` is added to the depth. */
 bw_status bwi_solid_prepare(bw_context *context, bwi_solid *solid, const bwi_view *view,
                             double crease, double push);
 void bwi_solid_clear(bwi_solid *solid);
+/* Moves a prepared solid behind others, whatever its true depth; `gap` in pixels. */
+void bwi_solid_behind(bwi_solid *solid, int count, const bwi_solid *others, double gap);
 
 /* ---- arrows.c -------------------------------------------------------------------------------- */
 

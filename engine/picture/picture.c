@@ -263,20 +263,10 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   for (int i = 0; i < 3; i++)
     bwi_view_bound(&s->view, s->solid[i].point_count, s->solid[i].point, bounds);
   bwi_view_fit(&s->view, bounds, s->frame, options->zoom);
-  double behind = 0; /* the ghost stands behind everything, whatever its true depth */
   for (int i = 0; i < 3; i++)
     BW_TRY(bwi_solid_prepare(context, &s->solid[i], &s->view, CREASE, 0));
-  if (ghost->point_count > 0) {
-    float far = HUGE_VALF, close = -HUGE_VALF;
-    for (size_t i = 0; i < (size_t)ghost->point_count; i++)
-      close = fmaxf(close, ghost->pixel[3 * i + 2]);
-    for (int k = 0; k < 2; k++)
-      for (size_t i = 0; i < (size_t)s->solid[k].point_count; i++)
-        far = fminf(far, s->solid[k].pixel[3 * i + 2]);
-    behind = (double)close - (double)far + 1 + 0.5 * w;
-    for (size_t i = 0; i < (size_t)ghost->point_count; i++)
-      ghost->pixel[3 * i + 2] -= (float)behind;
-  }
+  if (ghost->point_count > 0)
+    bwi_solid_behind(ghost, 2, s->solid, 1 + 0.5 * w);
 done:
   return status;
 }

@@ -11,7 +11,7 @@
 
 #include "picture/internal.h"
 
-enum { SNAP = 256, BAND = 16, LEVELS = 1024, TONES = 4096 };
+enum { SNAP = 256, BAND = 16, LEVELS = 1024, TONES = 4096, CATEGORIES = 12 };
 #define NOTHING (-1)
 
 typedef struct scene {
@@ -26,7 +26,7 @@ typedef struct scene {
   int32_t *band_facet;
   size_t band_size;
   float colour[LEVELS + 1][3]; /* linear light of the colour map */
-  float missing[3], plain[3], arrow[3], ghost[3];
+  float missing[3], plain[3], arrow[3], ghost[3], category[CATEGORIES][3];
   unsigned char tone[TONES + 1]; /* linear light to sRGB bytes */
 } scene;
 
@@ -48,6 +48,11 @@ static void prepare_light(scene *s) {
     unsigned char rgb[3];
     bw_colour((double)i / LEVELS, rgb);
     set_linear(s->colour[i], rgb[0], rgb[1], rgb[2]);
+  }
+  for (int i = 0; i < CATEGORIES; i++) {
+    unsigned char rgb[3];
+    bw_category_colour(i, rgb);
+    set_linear(s->category[i], rgb[0], rgb[1], rgb[2]);
   }
   unsigned char none[3];
   bw_colour(NAN, none);
@@ -106,6 +111,8 @@ static const float *colour_at(const scene *s, const bwi_solid *solid, int64_t f,
     return s->arrow;
   if (solid->finish == BWI_GHOST)
     return s->ghost;
+  if (!solid->value && solid->category)
+    return s->category[(solid->category[f] % CATEGORIES + CATEGORIES) % CATEGORIES];
   if (!solid->value)
     return s->plain;
   double v = solid->on_facets ? solid->value[f]
@@ -124,6 +131,8 @@ static float line_at(const bwi_solid *solid, int64_t f, const int32_t *t, const 
   float dark = 0;
   for (int k = 0; k < 3; k++) {
     bool sharp = solid->lines[f] & (1 << k);
+    if (solid->quads && k == (f % 2 ? 0 : 2))
+      continue;
     if (!sharp && !solid->edges)
       continue;
     const float *a = solid->pixel + 3 * (size_t)t[k],

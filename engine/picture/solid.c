@@ -135,3 +135,15 @@ done:
   bw_free(j.around);
   return status;
 }
+
+void bwi_solid_behind(bwi_solid *solid, int count, const bwi_solid *others, double gap) {
+  float far = HUGE_VALF, close = -HUGE_VALF;
+  for (size_t i = 0; i < (size_t)solid->point_count; i++)
+    close = fmaxf(close, solid->pixel[3 * i + 2]);
+  for (int k = 0; k < count; k++)
+    for (size_t i = 0; i < (size_t)others[k].point_count; i++)
+      far = fminf(far, others[k].pixel[3 * i + 2]);
+  double behind = (double)close - (double)far + gap;
+  for (size_t i = 0; i < (size_t)solid->point_count; i++)
+    solid->pixel[3 * i + 2] -= (float)behind;
+}

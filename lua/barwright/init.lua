@@ -23,6 +23,7 @@ local bw = {
   worst_loads = core.worst_loads,
   rank_correlation = core.rank_correlation,
   picture = core.picture,
+  animation = core.animation,
   progress = core.progress,
   threads = core.threads,
   remarks = core.remarks,

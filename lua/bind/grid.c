@@ -529,4 +529,5 @@ void lbw_open_grid(lua_State *L) {
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   lua_setfield(L, -2, "grid");
+  lbw_open_grid_picture(L);
 }

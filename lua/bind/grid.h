@@ -21,5 +21,6 @@ bw_status lbw_region_nodes(bw_context *context, const bw_grid *grid, const lbw_r
 /* Add their methods to the registered grid class. */
 void lbw_open_region(lua_State *L);
 void lbw_open_embedding(lua_State *L);
+void lbw_open_grid_picture(lua_State *L);
 
 #endif

@@ -3,6 +3,7 @@
 #define BARWRIGHT_PICTURE_H
 
 #include "barwright/analysis.h"
+#include "barwright/grid.h"
 #include "barwright/outline.h"
 
 #ifdef __cplusplus
@@ -40,6 +41,46 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
  * the edges (from 1). */
 bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int width, int height,
                              bool numbers, const char *path);
+
+/* ---- grids -----------------------------------------------------------------------------------
+ */
+
+/* One of several pictures of grids side by side. */
+typedef struct bw_grid_panel {
+  const bw_grid *grid;
+  const char *title;          /* may be NULL */
+  const double *displacement; /* node_count x 3, or NULL */
+  const double *value;        /* of nodes, or NULL: coloured by material */
+  bool on_elements;           /* value is of elements */
+} bw_grid_panel;
+typedef struct bw_grid_picture_options {
+  int width, height;          /* pixels of a panel, default 640 x 560 */
+  int columns;                /* panels in a row; 0 (default): all, four at most */
+  double direction[3], up[3]; /* as in bw_picture_options */
+  double zoom;                /* default 1: the largest panel fills its frame */
+  double low[3], high[3];     /* the box that is to be seen, so that the pictures of a sequence fit
+                                 each other; both zero: what all panels' elements fill, moved */
+  const char *title, *unit;   /* may be NULL */
+  double scale;               /* values are multiplied by this for the bar's labels; default 1 */
+  double least, largest;      /* colour range; both 0: from all panels' values */
+  double deformation;         /* factor on displacements; default 1 */
+  bool edges;                 /* of elements; default true */
+  bool ghost;                 /* the undeformed outline behind */
+  int name_count;             /* of materials, for the legend: name[m - 1], or NULL: its number */
+  const char *const *name;
+} bw_grid_picture_options;
+void bw_grid_picture_options_default(bw_grid_picture_options *options);
+/* Grids with the edges of their elements, deformed, coloured by material or by values, all with the
+ * same camera, scale and colours, to one PNG file. `options` may be NULL. */
+bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_panel *panel,
+                           const bw_grid_picture_options *options, const char *path);
+/* PNG files of one size as an animated PNG, which browsers play and other programs show the first
+ * picture of. `seconds` of each picture; it starts over again `rounds` times (0: for ever). */
+bw_status bw_animation_write(bw_context *context, int count, const char *const *png, double seconds,
+                             int rounds, const char *path);
+/* Colours that tell things apart (0, 1, ...), a dozen before they repeat. */
+void bw_category_colour(int64_t index, unsigned char rgb[3]);
+
 /* The colour map (0..1 -> sRGB bytes; nan: grey), shared with the report: even in the OKLab space,
  * lightness falling from a pale blue to a dark red. */
 void bw_colour(double t, unsigned char rgb[3]);
