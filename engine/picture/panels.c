@@ -297,8 +297,12 @@ static bw_status draw_legend(sheet *s, cairo_t *cairo) {
 static bw_status draw(sheet *s, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   bw_status status = BW_OK;
-  cairo_set_source_rgb(cairo, 1, 1, 1);
+  cairo_pattern_t *shade = cairo_pattern_create_linear(0, s->head, 0, s->high_pixels - s->foot);
+  cairo_pattern_add_color_stop_rgb(shade, 0, 1, 1, 1); /* as bwi_compose has it behind panels */
+  cairo_pattern_add_color_stop_rgb(shade, 1, 242 / 255., 244 / 255., 247 / 255.);
+  cairo_set_source(cairo, shade);
   cairo_paint(cairo);
+  cairo_pattern_destroy(shade);
   for (int i = 0; i < s->count; i++)
     BW_TRY(draw_panel(s, i, cairo));
   if (o->title && o->title[0])

@@ -265,6 +265,16 @@ function bw.version() end
 ---@field zoom? number
 ---@field edges? boolean draw the facets' edges
 
+---PNG files of one size, as pictures of grids and surfaces are, as an animated PNG: `seconds` for each
+---(0.05), over again `rounds` times (0: for ever). Browsers play it.
+---@param path string
+---@param pictures string[] paths
+---@param options? {seconds?: number, rounds?: integer}
+---@return boolean?
+---@return string? message
+---@return table? details
+function bw.animation(path, pictures, options) end
+
 -- ---- arrays -------------------------------------------------------------------------------------
 
 ---Making arrays; `bw.array{...}` is short for `bw.array.new{...}`.
@@ -2848,6 +2858,34 @@ function grid_module.box(options) end
 ---@return table? details
 function grid_module.voxels(surface, options) end
 
+---Grids side by side in one PNG file, with the same camera, scale and colours. A panel is coloured by
+---material unless it has `values`, of nodes or elements.
+---@param path string
+---@param panels {grid: bw.Grid, title?: string, displacement?: bw.Array|table, values?: bw.Array|table}[]
+---@param options? bw.GridPictureOptions
+---@return boolean?
+---@return string? message
+---@return table? details
+function grid_module.picture(path, panels, options) end
+
+---@class bw.GridPictureOptions
+---@field width? integer pixels of a panel
+---@field height? integer
+---@field columns? integer panels in a row; default 4 at most
+---@field title? string
+---@field unit? string name and unit of the colour bar: "deflection, mm"
+---@field scale? number values are multiplied by it on the bar
+---@field low? number lower end of the colours
+---@field high? number upper end of the colours
+---@field deformation? number factor on displacements; default 1
+---@field edges? boolean of elements; default true
+---@field ghost? boolean the undeformed outline behind
+---@field direction? bw.Vector from the object to the viewer
+---@field up? bw.Vector
+---@field zoom? number
+---@field view? bw.Vector[] {low, high}: the box to be seen, for pictures of a sequence; default what the panels fill
+---@field names? string[] of materials, for the legend
+
 ---Equal boxes of which some are elements, with the nodes that they have; never changed. Cells and nodes
 ---are numbered x fastest. Corner c of an element (1 to 8) lies at the bits of c - 1: x, y, z.
 ---@class bw.Grid
@@ -2926,6 +2964,14 @@ function Grid:embed(what, options) end
 ---@param v table|bw.Array
 ---@return number
 function Grid:difference(u, v) end
+
+---Draws the elements with their edges, by material or by values, deformed, to a PNG file.
+---@param path string
+---@param options? bw.GridPictureOptions with `displacement` and `values` as in a panel
+---@return boolean?
+---@return string? message
+---@return table? details
+function Grid:picture(path, options) end
 
 ---Whether elements and nodes are the same; materials may differ.
 ---@param other bw.Grid

@@ -155,4 +155,34 @@ describe("a grid", function()
     assert.equal("grid (closed)", tostring(grid))
     check.raises("closed", function() return grid.volume end)
   end)
+
+  it("is drawn, alone, beside others, in motion", function()
+    local folder = check.folder()
+    local grid = block "1 + (x > 0.4)"
+    local coarse = assert(grid:coarse())
+    local u = grid.points:map "a * 0.1"
+    local one, some = folder .. "/one.png", folder .. "/some.png"
+    assert.is_true(grid:picture(one, {width = 200, height = 150, displacement = u, ghost = true,
+      names = {"soft", "hard"}}))
+    assert.is_true(bw.grid.picture(some, {{grid = grid, title = "fine", values = u:column(1)},
+      {grid = coarse, title = "coarse", values = coarse.materials}}, {width = 150, height = 150}))
+    local frames = {}
+    for i = 1, 3 do
+      frames[i] = ("%s/%d.png"):format(folder, i)
+      assert.is_true(grid:picture(frames[i], {width = 100, height = 80, displacement = u,
+        deformation = i, view = {{0, 0, 0}, {1.1, 0.8, 0.5}}}))
+    end
+    assert.is_true(bw.animation(folder .. "/all.png", frames, {seconds = 0.1}))
+    for _, path in ipairs {one, some, folder .. "/all.png"} do
+      assert.equal("\137PNG", check.read(path):sub(1, 4))
+    end
+    assert.is_truthy(check.read(folder .. "/all.png"):find("acTL", 1, true))
+    check.raises("did you mean 'displacement'", function() grid:picture(one, {displacment = u}) end)
+    check.raises("a row for each of 315 nodes", function()
+      grid:picture(one, {displacement = coarse.points})
+    end)
+    check.raises("a grid expected", function() bw.grid.picture(some, {{title = "a"}}) end)
+    check.raises("path of a PNG file expected", function() bw.animation(one, {3}) end)
+    check.fails("io", "nothing.png", bw.animation(some, {folder .. "/nothing.png"}))
+  end)
 end)
