@@ -12,6 +12,7 @@ static inline void logarithm(const bwi_lanes *j, bwi_lanes *log, bwi_lanes *rest
   /* ln 2 in two parts; the first has so few digits that its multiples are exact */
   const double high = 0x1.62e42fee00000p-1, low = 0x1.a39ef35793c76p-33;
   bwi_lanes x = 1 + *j;
+  x = BWI_SELECT(x > 0, x, BWI_ALL(1.0)); /* elsewhere nothing is used, but must not overflow */
   bwi_mask bits = (bwi_mask)x, exponent = (bits - root_half) >> 52;
   bwi_lanes m = (bwi_lanes)(bits - (exponent << 52));
   bwi_lanes k = __builtin_convertvector(exponent, bwi_lanes);
