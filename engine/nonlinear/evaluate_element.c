@@ -102,16 +102,20 @@ static void respond(const bw_solid_material *m, int32_t first, const points *p, 
   }
 }
 
-static inline void add_forces(const points *p, const bwi_lanes stress[9], bwi_lanes *force) {
+/* Forces and stiffnesses of eight points; `fresh`: written, else added to those of others. */
+static inline void add_forces(const points *p, const bwi_lanes stress[9], bool fresh,
+                              bwi_lanes *force) {
   for (int a = 0; a < 8; a++)
-    for (int i = 0; i < 3; i++)
-      force[3 * a + i] += stress[3 * i] * p->gradient[a][0] +
-                          stress[3 * i + 1] * p->gradient[a][1] +
-                          stress[3 * i + 2] * p->gradient[a][2];
+    for (int i = 0; i < 3; i++) {
+      bwi_lanes value = stress[3 * i] * p->gradient[a][0] + stress[3 * i + 1] * p->gradient[a][1] +
+                        stress[3 * i + 2] * p->gradient[a][2];
+      force[3 * a + i] = fresh ? value : force[3 * a + i] + value;
+    }
 }
 
-/* K_ab,ik += sum over j, l of g_aj A_ij,kl g_bl. */
-static void add_stiffness(const points *p, const bwi_lanes tangent[81], bwi_lanes *stiffness) {
+/* K_ab,ik = sum over j, l of g_aj A_ij,kl g_bl. */
+static inline void add_stiffness(const points *p, const bwi_lanes tangent[81], bool fresh,
+                                 bwi_lanes *stiffness) {
   for (int a = 0; a < 8; a++) {
     const bwi_lanes *g = p->gradient[a];
     bwi_lanes t[3][9];
@@ -123,13 +127,17 @@ static void add_stiffness(const points *p, const bwi_lanes tangent[81], bwi_lane
       bwi_lanes *block = stiffness + bwi_element_block(a, b);
       bwi_lanes x = p->gradient[b][0], y = p->gradient[b][1], z = p->gradient[b][2];
       for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-          block[3 * i + k] += t[i][3 * k] * x + t[i][3 * k + 1] * y + t[i][3 * k + 2] * z;
+        for (int k = 0; k < 3; k++) {
+          bwi_lanes value = t[i][3 * k] * x + t[i][3 * k + 1] * y + t[i][3 * k + 2] * z;
+          block[3 * i + k] = fresh ? value : block[3 * i + k] + value;
+        }
     }
     bwi_lanes *block = stiffness + bwi_element_block(a, a);
     for (int i = 0; i < 3; i++)
-      for (int k = i; k < 3; k++)
-        *block++ += t[i][3 * k] * g[0] + t[i][3 * k + 1] * g[1] + t[i][3 * k + 2] * g[2];
+      for (int k = i; k < 3; k++, block++) {
+        bwi_lanes value = t[i][3 * k] * g[0] + t[i][3 * k + 1] * g[1] + t[i][3 * k + 2] * g[2];
+        *block = fresh ? value : *block + value;
+      }
   }
 }
 
@@ -167,10 +175,6 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
   bwi_response response;
   sums sum;
   sum.energy = BWI_ALL(0.0);
-  if (want >= BWI_STRESS)
-    memset(sum.force, 0, sizeof sum.force);
-  if (want >= BWI_TANGENT)
-    memset(sum.stiffness, 0, sizeof sum.stiffness);
   bwi_mask defined = (bwi_mask){0} == 0;
   for (int32_t first = 0; first < m->rule->count; first += BWI_LANES) {
     points_of(m->rule, first, spacing, &p);
@@ -181,9 +185,13 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
     defined_ratio = response.ratio;
     ratio = BWI_SELECT(defined_ratio >= ratio, ratio, defined_ratio); /* NaN stays */
     if (want >= BWI_STRESS)
-      add_forces(&p, response.stress, sum.force);
-    if (want >= BWI_TANGENT)
-      add_stiffness(&p, response.tangent, sum.stiffness);
+      add_forces(&p, response.stress, first == 0, sum.force);
+    if (want < BWI_TANGENT)
+      continue;
+    if (first == 0) /* a compiler makes two loops of these */
+      add_stiffness(&p, response.tangent, true, sum.stiffness);
+    else
+      add_stiffness(&p, response.tangent, false, sum.stiffness);
   }
   state->defined = true;
   state->ratio = INFINITY;
@@ -202,6 +210,7 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
   double last[BWI_LANES];
   for (int i = 0; i + BWI_LANES <= BWI_ELEMENT_NUMBERS; i += BWI_LANES)
     sum_lanes(sum.stiffness + i, stiffness + i);
+  memset(sum.stiffness + BWI_ELEMENT_NUMBERS, 0, 4 * sizeof *sum.stiffness);
   sum_lanes(sum.stiffness + BWI_ELEMENT_NUMBERS - 4, last);
   memcpy(stiffness + BWI_ELEMENT_NUMBERS - 4, last, 4 * sizeof *last);
 }

@@ -96,7 +96,7 @@ static inline void turn(bwi_lanes h[6], bwi_lanes v[9], int p, int q, int r, bwi
   t = BWI_SELECT(apart, t, BWI_ALL(0.0));
   square = 1 + t * t;
   bwi_sqrt(&square, &root);
-  bwi_lanes c = 1 / root, s = t / root;
+  bwi_lanes c = 1 / root, s = t * c;
   h[p] -= t * pq;
   h[q] += t * pq;
   h[place[p][q]] = BWI_SELECT(apart, BWI_ALL(0.0), pq);

@@ -33,7 +33,7 @@ static inline void turn(bwi_lanes b[9], bwi_lanes v[9], int p, int q, bwi_mask *
   t = BWI_SELECT(apart, t, BWI_ALL(0.0));
   square = 1 + t * t;
   bwi_sqrt(&square, &root);
-  bwi_lanes c = 1 / root, s = t / root;
+  bwi_lanes c = 1 / root, s = t * c;
   rotate(b, p, q, &c, &s);
   rotate(v, p, q, &c, &s);
 }
