@@ -16,16 +16,18 @@
 void bwi_contact_free(bwi_contact *c) {
   if (!c)
     return;
-  bw_free(c->floor);
+  if (!c->borrows) {
+    bw_free(c->floor);
+    bw_free(c->stiffness);
+    bw_free(c->pushes);
+  }
   bw_free(c->rest);
   bw_free(c->start);
   bw_free(c->node);
   bw_free(c->weight);
-  bw_free(c->stiffness);
   bw_free(c->force);
   bw_free(c->gap);
   bw_free(c->multiplier);
-  bw_free(c->pushes);
   bw_free(c->offset);
   bw_free(c->shift);
   bw_free(c);
@@ -261,4 +263,43 @@ void bwi_contact_multiply(const bwi_contact *c, const double *x, double *y) {
   for (int64_t p = 0; p < c->count; p++)
     if (c->pushes[p])
       add(c, p, c->stiffness[p] * displacement(c, p, x), y);
+}
+
+bw_status bwi_contact_coarse(bw_context *context, const bwi_contact *contact,
+                             const bw_coarsening *coarsening, bwi_contact **out) {
+  bwi_contact *c = BW_NEW0(context, bwi_contact, 1);
+  if (!c)
+    return BW_MEMORY;
+  int64_t most = 8 * contact->start[contact->count];
+  c->the = contact->the;
+  c->count = contact->count;
+  c->borrows = true;
+  c->floor = contact->floor;
+  c->stiffness = contact->stiffness;
+  c->pushes = contact->pushes;
+  c->start = BW_NEW0(context, int64_t, c->count + 1);
+  c->node = BW_NEW(context, int32_t, most);
+  c->weight = BW_NEW(context, double, most);
+  if (!c->start || !c->node || !c->weight) {
+    bwi_contact_free(c);
+    return BW_MEMORY;
+  }
+  for (int64_t p = 0; p < c->count; p++) {
+    int64_t end = c->start[p];
+    for (int64_t k = contact->start[p]; k < contact->start[p + 1]; k++)
+      for (int q = 0; q < 8; q++) {
+        int32_t node = coarsening->stencil[8 * (int64_t)contact->node[k] + q];
+        int64_t at = c->start[p];
+        while (at < end && c->node[at] != node)
+          at++;
+        if (at == end) {
+          c->node[end] = node;
+          c->weight[end++] = 0;
+        }
+        c->weight[at] += contact->weight[k] / 8;
+      }
+    c->start[p + 1] = end;
+  }
+  *out = c;
+  return BW_OK;
 }

@@ -24,6 +24,7 @@ typedef struct bwi_contact {
   double *force;     /* count: f at the last evaluation */
   double *gap;       /* count: likewise */
   double *multiplier;
+  bool borrows;    /* floor, stiffness and pushes are those of another */
   uint8_t *pushes; /* count: f > 0 at the last evaluation, or as was foreseen since */
   double *offset;  /* floor_count: how far each plane has moved along its normal */
   double *shift;   /* floor_count: how much further back it is at load factor 0 */
@@ -55,5 +56,9 @@ void bwi_contact_linear(const bwi_contact *contact, double *force);
 void bwi_contact_stiffness(const bwi_contact *contact, const bw_graph *graph, double *pairs);
 void bwi_contact_blocks(const bwi_contact *contact, double *blocks);
 void bwi_contact_multiply(const bwi_contact *contact, const double *x, double *y);
+/* The same points as parts of a coarse solid, for those derivatives alone: which of them push is
+ * read from `contact`, which must outlive it. */
+bw_status bwi_contact_coarse(bw_context *context, const bwi_contact *contact,
+                             const bw_coarsening *coarsening, bwi_contact **coarse);
 
 #endif

@@ -152,6 +152,8 @@ static bw_status move_held(bwi_walk *walk, bool *moved) {
     for (int64_t i = 0; i < walk->size; i++)
       d[i] = walk->the->held[i] ? 0 : -walk->residual[i] - d[i];
     BW_TRY(bwi_tangent_solve(walk, d, 1e-4, d, &cg));
+    if (walk->negative && walk->tangent == BWI_PLAIN)
+      return BW_OK; /* not yet: with another tangent */
   } else
     memset(d, 0, (size_t)walk->size * sizeof *d);
   for (int64_t i = 0; i < walk->size; i++) {
@@ -248,7 +250,7 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   if (walk->free == 0 || walk->quadratic || near)
     return BW_OK;
   BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
-  if (definite)
+  if (definite && !walk->iterative)
     return BW_OK;
   BW_TRY(bwi_newton_leave(walk, &lower));
   if (!lower)
@@ -270,7 +272,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
   walk->load = load;
   walk->obstacle = BWI_NO_OBSTACLE;
   walk->part = walk->previous = walk->shift = 0;
-  walk->have_tangent = false;
+  walk->have_tangent = walk->negative = false;
   if (walk->contact)
     bwi_contact_place(walk->contact, load, walk->begin != NULL);
   moving = must_move(walk);
@@ -326,12 +328,23 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     if (moving) {
       bool moved;
       BW_TRY(move_held(walk, &moved));
+      if (!moved && walk->obstacle == BWI_NO_OBSTACLE) {
+        kind = BWI_PROJECTED;
+        plain_below *= 1e-2;
+        continue;
+      }
       if (!moved)
         goto done;
       moving = false;
       continue;
     }
     BW_TRY(find_direction(walk, &slope, &cg));
+    if (walk->negative && walk->tangent == BWI_PLAIN) {
+      BW_TRY(record(walk, 0, cg, residual));
+      kind = BWI_PROJECTED;
+      plain_below = fmin(plain_below, walk->relative) * 1e-2;
+      continue;
+    }
     if (slope < 0)
       BW_TRY(bwi_newton_search(walk, slope, &step));
     if (step == 0) {

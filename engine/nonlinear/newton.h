@@ -12,12 +12,15 @@
 #include "nonlinear/case.h"
 #include "nonlinear/direct.h"
 #include "nonlinear/floor.h"
+#include "nonlinear/precondition.h"
 
 /* What is kept between solves. */
 struct bw_newton {
   bwi_direct *direct;
   double *stiffness; /* 9 numbers for each of `pairs` */
   int64_t pairs;
+  bw_solid_linear *linear; /* of linear_of (retained), or NULL */
+  const bw_solid *linear_of;
 };
 
 /* What may be added to the potential: 1/2 (u - centre) . Q (u - centre) + force . (u - centre),
@@ -75,8 +78,8 @@ typedef struct bwi_walk {
   double *fade;  /* what is out of balance there under full loads, or NULL. Balanced at load factor
                     0, it fades: at load factor s, 1 - s of it is left */
   bool follows;  /* the case has follower pressures */
-  double *follower; /* 9 per pair: what follower pressures add to the tangent, or NULL */
-  bwi_contact *contact;           /* or NULL */
+  double *follower;     /* 9 per pair: what follower pressures add to the tangent, or NULL */
+  bwi_contact *contact; /* or NULL */
   const bwi_quadratic *quadratic; /* or NULL */
   double load;
   bwi_balance now, trial;
@@ -88,7 +91,10 @@ typedef struct bwi_walk {
   bwi_tangent tangent; /* the last one */
   bool have_tangent;
   double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */
-  bool fresh;   /* the stiffness kept is the plain one at now.u, without contact */
+  bool iterative; /* solutions by conjugate gradients, without a matrix */
+  bool negative;  /* the last of those met a direction of negative curvature */
+  bwi_precondition *precondition;
+  bool fresh;      /* the stiffness kept is the plain one at now.u, without contact */
   double previous; /* the residual one iteration before, for how exactly to solve */
   /* of a failed equilibrium */
   bwi_obstacle obstacle;
@@ -136,7 +142,7 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite);
 /* The same tangent for the points that will push after walk->direction (floor.h); *changed false:
  * they are those that it is for. */
 bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite);
-/* y = K x with all components. */
+/* y = K x with all components, followers left out where that is without a matrix. */
 bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y);
 /* K d = f for free components, to a relative tolerance where that is iterative; *iterations (may be
  * NULL) gets those. With follower pressures their derivative is a part of K. */

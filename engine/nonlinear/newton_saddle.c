@@ -36,7 +36,10 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
   double rz = 0, first = 0;
   for (int k = 0; k < CG; k++) {
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bwi_direct_solve(context, walk->newton->direct, r, z));
+    if (walk->iterative)
+      bwi_precondition_blocks(walk->precondition, r, z);
+    else
+      BW_TRY(bwi_direct_solve(context, walk->newton->direct, r, z));
     double next = bwi_walk_dot(walk, r, z);
     first = k == 0 ? next : first;
     if (!(next > 1e-24 * first))
@@ -44,7 +47,10 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
     for (int64_t i = 0; i < n; i++)
       p[i] = walk->the->held[i] ? 0 : z[i] + (k > 0 ? next / rz * p[i] : 0);
     rz = next;
-    BW_TRY(bw_graph_multiply(context, walk->solid->graph, plain, 9, 3, 1, p, q));
+    if (walk->iterative)
+      BW_TRY(bwi_tangent_multiply(walk, p, q));
+    else
+      BW_TRY(bw_graph_multiply(context, walk->solid->graph, plain, 9, 3, 1, p, q));
     double curvature = bwi_walk_dot(walk, p, q), size = 0;
     for (int64_t i = 0; i < n; i++)
       size += walk->blocks[3 * i + i % 3] * p[i] * p[i];
@@ -126,6 +132,10 @@ bw_status bwi_newton_leave(bwi_walk *walk, bool *lower) {
   double *plain = newton->stiffness;
   bool definite = false, found = false;
   *lower = false;
+  if (walk->iterative) { /* the tangent is as it is, the node blocks made definite */
+    status = find_negative(walk, NULL, &found);
+    return status == BW_OK && found ? go_down(walk, lower) : status;
+  }
   newton->stiffness = NULL;
   newton->pairs = 0;
   BW_TRY(bwi_tangent_set(walk, BWI_PROJECTED, &definite));

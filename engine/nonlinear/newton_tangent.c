@@ -27,8 +27,45 @@ static bw_status make_room(bwi_walk *walk) {
   return BW_OK;
 }
 
+static bw_status linearise(bwi_walk *walk, bool project) {
+  bw_status status = BW_OK;
+  bw_newton *newton = walk->newton;
+  double before = bw_seconds();
+  if (newton->linear_of != walk->solid) {
+    bw_solid_linear_free(newton->linear);
+    bw_release(newton->linear_of);
+    newton->linear = NULL;
+    newton->linear_of = NULL;
+    BW_TRY(bw_solid_linear_create(walk->context, walk->solid, &newton->linear));
+    newton->linear_of = (const bw_solid *)bw_retain(walk->solid);
+  }
+  BW_TRY(bw_solid_linear_set(walk->context, newton->linear, walk->now.u, project));
+  BW_TRY(bw_solid_linear_diagonal(walk->context, newton->linear, walk->blocks));
+  walk->report->evaluations++;
+  walk->report->seconds_quadrature += bw_seconds() - before;
+done:
+  return status;
+}
+
+/* The preconditioner for what is linearised, and the points that push. */
+static bw_status precondition(bwi_walk *walk) {
+  bw_status status = BW_OK;
+  double before = bw_seconds();
+  if (!walk->precondition)
+    BW_TRY(bwi_precondition_create(walk->context, walk->solid, walk->the->held, walk->options,
+                                   walk->contact, &walk->precondition));
+  BW_TRY(bwi_precondition_set(walk->context, walk->precondition, walk->newton->linear, walk->now.u,
+                              walk->blocks));
+  walk->report->seconds_factor += bw_seconds() - before;
+  walk->report->factorisations = bwi_precondition_factorisations(walk->precondition);
+done:
+  return status;
+}
+
 static bw_status evaluate(bwi_walk *walk, bool project) {
   bw_status status = BW_OK;
+  if (walk->iterative)
+    return linearise(walk, project);
   const bw_graph *graph = walk->solid->graph;
   double before = bw_seconds();
   bw_solid_shape shape;
@@ -98,6 +135,13 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
   *definite = false;
   walk->tangent = kind;
   walk->have_tangent = true;
+  if (walk->iterative) { /* what is not definite shows when it is solved with */
+    walk->tangent = kind == BWI_PLAIN ? BWI_PLAIN : BWI_PROJECTED;
+    BW_TRY(evaluate(walk, kind != BWI_PLAIN));
+    BW_TRY(precondition(walk));
+    *definite = true;
+    goto done;
+  }
   BW_TRY(evaluate(walk, kind == BWI_PROJECTED));
   if (walk->quadratic) {
     bwi_quadratic_stiffness(walk);
@@ -132,21 +176,41 @@ done:
 
 bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite) {
   *changed = bwi_contact_foresee(walk->contact, walk->direction, walk->solid->graph,
-                                 walk->newton->stiffness) > 0;
+                                 walk->iterative ? NULL : walk->newton->stiffness) > 0;
   *definite = true;
+  if (walk->iterative)
+    return *changed ? precondition(walk) : BW_OK;
   return *changed ? factor(walk, definite) : BW_OK;
 }
 
 bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y) {
-  return bw_graph_multiply(walk->context, walk->solid->graph, walk->newton->stiffness, 9, 3, 1, x,
-                           y);
+  if (!walk->iterative)
+    return bw_graph_multiply(walk->context, walk->solid->graph, walk->newton->stiffness, 9, 3, 1, x,
+                             y);
+  bw_status status = bw_solid_linear_multiply(walk->context, walk->newton->linear, x, y);
+  if (walk->contact)
+    bwi_contact_multiply(walk->contact, x, y);
+  return status;
 }
 
 /* d = K^-1 f */
 static bw_status solve(bwi_walk *walk, const double *force, double tolerance, double *displacement,
                        int32_t *iterations) {
-  (void)tolerance;
   *iterations = 0;
+  if (walk->iterative) {
+    bwi_cg_report report;
+    double *x = BW_NEW(walk->context, double, walk->size); /* force may be displacement */
+    if (!x)
+      return BW_MEMORY;
+    bw_status status =
+        bwi_cg_solve(walk->context, walk->precondition, walk->follows ? 1e-8 : tolerance,
+                     walk->options->cg_iterations, force, x, &report);
+    memcpy(displacement, x, (size_t)walk->size * sizeof *x);
+    bw_free(x);
+    walk->negative = report.negative;
+    *iterations = report.iterations;
+    return status;
+  }
   return bwi_direct_solve(walk->context, walk->newton->direct, force, displacement);
 }
 
@@ -155,7 +219,10 @@ static bw_status exact(bwi_walk *walk, const double *v0, double tolerance, doubl
                        int32_t *iterations) {
   bw_status status = BW_OK;
   int32_t cg;
-  BW_TRY(bw_graph_multiply(walk->context, walk->solid->graph, walk->follower, 9, 3, 1, v0, work));
+  if (walk->follower)
+    BW_TRY(bw_graph_multiply(walk->context, walk->solid->graph, walk->follower, 9, 3, 1, v0, work));
+  else
+    memset(work, 0, (size_t)walk->size * sizeof *work);
   BW_TRY(bwi_case_follow_along(walk->context, walk->the, walk->now.u, v0,
                                walk->fade ? 1 : walk->load, work));
   for (int64_t i = 0; i < walk->size; i++)

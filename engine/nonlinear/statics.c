@@ -39,6 +39,8 @@ void bw_newton_free(bw_newton *newton) {
     return;
   bwi_direct_free(newton->direct);
   bw_free(newton->stiffness);
+  bw_solid_linear_free(newton->linear);
+  bw_release(newton->linear_of);
   bw_free(newton);
 }
 
@@ -59,14 +61,34 @@ static size_t bytes(const void *object) {
 
 static const bw_kind static_kind = {"solid static", destroy, bytes};
 
+static bw_status check_coarse(bw_context *context, const bw_solid *solid,
+                              const bw_newton_options *o) {
+  const bw_grid *fine = solid->grid;
+  if (o->coarse_count < 1)
+    return bw_fail(context, BW_INVALID, "a preconditioner from coarse solids needs at least one");
+  for (int k = 0; k < o->coarse_count; k++) {
+    if (!bw_grid_same_elements(o->coarsening[k]->fine, fine))
+      return bw_fail(context, BW_INVALID,
+                     "coarsening %d is not of the grid of %d elements before it", k + 1,
+                     (int)fine->element_count);
+    fine = o->coarsening[k]->coarse;
+    if (!bw_grid_same_elements(o->coarse[k]->grid, fine))
+      return bw_fail(context, BW_INVALID,
+                     "coarse solid %d is not on the grid of %d coarse elements", k + 1,
+                     (int)fine->element_count);
+  }
+  return BW_OK;
+}
+
 static bw_status check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
                        const bw_newton_options *o) {
+  bw_status status = BW_OK;
   if (!bw_grid_same_elements(solid->grid, the->grid))
     return bw_fail(context, BW_INVALID,
                    "the case is for a grid of %d elements, not for the solid's, which has %d",
                    (int)the->grid->element_count, (int)solid->grid->element_count);
-  if (o->linear != BW_NEWTON_DIRECT)
-    return bw_fail(context, BW_UNSUPPORTED, "only direct solutions are there");
+  if (o->linear == BW_NEWTON_COARSE)
+    BW_TRY(check_coarse(context, solid, o));
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
                    o->tolerance);
@@ -80,7 +102,8 @@ static bw_status check(bw_context *context, const bw_solid *solid, const bw_soli
     if (!isfinite(o->start[i]))
       return bw_fail(context, BW_INVALID, "the first guess is %g at node %lld; it must be finite",
                      o->start[i], (long long)(i / 3) + 1);
-  return BW_OK;
+done:
+  return status;
 }
 
 void bwi_walk_clear(bwi_walk *walk) {
@@ -88,6 +111,7 @@ void bwi_walk_clear(bwi_walk *walk) {
   bw_free(walk->begin);
   bw_free(walk->fade);
   bw_free(walk->follower);
+  bwi_precondition_free(walk->precondition);
   bwi_contact_free(walk->contact);
   bwi_balance_clear(&walk->now);
   bwi_balance_clear(&walk->trial);
@@ -126,7 +150,8 @@ bw_status bwi_walk_create(bwi_walk *walk) {
     return BW_MEMORY;
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->now));
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->trial));
-  if (walk->follows) {
+  walk->iterative = walk->options->linear != BW_NEWTON_DIRECT;
+  if (walk->follows && !walk->iterative) {
     walk->follower = BW_NEW(context, double, 9 * walk->solid->graph->pair_count);
     if (!walk->follower)
       return BW_MEMORY;

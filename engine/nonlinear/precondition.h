@@ -1,0 +1,45 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Approximate inverses of a solid's tangent, symmetric and positive definite, that need no matrix
+ * of the solid itself: node blocks, or a cycle over coarse solids.
+ *
+ * A cycle: smooth, r -= K z, the same for the coarse solid with P^T r, z += P z', smooth. P is
+ * trilinear interpolation from coarse to fine nodes; the coarsest solid's tangent is factored. The
+ * smoother is a Chebyshev polynomial in D^-1 K, D the node blocks, on the upper part of the
+ * spectrum, the same before and after, so that the cycle is symmetric. */
+#ifndef BWI_NONLINEAR_PRECONDITION_H
+#define BWI_NONLINEAR_PRECONDITION_H
+
+#include "nonlinear/direct.h"
+#include "nonlinear/floor.h"
+
+typedef struct bwi_precondition bwi_precondition;
+
+/* Options name the coarse solids; without any it is node blocks. `held`: node_count x 3, read while
+ * it lives. */
+bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid, const uint8_t *held,
+                                  const bw_newton_options *options, const bwi_contact *contact,
+                                  bwi_precondition **precondition);
+void bwi_precondition_free(bwi_precondition *precondition);
+/* For the tangent in `linear`, taken at u, with `blocks` (9 per node), to which those of contact
+ * are still to be added. */
+bw_status bwi_precondition_set(bw_context *context, bwi_precondition *precondition,
+                               const bw_solid_linear *linear, const double *u,
+                               const double *blocks);
+/* z = M r, 0 where held. */
+bw_status bwi_precondition_apply(bw_context *context, bwi_precondition *precondition,
+                                 const double *r, double *z);
+/* By the node blocks alone. */
+void bwi_precondition_blocks(const bwi_precondition *precondition, const double *r, double *z);
+int bwi_precondition_factorisations(const bwi_precondition *precondition);
+
+/* Conjugate gradients for K x = f on components that are not held, K the linear's tangent with
+ * contact. *negative: a direction p with p . K p <= 0 came up and x is what was reached before. */
+typedef struct bwi_cg_report {
+  int32_t iterations;
+  double residual; /* relative */
+  bool negative;
+} bwi_cg_report;
+bw_status bwi_cg_solve(bw_context *context, bwi_precondition *precondition, double tolerance,
+                       int32_t iterations, const double *force, double *x, bwi_cg_report *report);
+
+#endif

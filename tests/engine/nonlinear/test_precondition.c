@@ -1,0 +1,189 @@
+/* Solutions without a matrix: the same as direct ones, and how many iterations they take. */
+#include "solid_box.h"
+
+typedef struct block {
+  bw_grid *grid;
+  bw_palette *palette;
+  bw_solid *solid;
+  bw_solid_case *the;
+  bw_coarse *coarse;
+  bw_solid *coarse_solid[2];
+} block;
+
+/* A cube of n x n x n cells of two materials, mixed at random, the stiff one `contrast` times as
+ * stiff; held below, pulled sideways and down at the top. */
+static void block_make(bw_context *context, block *b, int32_t n, double contrast, double strain) {
+  const int32_t cells[3] = {n, n, n};
+  double origin[3] = {0, 0, 0}, spacing[3] = {1.0 / n, 1.0 / n, 1.0 / n};
+  int64_t count = (int64_t)n * n * n;
+  int32_t *material = malloc(sizeof *material * (size_t)count);
+  bw_random random;
+  bw_solid_material *soft, *stiff;
+  *b = (block){0};
+  bw_random_seed(&random, 5);
+  for (int64_t i = 0; i < count; i++)
+    material[i] = bw_random_uniform(&random) < 0.5 ? 1 : 2;
+  check_ok(context, bw_grid_create(context, origin, spacing, cells, material, NULL, &b->grid));
+  check_ok(context,
+           bw_solid_material_create(context, "soft", BW_NEO_HOOKEAN, 1e5, 0.4, 1000, &soft));
+  check_ok(context, bw_solid_material_create(context, "stiff", BW_NEO_HOOKEAN, 1e5 * contrast, 0.4,
+                                             1000, &stiff));
+  const bw_solid_material *both[2] = {soft, stiff};
+  check_ok(context, bw_palette_create(context, 3, both, &b->palette));
+  check_ok(context, bw_solid_create(context, b->grid, b->palette, NULL, &b->solid));
+  check_ok(context, bw_solid_case_create(context, b->grid, &b->the));
+  int32_t *low = malloc(2 * sizeof *low * (size_t)b->grid->node_count),
+          *high = low + b->grid->node_count;
+  int64_t lows = 0, highs = 0;
+  for (int32_t i = 0; i < b->grid->node_count; i++) {
+    double x[3];
+    bw_grid_position(b->grid, i, x);
+    if (x[2] < 1e-9)
+      low[lows++] = i;
+    if (x[2] > 1 - 1e-9)
+      high[highs++] = i;
+  }
+  bool all[3] = {true, true, true};
+  double force[3] = {1e5 * strain, 0, -1e5 * strain};
+  check_ok(context, bw_solid_case_hold(context, b->the, lows, low, all, NULL));
+  check_ok(context, bw_solid_case_force(context, b->the, highs, high, force));
+  free(low);
+  free(material);
+  bw_release(soft);
+  bw_release(stiff);
+}
+
+static void block_coarsen(bw_context *context, block *b) {
+  check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b->palette, b->grid, 1, &b->coarse));
+  check_ok(context, bw_solid_create(context, b->coarse->grid, b->coarse->palette, NULL,
+                                    &b->coarse_solid[0]));
+}
+
+static void block_free(block *b) {
+  bw_release(b->coarse_solid[0]);
+  bw_release(b->coarse_solid[1]);
+  bw_release(b->coarse);
+  bw_release(b->the);
+  bw_release(b->solid);
+  bw_release(b->palette);
+  bw_release(b->grid);
+}
+
+static bw_solid_static *solve(bw_context *context, const block *b, bw_newton_linear linear,
+                              double tolerance) {
+  bw_newton_options options;
+  bw_solid_static *result;
+  const bw_coarsening *coarsening[1] = {b->coarse ? b->coarse->coarsening[0] : NULL};
+  const bw_solid *coarse[1] = {b->coarse_solid[0]};
+  bw_newton_options_default(&options);
+  options.linear = linear;
+  options.tolerance = tolerance;
+  options.coarse_count = 1;
+  options.coarsening = coarsening;
+  options.coarse = coarse;
+  check_ok(context, bw_solid_statics(context, b->solid, b->the, NULL, &options, &result));
+  return result;
+}
+
+static void test_the_same(void **state) {
+  bw_context *context = check_context(state);
+  block b;
+  block_make(context, &b, 6, 20, 0.1);
+  block_coarsen(context, &b);
+  bw_solid_static *direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-9),
+                  *jacobi = solve(context, &b, BW_NEWTON_JACOBI, 1e-9),
+                  *coarse = solve(context, &b, BW_NEWTON_COARSE, 1e-9);
+  check_near(bw_grid_difference(b.grid, direct->displacement, jacobi->displacement), 0, 1e-9);
+  check_near(bw_grid_difference(b.grid, direct->displacement, coarse->displacement), 0, 1e-9);
+  assert_true(jacobi->report.cg_iterations > 2 * coarse->report.cg_iterations);
+  bw_release(direct);
+  bw_release(jacobi);
+  bw_release(coarse);
+  block_free(&b);
+}
+
+/* Iterations of one linear solution to 1e-8, small strains. */
+static double iterations(bw_context *context, int32_t n, double contrast, bw_newton_linear linear) {
+  block b;
+  bw_newton_options options;
+  bw_solid_static *result;
+  block_make(context, &b, n, contrast, 1e-4);
+  block_coarsen(context, &b);
+  const bw_coarsening *coarsening[1] = {b.coarse->coarsening[0]};
+  const bw_solid *coarse[1] = {b.coarse_solid[0]};
+  bw_newton_options_default(&options);
+  options.linear = linear;
+  options.tolerance = 1e-3;
+  options.cg_tolerance = 1e-8;
+  options.coarse_count = 1;
+  options.coarsening = coarsening;
+  options.coarse = coarse;
+  double before = bw_seconds();
+  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  double count = (double)result->report.cg_iterations / result->report.iterations;
+  if (getenv("BARWRIGHT_FULL"))
+    printf("%d^3 cells, contrast %g, %s: %g iterations, %.2f s\n", (int)n, contrast,
+           linear == BW_NEWTON_JACOBI ? "node blocks" : "coarse solid", count,
+           bw_seconds() - before);
+  bw_release(result);
+  block_free(&b);
+  return count;
+}
+
+static void test_iterations(void **state) {
+  bw_context *context = check_context(state);
+  double blocks[2], coarse[2];
+  int32_t n = getenv("BARWRIGHT_FULL") ? 16 : 8;
+  for (int k = 0; k < 2; k++) {
+    blocks[k] = iterations(context, n * (k + 1), 10, BW_NEWTON_JACOBI);
+    coarse[k] = iterations(context, n * (k + 1), 10, BW_NEWTON_COARSE);
+  }
+  assert_true(coarse[1] <= 1.25 * coarse[0]);
+  assert_true(blocks[1] >= 1.5 * blocks[0]);
+  assert_true(coarse[1] < 0.25 * blocks[1]);
+  if (getenv("BARWRIGHT_FULL"))
+    for (int k = 1; k <= 4; k *= 2) {
+      iterations(context, 8 * k, 100, BW_NEWTON_JACOBI);
+      iterations(context, 8 * k, 100, BW_NEWTON_COARSE);
+    }
+}
+
+/* On a floor, pressed, and with a pressure that follows. */
+static void test_floor(void **state) {
+  bw_context *context = check_context(state);
+  bw_solid_static *result[3];
+  for (int k = 0; k < 3; k++) {
+    block b;
+    double point[3] = {0, 0, 1}, normal[3] = {0, 0, -1}, move[3] = {0, 0, -0.1};
+    block_make(context, &b, 4, 5, 0);
+    block_coarsen(context, &b);
+    check_ok(context, bw_solid_case_floor(context, b.the, point, normal, move, NULL, NULL));
+    result[k] = solve(context, &b, (bw_newton_linear)k, 1e-8);
+    block_free(&b);
+  }
+  for (int k = 1; k < 3; k++)
+    check_near(bw_grid_difference(result[0]->solid->grid, result[0]->displacement,
+                                  result[k]->displacement),
+               0, 1e-7);
+  for (int k = 0; k < 3; k++)
+    bw_release(result[k]);
+}
+
+static void test_misuse(void **state) {
+  bw_context *context = check_context(state);
+  block b;
+  bw_newton_options options;
+  bw_solid_static *result;
+  block_make(context, &b, 2, 1, 0.1);
+  bw_newton_options_default(&options);
+  options.linear = BW_NEWTON_COARSE;
+  check_fails(context, BW_INVALID, "at least one",
+              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  block_free(&b);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(test_the_same), check_test(test_iterations),
+                                     check_test(test_floor), check_test(test_misuse)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
