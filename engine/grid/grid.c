@@ -2,25 +2,33 @@
 /* Hexahedral grids from cells.
  *
  * Invariants: `cell` and `node` ascend; at[cell[e]] = e and at is -1 elsewhere; every node has an
- * element; element[8 e + c] is the node at corner c of cell[e]. */
+ * element; element[8 e + c] is the node at corner c of cell[e]. Grids that differ in materials only
+ * share the other lists; the one that owns them shares no one's. */
 #include "grid/internal.h"
 
 #include <math.h>
+#include <string.h>
 
 static void destroy(void *object) {
   bw_grid *grid = (bw_grid *)object;
-  bw_free(grid->cell);
-  bw_free(grid->element);
-  bw_free(grid->node);
   bw_free(grid->material);
-  bw_free(grid->fraction);
-  bw_free(grid->at);
+  if (grid->lists) {
+    bw_release(grid->lists);
+  } else {
+    bw_free(grid->cell);
+    bw_free(grid->element);
+    bw_free(grid->node);
+    bw_free(grid->fraction);
+    bw_free(grid->at);
+  }
   bw_free(grid);
 }
 
 static size_t bytes(const void *object) {
   const bw_grid *grid = (const bw_grid *)object;
   size_t elements = (size_t)grid->element_count;
+  if (grid->lists)
+    return sizeof *grid + elements * sizeof(int32_t);
   return sizeof *grid + elements * (10 * sizeof(int32_t) + (grid->fraction ? sizeof(double) : 0)) +
          (size_t)grid->node_count * sizeof(int32_t) +
          (size_t)bwi_grid_cells(grid->cells) * sizeof(int32_t);
@@ -155,8 +163,30 @@ done:
   return status;
 }
 
+bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid, const int32_t *material,
+                                 bw_grid **out) {
+  for (int32_t e = 0; e < grid->element_count; e++)
+    if (material[e] < 1)
+      return bw_fail(context, BW_INVALID, "element %d has material %d; 1 is the least", (int)e + 1,
+                     (int)material[e]);
+  bw_grid *made = BW_NEW(context, bw_grid, 1);
+  int32_t *copy = BW_NEW(context, int32_t, grid->element_count);
+  if (!made || !copy) {
+    bw_free(made);
+    bw_free(copy);
+    return BW_MEMORY;
+  }
+  memcpy(copy, material, (size_t)grid->element_count * sizeof *copy);
+  *made = *grid;
+  bw_object_init(made, &grid_kind);
+  made->lists = (const bw_grid *)bw_retain(grid->lists ? grid->lists : grid);
+  made->material = copy;
+  *out = made;
+  return BW_OK;
+}
+
 bool bw_grid_same_elements(const bw_grid *a, const bw_grid *b) {
-  if (a == b)
+  if (a->at == b->at)
     return true;
   if (a->element_count != b->element_count || a->node_count != b->node_count)
     return false;

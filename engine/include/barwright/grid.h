@@ -26,6 +26,7 @@ typedef struct bw_grid {
   double *fraction;  /* element_count: the part of the cell that is inside the body, (0, 1]; NULL:
                         every cell is full */
   int32_t *at;       /* one per cell: its element, or -1: void */
+  const struct bw_grid *lists; /* retained: all lists but `material` are this grid's; NULL: own */
 } bw_grid;
 
 /* `material` (one per cell; 0: void; NULL: all 1) and `fraction` (one per cell; NULL: full) are
@@ -58,9 +59,12 @@ bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, cons
                             const double spacing[3], const int32_t cells[3], double *fraction);
 /* The grid with `material` in `count` cells (0 takes the element away, another adds it, full);
  * everything else stays, a cut cell keeps its fraction. Of a cell named twice the last counts. The
- * same object, retained, where nothing changes. */
+ * same object, retained, where nothing changes; shared lists where no element comes or goes. */
 bw_status bw_grid_edited(bw_context *context, const bw_grid *grid, int64_t count,
                          const int32_t *cell, const int32_t *material, bw_grid **edited);
+/* The grid with other materials (element_count, 1 and above), which shares all other lists. */
+bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid, const int32_t *material,
+                                 bw_grid **out);
 /* The same elements on the same nodes: graph and order of one serve the other. */
 bool bw_grid_same_elements(const bw_grid *a, const bw_grid *b);
 void bw_grid_position(const bw_grid *grid, int32_t node, double at[3]);

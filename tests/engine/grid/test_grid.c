@@ -107,6 +107,26 @@ static void edits(void **state) {
   check_ok(context, bw_grid_edited(context, grid, 1, cell, undo, &back));
   assert_ptr_equal(back, grid);
   bw_release(back);
+  /* materials alone: the same lists, which outlive the grid that made them */
+  bw_grid *painted, *again;
+  check_ok(context, bw_grid_edited(context, edited, 1, &cut, (int32_t[1]){4}, &painted));
+  assert_ptr_equal(painted->element, edited->element);
+  assert_true(bw_grid_same_elements(painted, edited));
+  assert_int_equal(painted->material[painted->at[cut]], 4);
+  assert_int_equal(edited->material[edited->at[cut]], 7);
+  check_ok(context, bw_grid_edited(context, painted, 1, &cut, (int32_t[1]){5}, &again));
+  assert_ptr_equal(again->lists, edited);
+  bw_release(painted);
+  bw_release(edited);
+  check_grid(again);
+  edited = again;
+  /* a cell that goes and comes back in one edit */
+  check_ok(context,
+           bw_grid_edited(context, grid, 2, (int32_t[2]){cut, cut}, (int32_t[2]){0, 9}, &again));
+  assert_true(bw_grid_same_elements(grid, again));
+  bw_release(again);
+  check_fails(context, BW_INVALID, "element 2 has material 0",
+              bw_grid_with_materials(context, grid, (int32_t[3]){1, 0, 0}, &again));
   check_fails(context, BW_INVALID, "cells 1 to 120",
               bw_grid_edited(context, grid, 1, (int32_t[1]){120}, material, &back));
   check_fails(context, BW_INVALID, "material -1",
@@ -332,17 +352,18 @@ static void coarsening(void **state) {
 /* Everything that allocates, as a chain that ends at the first failure. */
 static bw_status chain(bw_context *context) {
   bw_status status = BW_OK;
-  bw_grid *grid = NULL, *edited = NULL;
+  bw_grid *grid = NULL, *edited = NULL, *painted = NULL;
   bw_grid_face *face = NULL;
   bw_surface *surface = NULL;
   bw_embedding *embedding_of = NULL;
   bw_coarsening *coarsening_of = NULL;
-  int32_t *node = NULL, cell[2] = {3, 4}, to[2] = {0, 2};
+  int32_t *node = NULL, cell[2] = {3, 4}, to[2] = {0, 2}, five = 5;
   int64_t faces;
   double fraction[12] = {1, 1, 1, 1, 0.5, 1, 1, 1, 1, 1, 1, 1};
   BW_TRY(bw_grid_create(context, (double[3]){0, 0, 0}, (double[3]){1, 1, 1}, (int32_t[3]){2, 2, 3},
                         NULL, fraction, &grid));
   BW_TRY(bw_grid_edited(context, grid, 2, cell, to, &edited));
+  BW_TRY(bw_grid_edited(context, edited, 1, cell + 1, &five, &painted));
   BW_TRY(bw_grid_boundary(context, edited, &face, &faces));
   BW_TRY(bw_grid_surface(context, edited, &surface, &node));
   BW_TRY(
@@ -351,6 +372,7 @@ static bw_status chain(bw_context *context) {
 done:
   bw_release(grid);
   bw_release(edited);
+  bw_release(painted);
   bw_free(face);
   bw_release(surface);
   bw_free(node);

@@ -293,7 +293,7 @@ static void good_models(void **state) {
     for (int pass = 0; pass < 2; pass++) {
       options.least = pass ? 0.05 : 0;
       check_ok(context, bw_grid_of_surface(context, surface, &options, &grid));
-      check_near(bw_grid_volume(grid) / volume, 1, pass ? 0.05 : 1e-7);
+      check_near(bw_grid_volume(grid) / volume, 1, pass ? 0.05 : 1e-11);
       bw_release(grid);
     }
     bw_release(surface);
