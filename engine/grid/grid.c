@@ -86,13 +86,16 @@ static bw_status count_elements(bw_context *context, bw_grid *grid, const int32_
 /* Number the lattice points that elements have, in the lattice's order. */
 static bw_status number_nodes(bw_context *context, bw_grid *grid) {
   bw_status status = BW_OK;
-  int64_t points = bwi_grid_points(grid->cells);
+  int64_t points = bwi_grid_points(grid->cells), step[8];
   int32_t *number = BW_NEW0(context, int32_t, points), count = 0;
   if (!number)
     return BW_MEMORY;
-  for (int32_t e = 0; e < grid->element_count; e++)
+  bwi_grid_corner_steps(grid->cells, step);
+  for (int32_t e = 0; e < grid->element_count; e++) {
+    int64_t first = bwi_grid_corner(grid->cells, grid->cell[e], 0);
     for (int c = 0; c < 8; c++)
-      number[bwi_grid_corner(grid->cells, grid->cell[e], c)] = 1;
+      number[first + step[c]] = 1;
+  }
   for (int64_t p = 0; p < points; p++)
     count += number[p];
   grid->node_count = count;
@@ -107,9 +110,11 @@ static bw_status number_nodes(bw_context *context, bw_grid *grid) {
       grid->node[count] = (int32_t)p;
       number[p] = count++;
     }
-  for (int32_t e = 0; e < grid->element_count; e++)
+  for (int32_t e = 0; e < grid->element_count; e++) {
+    int64_t first = bwi_grid_corner(grid->cells, grid->cell[e], 0);
     for (int c = 0; c < 8; c++)
-      grid->element[8 * (int64_t)e + c] = number[bwi_grid_corner(grid->cells, grid->cell[e], c)];
+      grid->element[8 * (int64_t)e + c] = number[first + step[c]];
+  }
 done:
   bw_free(number);
   return status;

@@ -11,11 +11,13 @@ static inline int64_t bwi_grid_cells(const int32_t cells[3]) {
 static inline int64_t bwi_grid_points(const int32_t cells[3]) {
   return ((int64_t)cells[0] + 1) * ((int64_t)cells[1] + 1) * ((int64_t)cells[2] + 1);
 }
-/* (i, j, k) of a cell, and of a lattice point. */
+/* (i, j, k) of a cell, and of a lattice point: numbers below 2^31, so that short divisions do. */
 static inline void bwi_grid_place(const int32_t cells[3], int64_t cell, int32_t place[3]) {
-  place[0] = (int32_t)(cell % cells[0]);
-  place[1] = (int32_t)(cell / cells[0] % cells[1]);
-  place[2] = (int32_t)(cell / cells[0] / cells[1]);
+  uint32_t wide = (uint32_t)cells[0], high = (uint32_t)cells[1];
+  uint32_t row = (uint32_t)cell / wide, layer = row / high;
+  place[0] = (int32_t)((uint32_t)cell - row * wide);
+  place[1] = (int32_t)(row - layer * high);
+  place[2] = (int32_t)layer;
 }
 static inline void bwi_grid_lattice(const int32_t cells[3], int64_t point, int32_t place[3]) {
   int32_t points[3] = {cells[0] + 1, cells[1] + 1, cells[2] + 1};
@@ -28,6 +30,13 @@ static inline int64_t bwi_grid_corner(const int32_t cells[3], int64_t cell, int 
   return place[0] + (c & 1) +
          ((int64_t)cells[0] + 1) *
              (place[1] + (c >> 1 & 1) + ((int64_t)cells[1] + 1) * (place[2] + (c >> 2 & 1)));
+}
+
+/* From the lattice point at corner 0 of a cell to the one at corner c. */
+static inline void bwi_grid_corner_steps(const int32_t cells[3], int64_t step[8]) {
+  for (int c = 0; c < 8; c++)
+    step[c] =
+        (c & 1) + ((int64_t)cells[0] + 1) * ((c >> 1 & 1) + ((int64_t)cells[1] + 1) * (c >> 2 & 1));
 }
 
 #endif
