@@ -15,17 +15,23 @@ typedef struct data {
   bool project;
   bwi_want want;
   bwi_element_state *state; /* by element */
-  int64_t ring;             /* elements that fit */
+  int64_t ring;             /* elements that fit; element e lies at e modulo ring: */
+  int64_t pivot;            /* the last multiple of ring among the elements so far */
   double *force, *matrix;   /* ring x 24, ring x 300, or NULL */
   double *gradient, *stiffness;
   int64_t first; /* element or node that item 0 of the loop is */
 } data;
 
+/* Of an element that the ring holds now. */
+static inline int64_t slot_of(const data *d, int64_t element) {
+  return element - d->pivot + (element < d->pivot ? d->ring : 0);
+}
+
 static bw_status elements(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
   (void)worker;
   for (int64_t e = d->first + begin; e < d->first + end; e++) {
-    int64_t slot = e % d->ring;
+    int64_t slot = slot_of(d, e);
     bwi_element_evaluate(d->solid, (int32_t)e, d->u, d->want, d->project, &d->state[e],
                          d->force ? d->force + BWI_ELEMENT_FORCES * slot : NULL,
                          d->matrix ? d->matrix + BWI_ELEMENT_NUMBERS * slot : NULL);
@@ -33,15 +39,20 @@ static bw_status elements(void *of, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-static inline void gather_block(const data *d, int64_t pair, double block[9]) {
+static inline void gather_block(const data *d, int64_t pair, double *block) {
   const bw_graph *graph = d->solid->graph;
+  bwi_lanes sum = {0}, part;
+  double last = 0;
   for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
     int code = graph->gather_local[k];
-    const double *from = d->matrix + BWI_ELEMENT_NUMBERS * (graph->gather_element[k] % d->ring) +
+    const double *from = d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, graph->gather_element[k]) +
                          bwi_element_block(code >> 4, code & 15);
-    for (int i = 0; i < 9; i++)
-      block[i] += from[i];
+    memcpy(&part, from, sizeof part);
+    sum += part;
+    last += from[8];
   }
+  memcpy(block, &sum, sizeof sum);
+  block[8] = last;
 }
 
 static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
@@ -52,7 +63,7 @@ static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
     int64_t diagonal = graph->start[i + 1] - 1;
     double force[3] = {0}, six[6] = {0};
     for (int64_t k = graph->gather_start[diagonal]; k < graph->gather_start[diagonal + 1]; k++) {
-      int64_t slot = graph->gather_element[k] % d->ring;
+      int64_t slot = slot_of(d, graph->gather_element[k]);
       int a = graph->gather_local[k] >> 4;
       for (int r = 0; r < 3 && d->force; r++)
         force[r] += d->force[BWI_ELEMENT_FORCES * slot + 3 * a + r];
@@ -63,11 +74,8 @@ static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
       memcpy(d->gradient + 3 * i, force, sizeof force);
     if (!d->stiffness)
       continue;
-    for (int64_t pair = graph->start[i]; pair < diagonal; pair++) {
-      double block[9] = {0};
-      gather_block(d, pair, block);
-      memcpy(d->stiffness + 9 * pair, block, sizeof block);
-    }
+    for (int64_t pair = graph->start[i]; pair < diagonal; pair++)
+      gather_block(d, pair, d->stiffness + 9 * pair);
     double full[9] = {six[0], six[1], six[2], six[1], six[3], six[4], six[2], six[4], six[5]};
     memcpy(d->stiffness + 9 * diagonal, full, sizeof full);
   }
@@ -126,6 +134,7 @@ static bw_status run(bw_context *context, data *d, const schedule *it) {
   for (int64_t w = 0; w < it->windows; w++) {
     int64_t begin = w * WINDOW, end = begin + WINDOW < count ? begin + WINDOW : count;
     d->first = begin;
+    d->pivot = (end - 1) / d->ring * d->ring;
     BW_TRY(bw_parallel(context, end - begin, ELEMENTS_PER_CHUNK, elements, d));
     d->first = node;
     BW_TRY(bw_parallel(context, it->ready[w] - node, ROWS_PER_CHUNK, rows, d));
