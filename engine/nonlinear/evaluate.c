@@ -7,7 +7,8 @@
  * through the cache instead of memory, and no number depends on the threads. */
 #include "nonlinear/internal.h"
 
-enum { ELEMENTS_PER_CHUNK = 32, ROWS_PER_CHUNK = 64, WINDOW = 1024 };
+/* Contributions are asked for so many ahead: the ring is larger than the near caches. */
+enum { ELEMENTS_PER_CHUNK = 32, ROWS_PER_CHUNK = 64, WINDOW = 1024, AHEAD = 24 };
 
 typedef struct data {
   const bw_solid *solid;
@@ -19,7 +20,9 @@ typedef struct data {
   int64_t pivot;            /* the last multiple of ring among the elements so far */
   double *force, *matrix;   /* ring x 24, ring x 300, or NULL */
   double *gradient, *stiffness;
-  int64_t first; /* element or node that item 0 of the loop is */
+  int64_t contributions; /* of the graph */
+  int64_t end;           /* of the elements so far */
+  int64_t first;         /* element or node that item 0 of the loop is */
 } data;
 
 /* Of an element that the ring holds now. */
@@ -39,14 +42,25 @@ static bw_status elements(void *of, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
+/* Where the k-th contribution of the graph lies. */
+static inline const double *block_of(const data *d, int64_t k) {
+  const bw_graph *graph = d->solid->graph;
+  int code = graph->gather_local[k];
+  return d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, graph->gather_element[k]) +
+         bwi_element_block(code >> 4, code & 15);
+}
+
 static inline void gather_block(const data *d, int64_t pair, double *block) {
   const bw_graph *graph = d->solid->graph;
   bwi_lanes sum = {0}, part;
   double last = 0;
   for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
-    int code = graph->gather_local[k];
-    const double *from = d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, graph->gather_element[k]) +
-                         bwi_element_block(code >> 4, code & 15);
+    const double *from = block_of(d, k);
+    if (k + AHEAD < d->contributions && graph->gather_element[k + AHEAD] < d->end) {
+      const double *next = block_of(d, k + AHEAD);
+      __builtin_prefetch(next);
+      __builtin_prefetch(next + 8);
+    }
     memcpy(&part, from, sizeof part);
     sum += part;
     last += from[8];
@@ -134,6 +148,7 @@ static bw_status run(bw_context *context, data *d, const schedule *it) {
   for (int64_t w = 0; w < it->windows; w++) {
     int64_t begin = w * WINDOW, end = begin + WINDOW < count ? begin + WINDOW : count;
     d->first = begin;
+    d->end = end;
     d->pivot = (end - 1) / d->ring * d->ring;
     BW_TRY(bw_parallel(context, end - begin, ELEMENTS_PER_CHUNK, elements, d));
     d->first = node;
@@ -175,6 +190,7 @@ bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const do
                                : BWI_ENERGY,
             .gradient = gradient,
             .stiffness = stiffness,
+            .contributions = solid->graph->gather_start[solid->graph->pair_count],
             .ring = 1};
   d.state = BW_NEW(context, bwi_element_state, solid->grid->element_count);
   if (!d.state) {
