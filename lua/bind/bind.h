@@ -246,6 +246,10 @@ void lbw_open_plane(lua_State *L);
 void lbw_open_mover(lua_State *L);
 void lbw_open_flow(lua_State *L);
 void lbw_open_plate(lua_State *L);
+void lbw_open_solid_material(lua_State *L);
+void lbw_open_solid(lua_State *L);
+void lbw_open_motion(lua_State *L);
+void lbw_open_library(lua_State *L);
 void lbw_open_grid(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);

@@ -365,5 +365,9 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_flow(L);
   lbw_open_plate(L);
   lbw_open_grid(L);
+  lbw_open_solid_material(L);
+  lbw_open_solid(L);
+  lbw_open_motion(L);
+  lbw_open_library(L);
   return 1;
 }

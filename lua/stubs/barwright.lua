@@ -3016,6 +3016,215 @@ function Embedding:moved(displacements) end
 ---Lets go at once.
 function Embedding:close() end
 
+-- ---- nonlinear solids ----------------------------------------------------------------------------
+
+---A law of large deformation, W = mu a(F) + lambda b(F) J/m3: "neo_hookean" (the default; not defined
+---where an element is turned inside out), "st_venant_kirchhoff", "corotated", "fixed_corotated". Either
+---`young` (Pa) and `poisson`, or Lame's constants `mu` and `lambda` (Pa); `density` in kg/m3.
+---@param options {law?: string, young?: number, poisson?: number, mu?: number, lambda?: number, density?: number, name?: string}
+---@return bw.Hyperelastic
+function bw.hyperelastic(options) end
+
+---@class bw.Hyperelastic
+---@field name string
+---@field law string of its points; "mixed" where they differ
+---@field points integer points of quadrature with constants of their own
+---@field uniform boolean the same everywhere, without fibres
+---@field density number kg/m3; 0: not known
+---@field young number of the first point, Pa
+---@field poisson number of the first point
+---@field mu bw.Array of points, Pa
+---@field lambda bw.Array of points, Pa
+---@field fibre_stiffness bw.Array of points: C of each fibre, Pa (data-driven, formula 2)
+---@field fibre bw.Array of points: directions of the fibres, three numbers each
+local Hyperelastic = {}
+
+---Energy density and first Piola-Kirchhoff stress at a deformation gradient, of the first point's law.
+---@param gradient number[][] 3 x 3
+---@return number? energy J/m3
+---@return bw.Array|string stress Pa, 3 x 3
+function Hyperelastic:energy(gradient) end
+
+---Releases it early.
+function Hyperelastic:close() end
+
+---Materials by number, as a solid or a library has them.
+---@class bw.Palette
+---@field count integer
+local Palette = {}
+
+---@param number integer
+---@return bw.Hyperelastic
+function Palette:material(number) end
+
+---Releases it early.
+function Palette:close() end
+
+---A body of hyperelastic materials on a grid; the grid's numbers are places in the palette.
+---@param options {grid: bw.Grid, palette: bw.Hyperelastic[]|bw.Palette}
+---@return bw.Solid?
+---@return string? message
+---@return table? details
+function bw.solid(options) end
+
+---A solid with its supports and loads. They are kept as they are given, by place (see bw.Region), and
+---found again on an edited grid and on coarse ones. Nodes may be given by number too, which binds them
+---to the grid.
+---@class bw.Solid
+---@field grid bw.Grid
+---@field palette bw.Palette
+---@field element_count integer
+---@field node_count integer
+---@field mass bw.Array of nodes, kg
+---@field levels integer how many times it was made coarse
+local Solid = {}
+
+---Holds nodes; or moves them by {x, y, z} (m), where false leaves a component free; or by a function of
+---x, y, z that returns three numbers.
+---@param where bw.Region|function|string|bw.Array|integer[]
+---@param by? table|function
+---@return bw.Solid
+function Solid:hold(where, by) end
+
+---Holds nodes and turns them about an axis, along their arcs; `move` shifts them too.
+---@param where bw.Region|function|string|bw.Array|integer[]
+---@param options {axis: bw.Vector, point?: bw.Vector, angle: number, move?: bw.Vector}
+---@return bw.Solid
+function Solid:turn(where, options) end
+
+---A total force (N) on the boundary faces of nodes, by area; on the nodes alike where they have none.
+---@param where bw.Region|function|string|bw.Array|integer[]
+---@param total bw.Vector
+---@return bw.Solid
+function Solid:force(where, total) end
+
+---@param acceleration bw.Vector m/s2
+---@return bw.Solid
+function Solid:gravity(acceleration) end
+
+---Pressure (Pa, positive pushes inwards) on a surface that is embedded in the solid: a number, a list
+---with one for each triangle, or a function of x, y, z. `follower`: along the normals as they turn.
+---@param surface bw.Surface
+---@param options {pressure: number|table|function|bw.Array, follower?: boolean}
+---@return bw.Solid
+function Solid:pressure(surface, options) end
+
+---A plane that the solid's nodes, or the points of a `surface`, may touch and not pass, without
+---friction. `normal` points to the solid's side; `move`: its displacement at full load.
+---@param options {point: bw.Vector, normal: bw.Vector, move?: bw.Vector, surface?: bw.Surface}
+---@return bw.Solid
+function Solid:floor(options) end
+
+---Equilibrium by Newton's method, from rest. `path`: parts of the way that are solved one after the
+---other (turns: of at most 30 degrees); `steps`: load steps to begin with; `linear`: "direct", "jacobi"
+---or "coarse" (with `coarse`, a solid coarsened from this one). On failure details.reached is the last
+---equilibrium on the way.
+---@param options? {tolerance?: number, iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array}
+---@return bw.SolidResult?
+---@return string? message
+---@return table? details
+function Solid:solve(options) end
+
+---The solid in motion, its loads at full. `scheme`: "implicit_euler" or "newmark"; `step` in s;
+---Rayleigh damping `mass_damping` (1/s) and `stiffness_damping` (s); `iterations` 1: linearly implicit.
+---@param options {scheme?: string, step: number, mass_damping?: number, stiffness_damping?: number, beta?: number, gamma?: number, tolerance?: number, iterations?: integer, allow_inverted?: boolean, displacement?: bw.Array, velocity?: bw.Array}
+---@return bw.SolidMotion?
+---@return string? message
+---@return table? details
+function Solid:motion(options) end
+
+---The same solid on an edited grid. A coarse solid takes its fine grid, edited, and looks up again only
+---what differs.
+---@param grid bw.Grid
+---@return bw.Solid?
+---@return string? message
+---@return table? details
+function Solid:with(grid) end
+
+---The solid made coarse `levels` times (1): by a library's lookup; or "naive" (points take the material
+---of the fine element there), or "average" (constants averaged), for comparison.
+---@param by bw.Library|"naive"|"average"
+---@param levels? integer
+---@return bw.Solid?
+---@return string? message
+---@return table? details
+function Solid:coarsen(by, levels) end
+
+---@class bw.SolidResult
+---@field solid bw.Solid
+---@field grid bw.Grid
+---@field displacement bw.Array of nodes, m
+---@field reaction bw.Array of supports and floors at nodes, N
+---@field energy number stored, J
+---@field complete boolean full load was reached
+---@field report table iterations, load_steps, residual, seconds, seconds_factor, shape, history, ...
+---@field stress bw.Array Cauchy stress at nodes, Pa
+---@field element_stress bw.Array
+---@field von_mises bw.Array at nodes, Pa
+---@field fine_displacement bw.Array of a coarse solid: at the nodes of its fine grid
+local SolidResult = {}
+
+---Mean distance of the fine grid's nodes from those of a reference on the same fine grid, over the
+---longest side of the body.
+---@param reference bw.SolidResult
+---@return number
+function SolidResult:error(reference) end
+
+---The sum of the reactions at nodes.
+---@param where bw.Region|function|string
+---@return number[]
+function SolidResult:total_reaction(where) end
+
+---A .vtu file of hexahedra with displacement, reaction and stresses.
+---@param path string
+---@return boolean?
+---@return string? message
+---@return table? details
+function SolidResult:write(path) end
+
+---The deformed grid, as Grid:picture.
+---@param path string
+---@param options? table
+---@return boolean?
+---@return string? message
+---@return table? details
+function SolidResult:picture(path, options) end
+
+---@class bw.SolidMotion
+---@field time number s
+---@field steps integer
+---@field displacement bw.Array m
+---@field velocity bw.Array m/s
+---@field acceleration bw.Array m/s2
+---@field kinetic number J
+---@field strain number J
+---@field potential number of loads and gravity, J
+---@field dissipated number by damping and the scheme, J
+---@field report table of the last step, as of SolidResult
+local SolidMotion = {}
+
+---@param count? integer
+---@return bw.SolidMotion?
+---@return string? message
+---@return table? details
+function SolidMotion:step(count) end
+
+---Releases it early.
+function SolidMotion:close() end
+
+-- ---- metamaterials -------------------------------------------------------------------------------
+
+---Coarse materials, fitted once to every block of a palette's materials (data-driven, section 4).
+---@class bw.Library
+---@field levels integer
+---@field palette bw.Palette
+---@field seconds number that building took
+---@field errors table[][] for each level and fit: median, worst, naive_median, naive_worst, force, naive_force, samples
+local Library = {}
+
+---Releases it early.
+function Library:close() end
+
 -- ---- plane meshes --------------------------------------------------------------------------------
 
 ---Triangle meshes of outlines, and movers that let them follow an outline that is dragged.

@@ -1,0 +1,93 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Equilibria of hyperelastic solids: fields, totals, errors against another, files and pictures.
+local core = require "barwright.core"
+local members = require "barwright.members"
+
+local result = {}
+
+local function kept(name, make)
+  return function(self)
+    local cache = rawget(self, "cache")
+    if cache[name] == nil then cache[name] = make(self) end
+    return cache[name]
+  end
+end
+
+local function sum_reports(all)
+  local total = {}
+  for _, each in ipairs(all) do
+    for key, value in pairs(each.report) do
+      if type(value) == "number" then total[key] = (total[key] or 0) + value end
+    end
+  end
+  local last = all[#all].report
+  total.load, total.residual, total.contacts = last.load, last.residual, last.contacts
+  total.shape, total.history = last.shape, last.history
+  return total
+end
+
+local properties = {
+  displacement = function(self) return rawget(self, "inner").displacement end,
+  reaction = function(self) return rawget(self, "inner").reaction end,
+  energy = function(self) return rawget(self, "inner").energy end,
+  complete = function(self) return rawget(self, "inner").complete end,
+  grid = function(self) return rawget(self, "solid").grid end,
+  report = kept("report", function(self) return sum_reports(self.all) end),
+  stress = kept("stress", function(self)
+    return self.solid.body:stress(self.displacement, true)
+  end),
+  element_stress = kept("element_stress", function(self)
+    return self.solid.body:stress(self.displacement, false)
+  end),
+  von_mises = kept("von_mises", function(self) return core.von_mises(self.stress) end),
+  fine_displacement = kept("fine_displacement", function(self)
+    local coarse = self.solid.coarse
+    return coarse and coarse:to_fine(self.displacement) or self.displacement
+  end),
+}
+result.__index = members("result", result, properties)
+result.__name = "barwright.solid_result"
+
+--- Mean distance of the fine grid's nodes from those of a reference on the same fine grid, over the
+--- longest side of the body (data-driven, section 6.2).
+function result:error(reference)
+  local fine = self.solid.coarse and self.solid.coarse.fine or self.solid.grid
+  return fine:difference(self.fine_displacement, reference.fine_displacement)
+end
+
+--- The sum of the reactions at nodes by place.
+function result:total_reaction(where)
+  return self.reaction:gather(self.solid.grid:nodes(where)):column_sums()
+end
+
+--- .vtu with displacement, reaction, stress and von Mises stress.
+function result:write(path)
+  return self.solid.grid:write(path, {fields = {
+    displacement = {self.displacement, on = "nodes"}, reaction = {self.reaction, on = "nodes"},
+    stress = {self.stress, on = "nodes"}, von_mises = {self.von_mises, on = "nodes"},
+    element_stress = {self.element_stress, on = "elements"},
+  }})
+end
+
+--- The deformed grid with its elements' edges: {field = "von_mises", "material" or an array, ...}.
+function result:picture(path, given)
+  local wish = {}
+  for key, value in pairs(given or {}) do wish[key] = value end
+  wish.displacement = wish.displacement or self.displacement
+  return self.solid.grid:picture(path, wish)
+end
+
+function result:__tostring()
+  local r = self.report
+  return ("equilibrium%s: energy %.6g J after %d iterations (%d load steps), residual %.1e, least "
+    .. "det F %.3f"):format(self.complete and "" or (" at load %.3f"):format(r.load), self.energy,
+    r.iterations, r.load_steps, r.residual, r.shape.least_ratio)
+end
+
+--- Around an engine result; `all`: those of the path that led to it, in order.
+local function create(solid, inner, all)
+  if inner ~= all[#all] then all = {table.unpack(all)}; all[#all + 1] = inner end
+  return setmetatable({solid = solid, inner = inner, all = all, cache = {}}, result)
+end
+
+return {create = create, class = result, properties = properties}

@@ -1,0 +1,374 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Hyperelastic solids on grids. A solid is a grid, a palette, and what acts on it; supports and loads
+-- are kept as they were given, by place, so that they are found again on an edited grid and on coarse
+-- ones.
+local core = require "barwright.core"
+local members = require "barwright.members"
+local options = require "barwright.options"
+local solid_results = require "barwright.solid_results"
+
+local raise = core.raise
+
+local solids = {}
+
+local solid = {}
+local properties = {
+  element_count = function(self) return rawget(self, "grid").element_count end,
+  node_count = function(self) return rawget(self, "grid").node_count end,
+  mass = function(self) return rawget(self, "body").mass end,
+  levels = function(self) return rawget(self, "coarse") and rawget(self, "coarse").levels or 0 end,
+}
+solid.__index = members("solid", solid, properties)
+solid.__name = "barwright.solid"
+
+local function check_self(where, self)
+  if getmetatable(self) ~= solid then
+    raise(("%s: a solid expected, got %s: call it as solid:%s(...)"):format(where, type(self), where))
+  end
+end
+
+local function make(grid, palette, acts, previous, coarse)
+  local body, message, details = core.solid.create(grid, palette, previous)
+  if not body then return nil, message, details end
+  return setmetatable({grid = grid, palette = body.palette, body = body, acts = acts, coarse = coarse or false,
+    base = false, newton = core.solid.newton()}, solid)
+end
+
+--- A solid: {grid =, palette = {material 1, material 2, ...}}.
+function solids.create(given)
+  local wish = options.read("solid", given, {
+    grid = {type = "grid", needed = true},
+    palette = {type = "any", needed = true},
+  })
+  return make(wish.grid, wish.palette, {})
+end
+
+-- ---- what acts -----------------------------------------------------------------------------------
+
+-- Nodes of a grid by place; numbers belong to the grid that they were given for.
+local function nodes_of(grid, act)
+  local where = act.where
+  if type(where) == "userdata" or type(where) == "table" and #where > 0 then
+    if grid ~= act.grid then
+      raise("nodes given by their numbers belong to one grid: give them by place, {side = \"low z\"} "
+        .. "or a function of x, y, z, where the solid is coarsened or its grid edited")
+    end
+    return where
+  end
+  return grid:nodes(where)
+end
+
+local function add(self, act)
+  act.grid = self.grid
+  if act.where ~= nil then nodes_of(self.grid, act) end -- errors are told where they are made
+  self.acts[#self.acts + 1] = act
+  rawset(self, "ready", nil)
+  return self
+end
+
+local function vector(where, key, value)
+  local list = type(value) == "userdata" and value:totable() or value
+  if type(list) ~= "table" or #list ~= 3 then
+    raise(("%s: %s: three numbers {x, y, z} expected"):format(where, key))
+  end
+  for i = 1, 3 do
+    local number = list[i]
+    if type(number) ~= "number" or number ~= number or math.abs(number) == math.huge then
+      raise(("%s: %s: three finite numbers {x, y, z} expected"):format(where, key))
+    end
+  end
+  return list
+end
+
+--- Nodes are held: all components, or moved by {x, y, z} (m at full load), where false leaves a
+--- component free; or by a function of x, y, z that returns three numbers.
+function solid:hold(where, by)
+  check_self("hold", self)
+  if by == nil then by = {0, 0, 0} end
+  if type(by) == "table" then
+    for i = 1, 3 do
+      if type(by[i]) ~= "number" and by[i] ~= false then
+        raise "hold: {x, y, z} expected, each a displacement or false"
+      end
+    end
+  elseif type(by) ~= "function" then
+    raise(("hold: {x, y, z} or a function of x, y, z expected, got %s"):format(type(by)))
+  end
+  return add(self, {kind = type(by) == "table" and "hold" or "move", where = where, by = by})
+end
+
+--- Nodes are held and turned about an axis: {axis =, point =, angle = (radians), move = {x, y, z}}.
+function solid:turn(where, given)
+  check_self("turn", self)
+  local wish = options.read("turn", given, {
+    axis = {type = "any", needed = true},
+    point = {type = "any", default = {0, 0, 0}},
+    angle = {type = "number", needed = true},
+    move = {type = "any", default = {0, 0, 0}},
+  })
+  local axis = vector("turn", "axis", wish.axis)
+  local length = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
+  if length == 0 then raise "turn: axis: a direction expected, it has no length" end
+  return add(self, {kind = "turn", where = where, angle = wish.angle,
+    axis = {axis[1] / length, axis[2] / length, axis[3] / length},
+    point = vector("turn", "point", wish.point), move = vector("turn", "move", wish.move)})
+end
+
+--- A total force on the boundary faces of nodes, by area.
+function solid:force(where, total)
+  check_self("force", self)
+  return add(self, {kind = "force", where = where, total = vector("force", "total", total)})
+end
+
+function solid:gravity(acceleration)
+  check_self("gravity", self)
+  return add(self, {kind = "gravity", acceleration = vector("gravity", "acceleration", acceleration)})
+end
+
+--- Pressure (Pa, positive pushes inwards) on a surface that goes with the solid: {pressure = a number, a
+--- list with one for each triangle, or a function of the middle's x, y, z; follower = along the normals
+--- of the deformed shape}.
+function solid:pressure(surface, given)
+  check_self("pressure", self)
+  options.object("pressure", "surface", surface, "surface")
+  local wish = options.read("pressure", given, {
+    pressure = {type = "any", needed = true},
+    follower = {type = "boolean", default = false},
+  })
+  local kind = type(wish.pressure)
+  if kind ~= "number" and kind ~= "function" and kind ~= "table" and kind ~= "userdata" then
+    raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(kind))
+  end
+  return add(self, {kind = "pressure", surface = surface, pressure = wish.pressure,
+    follower = wish.follower})
+end
+
+--- A plane that the solid may touch and not pass, without friction: {point =, normal = into the side
+--- where the solid is, move = its displacement at full load, surface = what touches it; without: the
+--- nodes}.
+function solid:floor(given)
+  check_self("floor", self)
+  local wish = options.read("floor", given, {
+    point = {type = "any", needed = true},
+    normal = {type = "any", needed = true},
+    move = {type = "any", default = {0, 0, 0}},
+    surface = {type = "surface"},
+  })
+  return add(self, {kind = "floor", point = vector("floor", "point", wish.point),
+    normal = vector("floor", "normal", wish.normal), move = vector("floor", "move", wish.move),
+    surface = wish.surface})
+end
+
+-- ---- cases ---------------------------------------------------------------------------------------
+
+-- Where a point goes when it is turned by `part` of the angle.
+local function turned(act, x, y, z, part)
+  local n, p = act.axis, act.point
+  local c, s = math.cos(act.angle * part), math.sin(act.angle * part)
+  local rx, ry, rz = x - p[1], y - p[2], z - p[3]
+  local along = (n[1] * rx + n[2] * ry + n[3] * rz) * (1 - c)
+  return rx * (c - 1) + n[1] * along + (n[2] * rz - n[3] * ry) * s + part * act.move[1],
+    ry * (c - 1) + n[2] * along + (n[3] * rx - n[1] * rz) * s + part * act.move[2],
+    rz * (c - 1) + n[3] * along + (n[1] * ry - n[2] * rx) * s + part * act.move[3]
+end
+
+local function rows_of(grid, nodes, displacement)
+  local rows = {}
+  for i, at in ipairs(grid.points:gather(nodes):totable()) do
+    rows[i] = {displacement(at[1], at[2], at[3])}
+  end
+  return rows
+end
+
+-- A function's values at the middles of a surface's triangles.
+local function middle_values(surface, f)
+  local points, values = surface.points:totable(), {}
+  for t, corners in ipairs(surface.triangles:totable()) do
+    local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
+    values[t] = f((a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3, (a[3] + b[3] + c[3]) / 3)
+  end
+  return values
+end
+
+local apply = {}
+
+function apply.hold(case, act, grid, part)
+  local by = {}
+  for i = 1, 3 do by[i] = act.by[i] and act.by[i] * part end
+  case:hold(nodes_of(grid, act), by)
+end
+
+function apply.move(case, act, grid, part)
+  local nodes = nodes_of(grid, act)
+  case:hold_each(nodes, rows_of(grid, nodes, function(x, y, z)
+    local u, v, w = act.by(x, y, z)
+    return u * part, v * part, w * part
+  end))
+end
+
+function apply.turn(case, act, grid, part)
+  local nodes = nodes_of(grid, act)
+  case:hold_each(nodes, rows_of(grid, nodes, function(x, y, z) return turned(act, x, y, z, part) end))
+end
+
+function apply.force(case, act, grid, part)
+  local t = act.total
+  case:force(nodes_of(grid, act), {t[1] * part, t[2] * part, t[3] * part})
+end
+
+function apply.gravity(case, act, _, part)
+  local a = act.acceleration
+  case:gravity {a[1] * part, a[2] * part, a[3] * part}
+end
+
+function apply.pressure(case, act, grid, part)
+  local surface, pressure = act.surface, act.pressure
+  local values = pressure
+  if type(pressure) == "number" then
+    values = {}
+    for t = 1, surface.triangle_count do values[t] = pressure end
+  elseif type(pressure) == "function" then
+    values = middle_values(surface, pressure)
+  elseif type(pressure) == "userdata" then
+    values = pressure:totable()
+  end
+  local scaled = {}
+  for t, value in ipairs(values) do scaled[t] = value * part end
+  case:pressure(grid:embed(surface), surface.triangles, scaled, act.follower)
+end
+
+function apply.floor(case, act, grid, part)
+  local move = {act.move[1] * part, act.move[2] * part, act.move[3] * part}
+  if act.surface then
+    case:floor(act.point, act.normal, move, grid:embed(act.surface), act.surface.points)
+  else
+    case:floor(act.point, act.normal, move)
+  end
+end
+
+-- The case at a part of the path: turns go along their arcs, everything else in proportion.
+local function case_of(self, part)
+  local case, message, details = core.solid.case(self.grid)
+  if not case then return nil, message, details end
+  for _, act in ipairs(self.acts) do apply[act.kind](case, act, self.grid, part) end
+  return case
+end
+
+-- ---- solving -------------------------------------------------------------------------------------
+
+local solve_rules = {
+  path = {type = "integer", least = 1, most = 1000},
+  start = {type = "any"},
+}
+for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "integer",
+  least_step = "number", cg_tolerance = "number", cg_iterations = "integer",
+  allow_inverted = "boolean", linear = "string", coarse = "any"} do
+  solve_rules[key] = {type = kind}
+end
+
+-- A turn goes along its arc in parts of at most 30 degrees.
+local function parts_of(self)
+  local parts = 1
+  for _, act in ipairs(self.acts) do
+    if act.kind == "turn" then
+      parts = math.max(parts, math.ceil(math.abs(act.angle) / (math.pi / 6) - 1e-9))
+    end
+  end
+  return parts
+end
+
+-- The solids that precondition: of a coarse one, its coarsenings with solids on each.
+local function coarse_of(given)
+  local list = {}
+  if given == nil then return nil end
+  if getmetatable(given) ~= solid or not given.coarse then
+    raise "solve: option 'coarse': a solid that was coarsened from this one expected"
+  end
+  if given.levels ~= 1 then
+    raise "solve: option 'coarse': a solid of one level expected"
+  end
+  list[1] = {given.coarse:coarsening(1), given.body}
+  return list
+end
+
+--- Equilibrium: {tolerance =, iterations =, steps = load steps to begin with, path = parts of the path
+--- (each solved, from the last), linear = "direct" | "jacobi" | "coarse", coarse = a coarse solid, start
+--- = displacements, allow_inverted =}. Returns the result; or nil, message, details, where
+--- details.reached is the last equilibrium on the way.
+function solid:solve(given)
+  check_self("solve", self)
+  local wish = options.read("solve", given, solve_rules)
+  local parts = wish.path or parts_of(self)
+  local newton = {}
+  for key, value in pairs(wish) do
+    if key ~= "path" and key ~= "start" then newton[key] = value end
+  end
+  newton.coarse = coarse_of(wish.coarse)
+  if newton.linear == nil and newton.coarse then newton.linear = "coarse" end
+  local start, all = wish.start, {}
+  for part = 1, parts do
+    local case, message, details = case_of(self, part / parts)
+    if not case then return nil, message, details end
+    local result
+    result, message, details = self.body:solve(case, self.newton, newton, start)
+    if not result then
+      if details and details.reached then
+        details.reached = solid_results.create(self, details.reached, all)
+      end
+      return nil, message, details
+    end
+    all[part], start = result, result.displacement
+  end
+  return solid_results.create(self, all[parts], all)
+end
+
+--- The solid in motion: {scheme = "implicit_euler" | "newmark", step = s, mass_damping =,
+--- stiffness_damping =, beta =, gamma =, tolerance =, iterations =, displacement =, velocity =}. Loads
+--- are at full, what is held stays where it is at full load.
+function solid:motion(given)
+  check_self("motion", self)
+  local wish = {}
+  for key, value in pairs(given or {}) do wish[key] = value end
+  local displacement, velocity = wish.displacement, wish.velocity
+  wish.displacement, wish.velocity = nil, nil
+  local case, message, details = case_of(self, 1)
+  if not case then return nil, message, details end
+  return self.body:motion(case, wish, displacement, velocity)
+end
+
+-- ---- other grids ---------------------------------------------------------------------------------
+
+--- The same solid on an edited grid; a coarse one follows its fine grid.
+function solid:with(grid)
+  check_self("with", self)
+  options.object("with", "grid", grid, "grid")
+  if not self.coarse then return make(grid, self.palette, self.acts, self.body) end
+  local coarse, message, details = self.coarse:follow(grid)
+  if not coarse then return nil, message, details end
+  local next_solid
+  next_solid, message, details = make(coarse.grid, coarse.palette, self.acts, self.body, coarse)
+  if next_solid then next_solid.base = self.base:with(grid) end
+  return next_solid, message, details
+end
+
+--- The solid on a grid made coarse: by a library, or "naive" or "average"; `levels` times (1).
+function solid:coarsen(by, levels)
+  check_self("coarsen", self)
+  if self.coarse then raise "coarsen: this solid is coarse; give the levels where the fine one is coarsened" end
+  local coarse, message, details = core.metamaterial.coarsen(self.grid, self.palette, by, levels or 1)
+  if not coarse then return nil, message, details end
+  local made
+  made, message, details = make(coarse.grid, coarse.palette, self.acts, nil, coarse)
+  if made then made.base = self end
+  return made, message, details
+end
+
+function solid:__tostring()
+  return ("solid: %d elements, %d nodes, %d materials%s; %d supports and loads"):format(
+    self.grid.element_count, self.grid.node_count, self.palette.count,
+    self.coarse and (" (coarse, level %d)"):format(self.coarse.levels) or "", #self.acts)
+end
+
+solids.class, solids.properties = solid, properties
+
+return solids

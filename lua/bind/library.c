@@ -1,0 +1,187 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.metamaterial: libraries of coarse materials, and grids coarsened by them. */
+#include "solid.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bw_library *self(lua_State *L) {
+  return (const bw_library *)lbw_check(L, 1, &lbw_library_class);
+}
+
+static int library_levels(lua_State *L) {
+  lua_pushinteger(L, self(L)->levels);
+  return 1;
+}
+
+static int library_seconds(lua_State *L) {
+  lua_pushnumber(L, self(L)->seconds);
+  return 1;
+}
+
+static int library_palette(lua_State *L) {
+  lbw_push(L, &lbw_palette_class, self(L)->palette);
+  return 1;
+}
+
+/* errors: for each level a list of rows {median, worst, naive_median, naive_worst, force,
+ * naive_force, samples}, one for each fit */
+static int library_errors(lua_State *L) {
+  const bw_library *library = self(L);
+  lua_createtable(L, library->levels, 0);
+  for (int l = 0; l < library->levels; l++) {
+    lua_createtable(L, library->fit_count[l], 0);
+    for (int32_t i = 0; i < library->fit_count[l]; i++) {
+      const bw_fit_error *e = &library->error[l][i];
+      lua_createtable(L, 0, 7);
+#define SET(name)                                                                                  \
+  lua_pushnumber(L, (double)e->name);                                                              \
+  lua_setfield(L, -2, #name)
+      SET(median);
+      SET(worst);
+      SET(naive_median);
+      SET(naive_worst);
+      SET(force);
+      SET(naive_force);
+      SET(samples);
+#undef SET
+      lua_rawseti(L, -2, i + 1);
+    }
+    lua_rawseti(L, -2, l + 1);
+  }
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{NULL, NULL}};
+static const luaL_Reg properties[] = {{"levels", library_levels},
+                                      {"seconds", library_seconds},
+                                      {"palette", library_palette},
+                                      {"errors", library_errors},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{NULL, NULL}};
+const lbw_class lbw_library_class = {"library", methods, properties, meta, NULL};
+
+/* ---- coarse grids ---------------------------------------------------------------------------- */
+
+static const bw_coarse *self_coarse(lua_State *L) {
+  return (const bw_coarse *)lbw_check(L, 1, &lbw_coarse_class);
+}
+
+/* metamaterial.coarsen(grid, palette, library | "naive" | "average", levels) */
+static int coarse_create(lua_State *L) {
+  static const char *const words[] = {"naive", "average", NULL};
+  lua_settop(L, 4);
+  const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
+  const bw_library *library = (const bw_library *)lbw_test(L, 3, &lbw_library_class);
+  bw_coarse_method method = BW_COARSE_LOOKUP;
+  if (!library)
+    method = lbw_check_word(L, 3, words) == 0 ? BW_COARSE_NAIVE : BW_COARSE_AVERAGE;
+  int levels = (int)lbw_integer_or(L, 4, 1);
+  const bw_palette *palette = lbw_check_palette(L, 2, "coarsen");
+  lbw_box *box = lbw_box_new(L, &lbw_coarse_class);
+  bw_coarse *coarse = NULL;
+  bw_status status = bw_coarsen(lbw_enter(L), method, library, palette, grid, levels, &coarse);
+  lbw_box_fill(L, box, coarse);
+  return lbw_leave(L, status, 1);
+}
+
+/* coarse:follow(grid) */
+static int coarse_follow(lua_State *L) {
+  const bw_coarse *coarse = self_coarse(L);
+  const bw_grid *grid = (const bw_grid *)lbw_check(L, 2, &lbw_grid_class);
+  lbw_box *box = lbw_box_new(L, &lbw_coarse_class);
+  bw_coarse *followed = NULL;
+  bw_status status = bw_coarse_follow(lbw_enter(L), coarse, grid, &followed);
+  lbw_box_fill(L, box, followed);
+  return lbw_leave(L, status, 1);
+}
+
+/* coarse:to_fine(displacement) */
+static int coarse_to_fine(lua_State *L) {
+  const bw_coarse *coarse = self_coarse(L);
+  const double *u = lbw_read_displacement(L, 2, "displacement", coarse->grid);
+  if (!u)
+    return lbw_error(L, "to_fine: displacements expected");
+  bw_array *fine = lbw_push_array(L, BW_F64, coarse->fine->node_count, 3);
+  bw_coarse_to_fine(coarse, u, (double *)fine->data);
+  return 1;
+}
+
+/* coarse:coarsening(level) */
+static int coarse_coarsening(lua_State *L) {
+  const bw_coarse *coarse = self_coarse(L);
+  int64_t level = lbw_check_index(L, 2, "level", coarse->levels);
+  lbw_push(L, &lbw_coarsening_class, coarse->coarsening[level]);
+  return 1;
+}
+
+static int coarse_grid(lua_State *L) {
+  lbw_push(L, &lbw_grid_class, self_coarse(L)->grid);
+  return 1;
+}
+
+static int coarse_fine(lua_State *L) {
+  lbw_push(L, &lbw_grid_class, self_coarse(L)->fine);
+  return 1;
+}
+
+static int coarse_palette(lua_State *L) {
+  lbw_push(L, &lbw_palette_class, self_coarse(L)->palette);
+  return 1;
+}
+
+static int coarse_levels(lua_State *L) {
+  lua_pushinteger(L, self_coarse(L)->levels);
+  return 1;
+}
+
+static int coarse_looked_up(lua_State *L) {
+  lua_pushinteger(L, self_coarse(L)->looked_up);
+  return 1;
+}
+
+static int coarse_seconds(lua_State *L) {
+  const bw_coarse *coarse = self_coarse(L);
+  lua_pushnumber(L, coarse->seconds_lattice + coarse->seconds_lookup);
+  return 1;
+}
+
+static int coarse_tostring(lua_State *L) {
+  const bw_coarse *c = self_coarse(L);
+  char text[200];
+  snprintf(text, sizeof text,
+           "coarse grid: %d elements for %d fine ones, %d materials, %lld blocks looked up",
+           (int)c->grid->element_count, (int)c->fine->element_count, (int)c->palette->count - 1,
+           (long long)c->looked_up);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg coarse_methods[] = {{"follow", coarse_follow},
+                                          {"to_fine", coarse_to_fine},
+                                          {"coarsening", coarse_coarsening},
+                                          {NULL, NULL}};
+static const luaL_Reg coarse_properties[] = {{"grid", coarse_grid},
+                                             {"fine", coarse_fine},
+                                             {"palette", coarse_palette},
+                                             {"levels", coarse_levels},
+                                             {"looked_up", coarse_looked_up},
+                                             {"seconds", coarse_seconds},
+                                             {NULL, NULL}};
+static const luaL_Reg coarse_meta[] = {{"__tostring", coarse_tostring}, {NULL, NULL}};
+const lbw_class lbw_coarse_class = {"coarse_grid", coarse_methods, coarse_properties, coarse_meta,
+                                    NULL};
+
+/* One level of it, to hand on. */
+static const luaL_Reg none[] = {{NULL, NULL}};
+const lbw_class lbw_coarsening_class = {"coarsening", none, none, none, NULL};
+
+void lbw_open_library(lua_State *L) {
+  static const luaL_Reg functions[] = {{"coarsen", coarse_create}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_library_class);
+  lbw_class_register(L, &lbw_coarse_class);
+  lbw_class_register(L, &lbw_coarsening_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "metamaterial");
+}

@@ -1,0 +1,125 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Solids in motion. */
+#include "solid.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static bw_solid_motion *self(lua_State *L) {
+  return (bw_solid_motion *)lbw_check(L, 1, &lbw_solid_motion_class);
+}
+
+/* solid:motion(case, options, displacement | nil, velocity | nil) */
+static int motion_create(lua_State *L) {
+  static const lbw_option list[] = {
+      {"step", LBW_REAL, offsetof(bw_motion_options, step)},
+      {"mass_damping", LBW_REAL, offsetof(bw_motion_options, mass_damping)},
+      {"stiffness_damping", LBW_REAL, offsetof(bw_motion_options, stiffness_damping)},
+      {"beta", LBW_REAL, offsetof(bw_motion_options, beta)},
+      {"gamma", LBW_REAL, offsetof(bw_motion_options, gamma)},
+      {"tolerance", LBW_REAL, offsetof(bw_motion_options, tolerance)},
+      {"iterations", LBW_INT, offsetof(bw_motion_options, iterations)},
+      {"allow_inverted", LBW_BOOLEAN, offsetof(bw_motion_options, allow_inverted)},
+      {"scheme", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  static const char *const schemes[] = {"implicit_euler", "newmark", NULL};
+  lua_settop(L, 5);
+  const bw_solid *solid = (const bw_solid *)lbw_check(L, 1, &lbw_solid_class);
+  const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
+  bw_motion_options options;
+  bw_motion_options_default(&options);
+  lbw_options(L, 3, "motion", list, &options);
+  options.scheme = (bw_motion_scheme)lbw_word_option(L, 3, "motion", "scheme", schemes, 0);
+  const double *u = lbw_read_displacement(L, 4, "displacement", solid->grid);
+  const double *v = lbw_read_displacement(L, 5, "velocity", solid->grid);
+  lbw_box *box = lbw_box_new(L, &lbw_solid_motion_class);
+  bw_solid_motion *motion = NULL;
+  bw_status status = bw_solid_motion_create(lbw_enter(L), solid, the, &options, u, v, &motion);
+  lbw_box_fill(L, box, motion);
+  return lbw_leave(L, status, 1);
+}
+
+/* motion:step(count | nil): the motion itself */
+static int motion_step(lua_State *L) {
+  bw_status status = BW_OK;
+  bw_solid_motion *motion = self(L);
+  lua_Integer count = lbw_integer_or(L, 2, 1);
+  lua_settop(L, 1);
+  bw_context *context = lbw_enter(L);
+  for (lua_Integer i = 0; i < count; i++) {
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bw_solid_motion_step(context, motion));
+  }
+done:
+  return lbw_leave(L, status, 1);
+}
+
+/* Fields change in place: each is a copy of its moment. */
+static int push_field(lua_State *L, const bw_solid_motion *motion, const double *field) {
+  int64_t nodes = motion->solid->grid->node_count;
+  bw_array *array = lbw_push_array(L, BW_F64, nodes, 3);
+  memcpy(array->data, field, 3 * (size_t)nodes * sizeof *field);
+  return 1;
+}
+
+static int motion_displacement(lua_State *L) {
+  return push_field(L, self(L), self(L)->displacement);
+}
+static int motion_velocity(lua_State *L) {
+  return push_field(L, self(L), self(L)->velocity);
+}
+static int motion_acceleration(lua_State *L) {
+  return push_field(L, self(L), self(L)->acceleration);
+}
+
+#define NUMBER(name)                                                                               \
+  static int motion_##name(lua_State *L) {                                                         \
+    lua_pushnumber(L, self(L)->name);                                                              \
+    return 1;                                                                                      \
+  }
+NUMBER(time)
+NUMBER(kinetic)
+NUMBER(strain)
+NUMBER(potential)
+NUMBER(dissipated)
+#undef NUMBER
+
+static int motion_steps(lua_State *L) {
+  lua_pushinteger(L, self(L)->steps);
+  return 1;
+}
+
+static int motion_report(lua_State *L) {
+  lbw_push_newton_report(L, &self(L)->report);
+  return 1;
+}
+
+static int motion_tostring(lua_State *L) {
+  const bw_solid_motion *m = self(L);
+  char text[200];
+  snprintf(text, sizeof text, "motion at %.6g s after %lld steps: kinetic %.4g J, strain %.4g J",
+           m->time, (long long)m->steps, m->kinetic, m->strain);
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static const luaL_Reg methods[] = {{"step", motion_step}, {NULL, NULL}};
+static const luaL_Reg properties[] = {{"time", motion_time},
+                                      {"steps", motion_steps},
+                                      {"displacement", motion_displacement},
+                                      {"velocity", motion_velocity},
+                                      {"acceleration", motion_acceleration},
+                                      {"kinetic", motion_kinetic},
+                                      {"strain", motion_strain},
+                                      {"potential", motion_potential},
+                                      {"dissipated", motion_dissipated},
+                                      {"report", motion_report},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", motion_tostring}, {NULL, NULL}};
+const lbw_class lbw_solid_motion_class = {"solid_motion", methods, properties, meta, NULL};
+
+void lbw_open_motion(lua_State *L) {
+  static const luaL_Reg of_solids[] = {{"motion", motion_create}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_solid_motion_class);
+  lbw_add_methods(L, &lbw_solid_class, of_solids);
+}

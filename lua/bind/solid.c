@@ -1,0 +1,451 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Hyperelastic solids on grids: energies, what acts on them, static solutions. Selections, and what
+ * is carried over to coarse grids, are Lua (lua/barwright/solids.lua). */
+#include "solid.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bw_solid *self(lua_State *L) {
+  return (const bw_solid *)lbw_check(L, 1, &lbw_solid_class);
+}
+
+const bw_palette *lbw_check_palette(lua_State *L, int index, const char *function) {
+  const bw_palette *palette = (const bw_palette *)lbw_test(L, index, &lbw_palette_class);
+  if (!palette)
+    return lbw_read_palette(L, index, function);
+  lua_pushvalue(L, index);
+  return palette;
+}
+
+double *lbw_read_displacement(lua_State *L, int index, const char *what, const bw_grid *grid) {
+  int64_t rows;
+  if (lua_isnoneornil(L, index)) {
+    lua_pushnil(L);
+    return NULL;
+  }
+  double *u = lbw_to_doubles(L, index, what, 3, &rows);
+  if (rows != grid->node_count)
+    lbw_error(L, "%s: a row for each of %d nodes expected, got %I", what, (int)grid->node_count,
+              (LUAI_UACINT)rows);
+  return u;
+}
+
+static void set_number(lua_State *L, const char *key, double value) {
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static void set_integer(lua_State *L, const char *key, int64_t value) {
+  lua_pushinteger(L, value);
+  lua_setfield(L, -2, key);
+}
+
+void lbw_push_solid_shape(lua_State *L, const bw_solid_shape *shape) {
+  lua_createtable(L, 0, 4);
+  set_number(L, "least_ratio", shape->least_ratio);
+  set_integer(L, "worst_element", shape->worst + 1);
+  set_integer(L, "inverted", shape->inverted);
+  lua_pushboolean(L, shape->defined);
+  lua_setfield(L, -2, "defined");
+}
+
+void lbw_push_newton_report(lua_State *L, const bw_newton_report *r) {
+  lua_createtable(L, 0, 20);
+  set_integer(L, "iterations", r->iterations);
+  set_integer(L, "load_steps", r->load_steps);
+  set_integer(L, "failed_steps", r->failed_steps);
+  set_integer(L, "factorisations", r->factorisations);
+  set_integer(L, "evaluations", r->evaluations);
+  set_integer(L, "cg_iterations", r->cg_iterations);
+  set_integer(L, "contacts", r->contacts);
+  set_number(L, "load", r->load);
+  set_number(L, "residual", r->residual);
+  set_number(L, "seconds_quadrature", r->seconds_quadrature);
+  set_number(L, "seconds_analysis", r->seconds_analysis);
+  set_number(L, "seconds_factor", r->seconds_factor);
+  set_number(L, "seconds_solve", r->seconds_solve);
+  set_number(L, "seconds", r->seconds);
+  lbw_push_solid_shape(L, &r->shape);
+  lua_setfield(L, -2, "shape");
+  lua_createtable(L, r->history_count, 0);
+  for (int i = 0; i < r->history_count; i++) {
+    const bw_newton_entry *h = &r->history[i];
+    lua_createtable(L, 0, 8);
+    set_number(L, "load", h->load);
+    set_number(L, "energy", h->energy);
+    set_number(L, "residual", h->residual);
+    set_number(L, "step", h->step);
+    set_integer(L, "cg_iterations", h->cg);
+    set_integer(L, "contacts", h->contacts);
+    lua_pushboolean(L, h->projected);
+    lua_setfield(L, -2, "projected");
+    lua_rawseti(L, -2, i + 1);
+  }
+  lua_setfield(L, -2, "history");
+}
+
+/* ---- solids ---------------------------------------------------------------------------------- */
+
+/* solid.create(grid, palette, previous | nil) */
+static int solid_create(lua_State *L) {
+  lua_settop(L, 3);
+  const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
+  const bw_palette *palette = lbw_check_palette(L, 2, "solid");
+  const bw_solid *previous = (const bw_solid *)lbw_test(L, 3, &lbw_solid_class);
+  lbw_box *box = lbw_box_new(L, &lbw_solid_class);
+  bw_solid *solid = NULL;
+  bw_status status = bw_solid_create(lbw_enter(L), grid, palette, previous, &solid);
+  lbw_box_fill(L, box, solid);
+  return lbw_leave(L, status, 1);
+}
+
+/* solid:evaluate(displacement): energy, gradient, shape */
+static int solid_evaluate(lua_State *L) {
+  const bw_solid *solid = self(L);
+  const double *u = lbw_read_displacement(L, 2, "displacement", solid->grid);
+  double energy = 0;
+  bw_solid_shape shape;
+  if (!u)
+    return lbw_error(L, "evaluate: displacements expected");
+  bw_array *gradient = lbw_push_array(L, BW_F64, solid->grid->node_count, 3);
+  int place = lua_gettop(L);
+  bw_status status = bw_solid_evaluate(lbw_enter(L), solid, u, false, &energy,
+                                       (double *)gradient->data, NULL, &shape);
+  lbw_leave_or_raise(L, status);
+  if (shape.defined) {
+    lua_pushnumber(L, energy);
+    lua_pushvalue(L, place);
+  } else {
+    lua_pushnil(L);
+    lua_pushnil(L);
+  }
+  lbw_push_solid_shape(L, &shape);
+  return 3;
+}
+
+/* solid:stress(displacement, of_nodes): Cauchy, rows of six */
+static int solid_stress(lua_State *L) {
+  const bw_solid *solid = self(L);
+  lua_settop(L, 3);
+  const double *u = lbw_read_displacement(L, 2, "displacement", solid->grid);
+  bool nodes = lua_toboolean(L, 3);
+  if (!u)
+    return lbw_error(L, "stress: displacements expected");
+  int64_t rows = nodes ? solid->grid->node_count : solid->grid->element_count;
+  double *out = (double *)lbw_push_array(L, BW_F64, rows, 6)->data;
+  bw_status status =
+      bw_solid_stress(lbw_enter(L), solid, u, nodes ? NULL : out, nodes ? out : NULL);
+  return lbw_leave(L, status, 1);
+}
+
+static int solid_grid(lua_State *L) {
+  lbw_push(L, &lbw_grid_class, self(L)->grid);
+  return 1;
+}
+
+static int solid_palette(lua_State *L) {
+  lbw_push(L, &lbw_palette_class, self(L)->palette);
+  return 1;
+}
+
+static int solid_mass(lua_State *L) {
+  const bw_solid *solid = self(L);
+  return lbw_push_borrowed(L, BW_F64, solid->grid->node_count, 1, solid->mass, solid);
+}
+
+static const luaL_Reg solid_methods[] = {
+    {"evaluate", solid_evaluate}, {"stress", solid_stress}, {NULL, NULL}};
+static const luaL_Reg solid_properties[] = {
+    {"grid", solid_grid}, {"palette", solid_palette}, {"mass", solid_mass}, {NULL, NULL}};
+static const luaL_Reg no_meta[] = {{NULL, NULL}};
+const lbw_class lbw_solid_class = {"elastic_solid", solid_methods, solid_properties, no_meta, NULL};
+
+/* ---- cases ----------------------------------------------------------------------------------- */
+
+static bw_solid_case *self_case(lua_State *L) {
+  return (bw_solid_case *)lbw_check(L, 1, &lbw_solid_case_class);
+}
+
+static int case_create(lua_State *L) {
+  const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
+  lbw_box *box = lbw_box_new(L, &lbw_solid_case_class);
+  bw_solid_case *it = NULL;
+  bw_status status = bw_solid_case_create(lbw_enter(L), grid, &it);
+  lbw_box_fill(L, box, it);
+  return lbw_leave(L, status, 1);
+}
+
+static int32_t *read_nodes(lua_State *L, int index, const bw_grid *grid, int64_t *count) {
+  int32_t *node = lbw_to_indices(L, index, "nodes", 1, count);
+  for (int64_t i = 0; i < *count; i++)
+    if (node[i] >= grid->node_count)
+      lbw_error(L, "nodes: %d is beyond the last of %d", (int)node[i] + 1, (int)grid->node_count);
+  return node;
+}
+
+/* case:hold(nodes, {x | false, y | false, z | false}): prescribed displacements */
+static int case_hold(lua_State *L) {
+  bw_solid_case *it = self_case(L);
+  int64_t count;
+  bool hold[3];
+  double value[3];
+  const int32_t *node = read_nodes(L, 2, it->grid, &count);
+  lbw_check_type(L, 3, LUA_TTABLE);
+  for (int d = 0; d < 3; d++) {
+    lua_rawgeti(L, 3, d + 1);
+    hold[d] = lua_isnumber(L, -1);
+    value[d] = hold[d] ? lua_tonumber(L, -1) : 0;
+    lua_pop(L, 1);
+  }
+  return lbw_leave(L, bw_solid_case_hold(lbw_enter(L), it, count, node, hold, value), 0);
+}
+
+/* case:hold_each(nodes, values): every node has displacements of its own, rows of three */
+static int case_hold_each(lua_State *L) {
+  bw_status status = BW_OK;
+  bw_solid_case *it = self_case(L);
+  int64_t count, rows;
+  const bool hold[3] = {true, true, true};
+  const int32_t *node = read_nodes(L, 2, it->grid, &count);
+  const double *value = lbw_to_doubles(L, 3, "displacements", 3, &rows);
+  if (rows != count)
+    return lbw_error(L, "hold: %d nodes, but displacements for %d", (int)count, (int)rows);
+  bw_context *context = lbw_enter(L);
+  for (int64_t i = 0; i < count; i++)
+    BW_TRY(bw_solid_case_hold(context, it, 1, node + i, hold, value + 3 * i));
+done:
+  return lbw_leave(L, status, 0);
+}
+
+/* case:force(nodes, {x, y, z}): the total */
+static int case_force(lua_State *L) {
+  bw_solid_case *it = self_case(L);
+  int64_t count;
+  double total[3];
+  const int32_t *node = read_nodes(L, 2, it->grid, &count);
+  lbw_check_vector(L, 3, "force", total);
+  return lbw_leave(L, bw_solid_case_force(lbw_enter(L), it, count, node, total), 0);
+}
+
+/* case:gravity{x, y, z} */
+static int case_gravity(lua_State *L) {
+  bw_solid_case *it = self_case(L);
+  double gravity[3];
+  lbw_check_vector(L, 2, "gravity", gravity);
+  return lbw_leave(L, bw_solid_case_gravity(lbw_enter(L), it, gravity), 0);
+}
+
+/* case:pressure(embedding, triangles, pressures, follower) */
+static int case_pressure(lua_State *L) {
+  bw_solid_case *it = self_case(L);
+  int64_t triangles, rows;
+  lua_settop(L, 5);
+  const bw_embedding *embedding = (const bw_embedding *)lbw_check(L, 2, &lbw_embedding_class);
+  const int32_t *triangle = lbw_to_indices(L, 3, "triangles", 3, &triangles);
+  const double *pressure = lbw_to_doubles(L, 4, "pressures", 1, &rows);
+  if (rows != triangles)
+    return lbw_error(L, "pressure: %d triangles, but %d pressures", (int)triangles, (int)rows);
+  return lbw_leave(L,
+                   bw_solid_case_pressure(lbw_enter(L), it, embedding, triangles, triangle,
+                                          pressure, lua_toboolean(L, 5)),
+                   0);
+}
+
+/* case:floor(point, normal, move, embedding | nil, points | nil) */
+static int case_floor(lua_State *L) {
+  bw_solid_case *it = self_case(L);
+  double point[3], normal[3], move[3];
+  int64_t rows = 0;
+  lua_settop(L, 6);
+  lbw_check_vector(L, 2, "point", point);
+  lbw_check_vector(L, 3, "normal", normal);
+  lbw_check_vector(L, 4, "move", move);
+  const bw_embedding *embedding = NULL;
+  const double *rest = NULL;
+  if (!lua_isnil(L, 5)) {
+    embedding = (const bw_embedding *)lbw_check(L, 5, &lbw_embedding_class);
+    rest = lbw_to_doubles(L, 6, "points", 3, &rows);
+    if (rows != embedding->point_count)
+      return lbw_error(L, "floor: %d embedded points, but positions of %d",
+                       (int)embedding->point_count, (int)rows);
+  }
+  return lbw_leave(L, bw_solid_case_floor(lbw_enter(L), it, point, normal, move, embedding, rest),
+                   0);
+}
+
+static int case_applied(lua_State *L) {
+  const bw_solid_case *it = self_case(L);
+  return lbw_push_borrowed(L, BW_F64, it->grid->node_count, 3, it->force, it);
+}
+
+static const luaL_Reg case_methods[] = {{"hold", case_hold},
+                                        {"hold_each", case_hold_each},
+                                        {"force", case_force},
+                                        {"gravity", case_gravity},
+                                        {"pressure", case_pressure},
+                                        {"floor", case_floor},
+                                        {NULL, NULL}};
+static const luaL_Reg case_properties[] = {{"applied", case_applied}, {NULL, NULL}};
+const lbw_class lbw_solid_case_class = {"loading", case_methods, case_properties, no_meta, NULL};
+
+/* ---- statics --------------------------------------------------------------------------------- */
+
+/* What solves share is no engine object: a userdata of its own. */
+typedef struct newton_box {
+  bw_newton *newton;
+} newton_box;
+static const char newton_key; /* registry: the metatable */
+
+static newton_box *check_newton(lua_State *L, int index) {
+  newton_box *box = (newton_box *)lua_touserdata(L, index);
+  bool fine = box && lua_getmetatable(L, index);
+  if (fine) {
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &newton_key);
+    fine = lua_rawequal(L, -1, -2);
+    lua_pop(L, 2);
+  }
+  return fine ? box : NULL;
+}
+
+static int newton_gc(lua_State *L) {
+  newton_box *box = check_newton(L, 1);
+  if (box) {
+    bw_newton_free(box->newton);
+    box->newton = NULL;
+  }
+  return 0;
+}
+
+/* solid.newton(): order, analysis and memory kept between solves */
+static int newton_create(lua_State *L) {
+  newton_box *box = (newton_box *)lua_newuserdatauv(L, sizeof *box, 0);
+  box->newton = NULL;
+  lua_rawgetp(L, LUA_REGISTRYINDEX, &newton_key);
+  lua_setmetatable(L, -2);
+  bw_status status = bw_newton_create(lbw_enter(L), &box->newton);
+  return lbw_leave(L, status, 1);
+}
+
+static const luaL_Reg none[] = {{NULL, NULL}};
+
+enum { MOST_LEVELS = 4 };
+
+/* options.coarse = {{coarsening, solid}, ...}, from fine to coarse */
+static int read_coarse(lua_State *L, int index, const bw_coarsening **coarsening,
+                       const bw_solid **solid) {
+  int count = 0;
+  if (lbw_option_get(L, index, "coarse") == LUA_TTABLE) {
+    count = (int)lua_rawlen(L, -1);
+    if (count > MOST_LEVELS)
+      lbw_error(L, "solve: at most %d coarse solids", MOST_LEVELS);
+    for (int i = 0; i < count; i++) {
+      lua_rawgeti(L, -1, i + 1);
+      lua_rawgeti(L, -1, 1);
+      lua_rawgeti(L, -2, 2);
+      coarsening[i] = (const bw_coarsening *)lbw_test(L, -2, &lbw_coarsening_class);
+      solid[i] = (const bw_solid *)lbw_test(L, -1, &lbw_solid_class);
+      if (!coarsening[i] || !solid[i])
+        lbw_error(L, "solve: option 'coarse': pairs of a coarsening and a solid expected");
+      lua_pop(L, 3);
+    }
+  }
+  return count;
+}
+
+/* solid:solve(case, newton | nil, options | nil, start | nil) */
+static int solid_solve(lua_State *L) {
+  static const lbw_option list[] = {
+      {"tolerance", LBW_REAL, offsetof(bw_newton_options, tolerance)},
+      {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
+      {"steps", LBW_INT, offsetof(bw_newton_options, steps)},
+      {"least_step", LBW_REAL, offsetof(bw_newton_options, least_step)},
+      {"cg_tolerance", LBW_REAL, offsetof(bw_newton_options, cg_tolerance)},
+      {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},
+      {"allow_inverted", LBW_BOOLEAN, offsetof(bw_newton_options, allow_inverted)},
+      {"linear", LBW_OTHER, 0},
+      {"coarse", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  static const char *const linears[] = {"direct", "jacobi", "coarse", NULL};
+  lua_settop(L, 5);
+  const bw_solid *solid = self(L);
+  const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
+  newton_box *kept = check_newton(L, 3);
+  const bw_coarsening *coarsening[MOST_LEVELS];
+  const bw_solid *coarse[MOST_LEVELS];
+  bw_newton_options options;
+  bw_newton_options_default(&options);
+  lbw_options(L, 4, "solve", list, &options);
+  options.linear = (bw_newton_linear)lbw_word_option(L, 4, "solve", "linear", linears, 0);
+  options.coarse_count = read_coarse(L, 4, coarsening, coarse);
+  options.coarsening = coarsening;
+  options.coarse = coarse;
+  options.start = lbw_read_displacement(L, 5, "start", solid->grid);
+  lbw_box *box = lbw_box_new(L, &lbw_solid_static_class);
+  int place = lua_gettop(L);
+  bw_solid_static *result = NULL;
+  bw_status status =
+      bw_solid_statics(lbw_enter(L), solid, the, kept ? kept->newton : NULL, &options, &result);
+  lbw_box_fill(L, box, result);
+  lua_pushvalue(L, place);
+  int results = lbw_leave(L, status, 1);
+  /* What was reached before it failed goes with the details. */
+  if (status != BW_OK && result) {
+    lua_pushvalue(L, place);
+    lua_setfield(L, -2, "reached");
+  }
+  return results;
+}
+
+static const bw_solid_static *self_static(lua_State *L) {
+  return (const bw_solid_static *)lbw_check(L, 1, &lbw_solid_static_class);
+}
+
+static int static_displacement(lua_State *L) {
+  const bw_solid_static *s = self_static(L);
+  return lbw_push_borrowed(L, BW_F64, s->solid->grid->node_count, 3, s->displacement, s);
+}
+
+static int static_reaction(lua_State *L) {
+  const bw_solid_static *s = self_static(L);
+  return lbw_push_borrowed(L, BW_F64, s->solid->grid->node_count, 3, s->reaction, s);
+}
+
+static int static_energy(lua_State *L) {
+  lua_pushnumber(L, self_static(L)->energy);
+  return 1;
+}
+
+static int static_complete(lua_State *L) {
+  lua_pushboolean(L, self_static(L)->complete);
+  return 1;
+}
+
+static int static_report(lua_State *L) {
+  lbw_push_newton_report(L, &self_static(L)->report);
+  return 1;
+}
+
+static const luaL_Reg static_properties[] = {
+    {"displacement", static_displacement}, {"reaction", static_reaction}, {"energy", static_energy},
+    {"complete", static_complete},         {"report", static_report},     {NULL, NULL}};
+const lbw_class lbw_solid_static_class = {"large_static", none, static_properties, no_meta, NULL};
+
+void lbw_open_solid(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"create", solid_create}, {"case", case_create}, {"newton", newton_create}, {NULL, NULL}};
+  static const luaL_Reg solve[] = {{"solve", solid_solve}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_solid_class);
+  lbw_class_register(L, &lbw_solid_case_class);
+  lbw_class_register(L, &lbw_solid_static_class);
+  lua_createtable(L, 0, 2);
+  lua_pushcfunction(L, newton_gc);
+  lua_setfield(L, -2, "__gc");
+  lua_pushliteral(L, "barwright.newton");
+  lua_setfield(L, -2, "__name");
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &newton_key);
+  lbw_add_methods(L, &lbw_solid_class, solve);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "solid");
+}

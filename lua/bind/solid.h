@@ -1,0 +1,24 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the bindings of nonlinear solids share. */
+#ifndef LBW_SOLID_H
+#define LBW_SOLID_H
+
+#include "bind.h"
+
+extern const lbw_class lbw_solid_material_class, lbw_palette_class, lbw_solid_class,
+    lbw_solid_case_class, lbw_solid_static_class, lbw_solid_motion_class, lbw_library_class,
+    lbw_coarse_class, lbw_coarsening_class;
+
+/* A palette from the list of materials at `index`; its box is pushed. */
+bw_palette *lbw_read_palette(lua_State *L, int index, const char *function);
+/* The same, or a palette that is one already (nothing made; pushed again). */
+const bw_palette *lbw_check_palette(lua_State *L, int index, const char *function);
+/* Displacements (node_count x 3) from the array at `index`, packed in a userdata that is pushed;
+ * NULL (and nil pushed) for none. */
+double *lbw_read_displacement(lua_State *L, int index, const char *what, const bw_grid *grid);
+/* {iterations =, residual =, seconds =, history = ...}, pushed. */
+void lbw_push_newton_report(lua_State *L, const bw_newton_report *report);
+/* {least_ratio =, worst_element =, inverted =, defined =}, pushed. */
+void lbw_push_solid_shape(lua_State *L, const bw_solid_shape *shape);
+
+#endif

@@ -1,0 +1,163 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Hyperelastic solids on grids: laws, supports and loads by place, equilibria, coarse solids, motion.
+local bw = require "barwright"
+local check = require "check"
+
+local function rubber(young, poisson)
+  return bw.hyperelastic {young = young or 1e6, poisson = poisson or 0.3, density = 1000}
+end
+
+local function column(cells, palette)
+  local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1 * (cells or 1)}, cells = {2, 2, 2 * (cells or 1)}})
+  return assert(bw.solid {grid = grid, palette = palette or {rubber()}})
+end
+
+-- Free to become thinner: held along z below, and just enough in the plane.
+local function stand(solid)
+  solid:hold({side = "low z"}, {false, false, 0})
+  solid:hold({side = "low x"}, {0, false, false})
+  return solid:hold({side = "low y"}, {false, 0, false})
+end
+
+describe("a hyperelastic material", function()
+  it("has a law with its constants", function()
+    local a = bw.hyperelastic {law = "corotated", young = 2e6, poisson = 0.25, name = "foam"}
+    assert.equal("corotated", a.law)
+    assert.equal("foam", a.name)
+    check.near(2e6, a.young, 1e-12)
+    check.near(0.25, a.poisson, 1e-12)
+    local b = bw.hyperelastic {mu = a.mu[1], lambda = a.lambda[1]}
+    check.near(2e6, b.young, 1e-12)
+    assert.equal(8, a.points)
+  end)
+
+  it("gives energy and stress: the stress is the energy's slope", function()
+    for _, law in ipairs {"neo_hookean", "st_venant_kirchhoff", "corotated", "fixed_corotated"} do
+      local m = bw.hyperelastic {law = law, young = 1e6, poisson = 0.3}
+      local f = {{1.1, 0.2, 0}, {-0.1, 0.9, 0.05}, {0, 0.1, 1.2}}
+      local _, stress = m:energy(f)
+      local h = 1e-6
+      f[1][2] = 0.2 + h
+      local up = m:energy(f)
+      f[1][2] = 0.2 - h
+      local down = m:energy(f)
+      check.near(stress(1, 2), (up - down) / (2 * h), 1e-6)
+    end
+    assert.is_nil((rubber():energy {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}}))
+  end)
+
+  it("refuses what is no constant", function()
+    check.raises("hyperelastic: either young and poisson", bw.hyperelastic, {young = 1})
+    check.raises("Poisson's ratio is 0.5", bw.hyperelastic, {young = 1, poisson = 0.5})
+    check.raises("did you mean 'young'", bw.hyperelastic, {yong = 1, poisson = 0.2})
+  end)
+end)
+
+describe("a solid", function()
+  it("stretched with free sides pulls as the closed form says", function()
+    -- compressible neo-Hookean, E = 1, nu = 0.3, stretch 1.5: P/E and lateral stretch
+    local solid = stand(column())
+    solid:hold({side = "high z"}, {false, false, 0.05})
+    local result = assert(solid:solve())
+    local reaction = result:total_reaction {side = "high z"}
+    check.near(0.3782801763943185, reaction[3] / (0.01 * 1e6), 1e-6)
+    local corner = result.displacement:gather(solid.grid:nodes {side = "high x"})
+    check.near(0.8801745918 - 1, corner:column(1):max() / 0.1, 1e-6)
+    assert.is_true(result.complete)
+    assert.is_truthy(tostring(result):find("equilibrium: energy", 1, true))
+    assert.equal(#result.report.history, result.report.iterations)
+    -- stress is even: P over the area that is left
+    local von_mises = result.von_mises
+    check.near(0.3782801763943185e6 / 0.8801745918 ^ 2, von_mises:max(), 1e-6)
+    check.near(von_mises:min(), von_mises:max(), 1e-6)
+  end)
+
+  it("finds forces, gravity, pressure and floors by place", function()
+    local solid = stand(column(2))
+    solid:force({side = "high z"}, {0, 0, -30}):gravity {0, 0, -9.81}
+    local result = assert(solid:solve())
+    local weight = 0.002 * 1000 * 9.81
+    check.near(30 + weight, result:total_reaction({side = "low z"})[3], 1e-6)
+    local pressed = stand(column(2))
+    pressed:pressure(assert(pressed.grid:surface()), {pressure = function(_, _, z)
+      return z > 0.1999 and 3000 or 0
+    end})
+    check.near(30, assert(pressed:solve()):total_reaction({side = "low z"})[3], 1e-6)
+    local floored = column(2)
+    floored:hold {side = "low z"}
+    floored:floor {point = {0, 0, 0.2}, normal = {0, 0, -1}, move = {0, 0, -0.02}}
+    local down = assert(floored:solve())
+    local top = down.displacement:gather(floored.grid:nodes {side = "high z"})
+    check.near(-0.02, top:column(3):max(), 1e-8)
+    assert.is_true(down.report.contacts > 0)
+  end)
+
+  it("goes along the arc of a turn", function()
+    local solid = column(3)
+    solid:hold {side = "low z"}
+    solid:turn({side = "high z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = math.pi / 2})
+    local result = assert(solid:solve())
+    local nodes = solid.grid:nodes {side = "high z"}
+    local at, by = solid.grid.points:gather(nodes):totable(), result.displacement:gather(nodes):totable()
+    for i = 1, #at do
+      local x, y = at[i][1] - 0.05, at[i][2] - 0.05
+      check.near(1 - y, 1 + x + by[i][1], 1e-9)
+      check.near(1 + x, 1 + y + by[i][2], 1e-9)
+    end
+    assert.equal(3, result.report.load_steps)
+  end)
+
+  it("is found again on a coarse grid and on an edited one", function()
+    local palette = {rubber(1e5), rubber(1e7)}
+    local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.3}, cells = {4, 4, 12},
+      material = function(x) return x // 0.025 % 2 + 1 end})
+    local fine = assert(bw.solid {grid = grid, palette = palette})
+    fine:hold {side = "low z"}
+    fine:force({side = "high z"}, {0, 0, 100})
+    local reference = assert(fine:solve())
+    assert.equal(0, reference:error(reference))
+    for _, method in ipairs {"naive", "average"} do
+      local coarse = assert(fine:coarsen(method, 1))
+      assert.equal(24, coarse.element_count)
+      assert.equal(1, coarse.levels)
+      local result = assert(coarse:solve())
+      local error = result:error(reference)
+      assert.is_true(error > 0 and error < 0.05, error)
+      check.near(-100, result:total_reaction({side = "low z"})[3], 1e-6)
+      assert.equal(#reference.displacement, #result.fine_displacement)
+    end
+    local softer = assert(grid:set({high = {0.1, 0.1, 0.1}}, 1))
+    local edited = assert(assert(fine:coarsen("naive", 1)):with(softer))
+    local from_scratch = assert(assert(fine:with(softer)):coarsen("naive", 1))
+    assert.equal(0, assert(edited:solve()):error(assert(from_scratch:solve())))
+    check.raises("nodes given by their numbers", function()
+      assert(assert(bw.solid {grid = grid, palette = palette}):hold({1, 2, 3}):coarsen "naive"):solve()
+    end)
+  end)
+
+  it("says why it does not solve, and how far it came", function()
+    local free = column()
+    free:force({side = "high z"}, {0, 0, 1})
+    local result, message, details = free:solve()
+    assert.is_nil(result)
+    assert.equal("free", details.status)
+    assert.is_truthy(message)
+    local crushed = stand(column())
+    crushed:force({side = "high z"}, {0, 0, -1e9})
+    result, message, details = crushed:solve {iterations = 20}
+    assert.is_nil(result)
+    assert.is_truthy(message:find("load", 1, true))
+    assert.is_true(details.reached == nil or not details.reached.complete)
+    check.raises("did you mean 'steps'", function() crushed:solve {step = 2} end)
+  end)
+
+  it("moves: without a load it stays, falling it falls", function()
+    local solid = column()
+    solid:gravity {0, 0, -10}
+    local motion = assert(solid:motion {step = 0.01, scheme = "newmark"})
+    assert(motion:step(10))
+    check.near(0.1, motion.time, 1e-12)
+    check.near(-0.05, motion.displacement:column(3):mean(), 1e-6)
+    check.near(-1, motion.velocity:column(3):mean(), 1e-6)
+  end)
+end)
