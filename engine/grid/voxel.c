@@ -72,8 +72,40 @@ static bw_status lattice(bw_context *context, const bw_surface *surface, const b
   return BW_OK;
 }
 
+/* Parts of a body that thin places have cut off float: said, as nothing holds them. */
+static bw_status remark_parts(bw_context *context, const bw_grid *grid) {
+  bw_status status = BW_OK;
+  int32_t *size = NULL, parts, least = INT32_MAX, most = 0;
+  int32_t *group = BW_NEW(context, int32_t, grid->element_count);
+  if (!group)
+    return BW_MEMORY;
+  BW_TRY(bw_grid_components(context, grid, group, &parts));
+  if (parts == 1)
+    goto done;
+  size = BW_NEW0(context, int32_t, parts);
+  if (!size) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t e = 0; e < grid->element_count; e++)
+    size[group[e]]++;
+  for (int32_t i = 0; i < parts; i++) {
+    least = size[i] < least ? size[i] : least;
+    most = size[i] > most ? size[i] : most;
+  }
+  bw_remark(context,
+            "the grid is in %d parts that share no node, of %d to %d elements: smaller cells, or a "
+            "smaller least part, keep thin places together",
+            (int)parts, (int)least, (int)most);
+done:
+  bw_free(group);
+  bw_free(size);
+  return status;
+}
+
 bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
-                             const bw_voxel_options *options, bw_grid **grid) {
+                             const bw_voxel_options *options, bw_grid **out) {
+  bw_grid *grid = NULL;
   bw_voxel_options usual;
   double origin[3], spacing[3], *fraction = NULL, most = 0;
   int32_t cells[3], *material = NULL;
@@ -111,8 +143,12 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
     goto done;
   }
   BW_TRY(bw_grid_create(context, origin, spacing, cells, material, options->whole ? NULL : fraction,
-                        grid));
+                        &grid));
+  BW_TRY(remark_parts(context, grid));
+  *out = grid;
+  grid = NULL;
 done:
+  bw_release(grid);
   bw_free(fraction);
   bw_free(material);
   return status;

@@ -49,7 +49,8 @@ typedef struct bw_voxel_options {
 void bw_voxel_options_default(bw_voxel_options *options);
 /* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY
  * for a surface that is not closed. Nodes' lattice begins at the low corner of the surface's box
- * (or half the slack before it, where cells do not fit the box). */
+ * (or half the slack before it, where cells do not fit the box). A remark says when the grid falls
+ * into parts. */
 bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
                              const bw_voxel_options *options, bw_grid **grid);
 /* The part of each cell of a lattice that a closed surface holds, exact but for rounding; what lies
