@@ -41,6 +41,10 @@ void bwi_cell_evaluate(const bw_solid_material *material, const double spacing[3
  * sum to 1; false where the energy does not exist. */
 bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double *u,
                            double tensor[9], double *ratio);
+/* What is kept of each element, plus `of_mass` times its lumped mass, plus `part` of what another
+ * has (NULL: nothing). */
+bw_status bwi_solid_linear_add(bw_context *context, bw_solid_linear *linear, double of_mass,
+                               const bw_solid_linear *other, double part);
 /* BW_GEOMETRY that names an element whose energy does not exist. */
 bw_status bwi_fail_undefined(bw_context *context, int64_t element);
 

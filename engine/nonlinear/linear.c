@@ -67,6 +67,39 @@ bw_status bw_solid_linear_set(bw_context *context, bw_solid_linear *linear, cons
                      &d);
 }
 
+typedef struct addition {
+  bw_solid_linear *linear;
+  const bw_solid_linear *other;
+  double of_mass, part;
+} addition;
+
+static bw_status add_elements(void *of, int64_t begin, int64_t end, int worker) {
+  const addition *d = (const addition *)of;
+  const bw_solid *solid = d->linear->solid;
+  (void)worker;
+  for (int64_t e = begin; e < end; e++) {
+    double *k = d->linear->stiffness + BWI_ELEMENT_NUMBERS * e;
+    double density = solid->palette->material[solid->grid->material[e]]->density;
+    double mass = d->of_mass * density * bwi_solid_volume(solid->grid, (int32_t)e) / 8;
+    for (int i = 0; d->other && i < BWI_ELEMENT_NUMBERS; i++)
+      k[i] += d->part * d->other->stiffness[BWI_ELEMENT_NUMBERS * e + i];
+    for (int a = 0; a < 8; a++) {
+      double *block = k + bwi_element_block(a, a);
+      block[0] += mass;
+      block[3] += mass;
+      block[5] += mass;
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bwi_solid_linear_add(bw_context *context, bw_solid_linear *linear, double of_mass,
+                               const bw_solid_linear *other, double part) {
+  addition d = {linear, other, of_mass, part};
+  return bw_parallel(context, linear->solid->grid->element_count, ELEMENTS_PER_CHUNK, add_elements,
+                     &d);
+}
+
 /* y = K x of one element. Blocks below the diagonal serve their mirror images too. */
 static void multiply_element(const double *k, const double x[8][3], double y[8][3]) {
   memset(y, 0, 24 * sizeof(double));

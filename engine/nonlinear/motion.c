@@ -14,6 +14,7 @@ static void destroy(void *object) {
     bwi_contact_free(inner->contact);
     bw_free(inner->multiplier);
     bw_free(inner->damping);
+    bw_solid_linear_free(inner->damping_linear);
     bw_free(inner->centre);
     bw_free(inner->next_velocity);
     bw_free(inner->room[0]);
@@ -62,6 +63,11 @@ bw_status bwi_motion_check(bw_context *context, const bw_motion_options *o) {
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
                    o->tolerance);
+  if (o->linear != BW_NEWTON_DIRECT && o->linear != BW_NEWTON_JACOBI)
+    return bw_fail(context, BW_INVALID,
+                   "steps in time are solved for by factors or by conjugate gradients with node "
+                   "blocks; %d is neither",
+                   (int)o->linear);
   if (o->iterations < 1)
     return bw_fail(context, BW_INVALID,
                    "%d iterations in a step; 1 for the linearly implicit integrator, 30 otherwise",
@@ -128,15 +134,28 @@ double bwi_motion_work(const bw_solid_motion *motion, const double *u) {
   return sum;
 }
 
-bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion) {
+bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion, const double *x,
+                             double *y) {
+  bw_status status = BW_OK;
   bwi_motion *inner = motion->inner;
+  const bw_solid *solid = motion->solid;
   bw_solid_shape shape;
-  if (!inner->damping)
-    inner->damping = BW_NEW(context, double, 9 * motion->solid->graph->pair_count);
-  if (!inner->damping)
-    return BW_MEMORY;
-  return bw_solid_evaluate(context, motion->solid, motion->displacement, true, NULL, NULL,
-                           inner->damping, &shape);
+  if (motion->options.linear == BW_NEWTON_DIRECT) {
+    if (!inner->damping)
+      inner->damping = BW_NEW(context, double, 9 * solid->graph->pair_count);
+    if (!inner->damping)
+      return BW_MEMORY;
+    BW_TRY(bw_solid_evaluate(context, solid, motion->displacement, true, NULL, NULL, inner->damping,
+                             &shape));
+    BW_TRY(bw_graph_multiply(context, solid->graph, inner->damping, 9, 3, 1, x, y));
+  } else {
+    if (!inner->damping_linear)
+      BW_TRY(bw_solid_linear_create(context, solid, &inner->damping_linear));
+    BW_TRY(bw_solid_linear_set(context, inner->damping_linear, motion->displacement, true));
+    BW_TRY(bw_solid_linear_multiply(context, inner->damping_linear, x, y));
+  }
+done:
+  return status;
 }
 
 /* M a = f - grad W - C v, and the strain energy. */
@@ -162,9 +181,7 @@ static bw_status begin(bw_context *context, bw_solid_motion *motion) {
   for (int64_t i = 0; i < size; i++)
     force[i] -= other[i];
   if (motion->options.stiffness_damping > 0) {
-    BW_TRY(bwi_motion_tangent(context, motion));
-    BW_TRY(
-        bw_graph_multiply(context, solid->graph, inner->damping, 9, 3, 1, motion->velocity, other));
+    BW_TRY(bwi_motion_tangent(context, motion, motion->velocity, other));
     for (int64_t i = 0; i < size; i++)
       force[i] -= motion->options.stiffness_damping * other[i];
   }

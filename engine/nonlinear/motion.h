@@ -17,7 +17,8 @@ typedef struct bwi_motion {
   double contact_for; /* the factor of the mass that `contact` was made for */
   /* room */
   double *multiplier; /* of contact, before the step */
-  double *damping;    /* 9 per pair: the tangent at the step's start, where damping needs it */
+  double *damping;    /* the tangent at the step's start, where damping needs it: 9 per pair */
+  bw_solid_linear *damping_linear;          /* or element by element */
   double *centre, *next_velocity, *room[3]; /* node_count x 3 each */
 } bwi_motion;
 
@@ -34,7 +35,10 @@ bw_status bwi_motion_check(bw_context *context, const bw_motion_options *options
 double bwi_motion_kinetic(const bw_solid *solid, const double *v);
 /* Of loads that do not follow. */
 double bwi_motion_work(const bw_solid_motion *motion, const double *u);
-/* The projected tangent at the motion's displacements, into inner->damping. */
-bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion);
+/* The projected tangent K at the motion's displacements, kept as damping or damping_linear; y = K
+ * x.
+ */
+bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion, const double *x,
+                             double *y);
 
 #endif

@@ -74,9 +74,7 @@ static bw_status set_centre(bw_context *context, bw_solid_motion *motion,
     inner->next_velocity[i] = motion->velocity[i] + rule->old_velocity * motion->acceleration[i];
   }
   if (o->stiffness_damping > 0) {
-    BW_TRY(bwi_motion_tangent(context, motion));
-    BW_TRY(bw_graph_multiply(context, solid->graph, inner->damping, 9, 3, 1, inner->next_velocity,
-                             inner->room[0]));
+    BW_TRY(bwi_motion_tangent(context, motion, inner->next_velocity, inner->room[0]));
   } else
     memset(inner->room[0], 0, (size_t)size * sizeof(double));
   for (int64_t i = 0; i < size; i++)
@@ -178,7 +176,7 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
   bw_newton_report report = {0};
   bwi_walk walk = {.context = context, .solid = motion->solid, .the = motion->the};
   double start = bw_seconds(), work = 0;
-  bool found = false;
+  bool found = false, stiff = o->stiffness_damping > 0, direct = o->linear == BW_NEWTON_DIRECT;
   BW_TRY(bwi_motion_check(context, o));
   BW_TRY(bw_check_cancel(context));
   bwi_motion_rule rule = bwi_motion_rule_of(o);
@@ -188,12 +186,16 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
   bwi_quadratic inertia = {.centre = inner->centre,
                            .force = inner->room[0],
                            .of_mass = of_mass,
-                           .stiffness = o->stiffness_damping > 0 ? inner->damping : NULL,
+                           .stiffness = stiff && direct ? inner->damping : NULL,
+                           .linear = stiff && !direct ? inner->damping_linear : NULL,
                            .of_stiffness = rule.velocity * o->stiffness_damping,
                            .room = {inner->room[1], inner->room[2]}};
   bw_newton_options_default(&newton);
   newton.tolerance = o->tolerance;
   newton.iterations = o->iterations;
+  newton.linear = o->linear;
+  if (o->iterations == 1) /* no other follows that would make up for it */
+    newton.cg_tolerance = o->tolerance;
   newton.allow_inverted = o->allow_inverted;
   walk.newton = inner->newton;
   walk.options = &newton;

@@ -29,9 +29,10 @@ struct bw_newton {
 typedef struct bwi_quadratic {
   const double *centre, *force; /* node_count x 3 */
   double of_mass;               /* 1/s2 */
-  const double *stiffness;      /* K, 9 per pair of the graph, or NULL */
   double of_stiffness;
-  double *room[2]; /* node_count x 3 */
+  const double *stiffness;       /* K, 9 per pair of the graph, */
+  const bw_solid_linear *linear; /* or element by element where the walk is iterative; or NULL */
+  double *room[2];               /* node_count x 3 */
 } bwi_quadratic;
 
 /* Energy and forces at displacements u. */
@@ -110,7 +111,8 @@ void bwi_walk_clear(bwi_walk *walk);
 
 /* The quadratic term's energy at at->u; its gradient is added to at->internal (quadratic.c). */
 bw_status bwi_quadratic_evaluate(bwi_walk *walk, bwi_balance *at);
-/* Its second derivatives, added to the stiffness kept and to the walk's blocks. */
+/* Its second derivatives, added to the stiffness kept and to the walk's blocks. Of iterative walks
+ * bwi_solid_linear_add takes care. */
 void bwi_quadratic_stiffness(bwi_walk *walk);
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at);

@@ -5,6 +5,7 @@
  * K' that is not symmetric and goes beyond the graph; its symmetric part S within the graph goes
  * into the factor, of M = K + S. GMRES on M^-1 (K + K') = 1 - M^-1 (S - K') then solves with the
  * exact tangent: a few solutions with the factor instead of a larger and unsymmetric one. */
+#include "nonlinear/internal.h"
 #include "nonlinear/newton.h"
 
 #include <math.h>
@@ -40,6 +41,9 @@ static bw_status linearise(bwi_walk *walk, bool project) {
     newton->linear_of = (const bw_solid *)bw_retain(walk->solid);
   }
   BW_TRY(bw_solid_linear_set(walk->context, newton->linear, walk->now.u, project));
+  if (walk->quadratic)
+    BW_TRY(bwi_solid_linear_add(walk->context, newton->linear, walk->quadratic->of_mass,
+                                walk->quadratic->linear, walk->quadratic->of_stiffness));
   BW_TRY(bw_solid_linear_diagonal(walk->context, newton->linear, walk->blocks));
   walk->report->evaluations++;
   walk->report->seconds_quadrature += bw_seconds() - before;

@@ -8,16 +8,18 @@ bw_status bwi_quadratic_evaluate(bwi_walk *walk, bwi_balance *at) {
   bw_status status = BW_OK;
   const bwi_quadratic *q = walk->quadratic;
   double *moved = q->room[0], *product = q->room[1], energy = 0, size = 0;
-  if (q->stiffness) {
-    for (int64_t i = 0; i < walk->size; i++)
-      moved[i] = at->u[i] - q->centre[i];
+  bool stiff = q->stiffness || q->linear;
+  for (int64_t i = 0; stiff && i < walk->size; i++)
+    moved[i] = at->u[i] - q->centre[i];
+  if (q->linear)
+    BW_TRY(bw_solid_linear_multiply(walk->context, q->linear, moved, product));
+  else if (stiff)
     BW_TRY(bw_graph_multiply(walk->context, walk->solid->graph, q->stiffness, 9, 3, 1, moved,
                              product));
-  }
   for (int64_t i = 0; i < walk->size; i++) {
     double off = at->u[i] - q->centre[i];
     double slope = q->of_mass * walk->solid->mass[i / 3] * off;
-    if (q->stiffness)
+    if (stiff)
       slope += q->of_stiffness * product[i];
     energy += (0.5 * slope + q->force[i]) * off;
     slope += q->force[i];

@@ -280,6 +280,7 @@ typedef struct bw_motion_options {
   double tolerance;                       /* as in bw_newton_options */
   int iterations;                         /* 1: linearly implicit; default 30 */
   bool allow_inverted;                    /* as in bw_newton_options */
+  bw_newton_linear linear; /* BW_NEWTON_DIRECT, or _JACOBI: without a matrix, for large solids */
 } bw_motion_options;
 void bw_motion_options_default(bw_motion_options *options);
 /* A solid in motion under a constant case, its loads at full. Mutable. */

@@ -647,6 +647,38 @@ static void test_refused(void **state) {
   body_release(&larger);
 }
 
+/* Without a matrix the same motion, with either damping and a floor. */
+static void test_without_matrix(void **state) {
+  bw_context *context = check_context(state);
+  body b = body_box(context, 5, 3, 3, 0.5, 0.3, 0.3, BW_FIXED_COROTATED, 1e5, 0.3, 1000);
+  const double point[3] = {0, 0, -0.02}, up[3] = {0, 0, 1}, stay[3] = {0, 0, 0};
+  bw_solid_case *the = case_of(context, &b);
+  hold_side(context, the, 0, 0, 7, 0, 0, 0);
+  check_ok(context, bw_solid_case_floor(context, the, point, up, stay, NULL, NULL));
+  the->gravity[2] = -30;
+  bw_solid_motion *m[2];
+  for (int k = 0; k < 2; k++) {
+    bw_motion_options options = options_of(BW_NEWMARK, 4e-3);
+    options.linear = k ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    options.mass_damping = 2;
+    options.stiffness_damping = 2e-3;
+    options.tolerance = 1e-10;
+    m[k] = motion_of(context, &b, the, &options, NULL, NULL);
+    steps(context, m[k], 25);
+  }
+  int32_t tip = node_near(b.grid, 0.5, 0, 0);
+  check_near(m[0]->displacement[3 * tip + 2], -0.02, 1e-8); /* lies on the floor */
+  for (int32_t i = 0; i < 3 * b.nodes; i++) {
+    check_near(m[1]->displacement[i], m[0]->displacement[i], 1e-8);
+    check_near(m[1]->velocity[i], m[0]->velocity[i], 1e-5);
+  }
+  assert_true(m[1]->report.cg_iterations > 0 && m[1]->report.factorisations == 0);
+  bw_release(m[0]);
+  bw_release(m[1]);
+  bw_release(the);
+  body_release(&b);
+}
+
 static void test_threads(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 6, 4, 4, 1, 0.6, 0.6, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
@@ -716,6 +748,7 @@ int main(void) {
       check_test(test_energy),        check_test(test_momenta), check_test(test_linear_energy),
       check_test(test_rod),           check_test(test_pressed), check_test(test_held),
       check_test(test_comes_to_rest), check_test(test_floor),   check_test(test_failure),
-      check_test(test_refused),       check_test(test_threads), check_test(test_memory)};
+      check_test(test_refused),       check_test(test_threads), check_test(test_without_matrix),
+      check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
