@@ -53,15 +53,22 @@ static inline void displacement_gradient(const points *p, const double u[8][3], 
     }
 }
 
+/* Constants of points first.. of a material times `volume` and their weights. */
+static inline void constants(const bw_solid_material *m, int32_t first, const points *p,
+                             double volume, bwi_lanes *mu, bwi_lanes *lambda) {
+  bwi_lanes weight = volume * p->weight;
+  load(m->mu + first, 1, mu);
+  load(m->lambda + first, 1, lambda);
+  *mu *= weight;
+  *lambda *= weight;
+}
+
 /* The response of points first.. of a material times `volume` and their weights. Points of other
  * laws take part in each law's turn as points at rest of constants 0. */
 static void respond(const bw_solid_material *m, int32_t first, const points *p, double volume,
                     const bwi_lanes h[9], bwi_want want, bool project, bwi_response *out) {
   bwi_lanes weight = volume * p->weight, mu, lambda, zero = {0};
-  load(m->mu + first, 1, &mu);
-  load(m->lambda + first, 1, &lambda);
-  mu *= weight;
-  lambda *= weight;
+  constants(m, first, p, volume, &mu, &lambda);
   unsigned laws = 0;
   for (int i = 0; i < BWI_LANES; i++)
     laws |= 1u << m->law[first + i];
@@ -141,6 +148,32 @@ static inline void add_stiffness(const points *p, const bwi_lanes tangent[81], b
   }
 }
 
+/* The same for neo-Hookean points, without their tangent: with h_a = F^-T g_a,
+ * K_ab = mu (g_a . g_b) 1 + (mu - lambda ln J) h_b h_a^T + lambda h_a h_b^T. */
+static inline void add_neo_hookean(const points *p, const bwi_lanes *mu, const bwi_lanes *lambda,
+                                   const bwi_response *response, bool fresh, bwi_lanes *stiffness) {
+  bwi_lanes h[8][3], scaled[8][3], turned[8][3], zero = {0};
+  for (int a = 0; a < 8; a++)
+    for (int i = 0; i < 3; i++) {
+      const bwi_lanes *g = p->gradient[a], *row = response->inverse + 3 * (size_t)i;
+      h[a][i] = row[0] * g[0] + row[1] * g[1] + row[2] * g[2];
+      scaled[a][i] = *lambda * h[a][i];
+      turned[a][i] = response->factor * h[a][i];
+    }
+  for (int a = 0; a < 8; a++)
+    for (int b = 0; b <= a; b++) {
+      const bwi_lanes *x = p->gradient[a], *y = p->gradient[b];
+      bwi_lanes *block = stiffness + bwi_element_block(a, b);
+      bwi_lanes same = *mu * (x[0] * y[0] + x[1] * y[1] + x[2] * y[2]);
+      for (int i = 0; i < 3; i++)
+        for (int k = a == b ? i : 0; k < 3; k++, block++) {
+          bwi_lanes value =
+              h[b][i] * turned[a][k] + scaled[a][i] * h[b][k] + (i == k ? same : zero);
+          *block = fresh ? value : *block + value;
+        }
+    }
+}
+
 /* ((0 + 1) + (2 + 3)) + ((4 + 5) + (6 + 7)) of each of eight vectors. */
 static inline void sum_lanes(const bwi_lanes x[8], double out[8]) {
 #define EVEN(a, b) __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14)
@@ -161,6 +194,14 @@ static inline void sum_lanes(const bwi_lanes x[8], double out[8]) {
 #undef HIGH
 }
 
+/* Points first.. are all neo-Hookean, and without fibres. */
+static inline bool neo_hookean(const bw_solid_material *m, int32_t first) {
+  bool all = m->fibre_count == 0;
+  for (int i = 0; i < BWI_LANES; i++)
+    all = all && m->law[first + i] == BW_NEO_HOOKEAN;
+  return all;
+}
+
 static void corners(const bw_grid *grid, int32_t element, const double *u, double own[8][3]) {
   const int32_t *node = grid->element + 8 * (int64_t)element;
   for (int a = 0; a < 8; a++)
@@ -179,7 +220,8 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
   for (int32_t first = 0; first < m->rule->count; first += BWI_LANES) {
     points_of(m->rule, first, spacing, &p);
     displacement_gradient(&p, own, h);
-    respond(m, first, &p, volume, h, want, project, &response);
+    bool short_cut = want == BWI_TANGENT && !project && neo_hookean(m, first);
+    respond(m, first, &p, volume, h, short_cut ? BWI_STRESS : want, project, &response);
     sum.energy += response.energy;
     defined &= response.defined;
     defined_ratio = response.ratio;
@@ -188,7 +230,14 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
       add_forces(&p, response.stress, first == 0, sum.force);
     if (want < BWI_TANGENT)
       continue;
-    if (first == 0) /* a compiler makes two loops of these */
+    if (short_cut) {
+      bwi_lanes mu, lambda;
+      constants(m, first, &p, volume, &mu, &lambda);
+      if (first == 0)
+        add_neo_hookean(&p, &mu, &lambda, &response, true, sum.stiffness);
+      else
+        add_neo_hookean(&p, &mu, &lambda, &response, false, sum.stiffness);
+    } else if (first == 0) /* a compiler makes two loops of these */
       add_stiffness(&p, response.tangent, true, sum.stiffness);
     else
       add_stiffness(&p, response.tangent, false, sum.stiffness);

@@ -67,7 +67,7 @@ static void neo_hookean(const bwi_lanes *mu, const bwi_lanes *lambda, const bwi_
   out->energy = *mu * (0.5 * size - *q + rest) + 0.5 * *lambda * log * log;
   if (want == BWI_ENERGY)
     return;
-  bwi_lanes inverse = 1 / out->ratio, g[9], pressure = *lambda * log;
+  bwi_lanes inverse = 1 / out->ratio, *g = out->inverse, pressure = *lambda * log;
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++) {
       int i = 3 * r + c, t = 3 * c + r;
@@ -80,13 +80,14 @@ static void neo_hookean(const bwi_lanes *mu, const bwi_lanes *lambda, const bwi_
       out->stress[i] = (*mu * difference + pressure * g[i]) * inverse;
       g[i] = g[i] * inverse;
     }
+  bwi_lanes factor = *mu - pressure;
+  out->factor = factor;
   if (want == BWI_STRESS)
     return;
   if (project) {
     project_closed(BW_NEO_HOOKEAN, mu, lambda, h, &log, out);
     return;
   }
-  bwi_lanes factor = *mu - pressure;
   for (int m = 0; m < 9; m++)
     for (int n = m; n < 9; n++) {
       int cross = 3 * (m / 3) + n % 3, other = 3 * (n / 3) + m % 3;

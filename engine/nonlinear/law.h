@@ -14,6 +14,8 @@ typedef struct bwi_response {
   bwi_lanes ratio; /* det F */
   bwi_mask defined;
   bwi_lanes stress[9];   /* wanted at least BWI_STRESS */
+  bwi_lanes inverse[9];  /* the same, neo-Hookean: F^-T, */
+  bwi_lanes factor;      /* and mu - lambda ln J: all that the tangent is made of */
   bwi_lanes tangent[81]; /* BWI_TANGENT */
 } bwi_response;
 

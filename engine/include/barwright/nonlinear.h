@@ -134,7 +134,8 @@ typedef struct bw_solid_shape {
 bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
                             bool project, double *energy, double *gradient, double *stiffness,
                             bw_solid_shape *shape);
-/* Element stiffnesses kept for products without a matrix: 300 numbers an element. */
+/* Element stiffnesses kept for products without a matrix: 300 numbers an element, and 24 to work in,
+ * so one product at a time. Setting it where the energy does not exist is BW_GEOMETRY. */
 typedef struct bw_solid_linear bw_solid_linear;
 bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
                                  bw_solid_linear **linear);
@@ -145,8 +146,9 @@ bw_status bw_solid_linear_multiply(bw_context *context, const bw_solid_linear *l
                                    const double *x, double *y);
 bw_status bw_solid_linear_diagonal(bw_context *context, const bw_solid_linear *linear,
                                    double *blocks); /* node_count x 9 */
-/* Cauchy stress (element_count x 6, volume means over points, xx yy zz yz zx xy) and the same at
- * nodes (node_count x 6, volume-weighted means of the elements around); either may be NULL. */
+/* Cauchy stress (element_count x 6, means over the deformed volume, xx yy zz yz zx xy) and the same
+ * at nodes (node_count x 6, means of the elements around by their volume at rest); either may be
+ * NULL. BW_GEOMETRY names an element whose energy does not exist. */
 bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const double *u,
                           double *of_elements, double *of_nodes);
 
