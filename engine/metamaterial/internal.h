@@ -25,13 +25,12 @@ bw_status bwi_fit_workspace_create(bw_context *context, const bw_library_options
                                    bwi_fit_workspace **workspace);
 void bwi_fit_workspace_free(bwi_fit_workspace *workspace);
 
-/* The material that a single cell in place of a 2 x 2 x 2 block is to be given. Children with
- * uniform constants, or void, give one of 8 points (level 1); children with 8 points each (and
- * void) one of 64 (level 2): child c's points are 8 c to 8 c + 7. Other blocks are BW_INVALID. A
- * block of void alone is BW_EMPTY. Of the options, directions, magnitudes, stretches, fibres,
- * strain and ridge are used, and `seed` instead of theirs, so that each block can have its own.
- * The density is the mean. The rule of the fitted material can be narrower than Gauss's (see
- * bw_rule::spread).
+/* The material that a single cell in place of a 2 x 2 x 2 block is to be given: always of 8 points,
+ * one for each octant, whatever the children's points; so it is again a child for the next level.
+ * Other blocks are BW_INVALID, a block of void alone BW_EMPTY. Of the options, directions,
+ * magnitudes, stretches, fibres, strain and ridge are used, and `seed` instead of theirs, so that
+ * each block can have its own. The density is the mean. The rule of the fitted material is in
+ * general narrower than Gauss's (see bw_rule::spread). `error` may be NULL.
  *
  * What the library relies on: a symmetry of the cube that takes the block into itself takes the
  * fitted material into itself, up to rounding (one fit serves all keys that turn into each other,
@@ -44,7 +43,8 @@ void bwi_fit_workspace_free(bwi_fit_workspace *workspace);
 bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_options *options,
                   uint64_t seed, bwi_fit_workspace *workspace, bw_solid_material **fitted,
                   bw_fit_error *error);
-/* What naive coarsening gives: the constants of the children, point by point. Blocks as above. */
+/* What naive coarsening gives: the constants of the children, point by point: 8 points where all
+ * are uniform (or void), 64 where they have 8 points each: child c's are 8 c to 8 c + 7. */
 bw_status bwi_fit_naive(bw_context *context, const bwi_block *block, bw_solid_material **naive);
 
 /* ---- comparing ----------------------------------------------------------------------------------
