@@ -42,8 +42,7 @@ typedef struct job {
   double *fraction;
 } job;
 
-/* ---- polygons ----------------------------------------------------------------------------------
- */
+/* ---- polygons -------------------------------------------------------------------------------- */
 
 static void add_corner(polygon *p, const double at[3]) {
   if (p->count < CORNERS)
@@ -100,8 +99,7 @@ static void integrate(const polygon *p, double plane, double *area, double *cut)
   }
 }
 
-/* ---- a layer of cells --------------------------------------------------------------------------
- */
+/* ---- a layer of cells ------------------------------------------------------------------------ */
 
 static void in_cell_units(const job *j, int32_t facet, polygon *p) {
   const int32_t *t = j->surface->triangle + 3 * (int64_t)facet;
@@ -230,8 +228,7 @@ done:
   return status;
 }
 
-/* ---- the surface -------------------------------------------------------------------------------
- */
+/* ---- the surface ----------------------------------------------------------------------------- */
 
 /* Edges along which facets do not cancel, and where the first is. */
 static bw_status count_unmatched(bw_context *context, const bw_surface *surface, int64_t *edges,

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "picture/internal.h"
+#include "picture/panels.h"
 
 #define CREASE 0.6981317007977318
 enum { MOST_PANELS = 64, MOST_PIXELS = 16384, LEAST_PIXELS = 64, LEGEND = 12 };
@@ -21,23 +21,7 @@ void bw_grid_picture_options_default(bw_grid_picture_options *options) {
   options->edges = true;
 }
 
-typedef struct sheet {
-  bw_context *context;
-  const bw_grid_picture_options *options;
-  int count, columns, rows;
-  const bw_grid_panel *panel;
-  bwi_solid (*solid)[2]; /* body, ghost */
-  int32_t **category;    /* of facets; owned here */
-  double **value;        /* of facets, where values are of elements; owned here */
-  int32_t most_material;
-  bool valued, missing;
-  double low, high, least, largest; /* of the colours, of the values */
-  bwi_view view;
-  int wide, high_pixels;     /* of the canvas */
-  double u, head, foot, bar; /* a pixel of a 640 x 560 panel; strips above, below, to the right */
-} sheet;
-
-static bw_status check(sheet *s) {
+static bw_status check(bwi_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   if (s->count < 1 || s->count > MOST_PANELS)
     return bw_fail(s->context, BW_INVALID, "%d panels: 1 to %d can be drawn", s->count,
@@ -66,82 +50,10 @@ static bw_status check(sheet *s) {
   return BW_OK;
 }
 
-/* ---- bodies ------------------------------------------------------------------------------------
- */
-
-/* The boundary's quadrilaterals, halved; points are all nodes, moved by factor times u. */
-static bw_status fill_solid(sheet *s, int which, const bw_grid_face *face, int64_t faces,
-                            double factor, bwi_solid *solid) {
-  const bw_grid *grid = s->panel[which].grid;
-  const double *u = s->panel[which].displacement;
-  solid->point = BW_NEW(s->context, double, 3 * (int64_t)grid->node_count);
-  solid->triangle = BW_NEW(s->context, int32_t, 6 * faces);
-  if (!solid->point || !solid->triangle)
-    return BW_MEMORY;
-  solid->point_count = grid->node_count;
-  solid->triangle_count = (int32_t)(2 * faces);
-  solid->quads = true;
-  for (int32_t n = 0; n < grid->node_count; n++) {
-    double *at = solid->point + 3 * (int64_t)n;
-    bw_grid_position(grid, n, at);
-    for (int d = 0; d < 3 && u && factor != 0; d++)
-      if (!(fabs(at[d] += factor * u[3 * (int64_t)n + d]) < 1e150))
-        return bw_fail(s->context, BW_INVALID,
-                       "panel %d: the displacement of node %d along %c is %g: too large for a "
-                       "picture",
-                       which + 1, (int)n + 1, "xyz"[d], u[3 * (int64_t)n + d]);
-  }
-  for (int64_t f = 0; f < faces; f++) {
-    static const int half[6] = {0, 1, 2, 0, 2, 3};
-    for (int k = 0; k < 6; k++)
-      solid->triangle[6 * f + k] = face[f].node[half[k]];
-  }
-  return BW_OK;
-}
-
-static bw_status add_panel(sheet *s, int which) {
-  bw_status status;
-  const bw_grid_panel *panel = &s->panel[which];
-  const bw_grid_picture_options *o = s->options;
-  bwi_solid *body = &s->solid[which][0], *ghost = &s->solid[which][1];
-  bw_grid_face *face = NULL;
-  int64_t faces;
-  BW_TRY(bw_grid_boundary(s->context, panel->grid, &face, &faces));
-  if (faces > INT32_MAX / 4) {
-    status =
-        bw_fail(s->context, BW_LIMIT, "%lld faces are too many for one picture", (long long)faces);
-    goto done;
-  }
-  body->finish = BWI_BODY;
-  ghost->finish = BWI_GHOST;
-  body->edges = o->edges;
-  BW_TRY(fill_solid(s, which, face, faces, o->deformation, body));
-  if (o->ghost && panel->displacement)
-    BW_TRY(fill_solid(s, which, face, faces, 0, ghost));
-  s->category[which] = BW_NEW(s->context, int32_t, 2 * faces);
-  s->value[which] = panel->on_elements ? BW_NEW(s->context, double, 2 * faces) : NULL;
-  if (!s->category[which] || (panel->on_elements && !s->value[which])) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t f = 0; f < 2 * faces; f++) {
-    int32_t e = face[f / 2].element, material = panel->grid->material[e];
-    s->category[which][f] = material - 1;
-    if (!panel->value && material > s->most_material)
-      s->most_material = material;
-    if (s->value[which] && panel->value)
-      s->value[which][f] = panel->value[e];
-  }
-  body->category = s->category[which];
-  body->on_facets = panel->on_elements && panel->value;
-  body->value = body->on_facets ? s->value[which] : panel->value;
-done:
-  bw_free(face);
-  return status;
-}
+/* ---- colours --------------------------------------------------------------------------------- */
 
 /* One range for all. Values inside count too: they are what the panels compare. */
-static void find_range(sheet *s) {
+static void find_range(bwi_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   s->least = INFINITY;
   s->largest = -INFINITY;
@@ -169,17 +81,16 @@ static void find_range(sheet *s) {
   }
 }
 
-/* ---- camera ------------------------------------------------------------------------------------
- */
+/* ---- camera ---------------------------------------------------------------------------------- */
 
-static void seen_frame(const sheet *s, double frame[4]) {
+static void seen_frame(const bwi_sheet *s, double frame[4]) {
   frame[0] = 24 * s->u;
   frame[1] = 44 * s->u;
   frame[2] = s->options->width - 24 * s->u;
   frame[3] = s->options->height - 24 * s->u;
 }
 
-static bw_status place_camera(sheet *s) {
+static bw_status place_camera(bwi_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   double direction[3], frame[4], bounds[4] = {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   bool box = false;
@@ -205,11 +116,10 @@ static bw_status place_camera(sheet *s) {
   return BW_OK;
 }
 
-/* ---- canvas ------------------------------------------------------------------------------------
- */
+/* ---- canvas ---------------------------------------------------------------------------------- */
 
-static bw_status draw_text(sheet *s, cairo_t *cairo, double x, double y, double width, double size,
-                           const char *text) {
+static bw_status draw_text(bwi_sheet *s, cairo_t *cairo, double x, double y, double width,
+                           double size, const char *text) {
   char *clean = bwi_clean_text(s->context, text);
   if (!clean)
     return BW_MEMORY;
@@ -219,7 +129,7 @@ static bw_status draw_text(sheet *s, cairo_t *cairo, double x, double y, double 
   return BW_OK;
 }
 
-static bw_status draw_panel(sheet *s, int which, cairo_t *cairo) {
+static bw_status draw_panel(bwi_sheet *s, int which, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   bwi_solid *solid = s->solid[which];
   bwi_image image = {.width = o->width, .height = o->height};
@@ -265,7 +175,7 @@ done:
 }
 
 /* Squares with the materials' names, as many as there is room for. */
-static bw_status draw_legend(sheet *s, cairo_t *cairo) {
+static bw_status draw_legend(bwi_sheet *s, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   double x = 24 * s->u, y = s->high_pixels - 0.5 * s->foot, size = 14 * s->u;
   for (int32_t m = 1; m <= s->most_material && m <= LEGEND; m++) {
@@ -294,7 +204,7 @@ static bw_status draw_legend(sheet *s, cairo_t *cairo) {
   return BW_OK;
 }
 
-static bw_status draw(sheet *s, cairo_t *cairo) {
+static bw_status draw(bwi_sheet *s, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   bw_status status = BW_OK;
   cairo_pattern_t *shade = cairo_pattern_create_linear(0, s->head, 0, s->high_pixels - s->foot);
@@ -330,13 +240,13 @@ done:
   return status;
 }
 
-static bw_status make(sheet *s, const char *path) {
+static bw_status make(bwi_sheet *s, const char *path) {
   const bw_grid_picture_options *o = s->options;
   cairo_surface_t *canvas = NULL;
   cairo_t *cairo = NULL;
   bw_status status;
   for (int i = 0; i < s->count; i++)
-    BW_TRY(add_panel(s, i));
+    BW_TRY(bwi_panel_solids(s, i));
   find_range(s);
   s->u = fmax(fmin(o->width / 640., o->height / 560.), 0.5);
   s->head = o->title && o->title[0] ? floor(48 * s->u) : 0;
@@ -371,7 +281,7 @@ bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_panel *
     bw_grid_picture_options_default(&usual);
     options = &usual;
   }
-  sheet s = {.context = context, .options = options, .count = count, .panel = panel};
+  bwi_sheet s = {.context = context, .options = options, .count = count, .panel = panel};
   bw_status status = check(&s);
   if (status != BW_OK)
     return status;

@@ -22,8 +22,7 @@ static int leave(lua_State *L, lbw_box *box, const bw_grid *grid, bw_status stat
   return lbw_leave(L, status, 1);
 }
 
-/* ---- materials ---------------------------------------------------------------------------------
- */
+/* ---- materials ------------------------------------------------------------------------------- */
 
 /* A number, a function, a formula, or a list with one for each of `count` cells. What is pushed
  * must stay. */
@@ -72,8 +71,7 @@ static bw_status materials_of(bw_context *context, const source *s, const double
   return status;
 }
 
-/* ---- making ------------------------------------------------------------------------------------
- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 /* {x, y, z} or one number for all three; false: nothing there. */
 static bool triple_option(lua_State *L, const char *function, const char *key, double out[3]) {
@@ -204,8 +202,7 @@ done:
   return leave(L, box, out, status);
 }
 
-/* ---- edits -------------------------------------------------------------------------------------
- */
+/* ---- edits ----------------------------------------------------------------------------------- */
 
 /* A cell's number, or a list of them: in a userdata that is pushed; NULL: something else. */
 static int32_t *read_cells(lua_State *L, int index, const bw_grid *grid, int64_t *count) {
@@ -286,8 +283,7 @@ done:
   return lbw_leave(L, status, 2);
 }
 
-/* ---- what it is --------------------------------------------------------------------------------
- */
+/* ---- what it is ------------------------------------------------------------------------------ */
 
 /* grid:surface(): its boundary, and the node of every point */
 static int grid_surface(lua_State *L) {

@@ -12,10 +12,17 @@ static const char *text_option(lua_State *L, int index, const char *function, co
   return lua_tostring(L, -1); /* stays on the stack */
 }
 
-/* {title, displacement, values} at `index` for a grid. What is pushed must stay. */
+/* {title, displacement, values, embedding} at `index` for a grid. What is pushed must stay. */
 static void read_panel(lua_State *L, int index, const char *function, bw_grid_panel *panel) {
   int64_t rows;
   const bw_grid *grid = panel->grid;
+  if (lbw_option_get(L, index, "embedding") != LUA_TNIL) {
+    panel->embedding = (const bw_embedding *)lbw_test(L, -1, &lbw_embedding_class);
+    panel->surface =
+        panel->embedding ? (const bw_surface *)((lbw_box *)lua_touserdata(L, -1))->extra : NULL;
+    if (!panel->surface)
+      lbw_option_error(L, function, "embedding", "a surface's, from grid:embed, expected");
+  }
   if (lbw_option_get(L, index, "displacement") != LUA_TNIL) {
     panel->displacement = lbw_to_doubles(L, -1, "displacement", 3, &rows);
     if (rows != grid->node_count)
@@ -90,8 +97,11 @@ static void read_others(lua_State *L, int index, const char *function,
 
 /* grid:picture(path, {title, displacement, values, ...}) */
 static int grid_picture(lua_State *L) {
-  static const lbw_option list[] = {
-      SHARED, {"displacement", LBW_OTHER, 0}, {"values", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {SHARED,
+                                    {"displacement", LBW_OTHER, 0},
+                                    {"values", LBW_OTHER, 0},
+                                    {"embedding", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
   bw_grid_panel panel = {.grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class)};
   const char *path = lbw_check_text(L, 2, NULL);
   bw_grid_picture_options options;
@@ -111,11 +121,9 @@ static int grid_picture(lua_State *L) {
 static int picture_grids(lua_State *L) {
   enum { MOST = 64 };
   static const lbw_option list[] = {SHARED, {NULL, LBW_OTHER, 0}};
-  static const lbw_option keys[] = {{"grid", LBW_OTHER, 0},
-                                    {"title", LBW_OTHER, 0},
-                                    {"displacement", LBW_OTHER, 0},
-                                    {"values", LBW_OTHER, 0},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option keys[] = {{"grid", LBW_OTHER, 0},         {"title", LBW_OTHER, 0},
+                                    {"displacement", LBW_OTHER, 0}, {"values", LBW_OTHER, 0},
+                                    {"embedding", LBW_OTHER, 0},    {NULL, LBW_OTHER, 0}};
   const char *path = lbw_check_text(L, 1, NULL);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_grid_picture_options options;

@@ -2859,9 +2859,10 @@ function grid_module.box(options) end
 function grid_module.voxels(surface, options) end
 
 ---Grids side by side in one PNG file, with the same camera, scale and colours. A panel is coloured by
----material unless it has `values`, of nodes or elements.
+---material unless it has `values`, of nodes or elements. With the `embedding` of a surface in its grid
+---the surface is drawn in place of the elements.
 ---@param path string
----@param panels {grid: bw.Grid, title?: string, displacement?: bw.Array|table, values?: bw.Array|table}[]
+---@param panels {grid: bw.Grid, title?: string, displacement?: bw.Array|table, values?: bw.Array|table, embedding?: bw.Embedding}[]
 ---@param options? bw.GridPictureOptions
 ---@return boolean?
 ---@return string? message
@@ -2967,7 +2968,7 @@ function Grid:difference(u, v) end
 
 ---Draws the elements with their edges, by material or by values, deformed, to a PNG file.
 ---@param path string
----@param options? bw.GridPictureOptions with `displacement` and `values` as in a panel
+---@param options? bw.GridPictureOptions with `displacement`, `values` and `embedding` as in a panel
 ---@return boolean?
 ---@return string? message
 ---@return table? details

@@ -172,6 +172,13 @@ describe("a grid", function()
       assert.is_true(grid:picture(frames[i], {width = 100, height = 80, displacement = u,
         deformation = i, view = {{0, 0, 0}, {1.1, 0.8, 0.5}}}))
     end
+    local body = assert(bw.surface.sphere {centre = {0.4, 0.3, 0.2}, radius = 0.15, subdivisions = 2})
+    assert.is_true(grid:picture(one, {width = 200, height = 150, displacement = u, ghost = true,
+      embedding = grid:embed(body), values = grid.materials}))
+    check.raises("of its points in the panel's grid", function()
+      coarse:picture(one, {embedding = grid:embed(body)})
+    end)
+    check.raises("from grid:embed", function() coarse:picture(one, {embedding = grid:embed {{0, 0, 0}}}) end)
     assert.is_true(bw.animation(folder .. "/all.png", frames, {seconds = 0.1}))
     for _, path in ipairs {one, some, folder .. "/all.png"} do
       assert.equal("\137PNG", check.read(path):sub(1, 4))

@@ -129,8 +129,7 @@ bw_status bw_cell_materials(bw_context *context, const double origin[3], const d
                             double (*at)(void *data, const double at[3]), void *data,
                             int32_t *material);
 
-/* ---- what is embedded -------------------------------------------------------------------------
- */
+/* ---- what is embedded ------------------------------------------------------------------------ */
 
 /* Points that go with a grid's elements by trilinear interpolation. A point outside every element
  * takes the nearest one (the first of several) and is extrapolated, up to `reach` cells in each
@@ -177,8 +176,7 @@ void bw_coarsening_restrict(const bw_coarsening *coarsening, int components, con
  * error measure of data-driven, section 6.2). */
 double bw_grid_difference(const bw_grid *grid, const double *u, const double *v);
 
-/* ---- files ------------------------------------------------------------------------------------
- */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 /* .vtu with hexahedra; material and fraction are written too. */
 bw_status bw_grid_write_vtu(bw_context *context, const bw_grid *grid, const char *path,

@@ -42,8 +42,7 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
 bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int width, int height,
                              bool numbers, const char *path);
 
-/* ---- grids -----------------------------------------------------------------------------------
- */
+/* ---- grids ----------------------------------------------------------------------------------- */
 
 /* One of several pictures of grids side by side. */
 typedef struct bw_grid_panel {
@@ -52,6 +51,9 @@ typedef struct bw_grid_panel {
   const double *displacement; /* node_count x 3, or NULL */
   const double *value;        /* of nodes, or NULL: coloured by material */
   bool on_elements;           /* value is of elements */
+  /* drawn in place of the elements: a surface whose points go with the grid; both or none */
+  const bw_surface *surface;
+  const bw_embedding *embedding;
 } bw_grid_panel;
 typedef struct bw_grid_picture_options {
   int width, height;          /* pixels of a panel, default 640 x 560 */

@@ -239,8 +239,7 @@ static void threads_do_not_matter(void **state) {
   bw_release(sphere);
 }
 
-/* ---- files -------------------------------------------------------------------------------------
- */
+/* ---- files ----------------------------------------------------------------------------------- */
 
 static const char *const good[] = {
     "bottle_opener_round.stl",

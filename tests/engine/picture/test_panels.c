@@ -123,16 +123,32 @@ static void refusals(void **state) {
               bw_picture_grids(context, 1, &panel, &options, path));
   options.width = 100;
   bw_status status;
-  check_ok(context, bw_picture_grids(context, 1, &panel, &options, path));
+  bw_surface *box;
+  bw_embedding *embedding;
+  double value[2] = {1, 2};
+  check_ok(context,
+           bw_surface_box_shape(context, (double[3]){0, 0, 0}, (double[3]){2, 1, 1}, &box));
+  check_ok(context,
+           bw_embedding_create(context, grid, box->point_count, box->point, 0, &embedding));
+  bw_grid_panel both[2] = {panel, panel};
+  both[1].surface = box;
+  check_fails(context, BW_INVALID, "panel 2: its surface needs an embedding",
+              bw_picture_grids(context, 2, both, &options, path));
+  both[1].embedding = embedding;
+  both[1].value = value;
+  both[1].on_elements = true;
+  check_ok(context, bw_picture_grids(context, 2, both, &options, path));
   int64_t blocks = bw_live_blocks(), n = 0;
   do {
     bw_fail_allocation(++n, true);
-    status = bw_picture_grids(context, 1, &panel, &options, path);
+    status = bw_picture_grids(context, 2, both, &options, path);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_int_equal(bw_live_blocks(), blocks);
   } while (status != BW_OK);
   assert_true(n > 15);
+  bw_release(box);
+  bw_release(embedding);
   unlink(path);
   bw_release(grid);
 }
