@@ -74,6 +74,78 @@ static void test_patch(void **state) {
     }
 }
 
+/* One element by plain loops over its points: energy, forces (24), stiffness (24 x 24). */
+static double plain_element(const bw_solid *solid, int32_t e, const double *u, bool project,
+                            double *force, double *matrix) {
+  const bw_grid *grid = solid->grid;
+  const bw_solid_material *m = solid->palette->material[grid->material[e]];
+  double volume = grid->fraction[e] * grid->spacing[0] * grid->spacing[1] * grid->spacing[2];
+  double sum = 0;
+  memset(force, 0, 24 * sizeof *force);
+  memset(matrix, 0, 576 * sizeof *matrix);
+  for (int32_t q = 0; q < m->rule->count; q++) {
+    double g[8][3], f[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, energy, p[9], a[81];
+    double w = volume * m->rule->weight[q];
+    for (int c = 0; c < 8; c++)
+      for (int k = 0; k < 3; k++)
+        g[c][k] = m->rule->gradient[24 * q + 3 * c + k] / grid->spacing[k];
+    for (int c = 0; c < 8; c++)
+      for (int i = 0; i < 9; i++)
+        f[i] += u[3 * grid->element[8 * e + c] + i / 3] * g[c][i % 3];
+    assert_true(
+        bw_law_evaluate((bw_law)m->law[q], m->mu[q], m->lambda[q], f, project, &energy, p, a));
+    for (int k = q * m->fibre_count; k < (q + 1) * m->fibre_count; k++)
+      bw_fibre_add(m->fibre_stiffness[k], m->fibre + 3 * (size_t)k, f, project, &energy, p, a);
+    sum += w * energy;
+    for (int i = 0; i < 24; i++) {
+      force[i] += w * bw_dot(p + 3 * (size_t)(i % 3), g[i / 3]);
+      for (int k = 0; k < 24; k++)
+        for (int j = 0; j < 3; j++)
+          matrix[24 * i + k] +=
+              w * g[i / 3][j] *
+              bw_dot(a + 9 * (size_t)(3 * (i % 3) + j) + 3 * (size_t)(k % 3), g[k / 3]);
+    }
+  }
+  return sum;
+}
+
+/* The whole is the sum of what plain loops find, entry by entry. */
+static void test_plain_sums(void **state) {
+  bw_context *context = check_context(state);
+  for (int level = 0; level < 3; level++)
+    for (int project = 0; project < 2; project++) {
+      bw_solid *solid = ell(context, level);
+      const bw_graph *graph = solid->graph;
+      int64_t n = 3 * (int64_t)solid->grid->node_count;
+      double *u = solids_displacement(solid, affine, 0.05), *g = solids_numbers(n);
+      double *values = solids_numbers(9 * graph->pair_count), *all = solids_numbers(n * n);
+      double *expected = solids_numbers(n), force[24], matrix[576], energy, sum = 0, size = 0;
+      bw_solid_shape shape;
+      check_ok(context, bw_solid_evaluate(context, solid, u, project, &energy, g, values, &shape));
+      for (int32_t e = 0; e < solid->grid->element_count; e++) {
+        const int32_t *node = solid->grid->element + 8 * (size_t)e;
+        sum += plain_element(solid, e, u, project, force, matrix);
+        for (int i = 0; i < 24; i++) {
+          expected[3 * node[i / 3] + i % 3] += force[i];
+          for (int k = 0; k < 24; k++)
+            all[n * (3 * node[i / 3] + i % 3) + 3 * node[k / 3] + k % 3] += matrix[24 * i + k];
+        }
+      }
+      check_near(energy, sum, 1e-14 * sum);
+      for (int64_t i = 0; i < n; i++) {
+        check_near(g[i], expected[i], 1e-15);
+        size = fmax(size, all[(n + 1) * i]);
+      }
+      for (int32_t i = 0; i < graph->node_count; i++)
+        for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++)
+          for (int k = 0; k < 9; k++)
+            check_near(values[9 * pair + k],
+                       all[n * (3 * i + k / 3) + 3 * graph->column[pair] + k % 3], 1e-13 * size);
+      free(u), free(g), free(values), free(all), free(expected);
+      bw_release(solid);
+    }
+}
+
 /* Energy, gradient and second derivatives against central differences. */
 static void test_derivatives(void **state) {
   bw_context *context = check_context(state);
@@ -305,9 +377,9 @@ static void test_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_patch),     check_test(test_derivatives),
-                                     check_test(test_rotation),  check_test(test_threads),
-                                     check_test(test_projected), check_test(test_inverted),
-                                     check_test(test_memory)};
+  const struct CMUnitTest tests[] = {check_test(test_patch),       check_test(test_plain_sums),
+                                     check_test(test_derivatives), check_test(test_rotation),
+                                     check_test(test_threads),     check_test(test_projected),
+                                     check_test(test_inverted),    check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
