@@ -313,9 +313,36 @@ local function polished(self, wish, best, report)
   return found
 end
 
---- Finds the shape of least area that passes, from several starts, and becomes it.
+--- Bending moment in the middle over what the whole depth bears there with all of it at the limit, half in
+--- tension and half in compression: limit thickness depth^2 / 4. A stress along the bridge can pass the limit
+--- of von Mises by 2 / sqrt(3) where another across it helps, so that above 1.155 there is no shape. A solid
+--- beam reaches 2 / 3, since its stress falls towards the middle of its height.
+function class.moment_share(self)
+  local wish = self.wish
+  local moment = wish.load / 4 * (wish.span + wish.bearing - wish.pad / 2)
+  return 4 * moment / (wish.stress_limit * wish.thickness * wish.deck ^ 2)
+end
+
+-- Stress goes as load over thickness: what the shape bears, and which thickness would do.
+local function failing(self, utilisation)
+  local wish = self.wish
+  return ("no shape was found that passes: the best is stressed to %.1f %% of the limit. It bears %.4g N, or "
+    .. "%.4g N with a thickness of %.4g m. The bending moment in the middle is %.2f of what the depth can bear "
+    .. "(a solid beam bears 0.67)"):format(100 * utilisation, wish.load / utilisation, wish.load,
+    wish.thickness * utilisation, self:moment_share())
+end
+
+--- Finds the shape of least area that passes, from several starts, and becomes it. Where none was found that
+--- passes, the one of the least stress, and a `message`; where there is none, nil and why.
 function class.design(self, given)
   local wish = options.read("design", given, design_rules)
+  local share = self:moment_share()
+  if share > 2 / math.sqrt(3) then
+    return nil, ("no bridge of this depth can pass: the bending moment in the middle is %.2f of what %.4g m can "
+      .. "bear with every point at the limit. A depth of %.4g m, a thickness of %.4g m or less load is the least")
+      :format(share, self.wish.deck, self.wish.deck * math.sqrt(share * math.sqrt(3) / 2),
+        self.wish.thickness * share * math.sqrt(3) / 2), {status = "infeasible", moment_share = share}
+  end
   local results, best = {}, nil
   local total = #wish.starts + 1
   for i, name in ipairs(wish.starts) do
@@ -352,10 +379,11 @@ function class.design(self, given)
   end
   local fine, message, details = class.become(self, (last.form:outline()))
   if not fine then return nil, message, details end
+  local most = (last.checked or last.most) / self.wish.stress_limit
   return {starts = results, start = best.start, area = self.area, utilisation = self.utilisation,
     checked_utilisation = last.checked and last.checked / self.wish.stress_limit,
-    checked_elements = last.checked_elements, interrupted = core.interrupted(),
-    passes = (last.checked or last.most) <= self.wish.stress_limit}
+    checked_elements = last.checked_elements, interrupted = core.interrupted(), passes = most <= 1,
+    message = most > 1 and failing(self, most) or nil}
 end
 
 -- ---- making --------------------------------------------------------------------------------------

@@ -237,6 +237,67 @@ local function try_hole(problem, state, form)
   return form_of.create(loops)
 end
 
+-- The nearest controls of two rings: their places in the rings, and how far they are apart.
+local function nearest_controls(a, b)
+  local best, i, j = math.huge, nil, nil
+  for k, p in ipairs(a) do
+    for l, q in ipairs(b) do
+      local d = math.sqrt((p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2)
+      if d < best then best, i, j = d, k, l end
+    end
+  end
+  return i, j, best
+end
+
+-- The largest stress at nodes within a radius of a place.
+local function stress_near(state, x, y, radius)
+  local most, mises = 0, state.sheet.von_mises
+  for i, p in ipairs(state.sheet.points:totable()) do
+    if (p[1] - x) ^ 2 + (p[2] - y) ^ 2 < radius ^ 2 then most = math.max(most, mises[i]) end
+  end
+  return most
+end
+
+--- The form with two holes made one: those with the thinnest wall between them that is stressed below the
+--- problem's `idle` part of the limit and is no wider than `1.5 wall`. nil where there are none. Both run
+--- clockwise, so that the ring of one opens into that of the other where they are nearest.
+function design.merged(problem, state, form)
+  local best
+  for l, one in ipairs(form.loops) do
+    for m = l + 1, #form.loops do
+      local other = form.loops[m]
+      if one.hole and other.hole then
+        local a, b = one[1].controls, other[1].controls
+        local i, j, apart = nearest_controls(a, b)
+        if apart < 1.5 * problem.wall and (not best or apart < best.apart) then
+          local x, y = (a[i][1] + b[j][1]) / 2, (a[i][2] + b[j][2]) / 2
+          if stress_near(state, x, y, math.max(apart, problem.wall) / 2) < problem.idle * problem.limit then
+            best = {l = l, m = m, i = i, j = j, apart = apart}
+          end
+        end
+      end
+    end
+  end
+  if not best then return nil end
+  local ring = {}
+  for _, part in ipairs {{form.loops[best.l][1].controls, best.i}, {form.loops[best.m][1].controls, best.j}} do
+    local controls, opened = part[1], part[2]
+    for k = 1, #controls - 1 do
+      local c = controls[(opened + k - 1) % #controls + 1]
+      ring[#ring + 1] = {c[1], c[2], c[3]}
+    end
+  end
+  local loops = {}
+  for l, loop in ipairs(form.loops) do
+    if l == best.l then
+      loops[#loops + 1] = {name = loop.name, hole = true, {controls = ring, closed = true}}
+    elseif l ~= best.m then
+      loops[#loops + 1] = loop
+    end
+  end
+  return form_of.create(loops)
+end
+
 -- ---- the search ----------------------------------------------------------------------------------
 
 local function restored(form, saved)
@@ -276,17 +337,18 @@ local function keep(self)
   self.best = {form = self.form:copy(), area = here.area, most = here.most, passes = passes}
 end
 
--- Knots spaced anew, holes that closed taken out, one put in where little is stressed.
+-- Knots spaced anew, holes that closed taken out, two made one, one put in where little is stressed.
 local function renew(self, may_hole)
   local problem, here = self.problem, self.here
   local fewer, gone = design.without_small_holes(self.form, problem.wall ^ 2)
-  local with = may_hole and here.most < 1.1 * problem.limit and gone == 0
-    and try_hole(problem, self.state, fewer)
-  for _, form in ipairs {with or fewer, fewer} do
+  local calm = here.most < 1.1 * problem.limit and gone == 0
+  local one = calm and design.merged(problem, self.state, fewer)
+  local with = not one and may_hole and calm and try_hole(problem, self.state, fewer)
+  for _, form in ipairs {one or with or fewer, fewer} do
     local changed = form:respaced(problem.spacing)
     local state = {p = self.state.p, price = self.state.price}
     local there = analyse(problem, state, changed)
-    if there then
+    if there and not (form == one and there.most > 1.1 * math.max(here.most, problem.limit)) then
       self.form, self.state, self.here, self.recent = changed, state, there, {}
       return
     end

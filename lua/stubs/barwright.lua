@@ -2585,11 +2585,17 @@ function Bridge:uniform_beam() end
 ---@return number
 function Bridge:michell_area() end
 
----Finds the shape of least area that passes, and becomes it. starts: where to begin, the best is kept;
+---Bending moment in the middle over limit thickness depth^2 / 4, which the depth could bear with all of it at the
+---limit: a solid beam bears 0.67, nothing above 1.155.
+---@return number
+function Bridge:moment_share() end
+
+---Finds the shape of least area that passes, and becomes it; where none was found, that of the least stress, and
+---`message` says what it bears. starts: where to begin, the best is kept;
 ---rounds: of each; holes: most in a half; polish: rounds on a finer mesh, until it passes on one finer still.
 ---report is told of every round and may return false to end it. Ctrl-C keeps the best.
 ---@param options? {starts?: string[], rounds?: integer, holes?: integer, polish?: integer, report?: fun(now: table): boolean?}
----@return {start: string, area: number, utilisation: number, passes: boolean, checked_utilisation: number?, checked_elements: integer?, interrupted: boolean, starts: table[]}?
+---@return {start: string, area: number, utilisation: number, passes: boolean, checked_utilisation: number?, checked_elements: integer?, interrupted: boolean, message: string?, starts: table[]}?
 ---@return string? message
 ---@return table? details
 function Bridge:design(options) end

@@ -117,6 +117,7 @@ local function main()
     area_m2 = bridge.area, utilisation = found.utilisation,
     checked_utilisation = found.checked_utilisation, checked_elements = found.checked_elements,
     beam_height_m = height, beam_area_m2 = beam, michell_area_m2 = bridge:michell_area(),
+    moment_share = bridge:moment_share(), message = found.message,
     holes = #bridge.whole.loops - 1, starts = bw.json.list {}}
   for i, one in ipairs(found.starts) do
     result.starts[i] = {start = one.start, area_m2 = one.area, utilisation = one.utilisation,
@@ -138,6 +139,7 @@ local function main()
   print(("%.5g mm2: %.1f %% of the beam of one height, %.2f times Michell's bars; %.1f s"):format(
     bridge.area * 1e6, 100 * bridge.area / beam, bridge.area / result.michell_area_m2,
     result.seconds_total))
+  if found.message then print(found.message) end
   os.exit(found.passes and PASSES or FAILS, true)
 end
 

@@ -145,6 +145,35 @@ describe("the largest hole in a pulled plate", function()
   end)
 end)
 
+describe("holes", function()
+  it("become one where the wall between them carries nothing, and not where it does", function()
+    -- pulled along x: behind a hole it is calm, beside it most is carried
+    for _, case in ipairs {{{0.3, 0}, {0.46, 0}, 1}, {{0.38, -0.08}, {0.38, 0.08}, 2}} do
+      local form, problem = pulled_plate(1e6, 0, 0.02, 4)
+      local loops = {form.loops[1]}
+      for k = 1, 2 do
+        loops[k + 1] = shape_design.circle("hole " .. k, case[k][1], case[k][2], 0.07, 14)
+      end
+      form = form_of.create(loops)
+      problem.size, problem.holes, problem.idle = 0.02, 2, 0.5
+      local sheet = assert(shape_design.sheet(problem, assert(form:outline()), problem.size))
+      local one = shape_design.merged(problem, {sheet = sheet}, form)
+      assert.equal(case[3], one and #one.loops - 1 or 2)
+      if one then
+        local outline = assert(one:outline())
+        local two = form:outline()
+        assert.equal(2, #outline.loops)
+        -- the wall is gone, the holes are what they were
+        assert.is_true(outline.area < two.area and outline.area > two.area - 0.02 * 0.14 - 0.003)
+        problem.rounds = 9
+        local found = assert(shape_design.search(problem, form))
+        assert.equal(2, #found.form.loops)
+        assert.is_true(found.passes)
+      end
+    end
+  end)
+end)
+
 -- Where the half beam of length L ends above x: the only crossing of the vertical with its upper curve.
 local function height_at(outline, x)
   local most = 0
@@ -231,6 +260,30 @@ describe("a bridge", function()
     check.raises("did you mean 'gable'", small_bridge, {start = "gabel"})
     check.raises("more than the limit", small_bridge, {pad = 0.001})
     check.raises("did you mean 'stress_limit'", small_bridge, {stress_limt = 1})
+  end)
+
+  it("says what it would bear where no shape passes, and where none can", function()
+    local b = assert(small_bridge {load = 4000, size = 0.006})
+    check.near(4 * 4000 / 4 * (0.2 + b.options.bearing - b.options.pad / 2) / (30e6 * 0.004 * 0.1 ^ 2),
+      b:moment_share(), 1e-12)
+    local found = assert(b:design {starts = {"gable"}, rounds = 2, polish = 0})
+    assert.is_false(found.passes)
+    assert.truthy(found.message:find "It bears %d+ N, or 4000 N with a thickness of 0.00%d+ m")
+    local low = assert(small_bridge {depth = 0.04})
+    local none = check.fails("infeasible", "no bridge of this depth", low:design())
+    assert.is_nil(none)
+  end)
+
+  it("passes in other cases: twice the load, two thirds of the height", function()
+    for _, case in ipairs {{load = 3000}, {depth = 0.07}} do
+      case.size, case.wall = full and 0.003 or 0.004, 0.004
+      local b = assert(small_bridge(case))
+      local found = assert(b:design {starts = {full and "gable" or "beam"}, rounds = full and 70 or 12,
+        polish = full and 20 or 0})
+      assert.is_true(found.passes, found.message)
+      local _, beam = b:uniform_beam()
+      assert.is_true(b.area < beam)
+    end
   end)
 
   it("gets smaller by itself and passes, the same every time", function()
