@@ -9,6 +9,10 @@
  * is near K^-1; that of lambda is its square. The residual's own norm would show the rounding of K
  * x instead, 1e-7 in a thin plate.
  *
+ * The vectors beyond the wanted ones are guards: that they are in the basis widens the gap that
+ * decides the convergence of the wanted ones, for which their being right to a tenth is enough. Once
+ * they have it they are only combined, no more improved: most of the time is in B and K.
+ *
  * Invariants: the basis is M-orthonormal and M-orthogonal to the rigid motions; `stiff` and `heavy`
  * are K and M times the basis, carried along as combinations. */
 #include <math.h>
@@ -54,6 +58,9 @@ static bw_status workspace_create(bw_context *context, const bwi_ritz *problem, 
               w->projected && w->theta && w->scratch;
   return made ? BW_OK : BW_MEMORY;
 }
+
+/* Error of a guard, in the energy norm, that is small enough. */
+static const double GUARDED = 0.1;
 
 /* Relative change of a value that counts as none. */
 static const double STILL = 1e-13;
@@ -152,19 +159,20 @@ static bw_status project(bw_context *context, workspace *w) {
   return BW_OK;
 }
 
-/* X and P of the next round from the basis, whose first `block` vectors were X; basis = X. */
-static void advance(workspace *w, int block, int *directions) {
+/* X and, of the first `live`, P of the next round from the basis, whose first `block` vectors were
+ * X; basis = X. */
+static void advance(workspace *w, int block, int live, int *directions) {
   int64_t n = w->problem->size;
   int old = block < w->count ? block : w->count;
   size_t bytes = (size_t)n * sizeof(double);
   combine(w, w->basis, 0, block, w->next);
   combine(w, w->stiff, 0, block, w->next_stiff);
   combine(w, w->heavy, 0, block, w->next_heavy);
-  *directions = w->count > old ? block : 0;
+  *directions = w->count > old ? live : 0;
   if (*directions) {
-    combine(w, w->basis, old, block, w->next + block * n);
-    combine(w, w->stiff, old, block, w->next_stiff + block * n);
-    combine(w, w->heavy, old, block, w->next_heavy + block * n);
+    combine(w, w->basis, old, live, w->next + block * n);
+    combine(w, w->stiff, old, live, w->next_stiff + block * n);
+    combine(w, w->heavy, old, live, w->next_heavy + block * n);
   }
   memcpy(w->basis, w->next, bytes * (size_t)block);
   memcpy(w->stiff, w->next_stiff, bytes * (size_t)block);
@@ -197,7 +205,7 @@ static bw_status start(bw_context *context, workspace *w, const double *vector) 
   }
   BW_TRY(project(context, w));
   int directions;
-  advance(w, p->block, &directions);
+  advance(w, p->block, p->block, &directions);
 done:
   return status;
 }
@@ -215,7 +223,7 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
   bw_status status = BW_OK;
   workspace w;
   int64_t n = p->size;
-  int block = p->block, directions = 0, still = 0;
+  int block = p->block, live = block, directions = 0, still = 0;
   double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, block *n);
   BW_TRY(workspace_create(context, p, &w));
   if (!r || !z) {
@@ -225,8 +233,10 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
   BW_TRY(start(context, &w, vector));
   for (int round = 0;; round++) {
     BW_TRY(bw_check_cancel(context));
-    bool done_all = true, moved = round == 0;
-    for (int k = 0; k < block; k++) {
+    bool done_all = true, moved = round == 0, guarded = true;
+    for (int k = live; k < block; k++)
+      value[k] = w.theta[k];
+    for (int k = 0; k < live; k++) {
       moved |= k < p->wanted && fabs(w.theta[k] - value[k]) > STILL * fabs(w.theta[k]);
       value[k] = w.theta[k];
       for (int64_t i = 0; i < n; i++)
@@ -235,6 +245,7 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
       double energy = dot(r, z + k * n, n);
       residual[k] = sqrt(fmax(energy, 0) / fabs(value[k]));
       done_all &= k >= p->wanted || residual[k] <= p->tolerance;
+      guarded &= k < p->wanted || residual[k] <= GUARDED;
     }
     *iterations = round;
     still = moved ? 0 : still + 1;
@@ -249,7 +260,7 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
       bw_detail_number(context, "residual", residual[worst]);
       goto done;
     }
-    for (int k = 0; k < block; k++) {
+    for (int k = 0; k < live; k++) {
       bool taken;
       memcpy(w.basis + w.count * n, z + k * n, (size_t)n * sizeof *z);
       if (residual[k] > 0.1 * p->tolerance)
@@ -263,7 +274,8 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
       BW_TRY(admit(&w, true, &taken));
     }
     BW_TRY(project(context, &w));
-    advance(&w, block, &directions);
+    live = guarded ? p->wanted : live;
+    advance(&w, block, live, &directions);
   }
   memcpy(vector, w.basis, (size_t)(block * n) * sizeof *vector);
 done:
