@@ -128,11 +128,12 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
                      at[1], at[2], shape->least_ratio);
   else
     status = bw_fail(context, BW_CONVERGENCE,
-                     "the step from %g s, %g s long, found no solution in %d iterations: the "
-                     "residual is %.2e of the forces at work, the tolerance %.2e; the most "
+                     "the step from %g s, %g s long, found no solution after %d iterations: %s. "
+                     "The residual is %.2e of the forces at work, the tolerance %.2e; the most "
                      "squeezed element is %d at (%g, %g, %g) m, det F = %.3g. Make the step "
                      "shorter, or allow more iterations",
-                     motion->time, o->step, walk->report->iterations, walk->relative, o->tolerance,
+                     motion->time, o->step, walk->report->iterations,
+                     bwi_obstacle_text(walk->obstacle), walk->relative, o->tolerance,
                      (int)worst + 1, at[0], at[1], at[2], shape->least_ratio);
   bw_detail_number(context, "time", motion->time);
   bw_detail_number(context, "step", o->step);

@@ -24,6 +24,8 @@
 #define GAP 1e-11
 /* Rounding in the forces of an element, over its stiffness times its size. */
 #define NOISE (8 * DBL_EPSILON)
+/* Where no step helps any more, residuals up to so many times that are taken for rounding. */
+#define ROUGH 100
 /* Residuals below this are near an equilibrium. */
 #define NEAR 0.1
 /* Residual below which the next iteration no longer changes whether the tangent is definite. */
@@ -92,7 +94,7 @@ done:
 void bwi_walk_measure(bwi_walk *walk) {
   const bwi_balance *now = &walk->now;
   const bw_grid *grid = walk->solid->grid;
-  double left = 0, applied = 0, held = 0, contact = 0, noise = 0;
+  double left = 0, applied = 0, held = 0, contact = 0, noise = 0, elastic = 0;
   double cell = fmax(grid->spacing[0], fmax(grid->spacing[1], grid->spacing[2]));
   for (int64_t i = 0; i < walk->size; i++) {
     double touching = now->contact ? now->contact[i] : 0, other = now->load[i] - touching;
@@ -102,11 +104,13 @@ void bwi_walk_measure(bwi_walk *walk) {
     applied += other * other;
     contact += touching * touching;
     if (!walk->the->held[i]) {
-      double term = walk->blocks[3 * i + i % 3] * (fabs(now->u[i]) + cell);
+      double stiff = walk->blocks[3 * i + i % 3], term = stiff * (fabs(now->u[i]) + cell);
+      elastic += fabs(stiff) * cell * cell;
       noise += term * term;
     }
   }
   walk->noise = NOISE * sqrt(noise);
+  walk->elastic = elastic;
   walk->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
   double least = walk->noise / walk->options->tolerance;
   walk->relative = left > 0 ? sqrt(left) / fmax(walk->reference, least) : 0;
@@ -349,6 +353,14 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       BW_TRY(bwi_newton_search(walk, slope, &step));
     if (step == 0) {
       BW_TRY(record(walk, 0, cg, residual));
+      /* as good as it gets: some laws round more than the noise allows for */
+      double least = walk->noise / options->tolerance;
+      double left = walk->relative * fmax(walk->reference, least);
+      if (left <= ROUGH * walk->noise && gap <= GAP * size_of(walk->solid->grid) &&
+          (walk->now.shape.inverted == 0 || options->allow_inverted)) {
+        *found = true;
+        goto done;
+      }
       if (kind == BWI_PLAIN) { /* once more with a direction that is sure to go down */
         kind = BWI_PROJECTED;
         plain_below = fmin(plain_below, walk->relative) * 1e-2;

@@ -65,6 +65,7 @@ typedef enum bwi_obstacle {
   BWI_STIFFNESS,  /* no tangent to solve with */
   BWI_INVERTED    /* an equilibrium, with elements inside out */
 } bwi_obstacle;
+const char *bwi_obstacle_text(bwi_obstacle obstacle); /* "the iterations did not suffice" */
 
 typedef struct bwi_walk {
   bw_context *context;
@@ -87,8 +88,10 @@ typedef struct bwi_walk {
   double *blocks;                      /* 9 per node: diagonal of the last tangent */
   double *residual, *direction, *work; /* size each */
   double reference,
-      noise;           /* forces that residuals are taken relative to, and what rounding leaves */
-  double relative;     /* the residual now */
+      noise;       /* forces that residuals are taken relative to, and what rounding leaves */
+  double elastic;  /* the tangent's diagonal times a cell's side squared, J: the energy of strains
+                      of one */
+  double relative; /* the residual now */
   bwi_tangent tangent; /* the last one */
   bool have_tangent;
   double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */

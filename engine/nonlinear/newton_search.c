@@ -7,6 +7,7 @@
  * a line there is a potential, whether or not the force has one. */
 #include "nonlinear/newton.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -161,6 +162,9 @@ static bw_status try_length(bwi_walk *walk, double a, line *l) {
   l->rounding = ROUNDING * (fabs(trial->energy) + fabs(now->energy) + fabs(work) +
                             fabs(trial->contact_energy) + fabs(now->contact_energy) +
                             fabs(trial->quadratic_energy) + fabs(now->quadratic_energy));
+  /* a strain e has the energy K e^2 / 2 and, when it is the difference of F and a rotation, an
+     error of some DBL_EPSILON: that makes K e DBL_EPSILON of energy */
+  l->rounding += 16 * DBL_EPSILON * sqrt(walk->elastic * (fabs(trial->energy) + fabs(now->energy)));
 done:
   return status;
 }

@@ -196,7 +196,7 @@ typedef struct failure {
   bw_solid_shape shape;
 } failure;
 
-static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
+const char *bwi_obstacle_text(bwi_obstacle obstacle) {
   static const char *const why[] = {
       [BWI_NO_OBSTACLE] = "",
       [BWI_ITERATIONS] = "the iterations did not suffice",
@@ -205,6 +205,10 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
       [BWI_UNSTABLE] = "one unstable equilibrium followed on another",
       [BWI_STIFFNESS] = "something can move without any force",
       [BWI_INVERTED] = "the equilibrium has elements that are inside out"};
+  return why[obstacle];
+}
+
+static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
   bw_context *context = walk->context;
   const bw_grid *grid = walk->solid->grid;
   double at[3];
@@ -219,7 +223,7 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
       "element "
       "%d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted). The load may be "
       "more than the solid carries; otherwise take smaller or more load steps, or smaller cells",
-      inverted ? "regular " : "", reached, f->load, why[f->obstacle], f->residual,
+      inverted ? "regular " : "", reached, f->load, bwi_obstacle_text(f->obstacle), f->residual,
       walk->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.least_ratio,
       (long long)f->shape.inverted);
   bw_detail_number(context, "load", reached);

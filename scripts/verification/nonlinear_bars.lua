@@ -7,7 +7,7 @@ local YOUNG, POISSON, RADIUS, LENGTH = 1e6, 0.3, 0.05, 0.4
 -- The bar upright in cells of the height that its radius is cut into.
 local function bar(cells)
   local surface = assert(bw.surface.cylinder {base = {0, 0, 0}, axis = {0, 0, LENGTH}, radius = RADIUS,
-    spacing = RADIUS / 8})
+    segments = 96})
   local grid = assert(bw.grid.voxels(surface, {spacing = RADIUS / cells}))
   return assert(bw.solid {grid = grid,
     palette = {bw.hyperelastic {law = "corotated", young = YOUNG, poisson = POISSON, density = 1000}}})
