@@ -21,8 +21,10 @@ static int motion_create(lua_State *L) {
       {"iterations", LBW_INT, offsetof(bw_motion_options, iterations)},
       {"allow_inverted", LBW_BOOLEAN, offsetof(bw_motion_options, allow_inverted)},
       {"scheme", LBW_OTHER, 0},
+      {"linear", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   static const char *const schemes[] = {"implicit_euler", "newmark", NULL};
+  static const char *const linear[] = {"direct", "jacobi", NULL};
   lua_settop(L, 5);
   const bw_solid *solid = (const bw_solid *)lbw_check(L, 1, &lbw_solid_class);
   const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
@@ -30,6 +32,7 @@ static int motion_create(lua_State *L) {
   bw_motion_options_default(&options);
   lbw_options(L, 3, "motion", list, &options);
   options.scheme = (bw_motion_scheme)lbw_word_option(L, 3, "motion", "scheme", schemes, 0);
+  options.linear = (bw_newton_linear)lbw_word_option(L, 3, "motion", "linear", linear, 0);
   const double *u = lbw_read_displacement(L, 4, "displacement", solid->grid);
   const double *v = lbw_read_displacement(L, 5, "velocity", solid->grid);
   lbw_box *box = lbw_box_new(L, &lbw_solid_motion_class);

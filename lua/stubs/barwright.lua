@@ -3133,8 +3133,9 @@ function Solid:floor(options) end
 function Solid:solve(options) end
 
 ---The solid in motion, its loads at full. `scheme`: "implicit_euler" or "newmark"; `step` in s;
----Rayleigh damping `mass_damping` (1/s) and `stiffness_damping` (s); `iterations` 1: linearly implicit.
----@param options {scheme?: string, step: number, mass_damping?: number, stiffness_damping?: number, beta?: number, gamma?: number, tolerance?: number, iterations?: integer, allow_inverted?: boolean, displacement?: bw.Array, velocity?: bw.Array}
+---Rayleigh damping `mass_damping` (1/s) and `stiffness_damping` (s); `iterations` 1: linearly implicit;
+---`linear`: "direct" or, for large solids, "jacobi".
+---@param options {scheme?: string, step: number, mass_damping?: number, stiffness_damping?: number, beta?: number, gamma?: number, tolerance?: number, iterations?: integer, allow_inverted?: boolean, linear?: string, displacement?: bw.Array, velocity?: bw.Array}
 ---@return bw.SolidMotion?
 ---@return string? message
 ---@return table? details

@@ -74,7 +74,8 @@ end
 
 -- Parts that take long are made by scripts of their own, and kept.
 for _, part in ipairs {"docs/verification_edit.md", "docs/verification_brute_force.md",
-  "docs/verification_models.md", "docs/verification_plane.md", "docs/verification_flow.md"} do
+  "docs/verification_models.md", "docs/verification_plane.md", "docs/verification_flow.md",
+  "docs/verification_nonlinear.md"} do
   local file = not only and io.open(part)
   if file then
     lines[#lines + 1] = file:read "a"
