@@ -250,7 +250,8 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bool definite = true, lower = false;
   *stable = true;
   /* a definite tangent one iteration ago says it for here, if that was near */
-  bool near = walk->previous < NEARBY && walk->have_tangent && walk->tangent == BWI_PLAIN;
+  bool near = walk->previous < NEARBY && walk->have_tangent && walk->tangent == BWI_PLAIN &&
+              !walk->iterative;
   if (walk->free == 0 || walk->quadratic || near)
     return BW_OK;
   BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
@@ -276,6 +277,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
   walk->load = load;
   walk->obstacle = BWI_NO_OBSTACLE;
   walk->part = walk->previous = walk->shift = 0;
+  walk->step = 1;
   walk->have_tangent = walk->negative = false;
   if (walk->contact)
     bwi_contact_place(walk->contact, load, walk->begin != NULL);
@@ -340,6 +342,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       if (!moved)
         goto done;
       moving = false;
+      walk->have_tangent = false; /* it was that of another shape */
       continue;
     }
     BW_TRY(find_direction(walk, &slope, &cg));
@@ -370,6 +373,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       goto done;
     }
     walk->previous = residual;
+    walk->step = step;
     BW_TRY(record(walk, step, cg, residual));
     if (kind != BWI_PLAIN && step >= 1) {
       bwi_walk_measure(walk);

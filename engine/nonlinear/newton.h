@@ -94,6 +94,7 @@ typedef struct bwi_walk {
   double relative; /* the residual now */
   bwi_tangent tangent; /* the last one */
   bool have_tangent;
+  double step;  /* the last length along a direction */
   double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */
   bool iterative; /* solutions by conjugate gradients, without a matrix */
   bool negative;  /* the last of those met a direction of negative curvature */

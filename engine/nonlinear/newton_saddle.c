@@ -37,15 +37,17 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
   for (int k = 0; k < CG; k++) {
     BW_TRY(bw_check_cancel(context));
     if (walk->iterative)
-      bwi_precondition_blocks(walk->precondition, r, z);
+      BW_TRY(bwi_precondition_apply(context, walk->precondition, r, z));
     else
       BW_TRY(bwi_direct_solve(context, walk->newton->direct, r, z));
     double next = bwi_walk_dot(walk, r, z);
     first = k == 0 ? next : first;
-    if (!(next > 1e-24 * first))
+    if (next <= 0 && walk->iterative)
+      next = 0; /* the cycle itself is not definite: z may be such a direction */
+    else if (!(next > 1e-16 * first))
       goto done;
     for (int64_t i = 0; i < n; i++)
-      p[i] = walk->the->held[i] ? 0 : z[i] + (k > 0 ? next / rz * p[i] : 0);
+      p[i] = walk->the->held[i] ? 0 : z[i] + (k > 0 && rz > 0 ? next / rz * p[i] : 0);
     rz = next;
     if (walk->iterative)
       BW_TRY(bwi_tangent_multiply(walk, p, q));
@@ -58,7 +60,7 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
       *found = true;
       goto done;
     }
-    if (!(curvature > 0))
+    if (!(curvature > 0) || !(rz > 0))
       goto done;
     for (int64_t i = 0; i < n; i++)
       r[i] -= rz / curvature * q[i];

@@ -129,13 +129,15 @@ done:
   return status;
 }
 
-/* Shifts begin well below the last that was enough, so that they end where none is needed. */
+/* After a whole step, shifts begin well below the last that was enough, so that they end where none
+ * is needed; after a short one above it, as where to go is seen no further than that. */
 #define FIRST_SHIFT 1e-3
 #define LEAST_SHIFT 1e-7
 
 bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
   bw_status status = BW_OK;
-  double shift = walk->shift > 0 ? fmax(LEAST_SHIFT, 0.2 * walk->shift) : FIRST_SHIFT;
+  double change = walk->step >= 1 ? 0.2 : walk->step > 0.5 ? 1 : 4;
+  double shift = walk->shift > 0 ? fmin(0.3, fmax(LEAST_SHIFT, change * walk->shift)) : FIRST_SHIFT;
   *definite = false;
   walk->tangent = kind;
   walk->have_tangent = true;

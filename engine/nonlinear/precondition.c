@@ -200,10 +200,6 @@ static void times_inverse(const level *l, const double *r, double *z) {
   }
 }
 
-void bwi_precondition_blocks(const bwi_precondition *m, const double *r, double *z) {
-  times_inverse(&m->level[0], r, z);
-}
-
 static bw_status set_blocks(bw_context *context, level *l, const double *blocks) {
   bw_status status = BW_OK;
   double *own = BW_NEW(context, double, 3 * l->size);

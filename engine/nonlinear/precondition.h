@@ -28,8 +28,6 @@ bw_status bwi_precondition_set(bw_context *context, bwi_precondition *preconditi
 /* z = M r, 0 where held. */
 bw_status bwi_precondition_apply(bw_context *context, bwi_precondition *precondition,
                                  const double *r, double *z);
-/* By the node blocks alone. */
-void bwi_precondition_blocks(const bwi_precondition *precondition, const double *r, double *z);
 int bwi_precondition_factorisations(const bwi_precondition *precondition);
 
 /* Conjugate gradients for K x = f on components that are not held, K the linear's tangent with

@@ -1,0 +1,254 @@
+/* Loads past what a solid carries, equilibria that are not stable, large motions of what is held;
+ * and that a solution can be stopped and can run out of memory. */
+#include "solid_box.h"
+
+static const double bar_size[3] = {0.2, 0.2, 0.8};
+
+/* A St. Venant-Kirchhoff bar carries at most E / (3 sqrt 3) in compression. */
+static void test_limit_point(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {1, 1, 2};
+  const double size[3] = {0.2, 0.2, 0.4};
+  double most = 1 / (3 * sqrt(3));
+  for (int k = 0; k < 2; k++) {
+    box b;
+    bw_solid_static *result = NULL;
+    bw_newton_options options;
+    bw_newton_options_default(&options);
+    options.iterations = 40;
+    box_make(context, &b, cells, size, BW_ST_VENANT_KIRCHHOFF, 1, 0, 0);
+    box_symmetric(context, &b);
+    box_force(context, &b, 2, 1, 0, 0, -(k ? 1.1 : 0.95) * most * 0.04);
+    bw_status status = bw_solid_statics(context, b.solid, b.the, NULL, &options, &result);
+    assert_non_null(result);
+    if (k == 0) {
+      assert_int_equal(status, BW_OK);
+    } else {
+      double stretch = 1 + box_mean(&b, result->displacement, 2, 1, 2) / 0.4;
+      assert_true(status == BW_CONVERGENCE || status == BW_GEOMETRY);
+      assert_non_null(strstr(bw_message(context), "load factor"));
+      assert_false(result->complete);
+      /* the last equilibrium is on the way there, shortly before the limit */
+      check_near(result->report.load, 1 / 1.1, 0.03);
+      assert_true(result->report.load <= 1 / 1.1);
+      check_near(-0.5 * stretch * (stretch * stretch - 1), 1.1 * most * result->report.load, 1e-5);
+    }
+    bw_release(result);
+    box_free(&b);
+  }
+}
+
+/* A slender column pressed straight down buckles, whichever way the solution is made. */
+static void test_buckling(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {1, 1, 24};
+  const double size[3] = {0.05, 0.06, 1};
+  double sideways[2];
+  for (int k = 0; k < 2; k++) {
+    box b;
+    bw_solid_static *result;
+    bw_newton_options options;
+    bw_newton_options_default(&options);
+    options.linear = k ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0, 0);
+    box_hold(context, &b, 2, 0, true, true, true, 0);
+    box_hold(context, &b, 2, 1, true, true, true, -0.05);
+    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+    double most = 0;
+    for (int32_t n = 0; n < b.grid->node_count; n++)
+      most = fmax(most, fabs(result->displacement[3 * (int64_t)n]));
+    sideways[k] = most;
+    assert_true(most > 0.05);
+    /* far less than a straight column stores */
+    assert_true(result->energy < 0.8 * 0.5 * 1e6 * 0.05 * 0.06 * 0.05 * 0.05);
+    bw_release(result);
+    box_free(&b);
+  }
+  check_near(sideways[0], sideways[1], 1e-4 * sideways[0]);
+}
+
+/* One end of a bar turned by half a turn in steps, each from the shape before. */
+static void test_twist(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 2, 8};
+  for (int law = 0; law < BW_LAWS; law++) {
+    box b;
+    bw_newton *newton;
+    bw_solid_static *before = NULL;
+    double energy = 0;
+    box_make(context, &b, cells, bar_size, (bw_law)law, 1e5, 0.3, 0);
+    check_ok(context, bw_newton_create(context, &newton));
+    for (int step = 1; step <= 4; step++) {
+      double angle = M_PI * step / 4;
+      bw_solid_case *the;
+      bw_solid_static *result;
+      bw_newton_options options;
+      bool all[3] = {true, true, true};
+      bw_newton_options_default(&options);
+      options.start = before ? before->displacement : NULL;
+      check_ok(context, bw_solid_case_create(context, b.grid, &the));
+      for (int32_t n = 0; n < b.grid->node_count; n++) {
+        double x[3], value[3] = {0, 0, 0};
+        bw_grid_position(b.grid, n, x);
+        if (x[2] > 1e-9 && x[2] < 0.8 - 1e-9)
+          continue;
+        if (x[2] > 0.4) {
+          double p = x[0] - 0.1, q = x[1] - 0.1;
+          value[0] = cos(angle) * p - sin(angle) * q - p;
+          value[1] = sin(angle) * p + cos(angle) * q - q;
+        }
+        check_ok(context, bw_solid_case_hold(context, the, 1, &n, all, value));
+      }
+      check_ok(context, bw_solid_statics(context, b.solid, the, newton, &options, &result));
+      assert_true(result->complete && result->report.shape.inverted == 0);
+      assert_true(result->energy > 1.5 * energy);
+      energy = result->energy;
+      /* the middle has turned half as far */
+      for (int32_t n = 0; n < b.grid->node_count; n++) {
+        double x[3];
+        bw_grid_position(b.grid, n, x);
+        if (fabs(x[2] - 0.4) > 1e-9 || x[0] > 1e-9 || x[1] > 1e-9)
+          continue;
+        const double *u = result->displacement + 3 * (int64_t)n;
+        double turned = atan2(x[1] + u[1] - 0.1, x[0] + u[0] - 0.1) - atan2(-0.1, -0.1);
+        check_near(turned, angle / 2, 1e-5);
+      }
+      bw_release(before);
+      bw_release(the);
+      before = result;
+    }
+    bw_release(before);
+    bw_newton_free(newton);
+    box_free(&b);
+  }
+}
+
+/* Large movements of what is held, that would turn elements inside out in one go. */
+static void test_crushed(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 2, 8};
+  for (int law = 0; law < BW_LAWS; law++) {
+    box b;
+    bw_solid_static *result;
+    box_make(context, &b, cells, bar_size, (bw_law)law, 1e5, 0.3, 0);
+    box_hold(context, &b, 2, 0, true, true, true, 0);
+    box_hold(context, &b, 2, 1, false, false, true, 2 * 0.8);
+    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+    assert_true(result->complete);
+    bw_release(result);
+    box_free(&b);
+  }
+  /* pressed through itself: no shape without inverted elements is there */
+  box b;
+  bw_solid_static *result = NULL;
+  bw_newton_options options;
+  bw_newton_options_default(&options);
+  options.iterations = 30;
+  options.least_step = 1.0 / 16;
+  const int32_t few[3] = {2, 2, 2};
+  const double cube[3] = {0.8, 0.8, 0.8};
+  box_make(context, &b, few, cube, BW_NEO_HOOKEAN, 1e5, 0.3, 0);
+  box_hold(context, &b, 2, 0, true, true, true, 0);
+  box_hold(context, &b, 2, 1, true, true, true, -1.2 * 0.8);
+  check_fails(context, BW_CONVERGENCE, "load factor",
+              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  assert_true(result->report.load < 1 / 1.2 && result->report.load > 0.2);
+  assert_int_equal(result->report.shape.inverted, 0);
+  bw_release(result);
+  box_free(&b);
+}
+
+static void bent(bw_context *context, box *b) {
+  const int32_t cells[3] = {6, 2, 2};
+  const double size[3] = {0.6, 0.2, 0.2};
+  box_make(context, b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
+  box_hold(context, b, 0, 0, true, true, true, 0);
+  box_force(context, b, 0, 1, 0, 0, -800);
+}
+
+static void stop(void *data, const char *stage, double fraction) {
+  (void)stage;
+  (void)fraction;
+  bw_cancel((bw_context *)data);
+}
+
+static void test_cancel(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  bw_solid_static *result = NULL;
+  bent(context, &b);
+  bw_set_progress(context, stop, context);
+  check_fails(context, BW_CANCELLED, "",
+              bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+  assert_null(result);
+  bw_set_progress(context, NULL, NULL);
+  bw_clear_cancel(context);
+  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+  bw_release(result);
+  box_free(&b);
+}
+
+static void test_no_memory(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_set_threads(context, 1));
+  for (int k = 0; k < 3; k++) {
+    box b;
+    bw_newton *newton;
+    bw_newton_options options;
+    const int32_t cells[3] = {2, 2, 2};
+    const double size[3] = {0.2, 0.2, 0.2};
+    double point[3] = {0, 0, -0.001}, normal[3] = {0, 0, 1}, gravity[3] = {0, 0, -10};
+    bw_coarse *coarse;
+    bw_solid *coarse_solid;
+    box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
+    box_hold(context, &b, 0, 0, true, true, true, 0);
+    check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.palette, b.grid, 1, &coarse));
+    check_ok(context, bw_solid_create(context, coarse->grid, coarse->palette, NULL, &coarse_solid));
+    const bw_coarsening *coarsening = coarse->coarsening[0];
+    const bw_solid *one = coarse_solid;
+    bw_newton_options_default(&options);
+    options.linear = (bw_newton_linear)k;
+    options.coarse_count = 1;
+    options.coarsening = &coarsening;
+    options.coarse = &one;
+    check_ok(context, bw_newton_create(context, &newton));
+    bool passed = false;
+    for (int64_t n = 1; !passed && n < 5000; n++) {
+      bw_solid_case *the = NULL;
+      bw_solid_static *result = NULL;
+      bw_fail_allocation(n, true);
+      bw_status status = bw_solid_case_create(context, b.grid, &the);
+      if (status == BW_OK)
+        status = bw_solid_case_floor(context, the, point, normal, NULL, NULL, NULL);
+      if (status == BW_OK)
+        status = bw_solid_case_gravity(context, the, gravity);
+      int32_t node[9];
+      bool all[3] = {true, true, true};
+      if (status == BW_OK)
+        status = bw_solid_case_hold(context, the, box_end(&b, 0, 0, node), node, all, NULL);
+      if (status == BW_OK)
+        status = bw_solid_case_force(context, the, box_end(&b, 0, 1, node), node, gravity);
+      if (status == BW_OK)
+        status = bw_solid_statics(context, b.solid, the, k == 1 ? newton : NULL, &options, &result);
+      bw_fail_allocation(0, false);
+      bw_release(result);
+      bw_release(the);
+      passed = status == BW_OK;
+      if (!passed)
+        assert_int_equal(status, BW_MEMORY);
+    }
+    assert_true(passed);
+    bw_newton_free(newton);
+    bw_release(coarse_solid);
+    bw_release(coarse);
+    box_free(&b);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_limit_point), check_test(test_buckling), check_test(test_twist),
+      check_test(test_crushed),     check_test(test_cancel),   check_test(test_no_memory),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
