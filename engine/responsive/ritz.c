@@ -10,8 +10,8 @@
  * x instead, 1e-7 in a thin plate.
  *
  * The vectors beyond the wanted ones are guards: that they are in the basis widens the gap that
- * decides the convergence of the wanted ones, for which their being right to a tenth is enough. Once
- * they have it they are only combined, no more improved: most of the time is in B and K.
+ * decides the convergence of the wanted ones, for which their being right to a tenth is enough.
+ * Once they have it they are only combined, no more improved: most of the time is in B and K.
  *
  * Invariants: the basis is M-orthonormal and M-orthogonal to the rigid motions; `stiff` and `heavy`
  * are K and M times the basis, carried along as combinations. */

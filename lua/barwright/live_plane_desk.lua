@@ -8,6 +8,7 @@
 -- solution refuses leaves the last good state, and is told to the page that asked.
 local core = require "barwright.core"
 local edits = require "barwright.live_plane_edits"
+local followed = require "barwright.followed"
 local json = require "barwright.json"
 local kinds = require "barwright.live_plane_kinds"
 local live_check = require "barwright.live_check"
@@ -23,6 +24,8 @@ desk.__index = desk
 
 -- Seconds between frames of what goes on in time, at least, and for the steps of one frame, at most.
 local frame_time, step_time = 1 / 60, 0.05
+-- Edits that are taken back to the very state they left; earlier ones are solved for again.
+local states_kept = 50
 
 -- ---- telling -------------------------------------------------------------------------------------
 
@@ -95,10 +98,11 @@ local function frame(self, since)
   self.levels[level] = (self.levels[level] or 0) + 1
 end
 
--- The object goes over to an outline: true, or nil and why it stays as it is.
-local function become(self, outline)
+-- The object goes over to an outline, by `back` if that is given: true, or nil and why it stays as it is.
+local function become(self, outline, back)
   local since = core.seconds()
-  local fine, why, details = self.object:become(outline)
+  local fine, why, details
+  if back then fine, why, details = back() else fine, why, details = self.object:become(outline) end
   if not fine then return nil, why, details end
   frame(self, since)
   self.trouble = nil
@@ -119,12 +123,15 @@ end
 local function push(self, line)
   for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
   self.position = self.position + 1
-  self.history[self.position] = {outline = self.object.outline, line = line}
+  self.history[self.position] = {outline = self.object.outline, line = line, back = followed.kept(self.object)}
+  local older = self.history[self.position - states_kept]
+  if older then older.back = nil end
   return keep(self)
 end
 
 local function go_to(self, position)
-  local fine, why = become(self, self.history[position].outline)
+  local to = self.history[position]
+  local fine, why = become(self, to.outline, to.back)
   if not fine then return nil, why end
   self.position = position
   return keep(self)
@@ -140,7 +147,7 @@ local handlers = {}
 function handlers.begin(self, client, message)
   if not room.may_begin(self, client, message) then return end
   self.drag = {client = client, seq = message.seq, handle = message.handle, pins = message.pins,
-    reach = message.reach, base = self.object.outline}
+    reach = message.reach, base = self.object.outline, back = followed.kept(self.object)}
 end
 
 function handlers.move(self, client, message)
@@ -163,7 +170,7 @@ local function finish(self, wanted)
   self.drag = nil
   if not drag.line then return true end
   if wanted then return push(self, drag.line) end
-  return become(self, drag.base)
+  return become(self, drag.base, drag.back)
 end
 
 local function done(self, client, message, fine, why)
@@ -331,12 +338,13 @@ function desk.new(object, server, about)
     clients = {}, later = {}, levels = {}, revision = 0, seconds = 0, size = size_of(object.outline),
     limit = about.limit or kind.limit and kind.limit(object),
     steps = steps or false, running = not about.paused, pace = about.pace or 1,
-    due = 0, a_step = 1e-3, history = {{outline = object.outline}}, position = 1}, desk)
+    due = 0, a_step = 1e-3, position = 1,
+    history = {{outline = object.outline, back = followed.kept(object)}}}, desk)
   for i, line in ipairs(about.lines) do
     local fine, why = edits.replay(object, line)
     if not fine then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end
     self.position = i + 1
-    self.history[self.position] = {outline = object.outline, line = line}
+    self.history[self.position] = {outline = object.outline, line = line, back = followed.kept(object)}
   end
   local fine, why = keep(self)
   if not fine then return nil, why, {status = "io"} end

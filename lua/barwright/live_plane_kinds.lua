@@ -151,11 +151,13 @@ local function forces(object)
   return list
 end
 
--- Heat through what has a temperature, over density times heat capacity.
+-- Heat through what has a condition of it, over density times heat capacity.
 local function heats(object)
   local list = {}
   if not (object.time > 0 or object.wish.steady) then return list end
-  for _, tag in ipairs(tags_where(object, function(c) return type(c) == "table" and c.temperature end)) do
+  for _, tag in ipairs(tags_where(object, function(c)
+    return type(c) == "table" and (c.temperature or c.heat_flux or c.convection)
+  end)) do
     list[#list + 1] = {"heat in at " .. tag, ("%.4g K m²/s"):format(object:heat(tag))}
   end
   return list

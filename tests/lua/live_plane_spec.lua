@@ -265,6 +265,36 @@ describe("a desk in the plane", function()
     assert.equal(points, points_of(talk.object))
   end)
 
+  it("takes a steady flow back to the very state that it was in", function()
+    local tunnel = assert(bw.outline {points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}},
+      tags = {sides = {1, 3}, outlet = 2, inlet = 4},
+      holes = {bw.outline.circle {centre = {0.6, 0.5}, radius = 0.12, name = "body", tag = "body"}}})
+    local flow = assert(bw.responsive.flow {outline = tunnel, viscosity = 0.02, elements = 400, steady = true,
+      conditions = {inlet = {x = 1, y = 0}, sides = {y = 0}, body = "wall"}})
+    local talk = desk_on(flow)
+    talk.open(1)
+    local function bits() return flow.velocity:tostring "<f8" .. flow.points:tostring "<f8" end
+    local states = {bits()}
+    for k = 1, 2 do
+      talk.say(1, {type = "begin", handle = {loop = "body"}, seq = 3 * k})
+      talk.say(1, {type = "move", seq = 3 * k + 1, by = {0.1, 0.02}})
+      talk.say(1, {type = "end"})
+      states[k + 1] = bits()
+    end
+    talk.say(1, {type = "begin", handle = {loop = "body"}, seq = 20})
+    talk.say(1, {type = "move", seq = 21, by = {0.3, 0}})
+    assert.not_equal(states[3], bits())
+    talk.say(1, {type = "end", cancel = true})
+    assert.is_true(states[3] == bits())
+    assert.equal(1, talk.say(1, {type = "undo"}).edits)
+    assert.is_true(states[2] == bits())
+    talk.say(1, {type = "redo"})
+    assert.is_true(states[3] == bits())
+    talk.say(1, {type = "reset"})
+    assert.is_true(states[1] == bits())
+    assert.equal(0, flow.reused.solves)
+  end)
+
   it("shows flows with arrows", function()
     for _, name in ipairs {"flow", "kettle"} do
       local talk = desk_on(made(name))

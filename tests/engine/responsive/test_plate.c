@@ -361,7 +361,18 @@ static void test_memory(void **state) {
       status = bw_plate_follow(context, plate, moved, NULL);
     if (status == BW_OK)
       status = bw_plate_solve(context, plate, NULL, NULL);
+    double gain, sample[1000];
+    bw_tone tone;
+    bw_tone_default(&tone);
+    tone.rate = 1000;
+    tone.seconds = 1;
+    if (status == BW_OK)
+      status = bw_plate_tone(context, plate, &tone, sample);
+    if (status == BW_OK)
+      status = bw_plate_gains(context, plate, &tone, &gain);
     bw_fail_allocation(0, false);
+    if (status == BW_OK)
+      check_near(fabs(gain), 1, 0);
     bw_release(plate);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK)
