@@ -74,6 +74,14 @@ done:
   return status;
 }
 
+/* Graphs of the same elements are the same, whichever solid they were made for. */
+static bool same_graph(const bw_graph *a, const bw_graph *b) {
+  return a == b ||
+         (a->node_count == b->node_count && a->pair_count == b->pair_count &&
+          memcmp(a->start, b->start, ((size_t)a->node_count + 1) * sizeof *a->start) == 0 &&
+          memcmp(a->column, b->column, (size_t)a->pair_count * sizeof *a->column) == 0);
+}
+
 bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_graph *graph,
                              const uint8_t *held) {
   bw_status status = BW_OK;
@@ -81,7 +89,7 @@ bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_g
   uint8_t *take = NULL;
   int32_t *unknown = NULL, count = 0;
   bwi_order *order = NULL;
-  if (direct->symbolic && direct->graph == graph && memcmp(direct->held, held, size) == 0)
+  if (direct->symbolic && same_graph(direct->graph, graph) && memcmp(direct->held, held, size) == 0)
     return BW_OK;
   forget(direct);
   take = BW_NEW0(context, uint8_t, nodes);

@@ -131,12 +131,36 @@ static void test_same_bits(void **state) {
   box_free(&b);
 }
 
+/* Another solid of the same elements finds order and analysis there. */
+static void test_kept(void **state) {
+  bw_context *context = check_context(state);
+  bw_newton *newton;
+  check_ok(context, bw_newton_create(context, &newton));
+  double analysis[2];
+  for (int k = 0; k < 2; k++) {
+    const int32_t cells[3] = {12, 8, 8};
+    const double size[3] = {0.6, 0.4, 0.4};
+    box b;
+    box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e6 * (k + 1), 0.3, 0);
+    box_hold(context, &b, 0, 0, true, true, true, 0);
+    box_force(context, &b, 0, 1, 0, 0, -100);
+    bw_solid_static *result = solve(context, &b, newton, NULL);
+    analysis[k] = result->report.seconds_analysis;
+    assert_true(result->report.history_count == result->report.iterations);
+    bw_release(result);
+    box_free(&b);
+  }
+  assert_true(analysis[1] < 0.2 * analysis[0]);
+  bw_newton_free(newton);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_uniaxial),
       check_test(test_small_loads_are_linear),
       check_test(test_load_steps_do_not_matter),
       check_test(test_same_bits),
+      check_test(test_kept),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -102,6 +102,45 @@ static void test_the_same(void **state) {
   block_free(&b);
 }
 
+/* Three levels, the coarsest of one material. */
+static void test_levels(void **state) {
+  bw_context *context = check_context(state);
+  block b;
+  bw_newton_options options;
+  bw_solid_static *result, *direct;
+  bw_coarsening *second;
+  bw_solid_material *mean;
+  bw_palette *palette;
+  block_make(context, &b, 9, 10, 0.05);
+  block_coarsen(context, &b);
+  check_ok(context, bw_coarsening_create(context, b.coarse->grid, &second));
+  check_ok(context, bw_solid_material_create(context, "", BW_NEO_HOOKEAN, 3e5, 0.4, 1000, &mean));
+  const bw_solid_material *one = mean;
+  check_ok(context, bw_palette_create(context, 2, &one, &palette));
+  check_ok(context, bw_solid_create(context, second->coarse, palette, NULL, &b.coarse_solid[1]));
+  const bw_coarsening *coarsening[2] = {b.coarse->coarsening[0], second};
+  const bw_solid *coarse[2] = {b.coarse_solid[0], b.coarse_solid[1]};
+  bw_newton_options_default(&options);
+  options.linear = BW_NEWTON_COARSE;
+  options.tolerance = 1e-8;
+  options.coarse_count = 2;
+  options.coarsening = coarsening;
+  options.coarse = coarse;
+  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-8);
+  check_near(bw_grid_difference(b.grid, direct->displacement, result->displacement), 0, 1e-8);
+  assert_true(result->report.cg_iterations < 25 * result->report.iterations);
+  options.coarse = coarse + 1;
+  check_fails(context, BW_INVALID, "coarse solid 1",
+              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  bw_release(result);
+  bw_release(direct);
+  bw_release(palette);
+  bw_release(mean);
+  bw_release(second);
+  block_free(&b);
+}
+
 /* Iterations of one linear solution to 1e-8, small strains. */
 static double iterations(bw_context *context, int32_t n, double contrast, bw_newton_linear linear) {
   block b;
@@ -183,7 +222,8 @@ static void test_misuse(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_the_same), check_test(test_iterations),
-                                     check_test(test_floor), check_test(test_misuse)};
+  const struct CMUnitTest tests[] = {check_test(test_the_same), check_test(test_levels),
+                                     check_test(test_iterations), check_test(test_floor),
+                                     check_test(test_misuse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
