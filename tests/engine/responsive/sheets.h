@@ -53,6 +53,27 @@ static inline bw_plane_mesh *jittered(bw_context *context, bw_plane_mesh *mesh, 
   return moved;
 }
 
+/* The same mesh with what lies above a height as region 1. */
+static inline bw_plane_mesh *in_two(bw_context *context, bw_plane_mesh *mesh, double height) {
+  const bw_plane_topology *t = mesh->topology;
+  const bw_plane_nodes *nodes = t->nodes;
+  int width = nodes->order == 1 ? 3 : 6;
+  bw_plane_mesh *two;
+  int32_t *region = BW_NEW(context, int32_t, t->element_count);
+  for (int32_t e = 0; e < t->element_count; e++) {
+    double y = 0;
+    for (int a = 0; a < 3; a++)
+      y += mesh->point[2 * t->element[e * width + a] + 1] / 3;
+    region[e] = y > height;
+  }
+  check_ok(context, bw_plane_mesh_on(context, mesh->outline, nodes->order, nodes->node_count,
+                                     mesh->point, nodes->segment, nodes->parameter,
+                                     t->element_count, t->element, region, &two));
+  bw_free(region);
+  bw_release(mesh);
+  return two;
+}
+
 /* The same mesh with the middles of inner sides off their chords. */
 static inline bw_plane_mesh *bowed(bw_context *context, bw_plane_mesh *mesh, double by) {
   const bw_plane_nodes *nodes = mesh->topology->nodes;

@@ -16,9 +16,10 @@ static double norm_of(bw_context *context, const bw_plane_mesh *mesh, bool strai
                                 {.tag = LEFT, .component = 1},
                                 {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = 30},
                                 {.tag = TOP, .kind = BW_PRESSURE, .function = push}};
-  bw_sheet_section section = {material, 0.3, strain};
-  bw_sheet_description description = {.section_count = 1,
-                                      .section = &section,
+  bw_sheet_section section[2] = {{material, 0.3, strain}, {material, 0.5, strain}};
+  int32_t last = mesh->topology->region[mesh->topology->element_count - 1];
+  bw_sheet_description description = {.section_count = last + 1,
+                                      .section = section,
                                       .condition_count = 4,
                                       .condition = conditions,
                                       .gravity = {2, -9}};
@@ -37,9 +38,14 @@ static double norm_of(bw_context *context, const bw_plane_mesh *mesh, bool strai
 static void test_differences(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++)
-    for (int kind = 0; kind < 3; kind++) { /* straight, curved, in plane strain */
+    for (int kind = 0; kind < 3; kind++) {
+      /* straight, curved, in plane strain and of two thicknesses */
       bool strain = kind == 2;
       bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 1.2, 1, 3, 3), 0.06);
+      if (kind == 2) {
+        mesh = in_two(context, mesh, 0.5);
+        assert_int_equal(mesh->topology->region[mesh->topology->element_count - 1], 1);
+      }
       int32_t size = 2 * mesh->topology->nodes->node_count;
       double *gradient = BW_NEW(context, double, size), *point = BW_NEW(context, double, size);
       double p = strain ? 8 : 3, largest = 0, h = 1e-5;

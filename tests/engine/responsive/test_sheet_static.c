@@ -349,20 +349,8 @@ static void test_thicknesses(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = isotropic(context, 1e6, 0, 10);
   for (int order = 1; order <= 2; order++) {
-    bw_plane_mesh *grid = rectangle(context, order, 2, 1, 6, 4), *mesh;
-    const bw_plane_topology *t = grid->topology;
-    const bw_plane_nodes *nodes = t->nodes;
-    int width = order == 1 ? 3 : 6;
-    int32_t *region = BW_NEW(context, int32_t, t->element_count);
-    for (int32_t e = 0; e < t->element_count; e++) {
-      double y = 0;
-      for (int a = 0; a < 3; a++)
-        y += grid->point[2 * t->element[e * width + a] + 1] / 3;
-      region[e] = y > 0.5;
-    }
-    check_ok(context, bw_plane_mesh_on(context, grid->outline, order, nodes->node_count,
-                                       grid->point, nodes->segment, nodes->parameter,
-                                       t->element_count, t->element, region, &mesh));
+    bw_plane_mesh *mesh = in_two(context, rectangle(context, order, 2, 1, 6, 4), 0.5);
+    const bw_plane_nodes *nodes = mesh->topology->nodes;
     bw_sheet_section section[2] = {{material, 1, false}, {material, 3, false}};
     bw_condition conditions[4] = {{.tag = LEFT, .component = 0},
                                   {.tag = BOTTOM, .component = 1},
@@ -378,9 +366,7 @@ static void test_thicknesses(void **state) {
       check_near(sheet->displacement[2 * i + 1], 0, 1e-10);
     }
     bw_release(sheet);
-    bw_free(region);
     bw_release(mesh);
-    bw_release(grid);
   }
   bw_release(material);
 }
