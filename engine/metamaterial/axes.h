@@ -11,7 +11,7 @@ enum {
   BWI_DIRECTIONS = 16, /* candidates at a point */
   BWI_CONSTANTS = BWI_OCTANTS * (2 + BWI_FIBRES)
 };
-#define BWI_GRADIENT_WEIGHT 0.5 /* of the gradients of strain against the strains */
+#define BWI_GRADIENT_WEIGHT 0.25 /* of the gradients of strain against the strains */
 
 /* Shapes of a block are told by 18 coordinates in which its stiffness is nearly the identity:
  * unit coordinates have like energies. The first six are uniform strains, the others have

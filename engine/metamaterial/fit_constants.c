@@ -8,6 +8,8 @@
 #include "metamaterial/fit_dense.h"
 #include "nonlinear/law.h"
 
+#define ENERGY_SHARE 0.1 /* of the equation for energy against one for a force */
+
 enum { ROUNDS = 3, SQUARE = BWI_SHAPES * BWI_SHAPES };
 
 /* Energy and gradient for a unit of each constant: 19 numbers a column, energy first. */
@@ -77,7 +79,7 @@ static void add_row(int n, const double *row, double value, double *gram, double
 static void add_sample(int n, const bwi_frame18 *frame, const double *metric,
                        const bwi_sample *sample, columns column, double share, double *gram,
                        double *side) {
-  double row[BWI_CONSTANTS], value, relative = sqrt(share) / sample->energy;
+  double row[BWI_CONSTANTS], value, relative = sqrt(ENERGY_SHARE * share) / sample->energy;
   for (int j = 0; j < n; j++)
     row[j] = column[j][0] * relative;
   add_row(n, row, sample->energy * relative, gram, side);
