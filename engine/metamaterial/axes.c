@@ -16,6 +16,7 @@ enum { ROWS = BWI_SHAPES * (BWI_SHAPES + 1) / 2, SQUARE = BWI_SHAPES * BWI_SHAPE
 #define SAME_DIRECTION 0.999 /* cosine */
 #define FIRST_SPREAD 0.7
 #define STRETCH 0.3
+#define FIBRE_SIZE 0.5 /* of the mean mu: what counts as a fibre's own size */
 
 void bwi_octant_point(int octant, double spread, double at[3]) {
   for (int d = 0; d < 3; d++)
@@ -172,6 +173,7 @@ void bwi_ridge(const bwi_base *base, double ridge, int count, double *gram, doub
   for (int j = 0; j < count; j++) {
     double own = j < 8 ? base->mu[j] : j < 16 ? base->lambda[j - 8] : 0;
     double size = own > 0 ? own : j >= 8 && j < 16 ? base->mean_lambda : base->mean_mu;
+    size *= j < 16 ? 1 : FIBRE_SIZE;
     double stiffness = size > 0 ? ridge * ridge / (size * size) : 0;
     gram[(size_t)j * count + j] += stiffness;
     side[j] += stiffness * own;
