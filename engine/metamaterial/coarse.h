@@ -29,6 +29,10 @@ bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *mak
                                 const bwi_fine_block *block, bw_solid_material **material);
 bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker,
                               const bwi_fine_block *block, bw_solid_material **material);
+/* Of a block of 64, by a library of two levels; *fit is the fit that stands for it. */
+bw_status bwi_level2_material(bw_context *context, const bw_library *library,
+                              const bwi_fine_block *block, double density, int32_t *fit,
+                              bw_solid_material **material);
 /* Materials, laws and constants of the two must be the same, row by row. */
 bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
                            const bw_palette *of_library);

@@ -1,0 +1,467 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Choosing the representatives of level 2.
+ *
+ * Nothing is fitted here: cells and pairs are compared by the linear elasticity of what they are
+ * made of, seen from their corners (bwi_block_stiffness). Only one pair of each set of reflected
+ * ones is looked at. */
+#include "metamaterial/levels.h"
+
+#include <math.h>
+#include <string.h>
+
+void bwi_levels_free(bwi_levels *it) {
+  if (!it)
+    return;
+  for (int s = 0; s < BWI_STAGES; s++) {
+    bw_free(it->chosen[s]);
+    bw_free(it->code[s]);
+    bw_free(it->origin[s]);
+    bw_free(it->how[s]);
+    bw_free(it->flipped[s]);
+  }
+  for (int s = 0; s < 3; s++) {
+    bw_free(it->table[s]);
+    bw_free(it->scale[s]);
+  }
+  bw_free(it->turned);
+  bw_free(it->nearest);
+  bw_free(it->nearest_scale);
+  bw_free(it);
+}
+
+/* ---- lookup -----------------------------------------------------------------------------------
+ */
+
+static int32_t pair_of(const bwi_levels *it, int stage, int32_t a, int32_t b, float *scale) {
+  int64_t code = a + (int64_t)it->count[stage] * b;
+  *scale += it->scale[stage][code] / (float)(4 >> stage);
+  return it->table[stage][code];
+}
+
+/* The symmetry that takes a block to the image whose cells' representatives come first in order;
+ * of images that have the same, the one whose own materials come first. `best` becomes the
+ * representatives there. */
+static int first_image(const bwi_levels *it, const int32_t key[64], const uint16_t cell[8],
+                       uint16_t best[8]) {
+  int chosen = 0;
+  int32_t own[64], other[64];
+  bool have_own = false;
+  memcpy(best, cell, 8 * sizeof *best);
+  for (int s = 1; s < BWI_SYMMETRIES; s++) {
+    uint16_t image[8];
+    bwi_symmetry symmetry = bwi_symmetry_of(s);
+    for (int c = 0; c < 8; c++)
+      image[bwi_symmetry_octant(symmetry, c)] = it->turned[cell[c] * BWI_SYMMETRIES + s];
+    int c = 0;
+    while (c < 8 && image[c] == best[c])
+      c++;
+    if (c < 8 && image[c] > best[c])
+      continue;
+    bwi_symmetry_key(s, 64, key, other);
+    if (c == 8) {
+      if (!have_own)
+        bwi_symmetry_key(chosen, 64, key, own);
+      have_own = true;
+      int p = 0;
+      while (p < 63 && other[p] == own[p])
+        p++;
+      if (other[p] >= own[p])
+        continue;
+    }
+    memcpy(best, image, 8 * sizeof *best);
+    memcpy(own, other, sizeof own);
+    have_own = true;
+    chosen = s;
+  }
+  return chosen;
+}
+
+bwi_level2 bwi_levels_find(const bwi_levels *it, const bwi_keys *keys, const int32_t key[64]) {
+  uint16_t cell[8], best[8];
+  float scale = 0;
+  for (int c = 0; c < 8; c++) {
+    int32_t code = bwi_key_code(keys->base, key + 8 * c), orbit = keys->orbit[code];
+    cell[c] = orbit < 0
+                  ? 0
+                  : it->turned[(int64_t)it->nearest[orbit] * BWI_SYMMETRIES + keys->symmetry[code]];
+    if (orbit >= 0)
+      scale += it->nearest_scale[orbit] / 8;
+  }
+  int chosen = first_image(it, key, cell, best);
+  int32_t x[4], y[2], z;
+  for (int i = 0; i < 4; i++)
+    x[i] = pair_of(it, 0, best[2 * i], best[2 * i + 1], &scale);
+  for (int i = 0; i < 2; i++)
+    y[i] = pair_of(it, 1, x[2 * i], x[2 * i + 1], &scale);
+  z = pair_of(it, 2, y[0], y[1], &scale);
+  return (bwi_level2){it->origin[3][z],
+                      bwi_symmetry_after(bwi_symmetry_inverse(chosen), it->how[3][z]),
+                      exp((double)scale)};
+}
+
+static void cells_of(const bwi_levels *it, int32_t z, int32_t cell[8]) {
+  for (int c = 0; c < 8; c++) {
+    int32_t y = c & 4 ? z / it->count[2] : z % it->count[2];
+    int32_t x = c & 2 ? it->code[2][y] / it->count[1] : it->code[2][y] % it->count[1];
+    cell[c] = c & 1 ? it->code[1][x] / it->count[0] : it->code[1][x] % it->count[0];
+  }
+}
+
+void bwi_levels_block(const bwi_levels *it, int32_t fit, int32_t cell[8]) {
+  cells_of(it, it->chosen[3][fit], cell);
+}
+
+/* ---- choosing -----------------------------------------------------------------------------------
+ */
+
+typedef struct chooser {
+  bw_context *context;
+  bwi_levels *levels;
+  const bwi_keys *keys;
+  bw_solid_material *const *fit;
+  int32_t representatives;
+  int stage;                     /* of the representatives that are chosen */
+  bwi_cover cover;               /* its items: fits, or pairs of the stage before */
+  int32_t *item;                 /* codes of pairs; NULL at stage 0 */
+  uint8_t *images;               /* of each item */
+  double *stiffness[BWI_STAGES]; /* count x 576, of representatives */
+  float *mean;                   /* stage 3: of features, taken off them */
+  uint8_t *solid[BWI_STAGES];    /* count, of representatives: without void */
+} chooser;
+
+static void to_features(const double stiffness[576], float feature[BWI_FEATURES]) {
+  double wide[BWI_FEATURES];
+  bwi_features(stiffness, wide);
+  for (int k = 0; k < BWI_FEATURES; k++)
+    feature[k] = (float)wide[k];
+}
+
+static float take_mean_off(float feature[BWI_FEATURES]) {
+  double mean = 0;
+  for (int k = 0; k < BWI_FEATURES; k++)
+    mean += feature[k] / (double)BWI_FEATURES;
+  for (int k = 0; k < BWI_FEATURES; k++)
+    feature[k] -= (float)mean;
+  return (float)mean;
+}
+
+/* Stiffness of an item in its own place. */
+static void item_stiffness(const chooser *it, int32_t i, double stiffness[576]) {
+  static const int32_t size[BWI_STAGES][3] = {{1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}};
+  if (it->stage == 0) {
+    bwi_material_stiffness(it->fit[i], stiffness);
+    return;
+  }
+  int32_t n = it->levels->count[it->stage - 1], pair[2] = {it->item[i] % n, it->item[i] / n};
+  const double *child[8] = {NULL};
+  for (int p = 0; p < 2; p++)
+    if (pair[p] > 0)
+      child[p] = it->stiffness[it->stage - 1] + 576 * (int64_t)pair[p];
+  bwi_block_stiffness(size[it->stage], child, stiffness);
+}
+
+static bool is_solid(const chooser *it, int32_t i) {
+  if (it->stage > 0) {
+    int32_t n = it->levels->count[it->stage - 1];
+    const uint8_t *solid = it->solid[it->stage - 1];
+    return solid[it->item[i] % n] && solid[it->item[i] / n];
+  }
+  int32_t key[8];
+  bwi_key_of(it->keys->base, it->keys->first[i], key);
+  for (int c = 0; c < 8; c++)
+    if (key[c] == 0)
+      return false;
+  return true;
+}
+
+/* Which symmetries of this stage take an item into itself, and how many images it has. */
+static void item_symmetries(const chooser *it, int32_t i) {
+  int total = it->stage == 0 ? BWI_SYMMETRIES : BWI_FLIPS, own = 0;
+  int32_t key[8], image[8];
+  uint64_t mask = 0;
+  if (it->stage == 0)
+    bwi_key_of(it->keys->base, it->keys->first[i], key);
+  for (int s = 0; s < total; s++) {
+    bool same;
+    if (it->stage == 0) {
+      bwi_symmetry_key(s, 8, key, image);
+      same = memcmp(key, image, sizeof key) == 0;
+    } else {
+      same = bwi_pair_flipped(it->levels, it->stage - 1, it->item[i], s) == it->item[i];
+    }
+    mask |= same ? (uint64_t)1 << s : 0;
+    own += same;
+  }
+  it->cover.mask[i] = mask | (is_solid(it, i) ? BWI_SOLID : 0);
+  it->images[i] = (uint8_t)(total / own);
+}
+
+/* Whether lookup can arrive at this pair along z exactly: of the block's images under all
+ * symmetries one of its reflections comes first. */
+static bool can_be_found(const bwi_levels *it, int32_t z) {
+  int32_t cell[8], image[8], first[8];
+  cells_of(it, z, cell);
+  memcpy(first, cell, sizeof first);
+  for (int s = 1; s < BWI_SYMMETRIES; s++) {
+    bwi_symmetry symmetry = bwi_symmetry_of(s);
+    for (int c = 0; c < 8; c++)
+      image[bwi_symmetry_octant(symmetry, c)] = it->turned[cell[c] * BWI_SYMMETRIES + s];
+    int c = 0;
+    while (c < 7 && image[c] == first[c])
+      c++;
+    if (image[c] >= first[c])
+      continue;
+    if (s >= BWI_FLIPS)
+      return false;
+    memcpy(first, image, sizeof first);
+  }
+  return true;
+}
+
+static bw_status measure_some(void *data, int64_t begin, int64_t end, int worker) {
+  chooser *it = (chooser *)data;
+  bw_status status = bw_check_cancel(it->context);
+  double stiffness[576];
+  (void)worker;
+  for (int64_t i = begin; i < end && status == BW_OK; i++) {
+    float *feature = it->cover.coordinate + BWI_FEATURES * i;
+    item_stiffness(it, (int32_t)i, stiffness);
+    to_features(stiffness, feature);
+    if (it->mean)
+      it->mean[i] = take_mean_off(feature);
+    item_symmetries(it, (int32_t)i);
+    if (it->stage == 3 && !can_be_found(it->levels, it->item[i]))
+      it->images[i] = UINT8_MAX; /* never chosen */
+  }
+  return status;
+}
+
+/* The symmetries that the image of an item by `s` has: s m s^-1 for each m that the item has. */
+static uint64_t image_mask(const chooser *it, uint64_t mask, int s) {
+  uint64_t image = mask & BWI_SOLID;
+  if (it->stage > 0)
+    return mask; /* reflections commute */
+  for (int m = 0; m < BWI_SYMMETRIES; m++)
+    if (mask >> m & 1)
+      image |= (uint64_t)1 << bwi_symmetry_after(s, bwi_symmetry_after(m, bwi_symmetry_inverse(s)));
+  return image;
+}
+
+/* An item becomes chosen, and its images representatives. At stage 0 the images are those of its
+ * key, found in the same order as bwi_levels_expand_cells finds them; at others those of its pair.
+ */
+static bw_status choose(chooser *it, int32_t i) {
+  bw_status status = BW_OK;
+  bwi_levels *levels = it->levels;
+  int s = it->stage, total = s == 0 ? BWI_SYMMETRIES : BWI_FLIPS, found = 0;
+  int32_t seen[BWI_SYMMETRIES], key[8], image[8];
+  double own[576], turned[576];
+  levels->chosen[s][levels->chosen_count[s]++] = s == 0 ? i : it->item[i];
+  item_stiffness(it, i, own);
+  if (s == 0)
+    bwi_key_of(it->keys->base, it->keys->first[i], key);
+  for (int g = 0; g < total; g++) {
+    int32_t code;
+    float feature[BWI_FEATURES];
+    bool known = false;
+    if (s == 0) {
+      bwi_symmetry_key(g, 8, key, image);
+      code = bwi_key_code(it->keys->base, image);
+    } else {
+      code = bwi_pair_flipped(levels, s - 1, it->item[i], g);
+    }
+    for (int k = 0; k < found; k++)
+      known = known || seen[k] == code;
+    if (known)
+      continue;
+    seen[found++] = code;
+    bwi_symmetry_stiffness(g, own, turned);
+    memcpy(it->stiffness[s] + 576 * (int64_t)levels->count[s], turned, sizeof turned);
+    it->solid[s][levels->count[s]] = (it->cover.mask[i] & BWI_SOLID) != 0;
+    to_features(turned, feature);
+    if (it->mean)
+      take_mean_off(feature);
+    BW_TRY(bwi_cover_add(&it->cover, feature, image_mask(it, it->cover.mask[i], g),
+                         levels->count[s]++));
+  }
+done:
+  return status;
+}
+
+/* What is chosen first: blocks of one material alone, so that homogeneous bodies are exact. */
+static bool is_uniform(const chooser *it, int32_t i) {
+  if (it->stage > 0) {
+    int32_t n = it->levels->count[it->stage - 1], a = it->item[i] % n;
+    return a == it->item[i] / n && a >= 1 && a < it->keys->base;
+  }
+  int32_t key[8];
+  bwi_key_of(it->keys->base, it->keys->first[i], key);
+  for (int c = 1; c < 8; c++)
+    if (key[c] != key[0])
+      return false;
+  return true;
+}
+
+static bw_status choose_all(chooser *it) {
+  bw_status status = BW_OK;
+  bwi_levels *levels = it->levels;
+  int s = it->stage;
+  /* At stage 3 what is chosen is limited, else what it becomes. */
+  bool limit_images = s < 3;
+  int32_t most = it->representatives, images = s == 0 ? BWI_SYMMETRIES : BWI_FLIPS;
+  static const char *const name[] = {"representatives of cells", "pairs along x", "pairs along y",
+                                     "pairs along z"};
+  levels->chosen[s] = BW_NEW(it->context, int32_t, most);
+  int64_t room = 1 + (int64_t)most * (limit_images ? 1 : images);
+  it->stiffness[s] = BW_NEW0(it->context, double, 576 * room);
+  it->solid[s] = BW_NEW0(it->context, uint8_t, room);
+  if (!levels->chosen[s] || !it->stiffness[s] || !it->solid[s])
+    return BW_MEMORY;
+  levels->count[s] = 1;
+  BW_TRY(bw_parallel(it->context, it->cover.count, 64, measure_some, it));
+  for (int32_t i = 0; i < it->cover.count; i++)
+    if (is_uniform(it, i) && levels->count[s] <= most)
+      BW_TRY(choose(it, i));
+  for (;;) {
+    int32_t have = limit_images ? levels->count[s] - 1 : levels->chosen_count[s];
+    if (have >= most)
+      break;
+    int32_t room_left = limit_images ? most - have : images;
+    /* Blocks with void are far from everything; those without are what bodies are mostly made of.
+     * Every second choice is among these. */
+    int32_t next = -1;
+    if (levels->chosen_count[s] % 2)
+      next = bwi_cover_farthest(&it->cover, BWI_SOLID, it->images, room_left);
+    if (next < 0)
+      next = bwi_cover_farthest(&it->cover, 0, it->images, room_left);
+    if (next < 0)
+      break;
+    BW_TRY(bw_check_cancel(it->context));
+    bw_progress(it->context, name[s], (double)have / most);
+    BW_TRY(choose(it, next));
+  }
+  bwi_cover_measure(&it->cover, &levels->typical[s], &levels->most[s]);
+done:
+  return status;
+}
+
+/* How much stiffer item i is than what stands for it, as the mean logarithm. */
+static float scale_of(const chooser *it, int32_t i, const float *feature_of_nearest) {
+  double sum = 0;
+  for (int k = 0; k < BWI_FEATURES; k++)
+    sum += it->cover.coordinate[(int64_t)i * BWI_FEATURES + k] - feature_of_nearest[k];
+  return (float)(sum / BWI_FEATURES) + (it->mean ? it->mean[i] : 0);
+}
+
+/* What stands for each item, and the scales. */
+static bw_status assign(chooser *it, uint16_t *representative, float *scale) {
+  int32_t r = -1;
+  float feature[BWI_FEATURES], mean = 0;
+  for (int32_t i = 0; i < it->cover.count; i++) {
+    if (it->cover.nearest[i] < 0)
+      return bw_fail(it->context, BW_INTERNAL, "nothing stands for item %d of stage %d", (int)i,
+                     it->stage);
+    if (it->cover.nearest[i] != r) {
+      r = it->cover.nearest[i];
+      to_features(it->stiffness[it->stage] + 576 * (int64_t)r, feature);
+      mean = it->mean ? take_mean_off(feature) : 0;
+    }
+    representative[i] = (uint16_t)r;
+    scale[i] = scale_of(it, i, feature) - mean;
+  }
+  return BW_OK;
+}
+
+static bw_status begin_stage(chooser *it, int stage, int32_t count) {
+  bw_status status = BW_OK;
+  it->stage = stage;
+  BW_TRY(bwi_cover_begin(it->context, count, &it->cover));
+  it->images = BW_NEW0(it->context, uint8_t, count);
+  it->mean = stage == 3 ? BW_NEW0(it->context, float, count) : NULL;
+  if (!it->images || (stage == 3 && !it->mean))
+    status = BW_MEMORY;
+done:
+  return status;
+}
+
+static void end_stage(chooser *it) {
+  bwi_cover_clear(&it->cover);
+  bw_free(it->images);
+  bw_free(it->item);
+  bw_free(it->mean);
+  it->images = NULL;
+  it->item = NULL;
+  it->mean = NULL;
+}
+
+static bw_status choose_cells(chooser *it) {
+  bw_status status = BW_OK;
+  bwi_levels *levels = it->levels;
+  int32_t count = it->keys->orbit_count;
+  BW_TRY(begin_stage(it, 0, count));
+  BW_TRY(choose_all(it));
+  levels->nearest = BW_NEW0(it->context, uint16_t, count);
+  levels->nearest_scale = BW_NEW0(it->context, float, count);
+  if (!levels->nearest || !levels->nearest_scale) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(assign(it, levels->nearest, levels->nearest_scale));
+  BW_TRY(bwi_levels_expand_cells(it->context, levels, it->keys));
+done:
+  end_stage(it);
+  return status;
+}
+
+static bw_status choose_pairs(chooser *it, int stage) {
+  bw_status status = BW_OK;
+  bwi_levels *levels = it->levels;
+  int32_t count = 0, *item = NULL;
+  uint16_t *representative = NULL;
+  float *scale = NULL;
+  BW_TRY(bwi_levels_items(it->context, levels, stage - 1, &item, &count));
+  it->item = item;
+  BW_TRY(begin_stage(it, stage, count));
+  BW_TRY(choose_all(it));
+  representative = BW_NEW0(it->context, uint16_t, count);
+  scale = BW_NEW0(it->context, float, count);
+  if (!representative || !scale) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(assign(it, representative, scale));
+  BW_TRY(bwi_levels_expand_pairs(it->context, levels, stage));
+  BW_TRY(bwi_levels_fill_table(it->context, levels, stage - 1, count, item, representative, scale));
+done:
+  bw_free(representative);
+  bw_free(scale);
+  end_stage(it);
+  return status;
+}
+
+bw_status bwi_levels_create(bw_context *context, const bwi_keys *keys,
+                            bw_solid_material *const *fit, int32_t representatives,
+                            bwi_levels **out) {
+  bw_status status = BW_OK;
+  chooser it;
+  memset(&it, 0, sizeof it);
+  it.context = context;
+  it.keys = keys;
+  it.fit = fit;
+  it.representatives = representatives;
+  it.levels = BW_NEW0(context, bwi_levels, 1);
+  if (!it.levels)
+    return BW_MEMORY;
+  BW_TRY(choose_cells(&it));
+  for (int s = 1; s < BWI_STAGES; s++)
+    BW_TRY(choose_pairs(&it, s));
+  *out = it.levels;
+  it.levels = NULL;
+done:
+  for (int s = 0; s < BWI_STAGES; s++)
+    bw_free(it.stiffness[s]);
+  for (int s = 0; s < BWI_STAGES; s++)
+    bw_free(it.solid[s]);
+  bwi_levels_free(it.levels);
+  return status;
+}

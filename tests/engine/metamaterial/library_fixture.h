@@ -1,0 +1,150 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Libraries for tests, with made-up fits: as symmetric as their blocks, quick to make. */
+#ifndef LIBRARY_FIXTURE_H
+#define LIBRARY_FIXTURE_H
+
+#include "check.h"
+
+#include "metamaterial/library.h"
+
+static inline bw_palette *fixture_palette(bw_context *context, int count) {
+  static const double young[] = {1e5, 1e6, 1e7, 2e6}, density[] = {1000, 1200, 900, 1100};
+  static const char *const name[] = {"soft", "middle", "stiff", "other"};
+  bw_solid_material *material[4];
+  bw_palette *palette;
+  for (int i = 0; i < count; i++)
+    check_ok(context,
+             bw_solid_material_create(context, name[i], i == 3 ? BW_COROTATED : BW_NEO_HOOKEAN,
+                                      young[i], 0.45, density[i], &material[i]));
+  check_ok(context, bw_palette_create(context, count + 1,
+                                      (const bw_solid_material *const *)material, &palette));
+  for (int i = 0; i < count; i++)
+    bw_release(material[i]);
+  return palette;
+}
+
+/* A material for a block: its children's constants by a factor that depends on how mixed it is, and
+ * three fibres along the axes. */
+static inline bw_solid_material *fixture_fit(bw_context *context,
+                                             const bw_solid_material *const child[8]) {
+  int n = 8;
+  uint8_t law[64];
+  double mu[64], lambda[64], stiffness[192], fibre[576] = {0}, sum_mu = 0, sum_lambda = 0;
+  double density = 0, factor = 1;
+  int there = 0;
+  for (int c = 0; c < 8; c++) {
+    n = child[c] && child[c]->rule->level == 1 ? 64 : n;
+  }
+  for (int c = 0; c < 8; c++)
+    for (int d = 0; d < c; d++)
+      factor -= (child[c] == NULL) != (child[d] == NULL) ? 0.01 : 0;
+  for (int p = 0; p < n; p++) {
+    const bw_solid_material *m = child[n == 8 ? p : p / 8];
+    int q = n == 8 ? 0 : p % 8;
+    law[p] = m ? m->law[q] : BWI_VOID_LAW;
+    mu[p] = m ? factor * m->mu[q] : 0;
+    lambda[p] = m ? factor * m->lambda[q] : 0;
+    density += m ? m->density / n : 0;
+    sum_mu += mu[p];
+    sum_lambda += lambda[p];
+    there += m != NULL;
+  }
+  for (int p = 0; p < n; p++) {
+    if (!child[n == 8 ? p : p / 8]) {
+      mu[p] = BWI_VOID_PART * sum_mu / there;
+      lambda[p] = BWI_VOID_PART * sum_lambda / there;
+    }
+    for (int f = 0; f < 3; f++) {
+      stiffness[3 * p + f] = 0.1 * mu[p];
+      fibre[3 * (3 * p + f) + f] = 1;
+    }
+  }
+  const double spread[3] = {0.9, 0.9, 0.9};
+  bw_rule *rule;
+  bw_solid_material *fit;
+  check_ok(context, bw_rule_create_spread(context, n == 8 ? 1 : 2, spread, &rule));
+  check_ok(context, bw_solid_material_points(context, "made up", rule, density, law, mu, lambda, 3,
+                                             stiffness, fibre, &fit));
+  bw_release(rule);
+  return fit;
+}
+
+static inline void fixture_keep(bw_context *context, bw_library *library, int level, int32_t f,
+                                bw_solid_material *fit) {
+  bwi_pack packed;
+  bw_fit_error error = {0.01 + 1e-5 * f, 0.05, 0.5, 1, 0.02, 0.3, 10};
+  bwi_pack_begin(&packed, context);
+  bwi_pack_fit(&packed, fit, &error);
+  bwi_unpack from = {context, "fixture", "fit", packed.bytes, packed.bytes + packed.count, false};
+  check_ok(context, bwi_unpack_fit(&from, level, f, &library->inner->fit[level - 1][f],
+                                   &library->inner->error[level - 1][f]));
+  bwi_pack_clear(&packed);
+  bw_release(fit);
+}
+
+static inline bw_library *fixture_library(bw_context *context, int materials, bool voids,
+                                          int levels, int representatives) {
+  bw_palette *palette = fixture_palette(context, materials);
+  bw_library_options options;
+  bw_library *library;
+  bw_library_options_default(&options);
+  options.levels = levels;
+  options.voids = voids;
+  options.representatives = representatives;
+  check_ok(context, bwi_library_begin(context, palette, &options, &library));
+  for (int32_t f = 0; f < library->fit_count[0]; f++) {
+    int32_t key[8];
+    const bw_solid_material *child[8];
+    bwi_key_of(palette->count, library->inner->keys->first[f], key);
+    for (int c = 0; c < 8; c++)
+      child[c] = palette->material[key[c]];
+    fixture_keep(context, library, 1, f, fixture_fit(context, child));
+  }
+  if (levels == 2) {
+    check_ok(context, bwi_levels_create(context, library->inner->keys, library->inner->fit[0],
+                                        representatives, &library->inner->levels));
+    check_ok(context,
+             bwi_library_room(context, library, 2, library->inner->levels->chosen_count[3]));
+    for (int32_t f = 0; f < library->fit_count[1]; f++) {
+      bw_solid_material *child[8];
+      check_ok(context, bwi_level2_block(context, library, f, child));
+      fixture_keep(context, library, 2, f,
+                   fixture_fit(context, (const bw_solid_material *const *)child));
+      for (int c = 0; c < 8; c++)
+        bw_release(child[c]);
+    }
+  }
+  bw_release(palette);
+  return library;
+}
+
+static inline void fixture_same(const bw_library *a, const bw_library *b) {
+  assert_int_equal(a->palette->count, b->palette->count);
+  assert_int_equal(a->levels, b->levels);
+  for (int l = 0; l < a->levels; l++) {
+    assert_int_equal(a->fit_count[l], b->fit_count[l]);
+    for (int32_t f = 0; f < a->fit_count[l]; f++) {
+      const bw_solid_material *m = a->inner->fit[l][f], *n = b->inner->fit[l][f];
+      size_t points = (size_t)m->rule->count, fibres = points * (size_t)m->fibre_count;
+      assert_string_equal(m->name, n->name);
+      assert_int_equal(m->fibre_count, n->fibre_count);
+      assert_memory_equal(m->rule->spread, n->rule->spread, sizeof m->rule->spread);
+      assert_memory_equal(m->law, n->law, points);
+      assert_memory_equal(m->mu, n->mu, points * sizeof(double));
+      assert_memory_equal(m->lambda, n->lambda, points * sizeof(double));
+      assert_memory_equal(m->fibre_stiffness, n->fibre_stiffness, fibres * sizeof(double));
+      assert_memory_equal(m->fibre, n->fibre, 3 * fibres * sizeof(double));
+      assert_memory_equal(&a->error[l][f], &b->error[l][f], sizeof a->error[l][f]);
+    }
+  }
+  const bwi_levels *p = a->inner->levels, *q = b->inner->levels;
+  assert_int_equal(p == NULL, q == NULL);
+  for (int s = 0; p && s < 3; s++) {
+    size_t pairs = (size_t)p->count[s] * (size_t)p->count[s];
+    assert_int_equal(p->count[s], q->count[s]);
+    assert_memory_equal(p->table[s], q->table[s], pairs * sizeof *p->table[s]);
+    assert_memory_equal(p->scale[s], q->scale[s], pairs * sizeof *p->scale[s]);
+  }
+}
+
+#endif
