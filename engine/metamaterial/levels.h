@@ -51,7 +51,9 @@ typedef struct bwi_level2 {
   double factor;
 } bwi_level2;
 bwi_level2 bwi_levels_find(const bwi_levels *levels, const bwi_keys *keys, const int32_t key[64]);
-/* The representatives of stage 0 in the block that fit f of level 2 is of. */
+/* The representatives of stage 0 in a pair along z, by its code. */
+void bwi_levels_cells(const bwi_levels *levels, int32_t z, int32_t cell[8]);
+/* The same of the block that fit f of level 2 is of. */
 void bwi_levels_block(const bwi_levels *levels, int32_t fit, int32_t cell[8]);
 
 /* ---- making them, also from a file (levels_expand.c) -------------------------------------------

@@ -297,7 +297,9 @@ bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_m
   for (int i = 0; i < 6; i++)
     numbers[i] = bwi_unpack_f32(from);
   uint32_t samples = bwi_unpack_u32(from);
-  if (!from->short_of && ((int)its_level != level || fibres > 3))
+  if (from->short_of)
+    return bwi_unpack_end(from);
+  if ((int)its_level != level || fibres > 3)
     return bwi_unpack_fail(from, "fit %d is of level %u with %u fibres", (int)number + 1, its_level,
                            fibres);
   const unsigned char *laws = bwi_unpack_bytes(from, n);

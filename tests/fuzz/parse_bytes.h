@@ -10,6 +10,7 @@
 
 #include "barwright.h"
 #include "io/raw.h"
+#include "metamaterial/library.h"
 #include "shape/internal.h"
 
 static inline void parse_require(int condition) {
@@ -110,6 +111,41 @@ static inline void parse_outline(const char *name, const unsigned char *bytes, s
   bw_release(outline);
 }
 
+/* A whole file, whose checksums stop most damage; then the bytes as its sections, unpacked: each
+ * behind its length in four bytes. */
+static inline void parse_library(const unsigned char *bytes, size_t count) {
+  bw_context *context = parse_context();
+  bw_library *library = NULL;
+  bwi_section section[BWI_SECTIONS] = {{bytes, 0}};
+  for (int way = 0; way < 2; way++) {
+    bw_status status = way ? bwi_library_of_sections(context, "a.bwm", section, &library)
+                           : bw_library_parse(context, "a.bwm", bytes, count, &library);
+    parse_require((status == BW_OK) == (library != NULL));
+    parse_require(status == BW_OK || bw_message(context)[0]);
+    if (library) {
+      const int32_t key[64] = {1};
+      bw_solid_material *material = NULL;
+      char *text;
+      parse_require(bw_library_describe(context, library, &text) == BW_OK);
+      bw_free(text);
+      for (int level = 1; level <= library->levels; level++) {
+        parse_require(bw_library_material(context, library, level, key, &material, NULL) == BW_OK);
+        bw_release(material);
+      }
+    }
+    bw_release(library);
+    library = NULL;
+    for (size_t s = 0, at = 0; s < BWI_SECTIONS; s++) {
+      size_t length = 0;
+      for (size_t i = 0; i < 4 && at < count; i++)
+        length |= (size_t)bytes[at++] << 8 * i;
+      section[s].bytes = bytes + at;
+      section[s].count = length < count - at ? length : count - at;
+      at += section[s].count;
+    }
+  }
+}
+
 /* By the name of the format: "stl", "msh", ... The bytes are copied to a block of their exact
  * size, so that the address sanitizer sees a read past the end. */
 static inline void parse_bytes(const char *format, const unsigned char *bytes, size_t count) {
@@ -128,6 +164,8 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
     parse_skeleton(copy, count);
   } else if (strcmp(format, "svg") == 0 || strcmp(format, "dxf") == 0) {
     parse_outline(name, copy, count);
+  } else if (strcmp(format, "bwm") == 0) {
+    parse_library(copy, count);
   } else {
     parse_surface(name, copy, count);
     bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||

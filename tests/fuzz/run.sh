@@ -7,7 +7,7 @@ set -eu
 seconds=${1:?usage: tests/fuzz/run.sh SECONDS [FORMAT...]}
 shift
 root=$(cd "$(dirname "$0")/../.." && pwd)
-formats=${*:-stl obj off ply msh vtu medit tetgen inp tgf svg dxf}
+formats=${*:-stl obj off ply msh vtu medit tetgen inp tgf svg dxf bwm}
 build=$root/build-fuzz
 CC=clang CXX=clang++ cmake -G Ninja -S "$root" -B "$build" -DBARWRIGHT_FUZZ=ON >/dev/null
 targets=""

@@ -111,6 +111,7 @@ REPLAY(inp)
 REPLAY(tgf)
 REPLAY(svg)
 REPLAY(dxf)
+REPLAY(bwm)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
@@ -119,6 +120,6 @@ int main(void) {
       cmocka_unit_test(replay_msh),   cmocka_unit_test(replay_vtu),
       cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
       cmocka_unit_test(replay_inp),   cmocka_unit_test(replay_tgf),
-      cmocka_unit_test(replay_svg),   cmocka_unit_test(replay_dxf)};
+      cmocka_unit_test(replay_svg),   cmocka_unit_test(replay_dxf), cmocka_unit_test(replay_bwm)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
