@@ -191,7 +191,7 @@ static bw_status finish(bw_context *context, bw_coarse *it, const rows *list, in
   bw_grid *grid = NULL;
   int32_t count = 0, *row = BW_NEW0(context, int32_t, list->count + 1);
   const bw_solid_material **used = BW_NEW(context, const bw_solid_material *, list->count);
-  int32_t *material = BW_NEW0(context, int32_t, bwi_grid_cells(shape->cells));
+  int32_t *material = BW_NEW(context, int32_t, shape->element_count);
   size_t w = (size_t)list->width;
   it->inner->key = BW_NEW(context, int32_t, w * (size_t)list->count);
   if (!row || !used || !material || !it->inner->key) {
@@ -205,12 +205,11 @@ static bw_status finish(bw_context *context, bw_coarse *it, const rows *list, in
       memcpy(it->inner->key + w * (size_t)count, list->key + w * from, w * sizeof *list->key);
       row[id[e]] = ++count;
     }
-    material[shape->cell[e]] = row[id[e]];
+    material[e] = row[id[e]];
   }
   BW_TRY(bw_palette_create(context, count + 1, used, &palette));
   it->palette = palette;
-  BW_TRY(
-      bw_grid_create(context, shape->origin, shape->spacing, shape->cells, material, NULL, &grid));
+  BW_TRY(bw_grid_with_materials(context, shape, material, &grid));
   it->grid = grid;
 done:
   bw_free(row);
