@@ -1,50 +1,54 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The material of a block of 64: its own cells' constants of level 1, softened as the block that
- * stands for it was softened by its fit.
+/* The material of a block of 64: its own cells, softened as the block that stands for it was
+ * softened by its fit.
  *
- * Representatives are few, and stand for blocks that are stiffer or softer in places. So their
- * fitted constants are not taken as they are, but as factors on those of their cells (fits of level
- * 1, which are exact for both). A cell that is the same in both takes the constants of the fit
- * themselves, so that a representative is given its own fit. */
+ * A fit of level 2 has a point for each cell. Representatives are few, and stand for blocks that
+ * are stiffer or softer in places; so their fitted constants are not taken as they are, but as
+ * factors on the constants of their cells (the means of what was fitted at level 1, which is known
+ * for both). A cell that is the same in both so has the constants of the fit, and a representative
+ * is given its own fit. */
 #include <math.h>
 #include <string.h>
 
 #include "metamaterial/coarse.h"
 #include "metamaterial/library.h"
+#include "nonlinear/internal.h"
 
-/* Constants of a cell of level 1, turned as it lies. */
+/* A cell as one point: means of its fit of level 1. */
 typedef struct cell {
   int32_t code;
   bool empty;
-  uint8_t law[8];
-  double mu[8], lambda[8], sum_mu, sum_lambda;
+  uint8_t law;
+  double mu, lambda;
 } cell;
 
-static void take_cell(const bw_library *library, int32_t code, cell *it) {
+static cell take_cell(const bw_library *library, int32_t code) {
   const bwi_keys *keys = library->inner->keys;
-  memset(it, 0, sizeof *it);
-  it->code = code;
-  it->empty = keys->orbit[code] < 0;
-  if (it->empty)
-    return;
+  cell it = {code, keys->orbit[code] < 0, BWI_VOID_LAW, 0, 0};
+  int32_t key[8];
+  int votes[BW_LAWS] = {0};
+  if (it.empty)
+    return it;
   const bw_solid_material *fit = library->inner->fit[0][keys->orbit[code]];
-  bwi_symmetry symmetry = bwi_symmetry_of(keys->symmetry[code]);
+  bwi_key_of(keys->base, code, key);
   for (int p = 0; p < 8; p++) {
-    int to = bwi_symmetry_octant(symmetry, p);
-    it->law[to] = fit->law[p];
-    it->mu[to] = fit->mu[p];
-    it->lambda[to] = fit->lambda[p];
-    it->sum_mu += fit->mu[p];
-    it->sum_lambda += fit->lambda[p];
+    it.mu += fit->mu[p] / 8;
+    it.lambda += fit->lambda[p] / 8;
+    if (key[p] > 0)
+      votes[library->palette->material[key[p]]->law[0]]++;
   }
+  it.law = 0;
+  for (uint8_t l = 1; l < BW_LAWS; l++)
+    it.law = votes[l] > votes[it.law] ? l : it.law;
+  return it;
 }
 
-/* The fit of level 2 that stands for the block, turned into its place, with its cells. */
+/* The fit of level 2 that stands for a block, turned into its place, with its cells. */
 typedef struct stand_in {
   cell cell[8];
-  double mu[64], lambda[64], stiffness[192], fibre[576], spread[3];
-  double sum_mu[8], sum_lambda[8]; /* of the fit, by cell */
-  double factor_mu, factor_lambda; /* of the whole: fitted over its cells */
+  uint8_t law[8];
+  double mu[8], lambda[8], stiffness[24], fibre[72], spread[3];
+  double factor_mu, factor_lambda; /* fitted over own, of the whole */
 } stand_in;
 
 static void take_stand_in(const bw_library *library, bwi_level2 found, stand_in *it) {
@@ -54,34 +58,25 @@ static void take_stand_in(const bw_library *library, bwi_level2 found, stand_in 
   size_t fibres = (size_t)fit->fibre_count;
   int32_t before[8];
   double fitted_mu = 0, fitted_lambda = 0, own_mu = 0, own_lambda = 0;
-  memset(it->sum_mu, 0, sizeof it->sum_mu);
-  memset(it->sum_lambda, 0, sizeof it->sum_lambda);
   bwi_levels_block(levels, found.fit, before);
   for (int c = 0; c < 8; c++) {
-    int to = bwi_symmetry_octant(symmetry, c);
+    size_t to = (size_t)bwi_symmetry_octant(symmetry, c);
     int32_t turned = levels->turned[before[c] * BWI_SYMMETRIES + found.symmetry];
-    take_cell(library, levels->code[0][turned], &it->cell[to]);
-  }
-  for (int p = 0; p < 64; p++) {
-    int c = bwi_symmetry_octant(symmetry, p / 8);
-    size_t to = (size_t)(8 * c + bwi_symmetry_octant(symmetry, p % 8));
-    it->mu[to] = fit->mu[p];
-    it->lambda[to] = fit->lambda[p];
-    it->sum_mu[c] += fit->mu[p];
-    it->sum_lambda[c] += fit->lambda[p];
+    it->cell[to] = take_cell(library, levels->code[0][turned]);
+    it->law[to] = fit->law[c];
+    it->mu[to] = fit->mu[c];
+    it->lambda[to] = fit->lambda[c];
     for (size_t f = 0; f < fibres; f++) {
-      it->stiffness[to * fibres + f] = fit->fibre_stiffness[(size_t)p * fibres + f];
-      bwi_symmetry_vector(symmetry, fit->fibre + 3 * ((size_t)p * fibres + f),
+      it->stiffness[to * fibres + f] = fit->fibre_stiffness[(size_t)c * fibres + f];
+      bwi_symmetry_vector(symmetry, fit->fibre + 3 * ((size_t)c * fibres + f),
                           it->fibre + 3 * (to * fibres + f));
     }
-  }
-  for (int c = 0; c < 8; c++) {
-    if (it->cell[c].empty)
+    if (it->cell[to].empty)
       continue;
-    fitted_mu += it->sum_mu[c];
-    fitted_lambda += it->sum_lambda[c];
-    own_mu += it->cell[c].sum_mu;
-    own_lambda += it->cell[c].sum_lambda;
+    fitted_mu += it->mu[to];
+    fitted_lambda += it->lambda[to];
+    own_mu += it->cell[to].mu;
+    own_lambda += it->cell[to].lambda;
   }
   it->factor_mu = own_mu > 0 ? fitted_mu / own_mu : 1;
   it->factor_lambda = own_lambda > 0 ? fitted_lambda / own_lambda : 1;
@@ -90,8 +85,20 @@ static void take_stand_in(const bw_library *library, bwi_level2 found, stand_in 
 }
 
 /* Fitted over own, where both mean something. */
-static double factor(double fitted, double own, double else_) {
-  return own > 0 && isfinite(fitted / own) ? fitted / own : else_;
+static double factor(double fitted, double own, double otherwise) {
+  return own > 0 && isfinite(fitted / own) ? fitted / own : otherwise;
+}
+
+/* The mean part of a cell's elements that is inside. */
+static double part_of(const bwi_fine_block *block, int c) {
+  double sum = 0;
+  int count = 0;
+  for (int p = 8 * c; p < 8 * c + 8; p++)
+    if (block->key[p] > 0) {
+      sum += fmax(block->fraction[p], BWI_LEAST_FRACTION);
+      count++;
+    }
+  return count > 0 ? sum / count : 1;
 }
 
 bw_status bwi_level2_material(bw_context *context, const bw_library *library,
@@ -101,42 +108,48 @@ bw_status bwi_level2_material(bw_context *context, const bw_library *library,
   bwi_level2 found = bwi_levels_find(library->inner->levels, library->inner->keys, block->key);
   const bw_solid_material *of = library->inner->fit[1][found.fit];
   size_t fibres = (size_t)of->fibre_count;
-  stand_in it;
-  uint8_t law[64];
-  double mu[64], lambda[64], stiffness[192], mean_mu = 0, mean_lambda = 0;
   bw_rule *rule = NULL;
+  stand_in it;
+  cell own[8];
+  double mean_mu = 0, mean_lambda = 0;
   int there = 0;
   take_stand_in(library, found, &it);
   for (int c = 0; c < 8; c++) {
-    cell own;
     const cell *its = &it.cell[c];
-    take_cell(library, bwi_key_code(library->inner->keys->base, block->key + 8 * c), &own);
-    bool same = own.code == its->code;
-    double by_mu = its->empty ? it.factor_mu : factor(it.sum_mu[c], its->sum_mu, it.factor_mu);
-    double by_lambda =
-        its->empty ? it.factor_lambda : factor(it.sum_lambda[c], its->sum_lambda, it.factor_lambda);
-    double by_fibre = same ? 1 : its->empty ? 0 : factor(own.sum_mu, its->sum_mu, 0);
-    for (int k = 0; k < 8; k++) {
-      size_t p = (size_t)(8 * c + k);
-      double part = block->key[p] ? fmax(block->fraction[p], BWI_VOID_PART) : 1;
-      law[p] = own.empty ? BWI_VOID_LAW : own.law[k];
-      mu[p] = own.empty ? 0 : part * (same ? it.mu[p] : by_mu * own.mu[k]);
-      lambda[p] = own.empty ? 0 : part * (same ? it.lambda[p] : by_lambda * own.lambda[k]);
-      for (size_t f = 0; f < fibres; f++)
-        stiffness[p * fibres + f] = own.empty ? 0 : part * by_fibre * it.stiffness[p * fibres + f];
-      mean_mu += mu[p];
-      mean_lambda += lambda[p];
-      there += !own.empty;
+    own[c] = take_cell(library, bwi_key_code(library->inner->keys->base, block->key + 8 * c));
+    if (own[c].empty)
+      continue;
+    double part = part_of(block, c), by_fibre = 1;
+    if (own[c].code != its->code) {
+      double by_mu = it.factor_mu, by_lambda = it.factor_lambda;
+      if (!its->empty) {
+        by_mu = factor(it.mu[c], its->mu, by_mu);
+        by_lambda = factor(it.lambda[c], its->lambda, by_lambda);
+      }
+      it.law[c] = own[c].law;
+      it.mu[c] = by_mu * own[c].mu;
+      it.lambda[c] = by_lambda * own[c].lambda;
+      by_fibre = its->empty ? 0 : factor(own[c].mu, its->mu, 0);
     }
+    it.mu[c] *= part;
+    it.lambda[c] *= part;
+    for (size_t f = 0; f < fibres; f++)
+      it.stiffness[(size_t)c * fibres + f] *= part * by_fibre;
+    mean_mu += it.mu[c];
+    mean_lambda += it.lambda[c];
+    there++;
   }
-  for (int p = 0; p < 64; p++)
-    if (law[p] == BWI_VOID_LAW && mu[p] == 0 && lambda[p] == 0) {
-      mu[p] = BWI_VOID_PART * mean_mu / there;
-      lambda[p] = BWI_VOID_PART * mean_lambda / there;
+  for (int c = 0; c < 8; c++)
+    if (own[c].empty) {
+      it.law[c] = BWI_VOID_LAW;
+      it.mu[c] = BWI_VOID_PART * mean_mu / there;
+      it.lambda[c] = BWI_VOID_PART * mean_lambda / there;
+      for (size_t f = 0; f < fibres; f++)
+        it.stiffness[(size_t)c * fibres + f] = 0;
     }
-  BW_TRY(bw_rule_create_spread(context, 2, it.spread, &rule));
-  BW_TRY(bw_solid_material_points(context, of->name, rule, density, law, mu, lambda,
-                                  of->fibre_count, stiffness, it.fibre, material));
+  BW_TRY(bw_rule_create_spread(context, 1, it.spread, &rule));
+  BW_TRY(bw_solid_material_points(context, of->name, rule, density, it.law, it.mu, it.lambda,
+                                  of->fibre_count, it.stiffness, it.fibre, material));
   *fit = found.fit;
 done:
   bw_release(rule);

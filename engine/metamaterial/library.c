@@ -149,7 +149,7 @@ static bw_status made_of(bw_context *context, const bw_solid_material *fit, int 
                          const bwi_fine_block *block, double density, bw_solid_material **out) {
   bw_status status = BW_OK;
   bw_solid_material *turned = NULL;
-  double mu[64], lambda[64], stiffness[192];
+  double mu[8], lambda[8], stiffness[24];
   size_t fibres = (size_t)fit->fibre_count;
   BW_TRY(bwi_material_turned(context, fit, symmetry, &turned));
   if (!block->partial && density == turned->density) {

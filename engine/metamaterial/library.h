@@ -67,8 +67,8 @@ bw_status bwi_unpack_head(bwi_unpack *from, bw_palette **palette, bw_library_opt
 bool bwi_head_differs(const bw_palette *palette, const bw_library_options *options,
                       const bw_palette *other, const bw_library_options *other_options, char *text,
                       size_t size);
-/* One fit. Not more than BWI_FIT_BYTES for level 1, 8 times that for level 2. */
-enum { BWI_FIT_LEAST_BYTES = 100, BWI_FIT_BYTES = 1400 };
+/* One fit: of 8 points at either level. */
+enum { BWI_FIT_LEAST_BYTES = 100 };
 void bwi_pack_fit(bwi_pack *pack, const bw_solid_material *fit, const bw_fit_error *error);
 bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_material **fit,
                          bw_fit_error *error);

@@ -261,7 +261,6 @@ bool bwi_head_differs(const bw_palette *p, const bw_library_options *a, const bw
 
 void bwi_pack_fit(bwi_pack *pack, const bw_solid_material *m, const bw_fit_error *e) {
   size_t n = (size_t)m->rule->count, fibres = n * (size_t)m->fibre_count;
-  bwi_pack_u8(pack, (unsigned)m->rule->level);
   bwi_pack_u8(pack, (unsigned)m->fibre_count);
   for (int d = 0; d < 3; d++)
     bwi_pack_f32(pack, m->rule->spread[d]);
@@ -286,11 +285,11 @@ bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_m
                          bw_fit_error *error) {
   bw_status status = BW_OK;
   bw_rule *rule = NULL;
-  uint8_t law[64];
-  double mu[64], lambda[64], stiffness[192], fibre[576], spread[3], numbers[6];
+  uint8_t law[8];
+  double mu[8], lambda[8], stiffness[24], fibre[72], spread[3], numbers[6];
   char name[BW_NAME];
-  size_t n = level == 1 ? 8 : 64;
-  unsigned its_level = bwi_unpack_u8(from), fibres = bwi_unpack_u8(from);
+  const size_t n = 8;
+  unsigned fibres = bwi_unpack_u8(from);
   for (int d = 0; d < 3; d++)
     spread[d] = bwi_unpack_f32(from);
   double density = bwi_unpack_f64(from);
@@ -299,9 +298,8 @@ bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_m
   uint32_t samples = bwi_unpack_u32(from);
   if (from->short_of)
     return bwi_unpack_end(from);
-  if ((int)its_level != level || fibres > 3)
-    return bwi_unpack_fail(from, "fit %d is of level %u with %u fibres", (int)number + 1, its_level,
-                           fibres);
+  if (fibres > 3)
+    return bwi_unpack_fail(from, "fit %d has %u fibres at a point", (int)number + 1, fibres);
   const unsigned char *laws = bwi_unpack_bytes(from, n);
   if (laws)
     memcpy(law, laws, n);
@@ -327,7 +325,7 @@ bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_m
                           numbers[5],
                           (int)(samples & 0x7fffffff)};
   snprintf(name, sizeof name, "metamaterial %d of level %d", (int)number + 1, level);
-  status = bw_rule_create_spread(from->context, level, spread, &rule);
+  status = bw_rule_create_spread(from->context, 1, spread, &rule);
   if (status == BW_OK)
     status = bw_solid_material_points(from->context, name, rule, density, law, mu, lambda,
                                       (int)fibres, stiffness, fibre, fit);

@@ -27,42 +27,40 @@ static inline bw_palette *fixture_palette(bw_context *context, int count) {
  * three fibres along the axes. */
 static inline bw_solid_material *fixture_fit(bw_context *context,
                                              const bw_solid_material *const child[8]) {
-  int n = 8;
-  uint8_t law[64];
-  double mu[64], lambda[64], stiffness[192], fibre[576] = {0}, sum_mu = 0, sum_lambda = 0;
+  uint8_t law[8];
+  double mu[8], lambda[8], stiffness[24], fibre[72] = {0}, sum_mu = 0, sum_lambda = 0;
   double density = 0, factor = 1;
   int there = 0;
-  for (int c = 0; c < 8; c++) {
-    n = child[c] && child[c]->rule->level == 1 ? 64 : n;
-  }
   for (int c = 0; c < 8; c++)
     for (int d = 0; d < c; d++)
       factor -= (child[c] == NULL) != (child[d] == NULL) ? 0.01 : 0;
-  for (int p = 0; p < n; p++) {
-    const bw_solid_material *m = child[n == 8 ? p : p / 8];
-    int q = n == 8 ? 0 : p % 8;
-    law[p] = m ? m->law[q] : BWI_VOID_LAW;
-    mu[p] = m ? factor * m->mu[q] : 0;
-    lambda[p] = m ? factor * m->lambda[q] : 0;
-    density += m ? m->density / n : 0;
-    sum_mu += mu[p];
-    sum_lambda += lambda[p];
+  for (int c = 0; c < 8; c++) {
+    const bw_solid_material *m = child[c];
+    law[c] = m ? m->law[0] : BWI_VOID_LAW;
+    mu[c] = lambda[c] = 0;
+    for (int p = 0; m && p < 8; p++) {
+      mu[c] += factor * m->mu[p] / 8;
+      lambda[c] += factor * m->lambda[p] / 8;
+    }
+    density += m ? m->density / 8 : 0;
+    sum_mu += mu[c];
+    sum_lambda += lambda[c];
     there += m != NULL;
   }
-  for (int p = 0; p < n; p++) {
-    if (!child[n == 8 ? p : p / 8]) {
-      mu[p] = BWI_VOID_PART * sum_mu / there;
-      lambda[p] = BWI_VOID_PART * sum_lambda / there;
+  for (int c = 0; c < 8; c++) {
+    if (!child[c]) {
+      mu[c] = BWI_VOID_PART * sum_mu / there;
+      lambda[c] = BWI_VOID_PART * sum_lambda / there;
     }
     for (int f = 0; f < 3; f++) {
-      stiffness[3 * p + f] = 0.1 * mu[p];
-      fibre[3 * (3 * p + f) + f] = 1;
+      stiffness[3 * c + f] = child[c] ? 0.1 * mu[c] : 0;
+      fibre[3 * (3 * c + f) + f] = 1;
     }
   }
   const double spread[3] = {0.9, 0.9, 0.9};
   bw_rule *rule;
   bw_solid_material *fit;
-  check_ok(context, bw_rule_create_spread(context, n == 8 ? 1 : 2, spread, &rule));
+  check_ok(context, bw_rule_create_spread(context, 1, spread, &rule));
   check_ok(context, bw_solid_material_points(context, "made up", rule, density, law, mu, lambda, 3,
                                              stiffness, fibre, &fit));
   bw_release(rule);
