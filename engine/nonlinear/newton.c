@@ -217,7 +217,9 @@ static bw_status find_direction(bwi_walk *walk, double *slope, int32_t *cg) {
   double rate = walk->previous > 0 ? walk->relative / walk->previous : 1;
   /* Eisenstat and Walker, choice 2 */
   double tolerance = fmin(0.1, 0.9 * rate * rate);
-  tolerance = fmax(tolerance, 0.3 * walk->options->tolerance / walk->relative);
+  tolerance = fmax(tolerance, fmin(0.1, 0.3 * walk->options->tolerance / walk->relative));
+  if (walk->contact) /* gaps are to be closed much further than residuals */
+    tolerance = fmin(tolerance, 1e-4);
   if (walk->options->cg_tolerance > 0)
     tolerance = walk->options->cg_tolerance;
   for (int64_t i = 0; i < walk->size; i++)
