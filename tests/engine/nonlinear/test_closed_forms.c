@@ -164,7 +164,7 @@ static void test_pressed(void **state) {
   bw_context *context = check_context(state);
   for (int law = 0; law < BW_LAWS; law++)
     for (int k = 0; k < 2; k++) {
-      double pressure = k ? 0.15 : -0.1; /* of E */
+      double pressure = k ? 0.25 : -0.1; /* of E */
       double low = 0.6, high = 1.3;
       for (int i = 0; i < 200; i++) {
         double s = (low + high) / 2, all[3] = {s, s, s};
