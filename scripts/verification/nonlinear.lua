@@ -15,7 +15,7 @@ local page = manual.new("Nonlinear solids", ("Made by `build/barwright scripts/v
   .. "Theory: [data_driven.md](theory/data_driven.md). Tables with references come from the engine's tests, "
   .. "which check more than can be a row. Grids are the only meshes of nonlinear solids: bodies with other sides "
   .. "lie in cells that count by the part inside."):format(wish.full and " --full" or ""))
-for _, name in ipairs {"engine", "bars", "motion"} do
+for _, name in ipairs {"engine", "bars", "contact", "motion"} do
   if not wish.only or name:find(wish.only, 1, true) then
     local parts = require("nonlinear_" .. name)
     for _, part in ipairs(parts) do page:section(name, part, wish) end
