@@ -30,6 +30,8 @@
 #define NEAR 0.1
 /* Residual below which the next iteration no longer changes whether the tangent is definite. */
 #define NEARBY 1e-2
+/* Displacements over the solid's size that no solid in balance has. */
+#define AWAY 1e4
 enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8 };
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
@@ -246,6 +248,13 @@ static double size_of(const bw_grid *grid) {
   return size;
 }
 
+static double largest(const double *u, int64_t size) {
+  double most = 0;
+  for (int64_t i = 0; i < size; i++)
+    most = fmax(most, fabs(u[i]));
+  return most;
+}
+
 /* At a residual that is small enough: whether the state is stable; if not, leave it. */
 static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bw_status status = BW_OK;
@@ -291,6 +300,10 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     double slope = 0, step = 0;
     BW_TRY(bw_check_cancel(walk->context));
     bwi_walk_measure(walk);
+    if (!walk->quadratic && largest(walk->now.u, walk->size) > AWAY * size_of(walk->solid->grid)) {
+      walk->obstacle = BWI_STIFFNESS;
+      goto done;
+    }
     double gap = walk->contact ? bwi_contact_error(walk->contact) : 0;
     bool small = walk->relative <= options->tolerance;
     if (!moving && gap > GAP * size_of(walk->solid->grid) &&

@@ -218,7 +218,10 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
     at[d] += 0.5 * grid->spacing[d];
   bool inverted = f->obstacle == BWI_INVERTED;
   bw_status status = bw_fail(
-      context, inverted ? BW_GEOMETRY : BW_CONVERGENCE,
+      context,
+      inverted                       ? BW_GEOMETRY
+      : f->obstacle == BWI_STIFFNESS ? BW_FREE
+                                     : BW_CONVERGENCE,
       "no %sequilibrium beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; "
       "element "
       "%d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted). The load may be "

@@ -119,6 +119,29 @@ static void test_cantilever(void **state) {
   }
 }
 
+/* Lifted off the floor that was all that held it: nothing stops it. */
+static void test_lifted(void **state) {
+  bw_context *context = check_context(state);
+  for (int k = 0; k < 2; k++) {
+    box b;
+    bw_solid_static *result = NULL;
+    bw_newton_options options;
+    double point[3] = {0, 0, 0}, normal[3] = {0, 0, 1};
+    bw_newton_options_default(&options);
+    options.linear = k ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    box_make(context, &b, cells, size, BW_COROTATED, 1e5, 0.3, 1000);
+    box_hold(context, &b, 0, 0, true, false, false, 0);
+    box_hold(context, &b, 1, 0, false, true, false, 0);
+    box_force(context, &b, 2, 1, 0, 0, 100);
+    check_ok(context, bw_solid_case_floor(context, b.the, point, normal, NULL, NULL, NULL));
+    check_fails(context, BW_FREE, "without any force",
+                bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+    assert_false(result->complete);
+    bw_release(result);
+    box_free(&b);
+  }
+}
+
 static void test_misuse(void **state) {
   bw_context *context = check_context(state);
   box b;
@@ -133,6 +156,7 @@ static void test_misuse(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_weight), check_test(test_press),
-                                     check_test(test_cantilever), check_test(test_misuse)};
+                                     check_test(test_cantilever), check_test(test_lifted),
+                                     check_test(test_misuse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
