@@ -12,7 +12,8 @@ struct bw_flow_state {
   int components, condition_count, known;
   bool reacted;
   double time, last_step;
-  bw_condition *condition; /* as named by the mesh's outline */
+  bw_condition
+      *condition; /* whose tags are those of the mesh's outline; its functions are not called */
   double *state, *before, *reaction;
   double *old_point, *older_point; /* NULL where the flow has none */
 };
@@ -97,6 +98,19 @@ static void exchange(double **a, double **b) {
   *b = t;
 }
 
+/* Conditions stay the flow's own but for their tags: what was kept may outlive its flow, and what
+ * their functions stand on. */
+static bool fits(const bw_flow *flow, const bw_flow_state *s) {
+  const struct bwi_flow *in = flow->inner;
+  if (s->components != flow->components || s->condition_count != in->about.condition_count)
+    return false;
+  for (int i = 0; i < s->condition_count; i++)
+    if (s->condition[i].kind != in->condition[i].kind ||
+        s->condition[i].component != in->condition[i].component)
+      return false;
+  return true;
+}
+
 bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *s) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
@@ -104,7 +118,7 @@ bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state
   size_t unknowns = nodes * (size_t)s->components;
   bwi_flow_room room = {0};
   double *state = NULL, *before = NULL, *reaction = NULL, *old = NULL, *older = NULL;
-  if (s->components != flow->components || s->condition_count != in->about.condition_count)
+  if (!fits(flow, s))
     return bw_fail(context, BW_INVALID, "the state that was kept is of another flow");
   BW_TRY(copy(context, s->state, unknowns, &state));
   BW_TRY(copy(context, s->before, unknowns, &before));
@@ -125,8 +139,8 @@ bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state
   exchange(&in->reaction, &reaction);
   exchange(&in->old_point, &old);
   exchange(&in->older_point, &older);
-  if (s->condition_count > 0)
-    memcpy(in->condition, s->condition, (size_t)s->condition_count * sizeof *s->condition);
+  for (int i = 0; i < s->condition_count; i++)
+    in->condition[i].tag = s->condition[i].tag;
   in->known = s->known;
   in->reacted = s->reacted;
   in->last_step = s->last_step;

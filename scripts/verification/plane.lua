@@ -86,7 +86,7 @@ that ratio within 6 % (what such a limit leaves open), its edge stressed to at l
 
 ### Modes of plates by ARPACK
 
-`tests/engine/responsive/test_plate_arpack.c`: the four lowest frequencies of random curved plates, some with a hole,
+`tests/engine/responsive/test_plate_arpack.c`: the four lowest frequencies of random curved plates, some holed,
 isotropic and orthotropic, 1 and 4 mm thick, before and after a pull at the rim, within 1e-8 of what ARPACK finds
 for the same matrices on a factor by UMFPACK.]])
 
