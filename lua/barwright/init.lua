@@ -44,6 +44,7 @@ local bw = {
   grid = core.grid,
   hyperelastic = core.hyperelastic,
   solid = require("barwright.solids").create,
+  metamaterial = {build = core.metamaterial.build, read = core.metamaterial.read},
   edit = require "barwright.edit",
   live = require("barwright.live").run,
   von_mises_gradient = core.von_mises_gradient,

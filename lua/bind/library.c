@@ -9,6 +9,94 @@ static const bw_library *self(lua_State *L) {
   return (const bw_library *)lbw_check(L, 1, &lbw_library_class);
 }
 
+static const lbw_option library_options[] = {
+    {"levels", LBW_INT, offsetof(bw_library_options, levels)},
+    {"voids", LBW_BOOLEAN, offsetof(bw_library_options, voids)},
+    {"directions", LBW_INT, offsetof(bw_library_options, directions)},
+    {"magnitudes", LBW_INT, offsetof(bw_library_options, magnitudes)},
+    {"stretches", LBW_INT, offsetof(bw_library_options, stretches)},
+    {"fibres", LBW_INT, offsetof(bw_library_options, fibres)},
+    {"strain", LBW_REAL, offsetof(bw_library_options, strain)},
+    {"ridge", LBW_REAL, offsetof(bw_library_options, ridge)},
+    {"representatives", LBW_INT, offsetof(bw_library_options, representatives)},
+    {"seed", LBW_SEED, offsetof(bw_library_options, seed)},
+    {"checkpoint", LBW_OTHER, 0},
+    {NULL, LBW_OTHER, 0}};
+
+/* metamaterial.build(palette, options) */
+static int library_build(lua_State *L) {
+  lua_settop(L, 2);
+  bw_library_options options;
+  const char *checkpoint = NULL;
+  bw_library_options_default(&options);
+  lbw_options(L, 2, "metamaterial.build", library_options, &options);
+  int type = lbw_option_get(L, 2, "checkpoint");
+  if (type == LUA_TSTRING)
+    checkpoint = lua_tostring(L, -1);
+  else if (type != LUA_TNIL)
+    return lbw_option_error(L, "metamaterial.build", "checkpoint", "a path expected");
+  const bw_palette *palette = lbw_check_palette(L, 1, "metamaterial.build");
+  lbw_box *box = lbw_box_new(L, &lbw_library_class);
+  bw_library *library = NULL;
+  bw_status status = bw_library_build(lbw_enter(L), palette, &options, checkpoint, &library);
+  lbw_box_fill(L, box, library);
+  return lbw_leave(L, status, 1);
+}
+
+/* metamaterial.read(path) */
+static int library_read(lua_State *L) {
+  const char *path = lbw_check_text(L, 1, NULL);
+  lbw_box *box = lbw_box_new(L, &lbw_library_class);
+  bw_library *library = NULL;
+  bw_status status = bw_library_read(lbw_enter(L), path, &library);
+  lbw_box_fill(L, box, library);
+  return lbw_leave(L, status, 1);
+}
+
+/* library:write(path) */
+static int library_write(lua_State *L) {
+  const bw_library *library = self(L);
+  const char *path = lbw_check_text(L, 2, NULL);
+  lua_settop(L, 1);
+  return lbw_leave(L, bw_library_write(lbw_enter(L), library, path), 1);
+}
+
+/* library:material(key): 8 or 64 numbers, 0 for void; the material and the number of its fit */
+static int library_material(lua_State *L) {
+  const bw_library *library = self(L);
+  int32_t key[64], fit = 0;
+  lbw_check_type(L, 2, LUA_TTABLE);
+  size_t count = lua_rawlen(L, 2);
+  if (count != 8 && count != 64)
+    return lbw_error(L, "a key of 8 materials (64 for level 2) expected, got %d", (int)count);
+  for (size_t i = 0; i < count; i++) {
+    lua_rawgeti(L, 2, (lua_Integer)i + 1);
+    key[i] = (int32_t)lbw_check_integer(L, -1);
+    lua_pop(L, 1);
+  }
+  lbw_box *box = lbw_box_new(L, &lbw_solid_material_class);
+  bw_solid_material *material = NULL;
+  bw_status status =
+      bw_library_material(lbw_enter(L), library, count == 8 ? 1 : 2, key, &material, &fit);
+  lbw_box_fill(L, box, material);
+  if (status == BW_OK)
+    lua_pushinteger(L, fit + 1);
+  return lbw_leave(L, status, status == BW_OK ? 2 : 1);
+}
+
+static int library_tostring(lua_State *L) {
+  const bw_library *library = self(L);
+  char *text = NULL;
+  bw_status status = bw_library_describe(lbw_enter(L), library, &text);
+  luaL_Buffer buffer;
+  luaL_buffinit(L, &buffer);
+  luaL_addstring(&buffer, text ? text : "library");
+  bw_free(text);
+  luaL_pushresult(&buffer);
+  lbw_leave_or_raise(L, status);
+  return 1;
+}
+
 static int library_levels(lua_State *L) {
   lua_pushinteger(L, self(L)->levels);
   return 1;
@@ -52,13 +140,14 @@ static int library_errors(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"write", library_write}, {"material", library_material}, {NULL, NULL}};
 static const luaL_Reg properties[] = {{"levels", library_levels},
                                       {"seconds", library_seconds},
                                       {"palette", library_palette},
                                       {"errors", library_errors},
                                       {NULL, NULL}};
-static const luaL_Reg meta[] = {{NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", library_tostring}, {NULL, NULL}};
 const lbw_class lbw_library_class = {"library", methods, properties, meta, NULL};
 
 /* ---- coarse grids ---------------------------------------------------------------------------- */
@@ -177,7 +266,8 @@ static const luaL_Reg none[] = {{NULL, NULL}};
 const lbw_class lbw_coarsening_class = {"coarsening", none, none, none, NULL};
 
 void lbw_open_library(lua_State *L) {
-  static const luaL_Reg functions[] = {{"coarsen", coarse_create}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"build", library_build}, {"read", library_read}, {"coarsen", coarse_create}, {NULL, NULL}};
   lbw_class_register(L, &lbw_library_class);
   lbw_class_register(L, &lbw_coarse_class);
   lbw_class_register(L, &lbw_coarsening_class);

@@ -29,6 +29,7 @@
 ---@field responsive bw.ResponsiveModule
 ---@field plane bw.PlaneModule
 ---@field grid bw.GridModule
+---@field metamaterial bw.MetamaterialModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
@@ -3222,13 +3223,47 @@ function SolidMotion:close() end
 
 -- ---- metamaterials -------------------------------------------------------------------------------
 
----Coarse materials, fitted once to every block of a palette's materials (data-driven, section 4).
+---Libraries of coarse materials, fitted once to every block of a palette's materials (data-driven,
+---section 4).
+---@class bw.MetamaterialModule
+local metamaterial_module = {}
+
+---Builds a library: every 2 x 2 x 2 block of the palette's materials (and void, unless `voids` is
+---false) is loaded by `directions` (500) forces of `magnitudes` (5), and a material of one cell fitted.
+---`levels` 2: blocks of such blocks too. `checkpoint`: a file that a build that was killed carries on
+---from.
+---@param palette bw.Hyperelastic[]|bw.Palette
+---@param options? {levels?: integer, voids?: boolean, directions?: integer, magnitudes?: integer, stretches?: integer, fibres?: integer, strain?: number, ridge?: number, representatives?: integer, seed?: integer, checkpoint?: string}
+---@return bw.Library?
+---@return string? message
+---@return table? details
+function metamaterial_module.build(palette, options) end
+
+---@param path string .bwm
+---@return bw.Library?
+---@return string? message
+---@return table? details
+function metamaterial_module.read(path) end
+
 ---@class bw.Library
 ---@field levels integer
 ---@field palette bw.Palette
 ---@field seconds number that building took
 ---@field errors table[][] for each level and fit: median, worst, naive_median, naive_worst, force, naive_force, samples
 local Library = {}
+
+---@param path string .bwm
+---@return bw.Library?
+---@return string? message
+---@return table? details
+function Library:write(path) end
+
+---The material of a block, by its 8 materials (64 for level 2), child by child; 0 is void.
+---@param key integer[]
+---@return bw.Hyperelastic?
+---@return integer|string fit its number, or a message
+---@return table? details
+function Library:material(key) end
 
 ---Releases it early.
 function Library:close() end

@@ -64,6 +64,7 @@ describe("the stubs", function()
     same(keys(bw.plane), "bw.PlaneModule")
     same(keys(bw.grid), "bw.GridModule")
     same(keys(bw.edit), "bw.EditModule")
+    same(keys(bw.metamaterial), "bw.MetamaterialModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
     local library = {}
     for _, name in ipairs(bw.material.names()) do library[name] = true end

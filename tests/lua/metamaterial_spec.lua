@@ -1,0 +1,73 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Libraries of metamaterials from Lua: building, files, lookup, coarse solids beside fine ones.
+local bw = require "barwright"
+local check = require "check"
+
+local function palette()
+  return {bw.hyperelastic {young = 1e5, poisson = 0.4, name = "soft"},
+    bw.hyperelastic {young = 1e7, poisson = 0.4, name = "hard"}}
+end
+
+-- A small one, made once.
+local library
+local function small()
+  library = library or assert(bw.metamaterial.build(palette(), {directions = 40, magnitudes = 2,
+    stretches = 40, voids = false, seed = 3}))
+  return library
+end
+
+-- Layers of one cell, pulled across: what a coarse cell must learn.
+local function layered()
+  local grid = assert(bw.grid.box {size = {0.08, 0.16, 0.08}, cells = {4, 8, 4},
+    material = function(_, y) return y // 0.02 % 2 + 1 end})
+  local solid = assert(bw.solid {grid = grid, palette = palette()})
+  solid:hold {side = "low y"}
+  return solid:force({side = "high y"}, {0, 120, 0})
+end
+
+describe("a library", function()
+  it("is built, printed, written and read again", function()
+    local made = small()
+    assert.equal(1, made.levels)
+    assert.equal(22, #made.errors[1]) -- two colours of the cube's corners, up to its symmetries
+    assert.is_truthy(tostring(made):find("soft", 1, true))
+    local path = check.folder() .. "/two.bwm"
+    assert(made:write(path))
+    local again = assert(bw.metamaterial.read(path))
+    -- how long it took is not in the file
+    assert.equal((tostring(made):gsub("built in [^;]*; ", "")), tostring(again))
+    local key = {1, 1, 2, 1, 2, 2, 1, 2}
+    local a, fit = made:material(key)
+    local b = again:material(key)
+    assert.same(a.mu:totable(), b.mu:totable())
+    assert.is_true(fit >= 1 and fit <= 22)
+    check.fails("format", "not", bw.metamaterial.read(check.write(check.folder() .. "/x.bwm", "no")))
+    check.raises("a key of 8", made.material, made, {1, 2})
+  end)
+
+  it("coarsens: far nearer to the fine solution than without", function()
+    local fine = layered()
+    local reference = assert(fine:solve())
+    local coarse = assert(fine:coarsen(small()))
+    local error = assert(coarse:solve()):error(reference)
+    local naive = assert(assert(fine:coarsen "naive"):solve()):error(reference)
+    assert.is_true(error < naive / 3, error .. " against " .. naive)
+  end)
+
+  it("follows an edit by looking up what differs", function()
+    local fine = layered()
+    local coarse = assert(fine:coarsen(small()))
+    local grid = assert(fine.grid:set({high = {0.08, 0.04, 0.08}}, 2))
+    local followed = assert(coarse:with(grid))
+    assert.equal(4, followed.coarse.looked_up)
+    local scratch = assert(assert(fine:with(grid)):coarsen(small()))
+    assert.equal(0, assert(followed:solve()):error(assert(scratch:solve())))
+  end)
+
+  it("refuses another palette", function()
+    local grid = assert(bw.grid.box {size = 1, cells = 4})
+    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 3, poisson = 0.1}}})
+    check.raises("palette", solid.coarsen, solid, small())
+    check.raises("did you mean 'strain'", bw.metamaterial.build, palette(), {strian = 1})
+  end)
+end)
