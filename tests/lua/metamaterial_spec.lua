@@ -42,7 +42,7 @@ describe("a library", function()
     assert.same(a.mu:totable(), b.mu:totable())
     assert.is_true(fit >= 1 and fit <= 22)
     check.write(path, "no library at all")
-    check.fails("format", "not", bw.metamaterial.read(path))
+    check.fails("format", "no library file", bw.metamaterial.read(path))
     check.raises("a key of 8", made.material, made, {1, 2})
   end)
 
