@@ -134,8 +134,8 @@ typedef struct bw_solid_shape {
 bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
                             bool project, double *energy, double *gradient, double *stiffness,
                             bw_solid_shape *shape);
-/* Element stiffnesses kept for products without a matrix: 300 numbers an element, and 24 to work in,
- * so one product at a time. Setting it where the energy does not exist is BW_GEOMETRY. */
+/* Element stiffnesses kept for products without a matrix: 300 numbers an element, and 24 to work
+ * in, so one product at a time. Setting it where the energy does not exist is BW_GEOMETRY. */
 typedef struct bw_solid_linear bw_solid_linear;
 bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
                                  bw_solid_linear **linear);
@@ -212,15 +212,18 @@ typedef enum bw_newton_linear {
 } bw_newton_linear;
 typedef struct bw_newton_options {
   bw_newton_linear linear;
-  double tolerance;    /* |residual| over the size of the forces at work; default 1e-6 */
+  double tolerance;    /* |residual| over the norms of applied forces, reactions and pushes of
+                          floors, added up; default 1e-6 */
   int iterations;      /* Newton iterations in a load step; default 100 */
-  int steps;           /* load steps to begin with; default 1; halved where one fails */
+  int steps;           /* load steps to begin with; default 1; made smaller where one fails */
   double least_step;   /* of the load factor before giving up; default 1/256 */
   double cg_tolerance; /* relative; default: by Eisenstat and Walker */
   int cg_iterations;   /* default 10000 */
   bool allow_inverted; /* a solution with inverted elements is a result, not BW_GEOMETRY */
-  const double *start; /* node_count x 3: first guess; NULL: rest */
-  /* for BW_NEWTON_COARSE: coarse solids of coarse[0]->fine = the solid's grid and on */
+  const double *start; /* node_count x 3: first guess; NULL: rest. From a guess, loads are there in
+                          full, and what they leave out of balance fades with the load factor */
+  /* for BW_NEWTON_COARSE: coarsening[0] is of the solid's grid, coarse[0] a solid on its coarse
+     grid; coarsening[1] of that grid, and on. The last coarse solid's tangent is factored */
   int coarse_count;
   const bw_coarsening *const *coarsening;
   const bw_solid *const *coarse;
@@ -262,10 +265,11 @@ typedef struct bw_solid_static {
   bw_newton_report report;
 } bw_solid_static;
 /* The stable equilibrium that the load path from rest leads to: Newton's method on the total
- * potential with line search, where the tangent is not positive definite on a projected one.
- * BW_FREE for a solid that can move as a whole. BW_CONVERGENCE, and BW_GEOMETRY for inverted
- * elements, name load factor, residual, worst element and its place, and still give the last
- * converged state in *result (complete = false). `newton` may be NULL. */
+ * potential with line search, where the tangent is not positive definite on one that is made so; an
+ * equilibrium that is not stable is left. BW_FREE for a solid that can move as a whole, or that
+ * floors alone do not hold. BW_CONVERGENCE, and BW_GEOMETRY for inverted elements, name load
+ * factor, residual, worst element and its place, and still give the last converged state in *result
+ * (complete = false), as BW_FREE does where that shows on the way. `newton` may be NULL. */
 bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
                            bw_newton *newton, const bw_newton_options *options,
                            bw_solid_static **result);
