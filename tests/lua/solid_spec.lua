@@ -159,5 +159,16 @@ describe("a solid", function()
     check.near(0.1, motion.time, 1e-12)
     check.near(-0.05, motion.displacement:column(3):mean(), 1e-6)
     check.near(-1, motion.velocity:column(3):mean(), 1e-6)
+    local swung = {}
+    solid:hold {side = "low z"}
+    solid:gravity {3, 0, 0}
+    for i, linear in ipairs {"direct", "jacobi"} do
+      local swing = assert(solid:motion {step = 0.01, iterations = 1, linear = linear, stiffness_damping = 1e-3})
+      swung[i] = assert(swing:step(5)).displacement:column(1):max()
+      assert.is_true(math.abs(swing.kinetic + swing.strain + swing.potential + swing.dissipated) < 1e-12)
+    end
+    check.near(swung[1], swung[2], 1e-5)
+    assert.is_true(swung[1] > 1e-7)
+    check.raises("did you mean 'step'", function() solid:motion {steps = 1} end)
   end)
 end)

@@ -309,7 +309,9 @@ typedef struct bw_solid_motion {
 bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
                                  const bw_solid_case *the, const bw_motion_options *options,
                                  const double *u, const double *v, bw_solid_motion **motion);
-/* One step further. On failure the motion is as it was. */
+/* One step further. On failure the motion is as it was: BW_CONVERGENCE where no solution was found
+ * (never with one iteration, unless nothing lowers the potential), BW_GEOMETRY where it has
+ * inverted elements; both name time, residual, worst element and its place. */
 bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion);
 
 #ifdef __cplusplus
