@@ -222,7 +222,8 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
   mass = old[1];
   shifted = old[2];
   shape = old[3];
-  if (!same_topology) /* flipped edges move their middles: a former factor takes five times as long */
+  if (!same_topology) /* flipped edges move their middles: a former factor takes five times as long
+                       */
     in->factored = false;
   bw_retain(mesh);
   bw_release(plate->mesh);

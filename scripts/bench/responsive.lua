@@ -1,9 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The drag of the paper responsive (figure 2: a hole taken from left to right, 159 frames) replayed
--- with elastic sheets, a plate that rings, and flow and heat around the hole, beside its tables 2 and 3: how
--- often each level of reuse ran, what a frame of each costs and in which part, frames per second with reuse and without (everything made anew in
--- every frame), median and slowest hundredth. Seconds of the clock, and of the processor (all threads),
--- which is what to trust on a busy machine.
+-- with elastic sheets, a plate that rings, and flow and heat around the hole, beside its tables 2 and 3:
+-- how often each level of reuse ran, what a frame of each costs and in which part, frames per second with
+-- reuse and without (everything made anew in every frame), median and slowest hundredth. Seconds of the
+-- clock, and of the processor (all threads), which is what to trust on a busy machine.
 --   build/barwright scripts/bench/responsive.lua [--out FILE.json] [--frames N] [--only NAME]
 local bw = require "barwright"
 
