@@ -236,8 +236,11 @@ static void tie(uint64_t symmetries, candidates *c) {
   }
 }
 
-void bwi_tied_least(const bwi_ties *ties, const double *gram, const double *side, int limit,
-                    bwi_axes_work *work) {
+void bwi_tied_least(const bwi_ties *ties, const bwi_base *base, const double *gram,
+                    const double *side, int limit, bwi_axes_work *work) {
+  double least[2 * BWI_OCTANTS];
+  memcpy(least, base->least_mu, sizeof base->least_mu);
+  memcpy(least + BWI_OCTANTS, base->least_lambda, sizeof base->least_lambda);
   int n = ties->constants, m = ties->variables;
   memset(work->tied, 0, (size_t)m * m * sizeof *work->tied);
   memset(work->tied_side, 0, (size_t)m * sizeof *work->tied_side);
@@ -245,14 +248,15 @@ void bwi_tied_least(const bwi_ties *ties, const double *gram, const double *side
     int row = ties->variable[i];
     if (row < 0)
       continue;
-    work->tied_side[row] += side[i];
+    work->tied_side[row] += side[i] - bwi_product(2 * BWI_OCTANTS, gram + (size_t)i * n, least);
     for (int j = 0; j < n; j++)
       if (ties->variable[j] >= 0)
         work->tied[(size_t)row * m + ties->variable[j]] += gram[(size_t)i * n + j];
   }
   bwi_nnls(m, work->tied, work->tied_side, ties->group, ties->size, limit, work->value, work->nnls);
   for (int i = 0; i < n; i++)
-    work->x[i] = ties->variable[i] < 0 ? 0 : work->value[ties->variable[i]];
+    work->x[i] = (i < 2 * BWI_OCTANTS ? least[i] : 0) +
+                 (ties->variable[i] < 0 ? 0 : work->value[ties->variable[i]]);
 }
 
 static void pack(const double *matrix, const double *weight, double *packed) {
@@ -320,7 +324,7 @@ static double fit_linear(const bwi_frame18 *frame, const bwi_base *base, double 
       work->side[i] = bwi_product(ROWS, work->column[i], packed);
     }
     bwi_ridge(base, ridge, n, work->gram, work->side);
-    bwi_tied_least(&c->ties, work->gram, work->side, limit, work);
+    bwi_tied_least(&c->ties, base, work->gram, work->side, limit, work);
     memset(response, 0, SQUARE * sizeof *response);
     for (int k = 0; k < BWI_OCTANTS; k++)
       octant_stiffness(n, k, work->x, strain[k], c, response);

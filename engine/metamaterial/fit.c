@@ -9,7 +9,12 @@
 #include "metamaterial/keys.h"
 #include "nonlinear/internal.h"
 
-#define LEAST_SHEAR 1e-4    /* mu of a point, against the mean of the block */
+/* What a point has at least, of the constants of the children in series (Reuss's bound, below which
+ * no composite lies); with voids, which have no such bound, of the others in series. Without it
+ * cells that live by fibres alone would give way sideways when pressed. */
+#define LEAST_MU 0.5
+#define LEAST_LAMBDA 0.25
+#define LEAST_BESIDE_VOID 0.1
 #define SAME_STIFFNESS 1e-9 /* of children that a symmetry takes into each other */
 
 struct bwi_fit_workspace {
@@ -86,6 +91,46 @@ static double mean_of(const double *values, int count) {
   return sum / count;
 }
 
+/* Lame's constants of the mean over all rotations of a unit cube's elasticity in uniform strain:
+ * those that it has, where it is isotropic. */
+static void isotropic_mean(const double stiffness[576], double *mu, double *lambda) {
+  double force[6][24], u[6][24] = {{0}}, volume = 0, all = 0;
+  static const int of[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {2, 0}, {0, 1}};
+  for (int k = 0; k < 6; k++) {
+    for (int c = 0; c < 8; c++) {
+      u[k][3 * c + of[k][0]] += 0.5 * (c >> of[k][1] & 1);
+      u[k][3 * c + of[k][1]] += 0.5 * (c >> of[k][0] & 1);
+    }
+    bwi_multiply(24, 24, 1, stiffness, u[k], force[k]);
+  }
+  for (int k = 0; k < 6; k++) /* C_iijj and C_ijij */
+    for (int l = 0; l < 6; l++) {
+      double value = bwi_product(24, u[k], force[l]);
+      volume += k < 3 && l < 3 ? value : 0;
+      all += k != l ? 0 : k < 3 ? value : 2 * value;
+    }
+  *mu = (3 * all - volume) / 30;
+  *lambda = fmax(0, volume / 9 - *mu * 2 / 3);
+}
+
+/* A child that was fitted counts without its fibres. */
+static void bounds(const bwi_block *block, int present, bwi_base *base) {
+  double mu = 0, lambda = 0, part = present < 8 ? LEAST_BESIDE_VOID : 1;
+  for (int c = 0; c < 8; c++) {
+    const bw_solid_material *m = block->child[c];
+    if (m) {
+      mu += 1 / mean_of(m->mu, m->rule->count);
+      lambda += 1 / mean_of(m->lambda, m->rule->count); /* where that is 0, so is the bound */
+    }
+  }
+  for (int c = 0; c < 8; c++) {
+    bool there = block->child[c] != NULL;
+    base->least_mu[c] =
+        there ? LEAST_MU * part * present / mu : BWI_VOID_PART * base->mean_mu / present;
+    base->least_lambda[c] = there ? LEAST_LAMBDA * part * present / lambda : 0;
+  }
+}
+
 static bw_status describe(bw_context *context, const bwi_block *block, bwi_fit_workspace *w) {
   const double *child[8];
   int present = 0;
@@ -99,17 +144,17 @@ static bw_status describe(bw_context *context, const bwi_block *block, bwi_fit_w
     if (!m)
       continue;
     bwi_material_stiffness(m, w->stiffness[c]);
+    isotropic_mean(w->stiffness[c], &w->base.mu[c], &w->base.lambda[c]);
     for (int i = 0; i < 576; i++)
       w->stiffness[c][i] *= 0.5; /* of a cube of side 1/2 */
     child[c] = w->stiffness[c];
-    w->base.mu[c] = mean_of(m->mu, m->rule->count);
-    w->base.lambda[c] = mean_of(m->lambda, m->rule->count);
     w->base.mean_mu += w->base.mu[c];
     w->base.mean_lambda += w->base.lambda[c];
     present++;
   }
-  if (present == 0 || !(w->base.mean_mu > 0))
+  if (present == 0 || !(w->base.mean_mu > 0 && isfinite(w->base.mean_mu)))
     return bw_fail(context, BW_EMPTY, "a block of void has no material to be fitted");
+  bounds(block, present, &w->base);
   w->base.mean_mu /= present;
   w->base.mean_lambda /= present;
   if (!bwi_condense(block->size, child, &w->condensed))
@@ -156,7 +201,7 @@ static double density_of(const bwi_block *block) {
 
 /* The fibres in use at a point come first. */
 static bw_status make_material(bw_context *context, const bwi_block *block, const bwi_axes *axes,
-                               double least, bw_solid_material **material) {
+                               bw_solid_material **material) {
   bw_status status = BW_OK;
   bw_rule *rule = NULL;
   uint8_t law[8];
@@ -182,7 +227,7 @@ static bw_status make_material(bw_context *context, const bwi_block *block, cons
     }
   for (int k = 0; k < BWI_OCTANTS; k++) {
     law[k] = law_of(block, k);
-    mu[k] = fmax(axes->constant[k], block->child[k] ? least * LEAST_SHEAR : least * BWI_VOID_PART);
+    mu[k] = axes->constant[k];
     lambda[k] = axes->constant[8 + k];
   }
   BW_TRY(bw_rule_create_spread(context, 1, spread, &rule));
@@ -333,7 +378,7 @@ bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_
     law[k] = law_of(block, k);
   bwi_fit_constants(&w->frame, &w->base, law, w->sample + first, count - first, options->ridge,
                     &w->axes_work, &w->axes);
-  BW_TRY(make_material(context, block, &w->axes, w->base.mean_mu, &fitted));
+  BW_TRY(make_material(context, block, &w->axes, &fitted));
   if (error) {
     memset(error, 0, sizeof *error);
     error->samples = count;

@@ -10,6 +10,8 @@
 
 #define ENERGY_SHARE 0.1 /* of the equation for energy against one for a force */
 
+#define MISSED 0.2 /* relative error that halves a sample's weight */
+
 enum { ROUNDS = 3, SQUARE = BWI_SHAPES * BWI_SHAPES };
 
 /* Energy and gradient for a unit of each constant: 19 numbers a column, energy first. */
@@ -66,31 +68,41 @@ static bool evaluate(const bwi_axes *axes, const uint8_t law[8],
   return true;
 }
 
-/* gram += row row^T, side += value row */
-static void add_row(int n, const double *row, double value, double *gram, double *side) {
-  for (int i = 0; i < n; i++) {
-    double factor = row[i];
+/* The equations of a sample, 1 + 18, at rows x n. */
+static void equations(int n, const bwi_frame18 *frame, const double *metric,
+                      const bwi_sample *sample, columns column,
+                      double row[1 + BWI_SHAPES][BWI_CONSTANTS], double value[1 + BWI_SHAPES]) {
+  double relative = sqrt(ENERGY_SHARE) / sample->energy;
+  for (int j = 0; j < n; j++)
+    row[0][j] = column[j][0] * relative;
+  value[0] = sample->energy * relative;
+  for (int a = 0; a < BWI_SHAPES; a++) {
+    const double *line = metric + (size_t)a * BWI_SHAPES;
+    double weight = frame->weight[a] / sqrt(2 * sample->energy);
     for (int j = 0; j < n; j++)
-      gram[(size_t)i * n + j] += factor * row[j];
-    side[i] += value * factor;
+      row[1 + a][j] = weight * bwi_product(BWI_SHAPES, line, column[j] + 1);
+    value[1 + a] = weight * bwi_product(BWI_SHAPES, line, sample->force);
   }
 }
 
-static void add_sample(int n, const bwi_frame18 *frame, const double *metric,
-                       const bwi_sample *sample, columns column, double share, double *gram,
-                       double *side) {
-  double row[BWI_CONSTANTS], value, relative = sqrt(ENERGY_SHARE * share) / sample->energy;
-  for (int j = 0; j < n; j++)
-    row[j] = column[j][0] * relative;
-  add_row(n, row, sample->energy * relative, gram, side);
-  for (int a = 0; a < BWI_SHAPES; a++) {
-    const double *line = metric + (size_t)a * BWI_SHAPES;
-    double weight = frame->weight[a] * sqrt(share / (2 * sample->energy));
-    for (int j = 0; j < n; j++)
-      row[j] = weight * bwi_product(BWI_SHAPES, line, column[j] + 1);
-    value = weight * bwi_product(BWI_SHAPES, line, sample->force);
-    add_row(n, row, value, gram, side);
+/* Samples that the constants of the round before miss count for less: a block that has buckled has
+ * left the shapes that a coarse cell knows. */
+static void add_sample(int n, double row[1 + BWI_SHAPES][BWI_CONSTANTS],
+                       const double value[1 + BWI_SHAPES], const double *constant, double share,
+                       double *gram, double *side) {
+  double missed = 0;
+  for (int e = 0; e <= BWI_SHAPES; e++) {
+    double left = bwi_product(n, row[e], constant) - value[e];
+    missed += left * left;
   }
+  share /= 1 + missed / (MISSED * MISSED);
+  for (int e = 0; e <= BWI_SHAPES; e++)
+    for (int i = 0; i < n; i++) {
+      double factor = share * row[e][i];
+      for (int j = 0; j < n; j++)
+        gram[(size_t)i * n + j] += factor * row[e][j];
+      side[i] += factor * value[e];
+    }
 }
 
 void bwi_fit_constants(const bwi_frame18 *frame, const bwi_base *base, const uint8_t law[8],
@@ -98,6 +110,7 @@ void bwi_fit_constants(const bwi_frame18 *frame, const bwi_base *base, const uin
                        bwi_axes *axes) {
   int n = axes->ties.constants, used = 0;
   double gradient[BWI_OCTANTS][9 * BWI_SHAPES], metric[SQUARE], size = 0;
+  double row[1 + BWI_SHAPES][BWI_CONSTANTS], value[1 + BWI_SHAPES];
   columns column;
   for (int k = 0; k < BWI_OCTANTS; k++) {
     double at[3];
@@ -114,13 +127,14 @@ void bwi_fit_constants(const bwi_frame18 *frame, const bwi_base *base, const uin
     for (int s = 0; s < count; s++) {
       if (!(sample[s].energy > 0) || !evaluate(axes, law, gradient, sample + s, column))
         continue;
-      add_sample(n, frame, metric, sample + s, column, size / count, work->gram, work->side);
+      equations(n, frame, metric, sample + s, column, row, value);
+      add_sample(n, row, value, axes->constant, size / count, work->gram, work->side);
       used++;
     }
     if (used < n)
       return; /* too few to say more than linear elasticity */
     bwi_ridge(base, ridge, n, work->gram, work->side);
-    bwi_tied_least(&axes->ties, work->gram, work->side, axes->fibres, work);
+    bwi_tied_least(&axes->ties, base, work->gram, work->side, axes->fibres, work);
     memcpy(axes->constant, work->x, (size_t)n * sizeof(double));
     bwi_axes_response(frame, axes);
   }
