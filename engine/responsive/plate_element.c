@@ -235,20 +235,22 @@ static inline int rotation(int a) {
   return a < 6 ? 3 * a + 1 : 18;
 }
 
-static void symmetric_product(const double *b, const double *d, int rows, double weight,
-                              double k[20][20]) {
-  double db[3][20];
-  for (int i = 0; i < rows; i++)
-    for (int u = 0; u < 20; u++) {
-      double sum = 0;
-      for (int j = 0; j < rows; j++)
-        sum += d[rows * i + j] * b[20 * j + u];
-      db[i][u] = weight * sum;
-    }
-  for (int i = 0; i < rows; i++)
-    for (int u = 0; u < 20; u++)
-      for (int v = 0; v < 20; v++)
-        k[u][v] += b[20 * i + u] * db[i][v];
+/* What the strains (three curvatures, two shears) of one point add: k += weight b^T d b. All five
+ * in one pass over k, which costs more to read and write than they do. */
+static void add_point(const bwi_plate_law *law, double b[5][20], double weight, double k[20][20]) {
+  double db[5][20];
+  for (int u = 0; u < 20; u++) {
+    for (int i = 0; i < 3; i++)
+      db[i][u] = weight * (law->bending[3 * i] * b[0][u] + law->bending[3 * i + 1] * b[1][u] +
+                           law->bending[3 * i + 2] * b[2][u]);
+    for (int i = 0; i < 2; i++)
+      db[3 + i][u] = weight * (law->shear[2 * i] * b[3][u] + law->shear[2 * i + 1] * b[4][u]);
+  }
+  for (int u = 0; u < 20; u++) {
+    double b0 = b[0][u], b1 = b[1][u], b2 = b[2][u], b3 = b[3][u], b4 = b[4][u];
+    for (int v = 0; v < 20; v++)
+      k[u][v] += b0 * db[0][v] + b1 * db[1][v] + b2 * db[2][v] + b3 * db[3][v] + b4 * db[4][v];
+  }
 }
 
 double bwi_plate_stiffness(const bwi_plate_reference *r, const bwi_plate_law *law,
@@ -262,15 +264,15 @@ double bwi_plate_stiffness(const bwi_plate_reference *r, const bwi_plate_law *la
     if (!(det > 0))
       return det;
     inverse2(j, to); /* gradient = to * reference slopes */
-    double curvature[3][20] = {{0}}, reference[2][20] = {{0}}, shear[2][20];
+    double strain[5][20] = {{0}}, reference[2][20] = {{0}};
     for (int a = 0; a < 7; a++) {
       double gx = to[0] * r->slope[p][0][a] + to[1] * r->slope[p][1][a];
       double gy = to[2] * r->slope[p][0][a] + to[3] * r->slope[p][1][a];
       int b = rotation(a);
-      curvature[0][b] = gx;
-      curvature[1][b + 1] = gy;
-      curvature[2][b] = gy;
-      curvature[2][b + 1] = gx;
+      strain[0][b] = gx;
+      strain[1][b + 1] = gy;
+      strain[2][b] = gy;
+      strain[2][b + 1] = gx;
     }
     for (int d = 0; d < 2; d++)
       for (int i = 0; i < 8; i++)
@@ -278,9 +280,8 @@ double bwi_plate_stiffness(const bwi_plate_reference *r, const bwi_plate_law *la
           reference[d][u] += r->field[p][d][i] * tying[i][u];
     for (int c = 0; c < 2; c++)
       for (int u = 0; u < 20; u++)
-        shear[c][u] = to[2 * c] * reference[0][u] + to[2 * c + 1] * reference[1][u];
-    symmetric_product(&curvature[0][0], law->bending, 3, r->weight[p] * det, k);
-    symmetric_product(&shear[0][0], law->shear, 2, r->weight[p] * det, k);
+        strain[3 + c][u] = to[2 * c] * reference[0][u] + to[2 * c + 1] * reference[1][u];
+    add_point(law, strain, r->weight[p] * det, k);
   }
   /* condensation: the bubble carries no mass, so that it follows the nodes at once */
   double own[4] = {k[18][18], k[18][19], k[19][18], k[19][19]}, inverse[4], follow[2][18];
