@@ -299,8 +299,9 @@ typedef struct bw_solid_motion {
   int64_t steps;
   double *displacement, *velocity, *acceleration; /* node_count x 3; Newmark's acceleration is
                                                      without the push of floors */
-  double kinetic, strain, potential;              /* J; potential: of loads and gravity */
-  double dissipated;       /* by damping and the scheme, so that the sum stays */
+  double kinetic, strain, potential;              /* J; potential: of loads that do not follow */
+  double dissipated;       /* by damping, floors and the scheme, so that the sum of the four
+                              changes by the work of pressures that follow only */
   bw_newton_report report; /* of the last step */
   struct bwi_motion *inner;
 } bw_solid_motion;
