@@ -1,0 +1,109 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Seconds of a Newton iteration: bench_statics NX NY NZ [direct|jacobi|coarse] [iterations]
+ *
+ * A neo-Hookean block of cubes, one end held, the other pulled sideways. Processor time is that of
+ * all threads, which on a machine with other work says more than what a clock shows. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#include "barwright.h"
+
+#define CHECK(call)                                                                                \
+  do {                                                                                             \
+    if ((call) != BW_OK) {                                                                         \
+      fprintf(stderr, "%s\n", bw_message(context));                                                \
+      return 1;                                                                                    \
+    }                                                                                              \
+  } while (0)
+
+static double processor(void) {
+  struct rusage use;
+  getrusage(RUSAGE_SELF, &use);
+  return (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
+         1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
+}
+
+int main(int count, char **word) {
+  if (count < 4) {
+    fprintf(stderr, "%s NX NY NZ [direct|jacobi|coarse] [iterations]\n", word[0]);
+    return 2;
+  }
+  const int32_t cells[3] = {atoi(word[1]), atoi(word[2]), atoi(word[3])};
+  const char *way = count > 4 ? word[4] : "direct";
+  const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+  int axis = cells[0] > cells[1] ? 0 : 1;
+  bw_context *context = bw_context_create();
+  bw_grid *grid;
+  bw_solid_material *material;
+  bw_palette *palette;
+  bw_solid *solid, *small = NULL;
+  bw_solid_case *the;
+  bw_coarse *coarse = NULL;
+  bw_newton_options options;
+  bw_solid_static *result = NULL;
+  CHECK(bw_grid_create(context, origin, spacing, cells, NULL, NULL, &grid));
+  CHECK(bw_solid_material_create(context, "", BW_NEO_HOOKEAN, 1e6, 0.4, 1000, &material));
+  const bw_solid_material *one = material;
+  CHECK(bw_palette_create(context, 2, &one, &palette));
+  CHECK(bw_solid_create(context, grid, palette, NULL, &solid));
+  CHECK(bw_solid_case_create(context, grid, &the));
+  int32_t *node = BW_NEW(context, int32_t, grid->node_count);
+  for (int high = 0; node && high < 2; high++) {
+    int64_t nodes = 0;
+    for (int32_t n = 0; n < grid->node_count; n++) {
+      double x[3];
+      bw_grid_position(grid, n, x);
+      if (x[axis] == high * cells[axis])
+        node[nodes++] = n;
+    }
+    bool all[3] = {true, true, true};
+    double area = (double)cells[0] * cells[1] * cells[2] / cells[axis];
+    double force[3] = {0, 0, 1e4 * area * cells[2] / cells[axis]};
+    if (high)
+      CHECK(bw_solid_case_force(context, the, nodes, node, force));
+    else
+      CHECK(bw_solid_case_hold(context, the, nodes, node, all, NULL));
+  }
+  bw_newton_options_default(&options);
+  options.linear = strcmp(way, "direct") == 0   ? BW_NEWTON_DIRECT
+                   : strcmp(way, "jacobi") == 0 ? BW_NEWTON_JACOBI
+                                                : BW_NEWTON_COARSE;
+  if (count > 5) {
+    options.iterations = atoi(word[5]);
+    options.least_step = 1;
+  }
+  CHECK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, palette, grid, 1, &coarse));
+  CHECK(bw_solid_create(context, coarse->grid, coarse->palette, NULL, &small));
+  const bw_coarsening *coarsening = coarse->coarsening[0];
+  const bw_solid *of_coarse = small;
+  options.coarse_count = 1;
+  options.coarsening = &coarsening;
+  options.coarse = &of_coarse;
+  double before = processor();
+  if (bw_solid_statics(context, solid, the, NULL, &options, &result) != BW_OK)
+    fprintf(stderr, "%s\n", bw_message(context));
+  if (!result)
+    return 1;
+  const bw_newton_report *r = &result->report;
+  double per = r->iterations > 0 ? r->iterations : 1, used = processor() - before;
+  printf("{\"way\": \"%s\", \"cells\": [%d, %d, %d], \"iterations\": %d, \"cg\": %lld, "
+         "\"factorisations\": %d, \"seconds_iteration\": %.4f, \"processor_iteration\": %.4f, "
+         "\"seconds_quadrature\": %.3f, \"seconds_analysis\": %.3f, \"seconds_factor\": %.3f, "
+         "\"seconds_solve\": %.3f}\n",
+         way, (int)cells[0], (int)cells[1], (int)cells[2], r->iterations,
+         (long long)r->cg_iterations, r->factorisations, r->seconds / per, used / per,
+         r->seconds_quadrature, r->seconds_analysis, r->seconds_factor, r->seconds_solve);
+  bw_release(result);
+  bw_release(small);
+  bw_release(coarse);
+  bw_release(the);
+  bw_release(solid);
+  bw_release(palette);
+  bw_release(material);
+  bw_release(grid);
+  bw_free(node);
+  bw_context_destroy(context);
+  return 0;
+}
