@@ -172,9 +172,11 @@ static double strain_size(const bwi_sampler *s, const double coordinate[BWI_SHAP
 
 int bwi_sample_direction(bwi_sampler *s, const bwi_frame18 *frame, double strain, int magnitudes,
                          bw_random *random, bwi_sample *sample) {
-  double coordinate[BWI_SHAPES], force[BWI_SHAPES], y[BWI_STRIDE] = {0}, size;
+  double drawn[BWI_SHAPES], coordinate[BWI_SHAPES], force[BWI_SHAPES], y[BWI_STRIDE] = {0}, size;
   for (int i = 0; i < BWI_SHAPES; i++)
-    coordinate[i] = frame->weight[i] * bw_random_normal(random);
+    drawn[i] = frame->weight[i] * bw_random_normal(random);
+  /* nearly the same, without the shapes that meet no resistance (hinges between voids) */
+  bwi_multiply(BWI_SHAPES, BWI_SHAPES, 1, frame->target, drawn, coordinate);
   size = strain_size(s, coordinate);
   if (!(size > 0))
     return 0;
