@@ -20,10 +20,12 @@ typedef struct bw_library_options {
   bool voids;          /* blocks with void too; default true */
   int directions;      /* of force, for each block; default 500 */
   int magnitudes;      /* along each; default 5 */
-  int stretches;       /* directions in which a block is stretched to find its axes; default 500 */
-  int fibres;          /* axes of anisotropy at a point: 0 to 3 */
-  double strain;       /* the largest deformation sampled, roughly */
-  double ridge;        /* lambda of formula (4), relative as documented; default 0.01 */
+  int stretches;       /* directions in which a block without symmetry is stretched to find axes
+                          beside those of the cube; default 500 */
+  int fibres;          /* axes of anisotropy at a point: 0 to 3, default 3 */
+  double strain;       /* the largest deformation sampled, roughly; default 0.1 */
+  double ridge;        /* lambda of formula (4): moving a constant by its own size costs as much as
+                          this relative error; default 0.01 */
   int representatives; /* at every intermediate stage of level 2; default 400 */
   uint64_t seed;
 } bw_library_options;
@@ -33,7 +35,8 @@ void bw_library_options_default(bw_library_options *options);
  * the exact ones, and the same of the naive material. */
 typedef struct bw_fit_error {
   double median, worst, naive_median, naive_worst; /* worst: the 95th percentile */
-  double force, naive_force; /* |difference of the coarse forces| / |force|, median */
+  double force, naive_force; /* |difference of the coarse forces| / |force|, median, in coordinates
+                                of equal energy */
   int samples;               /* that were found: blocks may refuse extreme forces */
 } bw_fit_error;
 
