@@ -277,24 +277,37 @@ local function parts_of(self)
   return parts
 end
 
--- The solids that precondition: of a coarse one, its coarsenings with solids on each.
+-- The pair that preconditions on a coarse solid of one level.
 local function coarse_of(given)
-  local list = {}
-  if given == nil then return nil end
-  if getmetatable(given) ~= solid or not given.coarse then
-    raise "solve: option 'coarse': a solid that was coarsened from this one expected"
+  if getmetatable(given) ~= solid or not given.coarse or given.levels ~= 1 then
+    raise "solve: option 'coarse': a solid that was coarsened once from this one expected"
   end
-  if given.levels ~= 1 then
-    raise "solve: option 'coarse': a solid of one level expected"
+  return {{given.coarse:coarsening(1), given.body}}
+end
+
+-- Beyond so many nodes a factor costs more than conjugate gradients over a coarse solid, which need the
+-- fewer iterations the better that is (docs/theory/data_driven.md, "Equilibrium").
+local MOST_NODES = 20000
+
+local function cubes(grid)
+  local h = grid.spacing
+  return math.abs(h[1] - h[2]) < 1e-9 * h[1] and math.abs(h[1] - h[3]) < 1e-9 * h[1]
+end
+
+-- A coarse solid to precondition with where none is given, kept; nil where a factor does.
+local function own_coarse(self, wanted)
+  local possible = not self.coarse and cubes(self.grid)
+  if not (possible and (wanted or self.node_count > MOST_NODES)) then return nil end
+  if rawget(self, "under") == nil then
+    rawset(self, "under", self:coarsen("naive", 1) or false)
   end
-  list[1] = {given.coarse:coarsening(1), given.body}
-  return list
+  return rawget(self, "under") or nil
 end
 
 --- Equilibrium: {tolerance =, iterations =, steps = load steps to begin with, path = parts of the path
---- (each solved, from the last), linear = "direct" | "jacobi" | "coarse", coarse = a coarse solid, start
---- = displacements, allow_inverted =}. Returns the result; or nil, message, details, where
---- details.reached is the last equilibrium on the way.
+--- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (direct up to 20,000 nodes),
+--- coarse = a coarse solid, start = displacements, allow_inverted =}. Returns the result; or nil,
+--- message, details, where details.reached is the last equilibrium on the way.
 function solid:solve(given)
   check_self("solve", self)
   local wish = options.read("solve", given, solve_rules)
@@ -303,8 +316,12 @@ function solid:solve(given)
   for key, value in pairs(wish) do
     if key ~= "path" and key ~= "start" then newton[key] = value end
   end
-  newton.coarse = coarse_of(wish.coarse)
-  if newton.linear == nil and newton.coarse then newton.linear = "coarse" end
+  local under = wish.coarse
+  if under == nil and (wish.linear == nil or wish.linear == "coarse") then
+    under = own_coarse(self, wish.linear == "coarse")
+  end
+  newton.coarse = under and coarse_of(under)
+  if newton.linear == nil then newton.linear = under and "coarse" or "direct" end
   local start, all = wish.start, {}
   for part = 1, parts do
     local case, message, details = case_of(self, part / parts)

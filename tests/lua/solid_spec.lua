@@ -135,6 +135,19 @@ describe("a solid", function()
     end)
   end)
 
+  it("solves over a coarse solid as it does with a factor", function()
+    local solid = column(3)
+    solid:hold {side = "low z"}
+    solid:force({side = "high z"}, {2, 0, 20})
+    local direct = assert(solid:solve {tolerance = 1e-9})
+    for _, linear in ipairs {"coarse", "jacobi"} do
+      local other = assert(solid:solve {linear = linear, tolerance = 1e-9})
+      assert.is_true(other.report.cg_iterations > 0)
+      assert.is_true(other:error(direct) < 1e-8)
+    end
+    check.raises("coarsened once from this one", function() solid:solve {coarse = solid} end)
+  end)
+
   it("says why it does not solve, and how far it came", function()
     local free = column()
     free:force({side = "high z"}, {0, 0, 1})
