@@ -22,13 +22,21 @@ typedef struct chooser {
   double *stiffness[BWI_STAGES]; /* count x 576, of representatives */
   float *mean;                   /* stage 3: of features, taken off them */
   uint8_t *solid[BWI_STAGES];    /* count, of representatives: without void */
+  uint8_t *cells[BWI_STAGES];    /* the same: which of their cells hold something */
+  uint64_t *mask;                /* the same, of this stage: what they may stand for */
 } chooser;
 
+/* Deformations that next to nothing resists (cells that hang together at an edge or a corner) count
+ * as this soft against the stiffest one: how soft exactly does not matter. */
+static const double softest = 1e-4;
+
 static void to_features(const double stiffness[576], float feature[BWI_FEATURES]) {
-  double wide[BWI_FEATURES];
+  double wide[BWI_FEATURES], most = -HUGE_VAL;
   bwi_features(stiffness, wide);
   for (int k = 0; k < BWI_FEATURES; k++)
-    feature[k] = (float)wide[k];
+    most = fmax(most, wide[k]);
+  for (int k = 0; k < BWI_FEATURES; k++)
+    feature[k] = (float)fmax(wide[k], most + log(softest));
 }
 
 static float take_mean_off(float feature[BWI_FEATURES]) {
@@ -53,6 +61,20 @@ static void item_stiffness(const chooser *it, int32_t i, double stiffness[576]) 
     if (pair[p] > 0)
       child[p] = it->stiffness[it->stage - 1] + 576 * (int64_t)pair[p];
   bwi_block_stiffness(size[it->stage], child, stiffness);
+}
+
+/* Bits of the cells of a pair that hold something. */
+static unsigned occupied(const chooser *it, int32_t pair) {
+  int32_t n = it->levels->count[it->stage - 1];
+  const uint8_t *cells = it->cells[it->stage - 1];
+  return cells[pair % n] | (unsigned)cells[pair / n] << (1 << (it->stage - 1));
+}
+
+/* A pair may only be represented by one with void in the same cells: bits for those that are, and
+ * for those that are not. */
+static uint64_t occupied_mask(const chooser *it, int32_t pair) {
+  unsigned bits = occupied(it, pair);
+  return (uint64_t)(bits | (~bits & 255u) << 8) << BWI_FLIPS;
 }
 
 static bool is_solid(const chooser *it, int32_t i) {
@@ -87,7 +109,8 @@ static void item_symmetries(const chooser *it, int32_t i) {
     mask |= same ? (uint64_t)1 << s : 0;
     own += same;
   }
-  it->cover.mask[i] = mask | (is_solid(it, i) ? BWI_SOLID : 0);
+  it->cover.mask[i] = mask | (is_solid(it, i) ? BWI_SOLID : 0) |
+                      (it->stage > 0 ? occupied_mask(it, it->item[i]) : 0);
   it->images[i] = (uint8_t)(total / own);
 }
 
@@ -131,11 +154,12 @@ static bw_status measure_some(void *data, int64_t begin, int64_t end, int worker
   return status;
 }
 
-/* The symmetries that the image of an item by `s` has: s m s^-1 for each m that the item has. */
-static uint64_t image_mask(const chooser *it, uint64_t mask, int s) {
+/* The mask of the image of an item by `s`, whose code it is: it has the symmetries s m s^-1 for
+ * each m that the item has (reflections commute). */
+static uint64_t image_mask(const chooser *it, uint64_t mask, int s, int32_t code) {
   uint64_t image = mask & BWI_SOLID;
   if (it->stage > 0)
-    return mask; /* reflections commute */
+    return image | (mask & 255) | occupied_mask(it, code);
   for (int m = 0; m < BWI_SYMMETRIES; m++)
     if (mask >> m & 1)
       image |= (uint64_t)1 << bwi_symmetry_after(s, bwi_symmetry_after(m, bwi_symmetry_inverse(s)));
@@ -173,11 +197,13 @@ static bw_status choose(chooser *it, int32_t i) {
     bwi_symmetry_stiffness(g, own, turned);
     memcpy(it->stiffness[s] + 576 * (int64_t)levels->count[s], turned, sizeof turned);
     it->solid[s][levels->count[s]] = (it->cover.mask[i] & BWI_SOLID) != 0;
+    it->cells[s][levels->count[s]] = (uint8_t)(s == 0 ? 1 : occupied(it, code));
     to_features(turned, feature);
     if (it->mean)
       take_mean_off(feature);
-    BW_TRY(bwi_cover_add(&it->cover, feature, image_mask(it, it->cover.mask[i], g),
-                         levels->count[s]++));
+    it->mask[levels->count[s]] = image_mask(it, it->cover.mask[i], g, code);
+    BW_TRY(bwi_cover_add(&it->cover, feature, it->mask[levels->count[s]], levels->count[s]));
+    levels->count[s]++;
   }
 done:
   return status;
@@ -197,6 +223,27 @@ static bool is_uniform(const chooser *it, int32_t i) {
   return true;
 }
 
+/* Where representatives are too few for every pattern of void in cells, items of patterns without
+ * one are represented by others. The blocks of one material can stand for everything then. */
+static bw_status cover_rest(chooser *it) {
+  bw_status status = BW_OK;
+  bool rest = false;
+  for (int32_t i = 0; i < it->cover.count; i++)
+    if (it->cover.nearest[i] < 0) {
+      it->cover.mask[i] &= BWI_SOLID | 255;
+      rest = true;
+    }
+  for (int32_t r = 1; rest && r < it->levels->count[it->stage]; r++) {
+    float feature[BWI_FEATURES];
+    to_features(it->stiffness[it->stage] + 576 * (int64_t)r, feature);
+    if (it->mean)
+      take_mean_off(feature);
+    BW_TRY(bwi_cover_add(&it->cover, feature, it->mask[r], r));
+  }
+done:
+  return status;
+}
+
 static bw_status choose_all(chooser *it) {
   bw_status status = BW_OK;
   bwi_levels *levels = it->levels;
@@ -210,7 +257,9 @@ static bw_status choose_all(chooser *it) {
   int64_t room = 1 + (int64_t)most * (limit_images ? 1 : images);
   it->stiffness[s] = BW_NEW0(it->context, double, 576 * room);
   it->solid[s] = BW_NEW0(it->context, uint8_t, room);
-  if (!levels->chosen[s] || !it->stiffness[s] || !it->solid[s])
+  it->cells[s] = BW_NEW0(it->context, uint8_t, room);
+  it->mask = BW_NEW0(it->context, uint64_t, room);
+  if (!levels->chosen[s] || !it->stiffness[s] || !it->solid[s] || !it->cells[s] || !it->mask)
     return BW_MEMORY;
   levels->count[s] = 1;
   BW_TRY(bw_parallel(it->context, it->cover.count, 64, measure_some, it));
@@ -235,6 +284,7 @@ static bw_status choose_all(chooser *it) {
     bw_progress(it->context, name[s], (double)have / most);
     BW_TRY(choose(it, next));
   }
+  BW_TRY(cover_rest(it));
   bwi_cover_measure(&it->cover, &levels->typical[s], &levels->most[s]);
 done:
   return status;
@@ -284,6 +334,8 @@ static void end_stage(chooser *it) {
   bw_free(it->images);
   bw_free(it->item);
   bw_free(it->mean);
+  bw_free(it->mask);
+  it->mask = NULL;
   it->images = NULL;
   it->item = NULL;
   it->mean = NULL;
@@ -357,6 +409,8 @@ done:
     bw_free(it.stiffness[s]);
   for (int s = 0; s < BWI_STAGES; s++)
     bw_free(it.solid[s]);
+  for (int s = 0; s < BWI_STAGES; s++)
+    bw_free(it.cells[s]);
   bwi_levels_free(it.levels);
   return status;
 }
