@@ -3,10 +3,10 @@
  * softened by its fit.
  *
  * A fit of level 2 has a point for each cell. Representatives are few, and stand for blocks that
- * are stiffer or softer in places; so their fitted constants are not taken as they are, but as
- * factors on the constants of their cells (the means of what was fitted at level 1, which is known
- * for both). A cell that is the same in both so has the constants of the fit, and a representative
- * is given its own fit. */
+ * are stiffer or softer in places; so their fitted constants are not taken as they are, but by the
+ * ratio of the block's own cell to theirs (means of what was fitted at level 1, which is known for
+ * both). A cell that is the same in both so has the constants of the fit, and a representative is
+ * given its own fit. */
 #include <math.h>
 #include <string.h>
 
@@ -14,7 +14,8 @@
 #include "metamaterial/library.h"
 #include "nonlinear/internal.h"
 
-/* A cell as one point: means of its fit of level 1. */
+/* A cell as one point: means of its fit of level 1, with what its fibres are worth in the mean over
+ * all directions: C (v . E v)^2 then is 2 C / 15 (E : E + (tr E)^2 / 2). */
 typedef struct cell {
   int32_t code;
   bool empty;
@@ -32,8 +33,11 @@ static cell take_cell(const bw_library *library, int32_t code) {
   const bw_solid_material *fit = library->inner->fit[0][keys->orbit[code]];
   bwi_key_of(keys->base, code, key);
   for (int p = 0; p < 8; p++) {
-    it.mu += fit->mu[p] / 8;
-    it.lambda += fit->lambda[p] / 8;
+    double fibres = 0;
+    for (int f = 0; f < fit->fibre_count; f++)
+      fibres += fit->fibre_stiffness[p * fit->fibre_count + f] * 2 / 15;
+    it.mu += (fit->mu[p] + fibres) / 8;
+    it.lambda += (fit->lambda[p] + fibres) / 8;
     if (key[p] > 0)
       votes[library->palette->material[key[p]]->law[0]]++;
   }
@@ -48,8 +52,13 @@ typedef struct stand_in {
   cell cell[8];
   uint8_t law[8];
   double mu[8], lambda[8], stiffness[24], fibre[72], spread[3];
-  double factor_mu, factor_lambda; /* fitted over own, of the whole */
+  double mean_mu, mean_lambda;     /* of the fit */
+  double factor_mu, factor_lambda; /* the fit's constants over those of its cells */
 } stand_in;
+
+static double ratio(double own, double its) {
+  return its > 0 && isfinite(own / its) ? own / its : 1;
+}
 
 static void take_stand_in(const bw_library *library, bwi_level2 found, stand_in *it) {
   const bwi_levels *levels = library->inner->levels;
@@ -71,22 +80,29 @@ static void take_stand_in(const bw_library *library, bwi_level2 found, stand_in 
       bwi_symmetry_vector(symmetry, fit->fibre + 3 * ((size_t)c * fibres + f),
                           it->fibre + 3 * (to * fibres + f));
     }
-    if (it->cell[to].empty)
-      continue;
     fitted_mu += it->mu[to];
     fitted_lambda += it->lambda[to];
     own_mu += it->cell[to].mu;
     own_lambda += it->cell[to].lambda;
   }
-  it->factor_mu = own_mu > 0 ? fitted_mu / own_mu : 1;
-  it->factor_lambda = own_lambda > 0 ? fitted_lambda / own_lambda : 1;
+  it->mean_mu = fitted_mu / 8;
+  it->mean_lambda = fitted_lambda / 8;
+  it->factor_mu = ratio(fitted_mu, own_mu);
+  it->factor_lambda = ratio(fitted_lambda, own_lambda);
   for (int d = 0; d < 3; d++)
     it->spread[d] = fit->rule->spread[symmetry.axis[d]];
 }
 
-/* Fitted over own, where both mean something. */
-static double factor(double fitted, double own, double otherwise) {
-  return own > 0 && isfinite(fitted / own) ? fitted / own : otherwise;
+/* How much stiffer the block's cells are than those of what stands for it. */
+static double whole_ratio(const cell own[8], const cell its[8]) {
+  double sum_own = 0, sum_its = 0;
+  bool same = true;
+  for (int c = 0; c < 8; c++) {
+    sum_own += own[c].mu;
+    sum_its += its[c].mu;
+    same = same && own[c].code == its[c].code;
+  }
+  return same ? 1 : ratio(sum_own, sum_its);
 }
 
 /* The mean part of a cell's elements that is inside. */
@@ -111,42 +127,32 @@ bw_status bwi_level2_material(bw_context *context, const bw_library *library,
   bw_rule *rule = NULL;
   stand_in it;
   cell own[8];
-  double mean_mu = 0, mean_lambda = 0;
-  int there = 0;
   take_stand_in(library, found, &it);
+  for (int c = 0; c < 8; c++)
+    own[c] = take_cell(library, bwi_key_code(library->inner->keys->base, block->key + 8 * c));
+  double whole = whole_ratio(own, it.cell);
   for (int c = 0; c < 8; c++) {
     const cell *its = &it.cell[c];
-    own[c] = take_cell(library, bwi_key_code(library->inner->keys->base, block->key + 8 * c));
-    if (own[c].empty)
-      continue;
-    double part = part_of(block, c), by_fibre = 1;
-    if (own[c].code != its->code) {
-      double by_mu = it.factor_mu, by_lambda = it.factor_lambda;
-      if (!its->empty) {
-        by_mu = factor(it.mu[c], its->mu, by_mu);
-        by_lambda = factor(it.lambda[c], its->lambda, by_lambda);
-      }
-      it.law[c] = own[c].law;
-      it.mu[c] = by_mu * own[c].mu;
-      it.lambda[c] = by_lambda * own[c].lambda;
-      by_fibre = its->empty ? 0 : factor(own[c].mu, its->mu, 0);
+    double part = part_of(block, c), by_mu = whole, by_lambda = whole, by_fibre;
+    if (own[c].empty != its->empty) {
+      it.mu[c] = (own[c].empty ? BWI_VOID_PART * it.mean_mu : it.factor_mu * own[c].mu);
+      it.lambda[c] =
+          (own[c].empty ? BWI_VOID_PART * it.mean_lambda : it.factor_lambda * own[c].lambda);
+      by_mu = by_lambda = own[c].empty ? whole : 1;
+      by_fibre = 0;
+    } else if (!own[c].empty) {
+      by_mu = own[c].code == its->code ? 1 : ratio(own[c].mu, its->mu);
+      by_lambda = own[c].code == its->code ? 1 : ratio(own[c].lambda, its->lambda);
+      by_fibre = by_mu;
+    } else {
+      by_fibre = whole;
     }
-    it.mu[c] *= part;
-    it.lambda[c] *= part;
+    it.law[c] = own[c].empty ? BWI_VOID_LAW : own[c].law;
+    it.mu[c] *= part * by_mu;
+    it.lambda[c] *= part * by_lambda;
     for (size_t f = 0; f < fibres; f++)
       it.stiffness[(size_t)c * fibres + f] *= part * by_fibre;
-    mean_mu += it.mu[c];
-    mean_lambda += it.lambda[c];
-    there++;
   }
-  for (int c = 0; c < 8; c++)
-    if (own[c].empty) {
-      it.law[c] = BWI_VOID_LAW;
-      it.mu[c] = BWI_VOID_PART * mean_mu / there;
-      it.lambda[c] = BWI_VOID_PART * mean_lambda / there;
-      for (size_t f = 0; f < fibres; f++)
-        it.stiffness[(size_t)c * fibres + f] = 0;
-    }
   BW_TRY(bw_rule_create_spread(context, 1, it.spread, &rule));
   BW_TRY(bw_solid_material_points(context, of->name, rule, density, it.law, it.mu, it.lambda,
                                   of->fibre_count, it.stiffness, it.fibre, material));
