@@ -9,13 +9,14 @@
 #ifndef BWI_SOLVE_LOCAL_H
 #define BWI_SOLVE_LOCAL_H
 
+#include "solve/coarse.h"
 #include "solve/internal.h"
 
 typedef struct bwi_local {
   const bw_model *rest;  /* retained: all domains at rest */
   const bw_model *model; /* retained: last synchronised */
   bool material_turns;
-  int32_t domain_count;
+  int32_t domain_count, largest; /* and the one of most elements */
   int32_t *element_domain, *node_domain;
   bw_edits edits;             /* count 0: none are known */
   int32_t *edit_start, *edit; /* what `edits` points to */
@@ -34,6 +35,9 @@ typedef struct bwi_local {
   double experience;    /* iterations needed over predicted, when last iterated */
   uint8_t *experienced; /* domain_count: what was touched then */
   int spent;            /* since the last edit */
+  /* what helps iterations; made and followed when first needed at a shape */
+  bwi_coarse *coarse;
+  bool coarse_known, coarse_usable; /* of the present shape */
   double change; /* of the touched domains' shape since it was factored; negative: not known */
 } bwi_local;
 
@@ -91,6 +95,8 @@ typedef struct bwi_conjugate {
   const double *stiffness;
   const bw_numbering *numbering;
   const bwi_factor *factor; /* the preconditioner: of a former shape, or in single precision */
+  const bw_numbering *directions; /* along which it is applied */
+  const bwi_coarse *coarse;       /* or NULL */
   double tolerance;
   /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every
      right-hand side, which the tolerance is relative to. Or NULL. */
@@ -108,6 +114,21 @@ typedef struct bwi_conjugate {
  * failure; `displacement` is then what was reached. The two may not be the same block. */
 bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
                               const double *force, double *displacement);
+
+/* ---- local_iterate.c ----------------------------------------------------------------------- */
+
+/* Whether iterations have the help of a coarse space. */
+bool bwi_local_has_coarse(const bw_local_system *local);
+/* How the body as a whole has turned since it was factored: x -> turn x. */
+void bwi_local_turn(const bw_local_system *local, double turn[9]);
+typedef struct bwi_local_aid {
+  const bwi_coarse *coarse;
+  bw_numbering directions; /* the present one with other frames; no object of its own */
+  double *frame;           /* those frames, or NULL */
+} bwi_local_aid;
+/* Release with bwi_local_aid_clear. */
+bw_status bwi_local_aids(bw_context *context, const bw_local_system *local, bwi_local_aid *aid);
+void bwi_local_aid_clear(bwi_local_aid *aid);
 
 /* ---- guess.c ------------------------------------------------------------------------------- */
 

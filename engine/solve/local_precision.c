@@ -11,8 +11,10 @@
 
 #include "solve/local.h"
 
-/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 15. */
+/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 15, with a
+ * coarse space, which takes what bends them as a whole, 5. */
 #define REFINEMENTS 10.0
+#define REFINEMENTS_COARSE 5.0
 /* Single precision is taken where it costs less than this of double precision: by so much that
  * shapes that are solved for several times (loads, adjoints) do not lose by it. It is left where it
  * costs more than that: what is in doubt is not worth a whole factor in the other. */
@@ -20,27 +22,29 @@
 #define WORTH_LEAVING 1.0
 
 /* In single precision, to 1e-10. */
-static double refinements_of(const bwi_local *inner) {
-  return inner->refinements > 0 ? inner->refinements : REFINEMENTS;
+static double refinements_of(const bw_local_system *local) {
+  if (local->inner->refinements > 0)
+    return local->inner->refinements;
+  return bwi_local_has_coarse(local) ? REFINEMENTS_COARSE : REFINEMENTS;
 }
 
 double bwi_local_refinements(const bw_local_system *local, double tolerance) {
   const bwi_local *inner = local->inner;
   return inner->factor->kernels->bits == 64 ? 0
-                                            : refinements_of(inner) * log(tolerance) / log(1e-10);
+                                            : refinements_of(local) * log(tolerance) / log(1e-10);
 }
 
 /* Update and solution after edits that do `flops` of work again, `edits` in all. */
 static double cost_of(const bw_local_system *local, const bwi_symbolic *symbolic, int bits,
                       double flops, int32_t edits) {
-  const bwi_local *inner = local->inner;
   double entries = (double)symbolic->panel[symbolic->order->super_count];
   double pass = 2 * entries * bits / 8, product = 72.0 * (double)local->system->graph->pair_count;
   double again = symbolic->flops > 0 ? flops / symbolic->flops : 0;
-  double refinements = refinements_of(inner);
+  double refinements = refinements_of(local);
   double bytes = again * pass + edits * pass;
   if (bits == 32)
-    bytes += edits * (refinements * product + (refinements - 1) * pass);
+    bytes += edits * (refinements * (bwi_local_has_coarse(local) ? 2 : 1) * product +
+                      (refinements - 1) * pass);
   return flops / bwi_local_flops_per_second(bits) + bytes / BWI_LOCAL_BYTES_PER_SECOND;
 }
 

@@ -47,15 +47,22 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local, co
   bw_status status = BW_OK;
   const bw_system *system = local->system;
   size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
+  double *solution = NULL;
+  bwi_local_aid aid = {0};
   problem->graph = system->graph;
   problem->stiffness = system->stiffness;
   problem->numbering = system->numbering;
   problem->factor = local->inner->factor;
   problem->load = left->load;
   problem->energy = left->energy;
-  double *solution = BW_NEW(context, double, size);
-  if (!solution)
-    return BW_MEMORY;
+  BW_TRY(bwi_local_aids(context, local, &aid));
+  problem->coarse = aid.coarse;
+  problem->directions = &aid.directions;
+  solution = BW_NEW(context, double, size);
+  if (!solution) {
+    status = BW_MEMORY;
+    goto done;
+  }
   BW_TRY(bwi_conjugate_solve(context, problem, count, left->force ? left->force : displacement,
                              solution));
   if (problem->converged) {
@@ -64,6 +71,7 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local, co
       displacement[i] += left->guess[i];
   }
 done:
+  bwi_local_aid_clear(&aid);
   bw_free(solution);
   return status;
 }

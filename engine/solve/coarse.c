@@ -1,0 +1,238 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The coarse space of linear elements (coarse.h). Topology is kept; matrix and factor are those of
+ * the shape last followed. */
+#include "solve/coarse.h"
+
+#include <math.h>
+#include <string.h>
+
+struct bwi_coarse {
+  bw_object object;
+  const bw_mesh *fine; /* retained: any of its topology */
+  int32_t count;       /* corner nodes */
+  int32_t *corner;     /* count: of the fine mesh, ascending */
+  int32_t *parent;     /* fine nodes x 2: the corners between which a node lies; twice itself */
+  bw_mesh *mesh;       /* linear, on the corners, of the shape last followed */
+  bw_graph *graph;
+  double *stiffness;
+  bw_numbering numbering; /* of the corners: what the factor and its fields read of one */
+  int32_t *unknown;       /* count x 3: 0 where there is one, else -1 */
+  bwi_symbolic *symbolic;
+  bwi_factor *factor;
+};
+
+static void coarse_destroy(void *object) {
+  bwi_coarse *c = object;
+  bw_release(c->fine);
+  bw_release(c->mesh);
+  bw_release(c->graph);
+  bw_release(c->symbolic);
+  bw_release(c->factor);
+  bw_free(c->corner);
+  bw_free(c->parent);
+  bw_free(c->stiffness);
+  bw_free(c->numbering.frame_of);
+  bw_free(c->numbering.frame);
+  bw_free(c->unknown);
+  bw_free(c);
+}
+
+static const bw_kind coarse_kind = {"coarse space", coarse_destroy, NULL};
+
+/* Corners in ascending order, and between which of them every node lies. */
+static void find_parents(bwi_coarse *c) {
+  const bw_mesh *mesh = c->fine;
+  for (int64_t i = 0; i < 2 * (int64_t)mesh->node_count; i++)
+    c->parent[i] = -1;
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 4; a++)
+      c->parent[2 * (int64_t)mesh->element[10 * e + a]] = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (c->parent[2 * (int64_t)i] == 0) {
+      c->corner[c->count] = i;
+      c->parent[2 * (int64_t)i] = c->parent[2 * (int64_t)i + 1] = c->count++;
+    }
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 6; a++) {
+      const int32_t *node = mesh->element + 10 * e;
+      for (int side = 0; side < 2; side++)
+        c->parent[2 * (int64_t)node[4 + a] + side] =
+            c->parent[2 * (int64_t)node[bw_tet_edge[a][side]]];
+    }
+}
+
+static bw_status make_mesh(bw_context *context, bwi_coarse *c) {
+  bw_status status = BW_OK;
+  const bw_mesh *fine = c->fine;
+  double *node = BW_NEW(context, double, 3 * (size_t)c->count);
+  int32_t *element = BW_NEW(context, int32_t, 4 * (size_t)fine->element_count);
+  if (!node || !element) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t k = 0; k < c->count; k++)
+    memcpy(node + 3 * (int64_t)k, fine->node + 3 * (int64_t)c->corner[k], 3 * sizeof *node);
+  for (int64_t e = 0; e < fine->element_count; e++)
+    for (int a = 0; a < 4; a++)
+      element[4 * e + a] = c->parent[2 * (int64_t)fine->element[10 * e + a]];
+  BW_TRY(bw_mesh_copy(context, 1, c->count, node, fine->element_count, element, NULL, &c->mesh));
+done:
+  bw_free(node);
+  bw_free(element);
+  return status;
+}
+
+bool bwi_coarse_fits(const bw_mesh *mesh, const bw_numbering *numbering) {
+  return mesh->order == 2 && numbering->motion_count == 0;
+}
+
+bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out) {
+  bw_status status = BW_OK;
+  bwi_coarse *c = BW_NEW0(context, bwi_coarse, 1);
+  if (!c)
+    return BW_MEMORY;
+  bw_object_init(c, &coarse_kind);
+  c->fine = bw_retain(mesh);
+  c->corner = BW_NEW(context, int32_t, mesh->node_count);
+  c->parent = BW_NEW(context, int32_t, 2 * (size_t)mesh->node_count);
+  if (!c->corner || !c->parent) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  find_parents(c);
+  BW_TRY(make_mesh(context, c));
+  BW_TRY(bw_graph_create(context, c->mesh, &c->graph));
+  c->stiffness = BW_NEW(context, double, 9 * c->graph->pair_count);
+  c->numbering.frame_of = BW_NEW(context, int32_t, c->count);
+  c->numbering.frame = BW_NEW(context, double, 9 * (size_t)c->count);
+  c->unknown = BW_NEW(context, int32_t, 3 * (size_t)c->count);
+  if (!c->stiffness || !c->numbering.frame_of || !c->numbering.frame || !c->unknown)
+    status = BW_MEMORY;
+done:
+  if (status == BW_OK)
+    *out = c;
+  else
+    bw_release(c);
+  return status;
+}
+
+/* Whether two nodes are held alike, along the same directions. */
+static bool held_alike(const bw_numbering *numbering, int64_t a, int64_t b) {
+  bool all = true;
+  for (int k = 0; k < 3; k++) {
+    if (numbering->state[3 * a + k] != numbering->state[3 * b + k])
+      return false;
+    all &= numbering->state[3 * a + k] == numbering->state[3 * a];
+  }
+  if (all)
+    return true;
+  int32_t f = numbering->frame_of[a], g = numbering->frame_of[b];
+  if (f < 0 || g < 0)
+    return f == g;
+  double off = 0;
+  for (int k = 0; k < 9; k++)
+    off = fmax(off,
+               fabs(numbering->frame[9 * (int64_t)f + k] - numbering->frame[9 * (int64_t)g + k]));
+  return off < 1e-9;
+}
+
+/* Unknowns and directions of the corners. */
+static void number_corners(bwi_coarse *c, const bw_numbering *numbering) {
+  const bw_mesh *fine = c->fine;
+  for (int64_t k = 0; k < c->count; k++) {
+    int64_t i = c->corner[k];
+    int32_t row = numbering->frame_of[i];
+    c->numbering.frame_of[k] = row < 0 ? -1 : (int32_t)k;
+    if (row >= 0)
+      memcpy(c->numbering.frame + 9 * k, numbering->frame + 9 * (int64_t)row, 9 * sizeof(double));
+    for (int d = 0; d < 3; d++)
+      c->unknown[3 * k + d] = numbering->state[3 * i + d] == BW_UNKNOWN ? 0 : -1;
+  }
+  c->numbering.frame_count = c->count;
+  for (int64_t i = 0; i < fine->node_count; i++) {
+    const uint8_t *state = numbering->state + 3 * i;
+    if (state[0] == BW_UNKNOWN && state[1] == BW_UNKNOWN && state[2] == BW_UNKNOWN)
+      continue;
+    for (int side = 0; side < 2; side++) {
+      int32_t k = c->parent[2 * i + side];
+      if (!held_alike(numbering, i, c->corner[k]))
+        for (int d = 0; d < 3; d++)
+          c->unknown[3 * (int64_t)k + d] = -1;
+    }
+  }
+}
+
+static bw_status bring_symbolic(bw_context *context, bwi_coarse *c) {
+  bw_status status = BW_OK;
+  bwi_order *order = NULL;
+  uint8_t *take = NULL;
+  if (c->symbolic && bwi_symbolic_fits(c->symbolic, 3, c->unknown))
+    return BW_OK;
+  bw_release(c->symbolic);
+  c->symbolic = NULL;
+  take = BW_NEW0(context, uint8_t, c->count);
+  if (!take)
+    return BW_MEMORY;
+  for (int64_t k = 0; k < c->count; k++)
+    take[k] = c->unknown[3 * k] >= 0 || c->unknown[3 * k + 1] >= 0 || c->unknown[3 * k + 2] >= 0;
+  BW_TRY(bwi_order_create(context, c->graph, take, &order));
+  BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &c->symbolic));
+done:
+  bw_free(take);
+  bw_release(order);
+  return status;
+}
+
+bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *model,
+                            const bw_numbering *numbering, bool *usable) {
+  bw_status status = BW_OK;
+  bw_mesh *moved = NULL;
+  double *node = NULL;
+  *usable = false;
+  bw_release(c->factor);
+  c->factor = NULL;
+  node = BW_NEW(context, double, 3 * (size_t)c->count);
+  if (!node)
+    return BW_MEMORY;
+  for (int64_t k = 0; k < c->count; k++)
+    memcpy(node + 3 * k, model->mesh->node + 3 * (int64_t)c->corner[k], 3 * sizeof *node);
+  BW_TRY(bw_mesh_moved(context, c->mesh, node, &moved));
+  bw_release(c->mesh);
+  c->mesh = moved;
+  number_corners(c, numbering);
+  BW_TRY(bring_symbolic(context, c));
+  BW_TRY(bw_stiffness(context, c->graph, c->mesh, model->material, c->stiffness));
+  bwi_matrix matrix = {.graph = c->graph, .stiffness = c->stiffness, .numbering = &c->numbering};
+  status = bwi_factor_create(context, c->symbolic, &matrix, &c->factor, NULL);
+  *usable = status == BW_OK;
+  if (status == BW_SINGULAR) {
+    bw_clear_failure(context);
+    status = BW_OK;
+  }
+done:
+  bw_free(node);
+  return status;
+}
+
+bw_status bwi_coarse_add(bw_context *context, const bwi_coarse *c, int64_t count, const double *r,
+                         double *u) {
+  bw_status status = BW_OK;
+  int64_t corners = 3 * (int64_t)c->count, nodes = c->fine->node_count;
+  double *x = BW_NEW0(context, double, count *corners);
+  if (!x)
+    return BW_MEMORY;
+  for (int64_t k = 0; k < count; k++)
+    for (int64_t i = 0; i < nodes; i++)
+      for (int side = 0; side < 2; side++)
+        for (int d = 0; d < 3; d++)
+          x[k * corners + 3 * c->parent[2 * i + side] + d] += 0.5 * r[3 * (k * nodes + i) + d];
+  BW_TRY(bwi_solve_fields(context, c->factor, &c->numbering, count, x, x));
+  for (int64_t k = 0; k < count; k++)
+    for (int64_t i = 0; i < nodes; i++)
+      for (int d = 0; d < 3; d++)
+        u[3 * (k * nodes + i) + d] += 0.5 * (x[k * corners + 3 * c->parent[2 * i] + d] +
+                                             x[k * corners + 3 * c->parent[2 * i + 1] + d]);
+done:
+  bw_free(x);
+  return status;
+}
