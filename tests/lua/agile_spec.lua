@@ -23,8 +23,8 @@ describe("scripts/agile/run.lua", function()
     assert.are.equal(6, #result.edits)
     assert.is_true(result.before_max_von_mises_pa > result.limit_pa)
     assert.is_true(result.after_max_von_mises_pa <= result.limit_pa)
-    -- what was taken back is gone
-    assert.are.equal(result.edits[4].max_von_mises_pa, result.edits[6].max_von_mises_pa)
+    -- what was taken back is gone; solved for another way, perhaps, by iterating to 1e-10
+    check.near(result.edits[4].max_von_mises_pa, result.edits[6].max_von_mises_pa, 1e-9)
     for _, name in ipairs {"manifest.json", "edits.lua", "before.png", "after.png", "after.stl"} do
       assert.is_true(#read(folder .. "/" .. name) > 100)
     end
