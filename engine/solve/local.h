@@ -38,6 +38,8 @@ typedef struct bwi_local {
   /* what helps iterations; made and followed when first needed at a shape */
   bwi_coarse *coarse;
   bool coarse_known, coarse_usable; /* of the present shape */
+  bool aided;                       /* whether it is predicted to be worth while */
+  double change_coarse;             /* as below, seen from one frame for the whole body */
   double change; /* of the touched domains' shape since it was factored; negative: not known */
 } bwi_local;
 

@@ -31,7 +31,7 @@ static bw_status bring_coarse(bw_context *context, const bw_local_system *local,
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   *coarse = NULL;
-  if (!bwi_local_has_coarse(local))
+  if (!bwi_local_has_coarse(local) || (!inner->aided && !bwi_local_current(local)))
     return BW_OK;
   if (!inner->coarse)
     BW_TRY(bwi_coarse_create(context, inner->rest->mesh, &inner->coarse));
