@@ -39,6 +39,16 @@ typedef struct bwi_ties {
   int32_t size[BWI_OCTANTS * (2 + BWI_DIRECTIONS)];     /* its fibres at one point */
 } bwi_ties;
 
+/* Directions and their number at each point, while choosing. */
+typedef struct bwi_candidates {
+  int count;
+  double direction[BWI_OCTANTS][BWI_DIRECTIONS][3]; /* zero: none */
+  bwi_ties ties;
+} bwi_candidates;
+
+#define BWI_SAME_DIRECTION 0.999 /* cosine */
+void bwi_tie(uint64_t symmetries, bwi_candidates *candidates);
+
 /* Constants are in this order: 8 mu, 8 lambda, then 8 of each fibre. */
 typedef struct bwi_axes {
   double spread;
@@ -62,6 +72,15 @@ void bwi_frame18_of(const bwi_condensed *condensed, const bwi_base *base, bwi_fr
 /* Displacement gradient (9) at a point of the unit cube for each coordinate: 9 x 18. */
 void bwi_frame18_gradient(const bwi_frame18 *frame, const double at[3],
                           double gradient[9 * BWI_SHAPES]);
+/* Strains xx yy zz yz zx xy (engineering shears) from displacement gradients: 6 x 18. */
+void bwi_point_strains(const double *gradient, double *strain);
+/* The stretch of a fibre for each coordinate. */
+void bwi_fibre_strain(const double v[3], const double *strain, double *along);
+/* matrix (18 x 18) += factor v v^T */
+void bwi_add_square(double factor, const double *v, double *matrix);
+/* Adds the stiffness of a point with constants mu, lambda. */
+void bwi_add_isotropic(double mu, double lambda, const double *strain, double *matrix);
+#define BWI_FLOOR 1e-3 /* stiffness added, against a cell of mean constants */
 /* Octant k's point. */
 void bwi_octant_point(int octant, double spread, double at[3]);
 /* The metric in which stiffnesses R and the target differ by the logarithm of their ratio, to
