@@ -20,7 +20,7 @@ typedef struct chooser {
   int32_t *item;                 /* codes of pairs; NULL at stage 0 */
   uint8_t *images;               /* of each item */
   double *stiffness[BWI_STAGES]; /* count x 576, of representatives */
-  float *mean;                   /* stage 3: of features, taken off them */
+  bool shape;                    /* stage 3: the mean is taken off features */
   uint8_t *solid[BWI_STAGES];    /* count, of representatives: without void */
   uint8_t *cells[BWI_STAGES];    /* the same: which of their cells hold something */
   uint64_t *mask;                /* the same, of this stage: what they may stand for */
@@ -39,13 +39,12 @@ static void to_features(const double stiffness[576], float feature[BWI_FEATURES]
     feature[k] = (float)fmax(wide[k], most + log(softest));
 }
 
-static float take_mean_off(float feature[BWI_FEATURES]) {
+static void take_mean_off(float feature[BWI_FEATURES]) {
   double mean = 0;
   for (int k = 0; k < BWI_FEATURES; k++)
     mean += feature[k] / (double)BWI_FEATURES;
   for (int k = 0; k < BWI_FEATURES; k++)
     feature[k] -= (float)mean;
-  return (float)mean;
 }
 
 /* Stiffness of an item in its own place. */
@@ -145,8 +144,8 @@ static bw_status measure_some(void *data, int64_t begin, int64_t end, int worker
     float *feature = it->cover.coordinate + BWI_FEATURES * i;
     item_stiffness(it, (int32_t)i, stiffness);
     to_features(stiffness, feature);
-    if (it->mean)
-      it->mean[i] = take_mean_off(feature);
+    if (it->shape)
+      take_mean_off(feature);
     item_symmetries(it, (int32_t)i);
     if (it->stage == 3 && !can_be_found(it->levels, it->item[i]))
       it->images[i] = UINT8_MAX; /* never chosen */
@@ -199,7 +198,7 @@ static bw_status choose(chooser *it, int32_t i) {
     it->solid[s][levels->count[s]] = (it->cover.mask[i] & BWI_SOLID) != 0;
     it->cells[s][levels->count[s]] = (uint8_t)(s == 0 ? 1 : occupied(it, code));
     to_features(turned, feature);
-    if (it->mean)
+    if (it->shape)
       take_mean_off(feature);
     it->mask[levels->count[s]] = image_mask(it, it->cover.mask[i], g, code);
     BW_TRY(bwi_cover_add(&it->cover, feature, it->mask[levels->count[s]], levels->count[s]));
@@ -236,7 +235,7 @@ static bw_status cover_rest(chooser *it) {
   for (int32_t r = 1; rest && r < it->levels->count[it->stage]; r++) {
     float feature[BWI_FEATURES];
     to_features(it->stiffness[it->stage] + 576 * (int64_t)r, feature);
-    if (it->mean)
+    if (it->shape)
       take_mean_off(feature);
     BW_TRY(bwi_cover_add(&it->cover, feature, it->mask[r], r));
   }
@@ -290,29 +289,12 @@ done:
   return status;
 }
 
-/* How much stiffer item i is than what stands for it, as the mean logarithm. */
-static float scale_of(const chooser *it, int32_t i, const float *feature_of_nearest) {
-  double sum = 0;
-  for (int k = 0; k < BWI_FEATURES; k++)
-    sum += it->cover.coordinate[(int64_t)i * BWI_FEATURES + k] - feature_of_nearest[k];
-  return (float)(sum / BWI_FEATURES) + (it->mean ? it->mean[i] : 0);
-}
-
-/* What stands for each item, and the scales. */
-static bw_status assign(chooser *it, uint16_t *representative, float *scale) {
-  int32_t r = -1;
-  float feature[BWI_FEATURES], mean = 0;
+static bw_status assign(const chooser *it, uint16_t *representative) {
   for (int32_t i = 0; i < it->cover.count; i++) {
     if (it->cover.nearest[i] < 0)
       return bw_fail(it->context, BW_INTERNAL, "nothing stands for item %d of stage %d", (int)i,
                      it->stage);
-    if (it->cover.nearest[i] != r) {
-      r = it->cover.nearest[i];
-      to_features(it->stiffness[it->stage] + 576 * (int64_t)r, feature);
-      mean = it->mean ? take_mean_off(feature) : 0;
-    }
-    representative[i] = (uint16_t)r;
-    scale[i] = scale_of(it, i, feature) - mean;
+    representative[i] = (uint16_t)it->cover.nearest[i];
   }
   return BW_OK;
 }
@@ -322,8 +304,8 @@ static bw_status begin_stage(chooser *it, int stage, int32_t count) {
   it->stage = stage;
   BW_TRY(bwi_cover_begin(it->context, count, &it->cover));
   it->images = BW_NEW0(it->context, uint8_t, count);
-  it->mean = stage == 3 ? BW_NEW0(it->context, float, count) : NULL;
-  if (!it->images || (stage == 3 && !it->mean))
+  it->shape = stage == 3;
+  if (!it->images)
     status = BW_MEMORY;
 done:
   return status;
@@ -333,12 +315,10 @@ static void end_stage(chooser *it) {
   bwi_cover_clear(&it->cover);
   bw_free(it->images);
   bw_free(it->item);
-  bw_free(it->mean);
   bw_free(it->mask);
   it->mask = NULL;
   it->images = NULL;
   it->item = NULL;
-  it->mean = NULL;
 }
 
 static bw_status choose_cells(chooser *it) {
@@ -348,12 +328,11 @@ static bw_status choose_cells(chooser *it) {
   BW_TRY(begin_stage(it, 0, count));
   BW_TRY(choose_all(it));
   levels->nearest = BW_NEW0(it->context, uint16_t, count);
-  levels->nearest_scale = BW_NEW0(it->context, float, count);
-  if (!levels->nearest || !levels->nearest_scale) {
+  if (!levels->nearest) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(assign(it, levels->nearest, levels->nearest_scale));
+  BW_TRY(assign(it, levels->nearest));
   BW_TRY(bwi_levels_expand_cells(it->context, levels, it->keys));
 done:
   end_stage(it);
@@ -365,23 +344,20 @@ static bw_status choose_pairs(chooser *it, int stage) {
   bwi_levels *levels = it->levels;
   int32_t count = 0, *item = NULL;
   uint16_t *representative = NULL;
-  float *scale = NULL;
   BW_TRY(bwi_levels_items(it->context, levels, stage - 1, &item, &count));
   it->item = item;
   BW_TRY(begin_stage(it, stage, count));
   BW_TRY(choose_all(it));
   representative = BW_NEW0(it->context, uint16_t, count);
-  scale = BW_NEW0(it->context, float, count);
-  if (!representative || !scale) {
+  if (!representative) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(assign(it, representative, scale));
+  BW_TRY(assign(it, representative));
   BW_TRY(bwi_levels_expand_pairs(it->context, levels, stage));
-  BW_TRY(bwi_levels_fill_table(it->context, levels, stage - 1, count, item, representative, scale));
+  BW_TRY(bwi_levels_fill_table(it->context, levels, stage - 1, count, item, representative));
 done:
   bw_free(representative);
-  bw_free(scale);
   end_stage(it);
   return status;
 }

@@ -25,10 +25,7 @@ typedef struct bwi_levels {
   uint16_t *turned;              /* count[0] x 48: stage 0, under all symmetries */
   uint16_t *flipped[BWI_STAGES]; /* count x 8: under reflections */
   uint16_t *nearest;             /* fits of level 1: representative of the first key */
-  float *nearest_scale;          /* the same: logarithm of its stiffness over that one's */
   uint16_t *table[3];            /* count[s] squared: pairs of stage s to stage s + 1 */
-  float *scale[3];               /* the same: logarithm of the pair's stiffness over that of what
-                                    stands for it */
   float typical[BWI_STAGES];     /* root mean square over items of their distance to what stands for
                                     them, itself the root mean square of logarithms of energies */
   float most[BWI_STAGES];        /* the largest */
@@ -41,14 +38,12 @@ bw_status bwi_levels_create(bw_context *context, const bwi_keys *keys,
                             bw_solid_material *const *fit, int32_t representatives,
                             bwi_levels **levels);
 
-/* Which fit of level 2 a block of 64 fine materials (not all void) has, the symmetry that turns it,
- * and the factor on its constants. Of the block's 48 images the one whose representatives come
- * first in order is looked up, pairs along x, y, z, so that the block's images have the images of
- * its material. */
+/* Which fit of level 2 stands for a block of 64 fine materials (not all void), and the symmetry
+ * that turns it. Of the block's 48 images the one whose representatives come first in order is
+ * looked up, pairs along x, y, z, so that the block's images have the images of its material. */
 typedef struct bwi_level2 {
   int32_t fit;
   int symmetry;
-  double factor;
 } bwi_level2;
 bwi_level2 bwi_levels_find(const bwi_levels *levels, const bwi_keys *keys, const int32_t key[64]);
 /* The representatives of stage 0 in a pair along z, by its code. */
@@ -70,10 +65,9 @@ bw_status bwi_levels_expand_pairs(bw_context *context, bwi_levels *levels, int s
 /* The codes of the pairs of stage s that stand for others, ascending, without that of void. */
 bw_status bwi_levels_items(bw_context *context, const bwi_levels *levels, int stage, int32_t **item,
                            int32_t *count);
-/* Table and scales of pairs of stage s, from those of the items. */
+/* The table of pairs of stage s, from what stands for the items. */
 bw_status bwi_levels_fill_table(bw_context *context, bwi_levels *levels, int stage, int32_t count,
-                                const int32_t *item, const uint16_t *representative,
-                                const float *scale);
+                                const int32_t *item, const uint16_t *representative);
 
 /* ---- farthest-point sampling (compress.c) ------------------------------------------------------
  *

@@ -152,22 +152,17 @@ bw_status bwi_levels_items(bw_context *context, const bwi_levels *it, int stage,
 }
 
 bw_status bwi_levels_fill_table(bw_context *context, bwi_levels *it, int stage, int32_t count,
-                                const int32_t *item, const uint16_t *representative,
-                                const float *scale) {
+                                const int32_t *item, const uint16_t *representative) {
   int32_t pairs = it->count[stage] * it->count[stage];
   it->table[stage] = BW_NEW0(context, uint16_t, pairs);
-  it->scale[stage] = BW_NEW0(context, float, pairs);
-  if (!it->table[stage] || !it->scale[stage])
+  if (!it->table[stage])
     return BW_MEMORY;
-  for (int32_t i = 0; i < count; i++) {
+  for (int32_t i = 0; i < count; i++)
     it->table[stage][item[i]] = representative[i];
-    it->scale[stage][item[i]] = scale[i];
-  }
   for (int32_t code = 1; code < pairs; code++) {
     int flip;
     int32_t first = bwi_pair_first(it, stage, code, &flip);
     it->table[stage][code] = it->flipped[stage + 1][it->table[stage][first] * BWI_FLIPS + flip];
-    it->scale[stage][code] = it->scale[stage][first];
   }
   return BW_OK;
 }

@@ -1,6 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Looking blocks of level 2 up. */
-#include <math.h>
 #include <string.h>
 
 #include "metamaterial/levels.h"
@@ -15,23 +14,18 @@ void bwi_levels_free(bwi_levels *it) {
     bw_free(it->how[s]);
     bw_free(it->flipped[s]);
   }
-  for (int s = 0; s < 3; s++) {
+  for (int s = 0; s < 3; s++)
     bw_free(it->table[s]);
-    bw_free(it->scale[s]);
-  }
   bw_free(it->turned);
   bw_free(it->nearest);
-  bw_free(it->nearest_scale);
   bw_free(it);
 }
 
 /* ---- lookup -----------------------------------------------------------------------------------
  */
 
-static int32_t pair_of(const bwi_levels *it, int stage, int32_t a, int32_t b, float *scale) {
-  int64_t code = a + (int64_t)it->count[stage] * b;
-  *scale += it->scale[stage][code] / (float)(4 >> stage);
-  return it->table[stage][code];
+static int32_t pair_of(const bwi_levels *it, int stage, int32_t a, int32_t b) {
+  return it->table[stage][a + (int64_t)it->count[stage] * b];
 }
 
 /* The symmetry that takes a block to the image whose cells' representatives come first in order;
@@ -74,25 +68,21 @@ static int first_image(const bwi_levels *it, const int32_t key[64], const uint16
 
 bwi_level2 bwi_levels_find(const bwi_levels *it, const bwi_keys *keys, const int32_t key[64]) {
   uint16_t cell[8], best[8];
-  float scale = 0;
   for (int c = 0; c < 8; c++) {
     int32_t code = bwi_key_code(keys->base, key + 8 * c), orbit = keys->orbit[code];
     cell[c] = orbit < 0
                   ? 0
                   : it->turned[(int64_t)it->nearest[orbit] * BWI_SYMMETRIES + keys->symmetry[code]];
-    if (orbit >= 0)
-      scale += it->nearest_scale[orbit] / 8;
   }
   int chosen = first_image(it, key, cell, best);
   int32_t x[4], y[2], z;
   for (int i = 0; i < 4; i++)
-    x[i] = pair_of(it, 0, best[2 * i], best[2 * i + 1], &scale);
+    x[i] = pair_of(it, 0, best[2 * i], best[2 * i + 1]);
   for (int i = 0; i < 2; i++)
-    y[i] = pair_of(it, 1, x[2 * i], x[2 * i + 1], &scale);
-  z = pair_of(it, 2, y[0], y[1], &scale);
+    y[i] = pair_of(it, 1, x[2 * i], x[2 * i + 1]);
+  z = pair_of(it, 2, y[0], y[1]);
   return (bwi_level2){it->origin[3][z],
-                      bwi_symmetry_after(bwi_symmetry_inverse(chosen), it->how[3][z]),
-                      exp((double)scale)};
+                      bwi_symmetry_after(bwi_symmetry_inverse(chosen), it->how[3][z])};
 }
 
 void bwi_levels_cells(const bwi_levels *it, int32_t z, int32_t cell[8]) {

@@ -52,7 +52,7 @@ static size_t bytes(const void *object) {
   sum += (size_t)it->inner->keys->code_count * 5 + (size_t)it->inner->keys->orbit_count * 4;
   if (it->inner->levels)
     for (int s = 0; s < 3; s++)
-      sum += 6 * (size_t)it->inner->levels->count[s] * (size_t)it->inner->levels->count[s];
+      sum += 2 * (size_t)it->inner->levels->count[s] * (size_t)it->inner->levels->count[s];
   return sum;
 }
 

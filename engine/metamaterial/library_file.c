@@ -40,10 +40,9 @@ static void pack_stage(bwi_pack *pack, const bwi_levels *it, int s) {
   bwi_pack_f32(pack, it->most[s]);
 }
 
-static void pack_choice(bwi_pack *pack, unsigned representative, double scale) {
+static void pack_choice(bwi_pack *pack, unsigned representative) {
   bwi_pack_u8(pack, representative & 255);
   bwi_pack_u8(pack, representative >> 8);
-  bwi_pack_f32(pack, scale);
 }
 
 static bw_status pack_tables(bwi_pack *pack, const bwi_levels *it, int32_t orbits) {
@@ -51,12 +50,12 @@ static bw_status pack_tables(bwi_pack *pack, const bwi_levels *it, int32_t orbit
   int32_t *item = NULL, count;
   pack_stage(pack, it, 0);
   for (int32_t f = 0; f < orbits; f++)
-    pack_choice(pack, it->nearest[f], it->nearest_scale[f]);
+    pack_choice(pack, it->nearest[f]);
   for (int s = 1; s < BWI_STAGES; s++) {
     pack_stage(pack, it, s);
     BW_TRY(bwi_levels_items(pack->context, it, s - 1, &item, &count));
     for (int32_t i = 0; i < count; i++)
-      pack_choice(pack, it->table[s - 1][item[i]], it->scale[s - 1][item[i]]);
+      pack_choice(pack, it->table[s - 1][item[i]]);
     bw_free(item);
     item = NULL;
   }
@@ -173,17 +172,15 @@ done:
 }
 
 static bw_status unpack_choices(bwi_unpack *from, int32_t count, int32_t among,
-                                uint16_t *representative, float *scale) {
+                                uint16_t *representative) {
   for (int32_t i = 0; i < count; i++) {
     unsigned low = bwi_unpack_u8(from), r = low | bwi_unpack_u8(from) << 8;
-    double by = bwi_unpack_f32(from);
     if (from->short_of)
       return bwi_unpack_end(from);
-    if (r < 1 || (int32_t)r >= among || !(by > -80 && by < 80))
-      return bwi_unpack_fail(from, "entry %d of a table is %u by %g; there are %d", (int)i + 1, r,
-                             by, (int)among - 1);
+    if (r < 1 || (int32_t)r >= among)
+      return bwi_unpack_fail(from, "entry %d of a table is %u; there are 1 to %d", (int)i + 1, r,
+                             (int)among - 1);
     representative[i] = (uint16_t)r;
-    scale[i] = (float)by;
   }
   return BW_OK;
 }
@@ -192,25 +189,22 @@ static bw_status unpack_pairs(bwi_unpack *from, bwi_levels *it, int s, int32_t m
   bw_status status = BW_OK;
   int32_t *item = NULL, count = 0;
   uint16_t *representative = NULL;
-  float *scale = NULL;
   int64_t pairs = (int64_t)it->count[s - 1] * it->count[s - 1];
   BW_TRY(unpack_stage(from, it, s, most));
-  BW_TRY(check_room(from, (pairs - 1) / BWI_FLIPS, 6, "pairs"));
+  BW_TRY(check_room(from, (pairs - 1) / BWI_FLIPS, 2, "pairs"));
   BW_TRY(bwi_levels_expand_pairs(from->context, it, s));
   BW_TRY(bwi_levels_items(from->context, it, s - 1, &item, &count));
-  BW_TRY(check_room(from, count, 6, "pairs"));
+  BW_TRY(check_room(from, count, 2, "pairs"));
   representative = BW_NEW(from->context, uint16_t, count);
-  scale = BW_NEW(from->context, float, count);
-  if (!representative || !scale) {
+  if (!representative) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(unpack_choices(from, count, it->count[s], representative, scale));
-  BW_TRY(bwi_levels_fill_table(from->context, it, s - 1, count, item, representative, scale));
+  BW_TRY(unpack_choices(from, count, it->count[s], representative));
+  BW_TRY(bwi_levels_fill_table(from->context, it, s - 1, count, item, representative));
 done:
   bw_free(item);
   bw_free(representative);
-  bw_free(scale);
   return status;
 }
 
@@ -226,15 +220,14 @@ static bw_status unpack_tables(bw_context *context, const char *name, const bwi_
     return BW_MEMORY;
   library->inner->levels = it;
   BW_TRY(unpack_stage(&from, it, 0, most));
-  BW_TRY(check_room(&from, orbits, 6, "entries"));
+  BW_TRY(check_room(&from, orbits, 2, "entries"));
   BW_TRY(bwi_levels_expand_cells(context, it, keys));
   it->nearest = BW_NEW(context, uint16_t, orbits);
-  it->nearest_scale = BW_NEW(context, float, orbits);
-  if (!it->nearest || !it->nearest_scale) {
+  if (!it->nearest) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(unpack_choices(&from, orbits, it->count[0], it->nearest, it->nearest_scale));
+  BW_TRY(unpack_choices(&from, orbits, it->count[0], it->nearest));
   for (int s = 1; s < BWI_STAGES; s++)
     BW_TRY(unpack_pairs(&from, it, s, most));
   BW_TRY(bwi_unpack_end(&from));
