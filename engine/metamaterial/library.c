@@ -18,8 +18,8 @@ void bw_library_options_default(bw_library_options *options) {
   options->directions = 500;
   options->magnitudes = 5;
   options->stretches = 500;
-  options->fibres = 1;
-  options->strain = 0.3;
+  options->fibres = 3;
+  options->strain = 0.1;
   options->ridge = 0.01;
   options->representatives = 400;
   options->seed = 1;
