@@ -17,7 +17,7 @@ extern "C" {
  * looked up direction by direction (x, y, z) in tables of pairs of representatives. */
 typedef struct bw_library_options {
   int levels;          /* 1 (default) or 2 */
-  bool voids;          /* blocks with void too; default true */
+  bool voids;          /* blocks with void too; default true. Without, they are coarsened naively */
   int directions;      /* of force, for each block; default 500 */
   int magnitudes;      /* along each; default 5 */
   int stretches;       /* directions in which a block without symmetry is stretched to find axes
@@ -26,7 +26,8 @@ typedef struct bw_library_options {
   double strain;       /* the largest deformation sampled, roughly; default 0.1 */
   double ridge;        /* lambda of formula (4): moving a constant by its own size costs as much as
                           this relative error; default 0.01 */
-  int representatives; /* at every intermediate stage of level 2; default 400 */
+  int representatives; /* at every stage of level 2, 8 to 4000; so many blocks are fitted;
+                          default 400 */
   uint64_t seed;
 } bw_library_options;
 void bw_library_options_default(bw_library_options *options);
@@ -47,7 +48,7 @@ typedef struct bw_library {
   int levels;
   int32_t fit_count[2];         /* of level 1 and 2 */
   const bw_fit_error *error[2]; /* fit_count: of each */
-  double seconds;               /* that building took, over all runs */
+  double seconds;               /* that building took, over all runs; 0 when read from a file */
   struct bwi_library *inner;
 } bw_library;
 
@@ -87,7 +88,8 @@ typedef struct bw_coarse {
   int levels;
   const bw_library *library;      /* retained; NULL for baselines */
   const bw_palette *fine_palette; /* retained */
-  const bw_grid *fine, *grid;     /* retained; the coarse grid's materials are rows of palette */
+  const bw_grid *fine, *grid;     /* retained; the coarse grid's materials are rows of palette, its
+                                     elements those of the last coarsening */
   const bw_palette *palette;      /* retained: the coarse materials there are */
   const bw_coarsening *coarsening[2]; /* levels: from fine to coarse, retained */
   int64_t looked_up;                  /* blocks assigned in making this one */
