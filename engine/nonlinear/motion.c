@@ -53,7 +53,7 @@ void bw_motion_options_default(bw_motion_options *options) {
 bw_status bwi_motion_check(bw_context *context, const bw_motion_options *o) {
   if (o->scheme != BW_IMPLICIT_EULER && o->scheme != BW_NEWMARK)
     return bw_fail(context, BW_INVALID, "there is no scheme %d of motion", (int)o->scheme);
-  if (!(o->step > 0) || !isfinite(o->step))
+  if (!(o->step > 1e-100 && o->step < 1e100)) /* its square is divided by */
     return bw_fail(context, BW_INVALID, "the time step is %g s; it must be positive", o->step);
   if (!(o->mass_damping >= 0 && o->stiffness_damping >= 0) || !isfinite(o->mass_damping) ||
       !isfinite(o->stiffness_damping))

@@ -211,6 +211,7 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
     bwi_contact_place(inner->contact, 1, false);
   }
   BW_TRY(choose_start(motion, &rule, &walk));
+  BW_TRY(bwi_tangent_blocks(&walk)); /* what rounding leaves is told from them */
   BW_TRY(bwi_newton_equilibrium(&walk, 1, &found));
   bool went = report.history_count > 0 && report.history[report.history_count - 1].step > 0;
   if (!found && !(o->iterations == 1 && walk.obstacle == BWI_ITERATIONS && went)) {

@@ -68,8 +68,12 @@ done:
 
 static bw_status evaluate(bwi_walk *walk, bool project) {
   bw_status status = BW_OK;
-  if (walk->iterative)
-    return linearise(walk, project);
+  if (walk->iterative) {
+    if (project || !walk->fresh)
+      BW_TRY(linearise(walk, project));
+    walk->fresh = !project;
+    goto done;
+  }
   const bw_graph *graph = walk->solid->graph;
   double before = bw_seconds();
   bw_solid_shape shape;

@@ -142,7 +142,7 @@ bw_status bwi_walk_create(bwi_walk *walk) {
     walk->free += !walk->the->held[i];
   walk->follows = bwi_case_follows(walk->the);
   walk->dead = BW_NEW(context, double, n);
-  walk->blocks = BW_NEW(context, double, 3 * n);
+  walk->blocks = BW_NEW0(context, double, 3 * n);
   walk->residual = BW_NEW0(context, double, n);
   walk->direction = BW_NEW0(context, double, n);
   walk->work = BW_NEW0(context, double, n);
