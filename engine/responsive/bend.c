@@ -7,7 +7,12 @@
  * stresses, G^T S G. Under compression far from equilibrium the latter can make it indefinite: then
  * the negative part of each S is left out, which keeps the direction one of descent. An inverted
  * element has infinite energy: no step ends with one, neither at the points of quadrature nor at
- * the nodes. */
+ * the nodes.
+ *
+ * While an outline is dragged the start is close, and what costs is tangents and iterations on the
+ * old factor. So the start is moved along the last frame's change, as a drag goes on as it went; a
+ * tangent is kept for further steps as long as they come closer by a decade each (chord method);
+ * and equations are solved no better than the step after them will be, or than the end needs. */
 #include <math.h>
 #include <string.h>
 
@@ -19,6 +24,13 @@ void bw_bend_options_default(bw_bend_options *options) {
   bw_stale_options_default(&options->linear);
 }
 
+/* A tangent is kept after a step that left no more than this of the residual. */
+#define KEPT_ABOVE 0.1
+/* The last frames' changes are followed where that leaves no more than this of the residual, and
+ * without looking for a better point near there, where it leaves no more than that. */
+#define FOLLOWED_ABOVE 0.5
+#define FOLLOWED_AT_ONCE 0.05
+
 typedef struct newton {
   bw_context *context;
   bw_sheet *sheet;
@@ -26,67 +38,142 @@ typedef struct newton {
   const bw_bend_options *options;
   bwi_bend bend;
   size_t size;
-  double *u, *trial, *step, *inside; /* displacement; forces inside */
+  double *u, *trial, *step;      /* displacement */
+  double *way;                   /* a second direction */
+  double *inside, *inside_trial; /* forces inside, at u and at trial */
   bw_kept *kept;
   bw_bend_report *report;
   double reached; /* load factor at which all is in equilibrium */
 } newton;
 
-/* Energy of the sheet alone and its product with the load; INFINITY when an element is inverted. */
-static bw_status energy(newton *n, const double *u, double *inside, double *total, double load) {
+/* Forces inside, the energy of the sheet alone and its sum with the load's, at u; INFINITY when an
+ * element is inverted. */
+static bw_status evaluate(newton *n, const double *u, double *force, double *inside, double *total,
+                          double load) {
   bw_status status = BW_OK;
   double work;
   n->bend.u = u;
-  BW_TRY(bwi_bend_energy(n->context, &n->bend, inside));
+  BW_TRY(bwi_bend_evaluate(n->context, &n->bend, inside, force));
   BW_TRY(bwi_dot(n->context, n->size, n->inner->force, u, &work));
   *total = *inside - load * work;
 done:
   return status;
 }
 
-/* inner->rhs = load f - inside(u) at free unknowns, 0 elsewhere; *relative to the largest of load,
- * reactions and a millionth of what the displacement would need as a stretch, which is left where a
- * motion is rigid. */
-static bw_status residual(newton *n, double load, double *relative) {
-  bw_status status = BW_OK;
+/* inner->rhs = load f - force, which is that inside at u, at free unknowns, 0 elsewhere; returns
+ * its size relative to the largest of load, reactions and a millionth of what the displacement
+ * would need as a stretch, which is left where a motion is rigid. */
+static double residual(const newton *n, double load, const double *u, const double *force) {
   struct bwi_sheet *inner = n->inner;
   double out = 0, size = 0, reaction = 0, most = 0, stiff = 0;
-  n->bend.u = n->u;
-  BW_TRY(bwi_bend_force(n->context, &n->bend, n->inside));
   for (size_t i = 0; i < n->size; i++) {
-    double f = load * inner->force[i];
-    inner->rhs[i] = inner->held[i] ? 0 : f - n->inside[i];
-    out += inner->rhs[i] * inner->rhs[i];
+    double f = load * inner->force[i], off = f - force[i], square = off * off;
     size += f * f;
+    most = u[i] > most ? u[i] : -u[i] > most ? -u[i] : most;
     if (inner->held[i])
-      reaction += (n->inside[i] - f) * (n->inside[i] - f);
-    most = fmax(most, fabs(n->u[i]));
+      reaction += square;
+    else
+      out += square;
+    inner->rhs[i] = inner->held[i] ? 0 : off;
   }
   for (int32_t k = 0; k < inner->section_count; k++)
     stiff = fmax(stiff, inner->section[k].elasticity[0] * inner->section[k].thickness);
   most = fmax(fmax(size, reaction), 1e-12 * stiff * stiff * most * most);
-  *relative = out > 0 ? sqrt(out / most) : 0;
+  return out > 0 ? sqrt(out / most) : 0;
+}
+
+static void swap(double **a, double **b) {
+  double *c = *a;
+  *a = *b;
+  *b = c;
+}
+
+static bool all_held(const newton *n, double load) {
+  bool held = true;
+  for (size_t k = 0; k < n->size && held; k++)
+    held = !n->inner->held[k] || n->u[k] == load * n->inner->prescribed[k];
+  return held;
+}
+
+/* The start of a frame, u, moved along the changes of the last frames.
+ *
+ * First as a drag at constant speed goes on, along the parabola through the last three solutions.
+ * Where that is not close, its direction and the last change span a plane in which the point is
+ * taken where the residual, linear between those seen, is orthogonal to the plane: speeds differ,
+ * and directions turn. What leaves more than half of the residual is not followed. */
+static bw_status go_on(newton *n, double load, double *inside, double *total) {
+  bw_status status = BW_OK;
+  const struct bwi_sheet *inner = n->inner;
+  double plain = residual(n, load, n->u, n->inside), relative = INFINITY;
+  double there = INFINITY, all = INFINITY, *way[2] = {n->step, n->way};
+  double slope[2], by[2][2], share[2] = {0, 0};
+  int count = inner->former ? 2 : 1;
+  if (plain <= n->options->tolerance || !all_held(n, load))
+    return BW_OK;
+  for (size_t k = 0; k < n->size; k++) {
+    double last = inner->held[k] ? 0 : n->u[k] - inner->before[k];
+    way[count - 1][k] = last;
+    if (count == 2)
+      way[0][k] = inner->held[k] ? 0 : 2 * last - inner->before[k] + inner->former[k];
+  }
+  for (int w = 0; w < count; w++)
+    BW_TRY(bwi_dot(n->context, n->size, inner->rhs, way[w], &slope[w]));
+  for (int w = 0; w <= count && !(relative <= FOLLOWED_AT_ONCE * plain); w++) {
+    if (w < count)
+      for (size_t k = 0; k < n->size; k++)
+        n->trial[k] = n->u[k] + way[w][k];
+    else {
+      double det = count == 2 ? by[0][0] * by[1][1] - by[0][1] * by[1][0] : by[0][0];
+      share[0] = count == 2 ? (slope[0] * by[1][1] - by[0][1] * slope[1]) / det : slope[0] / det;
+      share[1] = count == 2 ? (by[0][0] * slope[1] - slope[0] * by[1][0]) / det : 0;
+      if (!(fabs(share[0]) + fabs(share[1]) < 8))
+        return BW_OK;
+      for (size_t k = 0; k < n->size; k++)
+        n->trial[k] = n->u[k] + share[0] * way[0][k] + share[1] * way[count - 1][k];
+    }
+    BW_TRY(evaluate(n, n->trial, n->inside_trial, &there, &all, load));
+    relative = isfinite(all) ? residual(n, load, n->trial, n->inside_trial) : INFINITY;
+    if (relative == INFINITY)
+      return BW_OK;
+    for (int v = 0; v < count && w < count; v++) {
+      double end;
+      BW_TRY(bwi_dot(n->context, n->size, inner->rhs, way[v], &end));
+      by[v][w] = slope[v] - end;
+    }
+  }
+  if (!(relative <= FOLLOWED_ABOVE * plain))
+    return BW_OK;
+  swap(&n->u, &n->trial);
+  swap(&n->inside, &n->inside_trial);
+  *inside = there;
+  *total = all;
 done:
   return status;
 }
 
-/* The Newton step into n->step. */
-static bw_status solve_tangent(newton *n, double load, double relative) {
+/* The step from u into n->step, to a relative accuracy; with the matrix as it is, where it is a
+ * tangent of this load to be kept. */
+static bw_status solve_tangent(newton *n, double load, double accuracy, bool keep) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = n->inner;
   bw_stale_options linear = n->options->linear;
-  /* no more digits than Newton's next step will have */
-  linear.tolerance = fmax(linear.tolerance, fmin(1e-2, 0.1 * relative));
-  for (int convex = 0; convex < 2; convex++) {
+  linear.tolerance = fmax(linear.tolerance, accuracy);
+  if (keep && linear.method != BW_STALE_AUTO)
+    linear.method = BW_STALE_ITERATE; /* its factor is there */
+  n->bend.u = n->u;
+  for (int attempt = keep ? 0 : 1; attempt < 3; attempt++) {
     double start = bw_seconds();
-    n->bend.convex = convex == 1;
-    BW_TRY(bwi_bend_tangent(n->context, &n->bend, inner->graph, inner->room, inner->matrix));
     /* held unknowns go from where they are to where they have to be */
     for (size_t i = 0; i < n->size; i++)
       n->step[i] = inner->held[i] ? load * inner->prescribed[i] - n->u[i] : 0;
     memcpy(inner->work, inner->rhs, n->size * sizeof(double));
-    BW_TRY(bw_plane_prescribe(n->context, inner->graph, 2, inner->held, n->step, inner->matrix,
-                              inner->work));
+    if (attempt > 0) {
+      linear.method = n->options->linear.method;
+      n->bend.convex = attempt == 2;
+      BW_TRY(bwi_bend_tangent(n->context, &n->bend, inner->graph, inner->room, inner->matrix));
+      BW_TRY(bw_plane_prescribe(n->context, inner->graph, 2, inner->held, n->step, inner->matrix,
+                                inner->work));
+    }
     n->kept->seconds_assemble += bw_seconds() - start;
     status = bw_stale_solve(n->context, inner->stale, inner->graph, inner->matrix, inner->work,
                             n->step, &linear, n->kept);
@@ -98,33 +185,39 @@ done:
 }
 
 /* Newton's method at one load. BW_CONVERGENCE where it fails, and n->u is then of no use. */
-static bw_status equilibrium(newton *n, double load) {
+static bw_status equilibrium(newton *n, double load, bool follow) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = n->inner;
+  const double tolerance = n->options->tolerance;
   double relative = INFINITY, inside, total, best = INFINITY;
-  BW_TRY(energy(n, n->u, &inside, &total, load));
+  bool keep = false; /* the tangent */
+  BW_TRY(evaluate(n, n->u, n->inside, &inside, &total, load));
   if (!isfinite(total)) {
     status = bw_fail(n->context, BW_CONVERGENCE, "element %d is inverted before the load acts",
                      n->bend.inverted + 1);
     goto done;
   }
+  if (follow)
+    BW_TRY(go_on(n, load, &inside, &total));
   for (int i = 0; i < n->options->iterations; i++) {
-    bool held = true;
     BW_TRY(bw_check_cancel(n->context));
-    BW_TRY(residual(n, load, &relative));
-    for (size_t k = 0; k < n->size && held; k++)
-      held = !inner->held[k] || n->u[k] == load * inner->prescribed[k];
+    double last = relative;
+    bool held = all_held(n, load), kept = keep;
+    relative = residual(n, load, n->u, n->inside);
     n->report->residual = relative;
-    /* the end; or rounding is all that is left, and it did not get better any more */
-    if (held && (relative <= n->options->tolerance || (relative < 1e-6 && relative >= best))) {
+    /* the end; or rounding is all that is left, and a new tangent did not make it better */
+    if (held && (relative <= tolerance || (relative < 1e-6 && relative >= best && !kept))) {
       n->report->energy = inside;
       goto done;
     }
+    keep = held && i > 0 && relative <= KEPT_ABOVE * last;
     if (relative < 1e-6)
-      best = relative;
+      best = fmin(best, relative);
     n->report->iterations++;
-    BW_TRY(solve_tangent(n, load, relative));
+    double accuracy = fmin(1e-2, keep ? relative / last : 0.1 * relative);
+    BW_TRY(solve_tangent(n, load, fmax(accuracy, 0.1 * tolerance / relative), keep));
     double slope, length = 1, next_inside = 0, next = 0;
+    bool refused = false;
     BW_TRY(bwi_dot(n->context, n->size, inner->rhs, n->step, &slope));
     /* With held unknowns on their way the energy may well rise: only inversion is looked at. */
     double rounding = 1e-13 * (fabs(inside) + fabs(total - inside));
@@ -140,20 +233,25 @@ static bw_status equilibrium(newton *n, double load) {
       for (size_t k = 0; k < n->size; k++)
         n->trial[k] = length == 1 && inner->held[k] ? load * inner->prescribed[k]
                                                     : n->u[k] + length * n->step[k];
-      BW_TRY(energy(n, n->trial, &next_inside, &next, load));
+      BW_TRY(evaluate(n, n->trial, n->inside_trial, &next_inside, &next, load));
       if (isfinite(next) && (!held || next <= total - 1e-4 * length * fmax(slope, 0) + rounding))
         break;
+      if (keep) { /* a new tangent first */
+        refused = true;
+        break;
+      }
     }
-    double *swap = n->u;
-    n->u = n->trial;
-    n->trial = swap;
+    if (refused)
+      continue;
+    swap(&n->u, &n->trial);
+    swap(&n->inside, &n->inside_trial);
     inside = next_inside;
     total = next;
   }
   status = bw_fail(n->context, BW_CONVERGENCE,
                    "Newton's method came to a relative residual of %.3g in %d iterations; %.3g was "
                    "wanted",
-                   relative, n->options->iterations, n->options->tolerance);
+                   relative, n->options->iterations, tolerance);
 done:
   return status;
 }
@@ -181,7 +279,7 @@ static bw_status in_steps(newton *n) {
     }
     memcpy(n->u, good, n->size * sizeof(double));
     n->report->load_steps++;
-    status = equilibrium(n, load);
+    status = equilibrium(n, load, false);
     if (status != BW_OK && !gave_up(status))
       goto done;
     if (status == BW_OK) {
@@ -196,6 +294,20 @@ static bw_status in_steps(newton *n) {
 done:
   bw_free(good);
   return status;
+}
+
+/* The displacement, about to be replaced by the next, as the one before it. */
+static bw_status remember(newton *n) {
+  struct bwi_sheet *inner = n->inner;
+  if (!inner->solved)
+    return BW_OK;
+  double **oldest = inner->before ? &inner->former : &inner->before;
+  if (!*oldest && !(*oldest = BW_NEW(n->context, double, n->size)))
+    return BW_MEMORY;
+  memcpy(*oldest, n->sheet->displacement, n->size * sizeof(double));
+  if (oldest == &inner->former)
+    swap(&inner->former, &inner->before);
+  return BW_OK;
 }
 
 bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
@@ -222,7 +334,7 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   n.kept->pattern = !made;
   n.kept->solution = inner->solved;
   n.size = 2 * (size_t)inner->graph->node_count;
-  room = BW_NEW(context, double, 4 * n.size);
+  room = BW_NEW(context, double, 6 * n.size);
   if (!room) {
     status = BW_MEMORY;
     goto done;
@@ -231,6 +343,8 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   n.trial = room + n.size;
   n.step = room + 2 * n.size;
   n.inside = room + 3 * n.size;
+  n.inside_trial = room + 4 * n.size;
+  n.way = room + 5 * n.size;
   BW_TRY(bwi_bend_prepare(context, sheet, &n.bend));
   BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
   if (!inner->held_checked)
@@ -240,13 +354,14 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   inner->matrix_step[0] = 0; /* the matrix is used for tangents */
   memcpy(n.u, sheet->displacement, n.size * sizeof(double));
   n.report->load_steps = 1;
-  status = equilibrium(&n, 1);
+  status = equilibrium(&n, 1, inner->before && inner->solved && inner->large);
   if (gave_up(status)) {
     n.report->load_steps = 0;
     status = in_steps(&n);
   }
   if (status != BW_OK)
     goto done;
+  BW_TRY(remember(&n));
   memcpy(sheet->displacement, n.u, n.size * sizeof(double));
   inner->solved = inner->large = true;
   inner->moving = false;

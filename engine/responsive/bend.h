@@ -10,16 +10,17 @@ typedef struct bwi_bend {
   bwi_rule rule, corners; /* quadrature; the nodes, where inversion is looked for too */
   const double *u;        /* displacement */
   bool convex;            /* leave the negative part of stresses out of the tangent */
+  double *line;           /* element_count x 8, of tri3 alone: three gradients, area x thickness */
   double *energy;         /* element_count; < 0: inverted */
   double *force;          /* element_count x n x 2 */
   int32_t inverted;       /* the first element found inverted last, -1: none */
 } bwi_bend;
 bw_status bwi_bend_prepare(bw_context *context, const bw_sheet *sheet, bwi_bend *bend);
 void bwi_bend_clear(bwi_bend *bend);
-/* Sum of the elements' energies at u; INFINITY where one is inverted. */
-bw_status bwi_bend_energy(bw_context *context, bwi_bend *bend, double *energy);
-/* Its gradient (node_count x 2) and second derivative (4 per pair; room for element matrices). */
-bw_status bwi_bend_force(bw_context *context, bwi_bend *bend, double *force);
+/* Sum of the elements' energies at u, INFINITY where one is inverted, and its gradient (node_count
+ * x 2); either may be NULL. */
+bw_status bwi_bend_evaluate(bw_context *context, bwi_bend *bend, double *energy, double *force);
+/* The second derivative (4 per pair; room for element matrices). */
 bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_graph *graph,
                            double *room, double *values);
 

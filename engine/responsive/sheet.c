@@ -29,6 +29,7 @@ static void sheet_destroy(void *object) {
     bw_free(inner->rhs);
     bw_free(inner->work);
     bw_free(inner->before);
+    bw_free(inner->former);
     bw_free(inner);
   }
   bw_release(sheet->mesh);

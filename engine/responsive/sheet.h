@@ -87,7 +87,9 @@ struct bwi_sheet {
   uint8_t *held;                           /* node_count x 2 */
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */
 
-  double *before; /* node_count x 2: the solution before the last; NULL: none */
+  /* node_count x 2: the solution before the last, and of bw_sheet_bend the one before that; NULL:
+   * none */
+  double *before, *former;
 
   bool stiffness_current; /* of the mesh as it is; so also mass */
   double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: nothing that

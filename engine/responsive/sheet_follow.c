@@ -53,6 +53,7 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
     }
     if (u) {
       drop(&inner->before);
+      drop(&inner->former);
       double *swap = sheet->displacement;
       sheet->displacement = u, u = swap;
       swap = sheet->velocity;

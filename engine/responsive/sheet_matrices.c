@@ -149,15 +149,40 @@ bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
   return status;
 }
 
+/* A node takes a third of the weight of each of its triangles. */
+static void add_weight3(const bw_sheet *sheet, double *force) {
+  const bw_plane_topology *topology = sheet->mesh->topology;
+  const double *gravity = sheet->inner->gravity;
+  for (int32_t e = 0; e < topology->element_count; e++) {
+    const bwi_section *section = bwi_section_of(sheet, e);
+    const int32_t *node = topology->element + (int64_t)e * 3;
+    double x[3][2];
+    bwi_element_points(sheet->mesh, e, 3, x);
+    double twice =
+        (x[1][0] - x[0][0]) * (x[2][1] - x[0][1]) - (x[1][1] - x[0][1]) * (x[2][0] - x[0][0]);
+    double share = twice * section->thickness * section->density / 6;
+    for (int a = 0; a < 3; a++)
+      for (int i = 0; i < 2; i++)
+        force[2 * (int64_t)node[a] + i] += share * gravity[i];
+  }
+}
+
 bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
   struct bwi_sheet *inner = sheet->inner;
   const bw_plane_mesh *mesh = sheet->mesh;
   const bw_plane_topology *topology = mesh->topology;
+  bool weightless = false; /* some section, perhaps not used */
   bw_status status =
       bwi_conditions_force(context, mesh, 2, inner->condition_count, inner->condition, time,
                            inner->section_count, inner->thickness, inner->force);
   if (status != BW_OK || (inner->gravity[0] == 0 && inner->gravity[1] == 0))
     return status;
+  for (int32_t k = 0; k < inner->section_count; k++)
+    weightless = weightless || !(inner->section[k].density > 0);
+  if (topology->nodes->order == 1 && !weightless) {
+    add_weight3(sheet, inner->force);
+    return BW_OK;
+  }
   bwi_rules rules;
   bwi_rules_create(topology->nodes->order, &rules);
   int n = rules.straight.n;

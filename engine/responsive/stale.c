@@ -220,6 +220,7 @@ typedef struct iteration {
   double residual; /* |b - A x| / |b| */
   double tolerance;
   int count; /* iterations done */
+  bool zero; /* x is */
   bool old;  /* the factor is of another matrix */
 } iteration;
 
@@ -229,6 +230,12 @@ static bw_status multiply(const iteration *it, const double *x, double *y) {
 
 /* r = b - A x, and its relative size */
 static bw_status true_residual(iteration *it, double *r) {
+  if (it->zero && it->count == 0) {
+    memcpy(r, it->rhs, it->stale->size * sizeof *r);
+    it->residual = 1;
+    return BW_OK;
+  }
+  it->zero = false;
   bw_status status = multiply(it, it->x, r);
   if (status == BW_OK)
     status = bwi_subtract_from(it->context, it->stale->size, it->rhs, r, &it->residual);
@@ -380,7 +387,8 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   }
   memcpy(it.x, x, n * sizeof *x);
   BW_TRY(bwi_dot(context, n, x, x, &square));
-  if (!isfinite(square))
+  it.zero = !(square > 0 && isfinite(square));
+  if (it.zero)
     memset(it.x, 0, n * sizeof *x);
 
   bool fits = stale->topology && stale->topology->nodes == graph->topology->nodes;

@@ -13,6 +13,7 @@
 
 enum { WIDE = 8 };
 typedef float wide __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
+typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
 
 struct bwi_sweep {
   const bwi_symbolic *symbolic; /* retained */
@@ -170,10 +171,14 @@ static void backward(const float *entry, int32_t n, int64_t ld, float *x, const 
   }
   for (j = n - 1; j >= 0; j--) {
     triangle -= n - j;
+    quad sums = {0}; /* one sum alone would wait for each product */
     float sum = x[j];
-    for (int32_t i = j + 1; i < n; i++)
+    int32_t i = j + 1;
+    for (; i + 4 <= n; i += 4)
+      sums += *(const quad *)(triangle + i - j) * *(const quad *)(x + i);
+    for (; i < n; i++)
       sum -= triangle[i - j] * x[i];
-    x[j] = sum * triangle[0];
+    x[j] = (sum - ((sums[0] + sums[2]) + (sums[1] + sums[3]))) * triangle[0];
   }
 }
 

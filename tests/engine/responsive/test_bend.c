@@ -24,17 +24,15 @@ static void test_derivatives(void **state) {
       for (int i = 0; i < size; i++)
         u[i] = 0.08 * bw_random_uniform(&random);
       bend.u = u;
-      check_ok(context, bwi_bend_force(context, &bend, force));
+      check_ok(context, bwi_bend_evaluate(context, &bend, NULL, force));
       check_ok(context, bwi_bend_tangent(context, &bend, sheet->inner->graph, sheet->inner->room,
                                          sheet->inner->matrix));
       for (int i = 0; i < size; i++) {
         double h = 1e-5, was = u[i];
         u[i] = was + h;
-        check_ok(context, bwi_bend_energy(context, &bend, &up));
-        check_ok(context, bwi_bend_force(context, &bend, plus));
+        check_ok(context, bwi_bend_evaluate(context, &bend, &up, plus));
         u[i] = was - h;
-        check_ok(context, bwi_bend_energy(context, &bend, &down));
-        check_ok(context, bwi_bend_force(context, &bend, minus));
+        check_ok(context, bwi_bend_evaluate(context, &bend, &down, minus));
         u[i] = was;
         check_near(force[i], (up - down) / (2 * h), 1e-8);
         for (int k = 0; k < size; k++)
@@ -248,11 +246,73 @@ static void test_crushed(void **state) {
   bw_release(material);
 }
 
+/* The unit square's inner nodes moved by t times a smooth field. */
+static bw_plane_mesh *stirred(bw_context *context, const bw_plane_mesh *mesh, double t) {
+  bw_plane_mesh *moved;
+  int32_t nodes = mesh->topology->nodes->node_count;
+  double *point = BW_NEW(context, double, 2 * nodes);
+  for (int32_t i = 0; i < nodes; i++) {
+    double x = mesh->point[2 * i], y = mesh->point[2 * i + 1];
+    double by = t * sin(M_PI * x) * sin(M_PI * y);
+    point[2 * i] = x + by;
+    point[2 * i + 1] = y + 0.5 * by * by;
+  }
+  check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
+  bw_free(point);
+  return moved;
+}
+
+/* Frame after frame the answer is that from scratch; at constant speed the change of the last
+ * frames is followed so well that one solve is enough; a stop, a turn and jumps do no harm. */
+static void test_frames(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *material = isotropic(context, 1e4, 0.3, 1);
+  bw_condition conditions[3] = {{.tag = LEFT, .component = 0},
+                                {.tag = LEFT, .component = 1},
+                                {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = 300}};
+  static const double at[] = {0,     0.002, 0.004, 0.006, 0.008, 0.010, 0.012, 0.012,
+                              0.012, 0.008, -0.04, 0.05,  0.051, 0.07,  0.07};
+  for (int order = 1; order <= 2; order++) {
+    bw_plane_mesh *mesh = rectangle(context, order, 1, 1, 8, 8);
+    bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 3, conditions);
+    size_t size = 2 * (size_t)mesh->topology->nodes->node_count;
+    for (int k = 0; k < (int)(sizeof at / sizeof *at); k++) {
+      bw_plane_mesh *moved = stirred(context, mesh, at[k]);
+      bw_kept kept = {0};
+      bw_bend_report report;
+      check_ok(context, bw_sheet_follow(context, sheet, moved, &kept));
+      check_ok(context, bw_sheet_bend(context, sheet, NULL, &report, &kept));
+      assert_true(report.residual <= 1e-8 && report.load_steps == 1);
+      if (k >= 3 && k <= 6)
+        assert_int_equal(kept.solves, 1);
+      if (k > 0 && at[k] == at[k - 1]) /* nothing to do */
+        assert_int_equal(kept.solves, 0);
+      assert_true(kept.solves <= 6 || k == 0);
+      bw_sheet *anew = sheet_on(context, moved, material, 1, false, 3, conditions);
+      check_ok(context, bw_sheet_bend(context, anew, NULL, NULL, NULL));
+      double most = 0, off = 0;
+      for (size_t i = 0; i < size; i++) {
+        most = fmax(most, fabs(anew->displacement[i]));
+        off = fmax(off, fabs(anew->displacement[i] - sheet->displacement[i]));
+      }
+      assert_true(most > 0.1 && off <= 1e-7 * most);
+      bw_release(anew);
+      bw_release(moved);
+    }
+    bw_release(sheet);
+    bw_release(mesh);
+  }
+  bw_release(material);
+}
+
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
   check_ok(context, bw_set_threads(context, 1));
   bw_material *material = isotropic(context, 100, 0, 1);
   bw_plane_mesh *mesh = rectangle(context, 2, 1, 1, 2, 2);
+  bw_plane_mesh *frame[3];
+  for (int k = 0; k < 3; k++)
+    frame[k] = stirred(context, mesh, 0.01 * (k + 1));
   bw_condition conditions[3] = {{.tag = LEFT, .component = 0},
                                 {.tag = LEFT, .component = 1},
                                 {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = 1}};
@@ -261,11 +321,18 @@ static void test_memory(void **state) {
     bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 3, conditions);
     bw_fail_allocation(n, true);
     status = bw_sheet_bend(context, sheet, NULL, NULL, NULL);
+    for (int k = 0; k < 3 && status == BW_OK; k++) {
+      status = bw_sheet_follow(context, sheet, frame[k], NULL);
+      if (status == BW_OK)
+        status = bw_sheet_bend(context, sheet, NULL, NULL, NULL);
+    }
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_true(n < 1000);
     bw_release(sheet);
   }
+  for (int k = 0; k < 3; k++)
+    bw_release(frame[k]);
   bw_release(mesh);
   bw_release(material);
 }
@@ -279,9 +346,10 @@ static void test_threads(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(test_derivatives), check_test(test_elastica), check_test(test_cook),
-      check_test(test_stretch),     check_test(test_rotation), check_test(test_crushed),
-      check_test(test_memory),      check_test(test_threads),  check_test(test_small_load)};
+  const struct CMUnitTest tests[] = {check_test(test_derivatives), check_test(test_elastica),
+                                     check_test(test_cook),        check_test(test_stretch),
+                                     check_test(test_rotation),    check_test(test_crushed),
+                                     check_test(test_memory),      check_test(test_threads),
+                                     check_test(test_small_load),  check_test(test_frames)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
