@@ -2,11 +2,10 @@
 /* The faces of elements that have no neighbour, and the surface that they make. */
 #include "grid/internal.h"
 
-/* Corners of a side, counter-clockwise seen from outside. */
-static const int side_corner[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                      {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+const int bwi_grid_side_corner[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                        {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
-static bool is_free(const bw_grid *grid, int32_t element, int side) {
+bool bwi_grid_side_is_free(const bw_grid *grid, int32_t element, int side) {
   int32_t place[3];
   bwi_grid_place(grid->cells, grid->cell[element], place);
   int d = side / 2;
@@ -21,18 +20,18 @@ bw_status bw_grid_boundary(bw_context *context, const bw_grid *grid, bw_grid_fac
   int64_t faces = 0;
   for (int32_t e = 0; e < grid->element_count; e++)
     for (int side = 0; side < 6; side++)
-      faces += is_free(grid, e, side);
+      faces += bwi_grid_side_is_free(grid, e, side);
   bw_grid_face *face = BW_NEW(context, bw_grid_face, faces), *at = face;
   if (!face)
     return BW_MEMORY;
   for (int32_t e = 0; e < grid->element_count; e++)
     for (int side = 0; side < 6; side++) {
-      if (!is_free(grid, e, side))
+      if (!bwi_grid_side_is_free(grid, e, side))
         continue;
       at->element = e;
       at->side = side;
       for (int k = 0; k < 4; k++)
-        at->node[k] = grid->element[8 * (int64_t)e + side_corner[side][k]];
+        at->node[k] = grid->element[8 * (int64_t)e + bwi_grid_side_corner[side][k]];
       at++;
     }
   *out = face;

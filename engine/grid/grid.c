@@ -52,7 +52,18 @@ static bw_status check(bw_context *context, const double origin[3], const double
       return bw_fail(context, BW_INVALID, "the grid has %d cells along %c; at least one is needed",
                      (int)cells[d], axis[d]);
     points *= (double)cells[d] + 1;
+    double far = fmax(fabs(origin[d]), fabs(origin[d] + spacing[d] * cells[d]));
+    if (!(spacing[d] > 1e-12 * far))
+      return bw_fail(context, BW_INVALID,
+                     "cells of %g m along %c, up to %g m from the origin, are lost in rounding: "
+                     "move the grid nearer",
+                     spacing[d], axis[d], far);
   }
+  double cell = spacing[0] * spacing[1] * spacing[2];
+  if (!isnormal(cell) || !isfinite(cell * points))
+    return bw_fail(context, BW_INVALID,
+                   "cells of %g x %g x %g m have a volume that no number holds: take another unit",
+                   spacing[0], spacing[1], spacing[2]);
   if (points > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "a grid of %d x %d x %d cells has %.3g lattice points, more than 2^31: take "

@@ -39,4 +39,10 @@ static inline void bwi_grid_corner_steps(const int32_t cells[3], int64_t step[8]
         (c & 1) + ((int64_t)cells[0] + 1) * ((c >> 1 & 1) + ((int64_t)cells[1] + 1) * (c >> 2 & 1));
 }
 
+/* Corners of side 0..5 (low x, high x, low y, ...) of a cell, counter-clockwise seen from outside.
+ */
+extern const int bwi_grid_side_corner[6][4];
+/* Whether an element has no neighbour on a side. */
+bool bwi_grid_side_is_free(const bw_grid *grid, int32_t element, int side);
+
 #endif

@@ -131,8 +131,10 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
     held += material[c] > 0;
   }
   if (most == 0) {
-    status = bw_fail(context, BW_GEOMETRY, "the surface encloses nothing: its volume is %g m3",
-                     bw_surface_volume(surface));
+    status = bw_fail(context, BW_GEOMETRY,
+                     "the surface encloses nothing that cells of %g m would hold: its volume is %g "
+                     "m3",
+                     spacing[0], bw_surface_volume(surface));
     goto done;
   }
   if (held == 0) {

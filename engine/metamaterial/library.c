@@ -74,9 +74,10 @@ bw_status bwi_check_options(bw_context *context, const bw_library_options *o) {
   BW_TRY(check_count(context, "stretches", o->stretches, 0, MOST_SAMPLES));
   BW_TRY(check_count(context, "fibres", o->fibres, 0, 3));
   BW_TRY(check_count(context, "representatives", o->representatives, 8, BWI_MOST_REPRESENTATIVES));
-  if (!(o->strain > 0 && o->strain < 10))
+  if (!(o->strain >= 1e-5 && o->strain < 10)) /* below that, energies are rounding */
     return bw_fail(context, BW_INVALID,
-                   "library option strain is %g; it must be positive (0.3: 30 %%)", o->strain);
+                   "library option strain is %g; it must lie between 1e-5 and 10 (0.3: 30 %%)",
+                   o->strain);
   if (!(o->ridge >= 0 && isfinite(o->ridge)))
     return bw_fail(context, BW_INVALID, "library option ridge is %g; it must not be negative",
                    o->ridge);

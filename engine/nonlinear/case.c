@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "grid/internal.h"
-
 static void destroy(void *object) {
   bw_solid_case *it = (bw_solid_case *)object;
   for (int32_t p = 0; p < it->patch_count; p++) {
@@ -59,8 +57,8 @@ bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_soli
   return BW_OK;
 }
 
-static bw_status check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
-                             const int32_t *node, const char *what) {
+bw_status bwi_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
+                               const int32_t *node, const char *what) {
   if (count < 1)
     return bw_fail(context, BW_EMPTY, "%s: no node is given", what);
   for (int64_t k = 0; k < count; k++)
@@ -70,7 +68,7 @@ static bw_status check_nodes(bw_context *context, const bw_grid *grid, int64_t c
   return BW_OK;
 }
 
-static bw_status check_finite(bw_context *context, const char *what, const double vector[3]) {
+bw_status bwi_case_check_finite(bw_context *context, const char *what, const double vector[3]) {
   if (isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]))
     return BW_OK;
   return bw_fail(context, BW_INVALID, "%s is (%g, %g, %g); it must be finite", what, vector[0],
@@ -83,8 +81,8 @@ bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t cou
   bw_status status = BW_OK;
   static const double rest[3] = {0, 0, 0};
   value = value ? value : rest;
-  BW_TRY(check_nodes(context, it->grid, count, node, "a support"));
-  BW_TRY(check_finite(context, "the prescribed displacement", value));
+  BW_TRY(bwi_case_check_nodes(context, it->grid, count, node, "a support"));
+  BW_TRY(bwi_case_check_finite(context, "the prescribed displacement", value));
   if (!hold[0] && !hold[1] && !hold[2])
     return bw_fail(context, BW_EMPTY, "a support that holds no direction");
   for (int64_t k = 0; k < count; k++)
@@ -114,68 +112,10 @@ done:
 
 bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it, const double gravity[3]) {
   bw_status status = BW_OK;
-  BW_TRY(check_finite(context, "gravity", gravity));
+  BW_TRY(bwi_case_check_finite(context, "gravity", gravity));
   memcpy(it->gravity, gravity, sizeof it->gravity);
   it->object.revision++;
 done:
-  return status;
-}
-
-/* Corners of side 0..5 (low x, high x, low y, ...) of a cell. */
-static const int side_corner[6][4] = {{0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 4, 5},
-                                      {2, 3, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}};
-
-static bool at_boundary(const bw_grid *grid, int32_t element, int side) {
-  int32_t place[3], step[3] = {1, grid->cells[0], grid->cells[0] * grid->cells[1]};
-  int d = side / 2;
-  bwi_grid_place(grid->cells, grid->cell[element], place);
-  if (side % 2 == 0)
-    return place[d] == 0 || grid->at[grid->cell[element] - step[d]] < 0;
-  return place[d] == grid->cells[d] - 1 || grid->at[grid->cell[element] + step[d]] < 0;
-}
-
-bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
-                              const int32_t *node, const double total[3]) {
-  bw_status status = BW_OK;
-  const bw_grid *grid = it->grid;
-  double *share = NULL, sum = 0;
-  uint8_t *given = NULL;
-  BW_TRY(check_nodes(context, grid, count, node, "a force"));
-  BW_TRY(check_finite(context, "the force", total));
-  share = BW_NEW0(context, double, grid->node_count);
-  given = BW_NEW0(context, uint8_t, grid->node_count);
-  if (!share || !given) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t k = 0; k < count; k++)
-    given[node[k]] = 1;
-  for (int32_t e = 0; e < grid->element_count; e++) {
-    const int32_t *corner = grid->element + 8 * (int64_t)e;
-    for (int side = 0; side < 6; side++) {
-      const int *of = side_corner[side];
-      if (!given[corner[of[0]]] || !given[corner[of[1]]] || !given[corner[of[2]]] ||
-          !given[corner[of[3]]] || !at_boundary(grid, e, side))
-        continue;
-      int d = side / 2;
-      double area = grid->spacing[(d + 1) % 3] * grid->spacing[(d + 2) % 3];
-      for (int c = 0; c < 4; c++)
-        share[corner[of[c]]] += area / 4;
-      sum += area;
-    }
-  }
-  if (sum == 0)
-    for (int32_t n = 0; n < grid->node_count; n++) {
-      share[n] = given[n];
-      sum += given[n];
-    }
-  for (int32_t n = 0; n < grid->node_count; n++)
-    for (int c = 0; c < 3; c++)
-      it->force[3 * (int64_t)n + c] += share[n] / sum * total[c];
-  it->object.revision++;
-done:
-  bw_free(share);
-  bw_free(given);
   return status;
 }
 
@@ -234,10 +174,10 @@ bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const doub
   bw_status status = BW_OK;
   bw_floor plane = {{0}, {0}, {0}, NULL, NULL};
   double length = bw_norm(normal);
-  BW_TRY(check_finite(context, "the floor's point", point));
-  BW_TRY(check_finite(context, "the floor's normal", normal));
+  BW_TRY(bwi_case_check_finite(context, "the floor's point", point));
+  BW_TRY(bwi_case_check_finite(context, "the floor's normal", normal));
   if (move)
-    BW_TRY(check_finite(context, "the floor's displacement", move));
+    BW_TRY(bwi_case_check_finite(context, "the floor's displacement", move));
   if (!(length > 0))
     return bw_fail(context, BW_INVALID, "the floor's normal is of length 0");
   if (embedding)

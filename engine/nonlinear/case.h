@@ -5,6 +5,12 @@
 
 #include "barwright/nonlinear.h"
 
+/* BW_EMPTY without nodes, BW_INVALID for one that the grid does not have; BW_INVALID for a vector
+ * that is not finite. */
+bw_status bwi_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
+                               const int32_t *node, const char *what);
+bw_status bwi_case_check_finite(bw_context *context, const char *what, const double vector[3]);
+
 /* Where the points of an embedding are at rest (point_count x 3). */
 void bwi_embedding_rest(const bw_embedding *embedding, double *rest);
 

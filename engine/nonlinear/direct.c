@@ -42,6 +42,10 @@ void bwi_direct_free(bwi_direct *direct) {
   bw_free(direct);
 }
 
+size_t bwi_direct_bytes(const bwi_direct *direct) {
+  return direct ? sizeof *direct + bw_bytes(direct->symbolic) + bw_bytes(direct->factor) : 0;
+}
+
 /* Nested dissection makes the better order; for so few nodes minimum degree takes a fraction of its
  * time and the factor is made as fast. */
 enum { SMALL = 1000 };

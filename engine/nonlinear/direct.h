@@ -12,6 +12,7 @@
 typedef struct bwi_direct bwi_direct;
 bw_status bwi_direct_create(bw_context *context, bwi_direct **direct);
 void bwi_direct_free(bwi_direct *direct);
+size_t bwi_direct_bytes(const bwi_direct *direct); /* memory held */
 
 /* Order and analysis for a graph and its held components (node_count x 3), where they are not those
  * that are kept. At least one component must be free. */

@@ -9,7 +9,7 @@ static void destroy(void *object) {
   bw_solid_motion *motion = (bw_solid_motion *)object;
   bwi_motion *inner = motion->inner;
   if (inner) {
-    bw_newton_free(inner->newton);
+    bw_release(inner->newton);
     bw_free(inner->dead);
     bwi_contact_free(inner->contact);
     bw_free(inner->multiplier);
@@ -35,7 +35,8 @@ static size_t bytes(const void *object) {
   const bw_solid_motion *motion = (const bw_solid_motion *)object;
   size_t nodes = (size_t)motion->solid->grid->node_count;
   size_t damping = motion->inner && motion->inner->damping ? 9 : 0;
-  return sizeof *motion + nodes * 9 * 3 * sizeof(double) +
+  return sizeof *motion + (motion->inner ? bw_bytes(motion->inner->newton) : 0) +
+         nodes * 9 * 3 * sizeof(double) +
          damping * (size_t)motion->solid->graph->pair_count * sizeof(double);
 }
 
@@ -54,7 +55,8 @@ bw_status bwi_motion_check(bw_context *context, const bw_motion_options *o) {
   if (o->scheme != BW_IMPLICIT_EULER && o->scheme != BW_NEWMARK)
     return bw_fail(context, BW_INVALID, "there is no scheme %d of motion", (int)o->scheme);
   if (!(o->step > 1e-100 && o->step < 1e100)) /* its square is divided by */
-    return bw_fail(context, BW_INVALID, "the time step is %g s; it must be positive", o->step);
+    return bw_fail(context, BW_INVALID,
+                   "the time step is %g s; it must be positive (from 1e-100 to 1e100)", o->step);
   if (!(o->mass_damping >= 0 && o->stiffness_damping >= 0) || !isfinite(o->mass_damping) ||
       !isfinite(o->stiffness_damping))
     return bw_fail(context, BW_INVALID,

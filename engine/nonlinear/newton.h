@@ -16,6 +16,7 @@
 
 /* What is kept between solves. */
 struct bw_newton {
+  bw_object object;
   bwi_direct *direct;
   double *stiffness; /* 9 numbers for each of `pairs` */
   int64_t pairs;

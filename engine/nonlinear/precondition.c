@@ -426,54 +426,12 @@ done:
   return status;
 }
 
-/* ---- conjugate gradients --------------------------------------------------------------------- */
+bw_status bwi_precondition_multiply(bw_context *context, const bwi_precondition *m, const double *x,
+                                    double *y) {
+  return multiply(context, &m->level[0], x, y);
+}
 
-bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double tolerance,
-                       int32_t iterations, const double *force, double *x, bwi_cg_report *report) {
-  bw_status status = BW_OK;
-  const level *l = &m->level[0];
-  int64_t n = l->size;
-  double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, n),
-         *p = BW_NEW(context, double, n), *q = BW_NEW(context, double, n);
-  *report = (bwi_cg_report){0};
-  if (!r || !z || !p || !q) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t i = 0; i < n; i++)
-    r[i] = l->held[i] ? 0 : force[i];
-  memset(x, 0, (size_t)n * sizeof *x);
-  double first = sqrt(dot(l, r, r)), before = 0;
-  report->residual = first > 0 ? 1 : 0;
-  while (report->residual > tolerance && report->iterations < iterations) {
-    BW_TRY(bw_check_cancel(context));
-    BW_TRY(bwi_precondition_apply(context, m, r, z));
-    double rz = dot(l, r, z);
-    if (!(rz > 0) || !isfinite(rz)) { /* the cycle is definite unless the tangent is not */
-      report->negative = true;
-      break;
-    }
-    for (int64_t i = 0; i < n; i++)
-      p[i] = z[i] + (report->iterations > 0 ? rz / before * p[i] : 0);
-    before = rz;
-    BW_TRY(multiply(context, l, p, q));
-    double curvature = dot(l, p, q);
-    if (!(curvature > 0) || !isfinite(curvature)) {
-      report->negative = true;
-      break;
-    }
-    double a = rz / curvature;
-    for (int64_t i = 0; i < n; i++) {
-      x[i] += a * p[i];
-      r[i] -= a * q[i];
-    }
-    report->residual = sqrt(dot(l, r, r)) / first;
-    report->iterations++;
-  }
-done:
-  bw_free(r);
-  bw_free(z);
-  bw_free(p);
-  bw_free(q);
-  return status;
+const uint8_t *bwi_precondition_held(const bwi_precondition *m, int64_t *size) {
+  *size = m->level[0].size;
+  return m->level[0].held;
 }

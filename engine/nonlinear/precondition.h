@@ -28,10 +28,16 @@ bw_status bwi_precondition_set(bw_context *context, bwi_precondition *preconditi
 /* z = M r, 0 where held. */
 bw_status bwi_precondition_apply(bw_context *context, bwi_precondition *precondition,
                                  const double *r, double *z);
+/* y = K x, the tangent that it was set for with its contact, 0 where held. */
+bw_status bwi_precondition_multiply(bw_context *context, const bwi_precondition *precondition,
+                                    const double *x, double *y);
+/* What is held (*size components). */
+const uint8_t *bwi_precondition_held(const bwi_precondition *precondition, int64_t *size);
 int bwi_precondition_factorisations(const bwi_precondition *precondition);
 
-/* Conjugate gradients for K x = f on components that are not held, K the linear's tangent with
- * contact. *negative: a direction p with p . K p <= 0 came up and x is what was reached before. */
+/* Conjugate gradients (cg.c) for K x = f on components that are not held, K the linear's tangent
+ * with contact. *negative: a direction p with p . K p <= 0 came up and x is what was reached
+ * before. */
 typedef struct bwi_cg_report {
   int32_t iterations;
   double residual; /* relative */

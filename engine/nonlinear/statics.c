@@ -22,26 +22,35 @@ void bw_newton_options_default(bw_newton_options *options) {
                                  .cg_iterations = 10000};
 }
 
-bw_status bw_newton_create(bw_context *context, bw_newton **out) {
-  bw_newton *newton = BW_NEW0(context, bw_newton, 1);
-  if (!newton)
-    return BW_MEMORY;
-  bw_status status = bwi_direct_create(context, &newton->direct);
-  if (status != BW_OK)
-    bw_free(newton);
-  else
-    *out = newton;
-  return status;
-}
-
-void bw_newton_free(bw_newton *newton) {
-  if (!newton)
-    return;
+static void destroy_newton(void *object) {
+  bw_newton *newton = (bw_newton *)object;
   bwi_direct_free(newton->direct);
   bw_free(newton->stiffness);
   bw_solid_linear_free(newton->linear);
   bw_release(newton->linear_of);
   bw_free(newton);
+}
+
+static size_t bytes_of_newton(const void *object) {
+  const bw_newton *newton = (const bw_newton *)object;
+  size_t elements = newton->linear ? (size_t)newton->linear_of->grid->element_count : 0;
+  return sizeof *newton + sizeof(double) * (9 * (size_t)newton->pairs + 324 * elements) +
+         bwi_direct_bytes(newton->direct);
+}
+
+static const bw_kind newton_kind = {"newton", destroy_newton, bytes_of_newton};
+
+bw_status bw_newton_create(bw_context *context, bw_newton **out) {
+  bw_newton *newton = BW_NEW0(context, bw_newton, 1);
+  if (!newton)
+    return BW_MEMORY;
+  bw_object_init(newton, &newton_kind);
+  bw_status status = bwi_direct_create(context, &newton->direct);
+  if (status != BW_OK)
+    bw_release(newton);
+  else
+    *out = newton;
+  return status;
 }
 
 static void destroy(void *object) {
@@ -92,6 +101,11 @@ static bw_status check(bw_context *context, const bw_solid *solid, const bw_soli
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
                    o->tolerance);
+  if (!(o->cg_tolerance >= 0 && o->cg_tolerance < 1) || o->cg_iterations < 1)
+    return bw_fail(context, BW_INVALID,
+                   "conjugate gradients to a tolerance of %g in %d iterations; it must lie between "
+                   "0 (by itself) and 1, in at least one iteration",
+                   o->cg_tolerance, o->cg_iterations);
   if (o->iterations < 1 || o->steps < 1)
     return bw_fail(context, BW_INVALID, "%d iterations in each of %d load steps; at least one",
                    o->iterations, o->steps);
@@ -355,7 +369,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_
   result = NULL;
 done:
   bwi_walk_clear(&walk);
-  bw_newton_free(own);
+  bw_release(own);
   bw_free(multiplier);
   bw_release(result);
   return status;

@@ -51,6 +51,9 @@ result.__name = "barwright.solid_result"
 --- Mean distance of the fine grid's nodes from those of a reference on the same fine grid, over the
 --- longest side of the body (data-driven, section 6.2).
 function result:error(reference)
+  if getmetatable(reference) ~= result then
+    core.raise(("error: a result to compare with expected, got %s"):format(type(reference)))
+  end
   local fine = self.solid.coarse and self.solid.coarse.fine or self.solid.grid
   return fine:difference(self.fine_displacement, reference.fine_displacement)
 end
@@ -69,8 +72,12 @@ function result:write(path)
   }})
 end
 
---- The deformed grid with its elements' edges: {field = "von_mises", "material" or an array, ...}.
+--- The deformed grid with its elements' edges; options as of grid:picture, {values = result.von_mises,
+--- unit = "Pa", deformation =, direction =, ...}.
 function result:picture(path, given)
+  if given ~= nil and type(given) ~= "table" then
+    core.raise(("picture: a table of options expected, got %s"):format(type(given)))
+  end
   local wish = {}
   for key, value in pairs(given or {}) do wish[key] = value end
   wish.displacement = wish.displacement or self.displacement

@@ -31,7 +31,7 @@ local function make(grid, palette, acts, previous, coarse)
   local body, message, details = core.solid.create(grid, palette, previous)
   if not body then return nil, message, details end
   return setmetatable({grid = grid, palette = body.palette, body = body, acts = acts, coarse = coarse or false,
-    base = false, newton = core.solid.newton()}, solid)
+    newton = core.solid.newton()}, solid)
 end
 
 --- A solid: {grid =, palette = {material 1, material 2, ...}}.
@@ -45,10 +45,25 @@ end
 
 -- ---- what acts -----------------------------------------------------------------------------------
 
+local function is_array(value)
+  return getmetatable(value) == core.classes.array
+end
+
+-- Numbers of nodes from 1 to `count`.
+local function check_numbers(function_name, list, count)
+  for i, number in ipairs(is_array(list) and list:totable() or list) do
+    local whole = math.tointeger(number)
+    if type(number) ~= "number" or not whole or whole < 1 or whole > count then
+      raise(("%s: node %d of the list is %s: numbers from 1 to %d expected"):format(function_name, i,
+        number, count))
+    end
+  end
+end
+
 -- Nodes of a grid by place; numbers belong to the grid that they were given for.
 local function nodes_of(grid, act)
   local where = act.where
-  if type(where) == "userdata" or type(where) == "table" and #where > 0 then
+  if is_array(where) or type(where) == "table" and #where > 0 then
     if grid ~= act.grid then
       raise("nodes given by their numbers belong to one grid: give them by place, {side = \"low z\"} "
         .. "or a function of x, y, z, where the solid is coarsened or its grid edited")
@@ -58,12 +73,27 @@ local function nodes_of(grid, act)
   return grid:nodes(where)
 end
 
-local function add(self, act)
-  act.grid = self.grid
-  if act.where ~= nil then nodes_of(self.grid, act) end -- errors are told where they are made
+-- Errors are told where they are made: `where` is tried at once.
+local function add(self, act, where)
+  act.grid, act.where = self.grid, where
+  if where ~= nil then
+    local name = ({move = "hold", press = "pressure"})[act.kind] or act.kind
+    local numbers = is_array(where) or type(where) == "table" and #where > 0
+    if numbers then
+      check_numbers(name, where, self.node_count)
+    elseif type(where) == "table" and next(where) == nil then
+      raise(("%s: {} chooses nothing: give a place, {side = \"low z\"}, or numbers of nodes"):format(name))
+    end
+    local nodes, message, details = nodes_of(self.grid, act)
+    if not nodes then return nil, message, details end
+  end
   self.acts[#self.acts + 1] = act
   rawset(self, "ready", nil)
   return self
+end
+
+local function finite(value)
+  return type(value) == "number" and value == value and math.abs(value) ~= math.huge
 end
 
 local function vector(where, key, value)
@@ -72,34 +102,43 @@ local function vector(where, key, value)
     raise(("%s: %s: three numbers {x, y, z} expected"):format(where, key))
   end
   for i = 1, 3 do
-    local number = list[i]
-    if type(number) ~= "number" or number ~= number or math.abs(number) == math.huge then
+    if not finite(list[i]) then
       raise(("%s: %s: three finite numbers {x, y, z} expected"):format(where, key))
     end
   end
   return list
 end
 
+local function check_where(function_name, where)
+  if where == nil then
+    raise(("%s: a place expected first: {side = \"low z\"}, a function of x, y, z, numbers of nodes"):format(
+      function_name))
+  end
+end
+
 --- Nodes are held: all components, or moved by {x, y, z} (m at full load), where false leaves a
 --- component free; or by a function of x, y, z that returns three numbers.
 function solid:hold(where, by)
   check_self("hold", self)
+  check_where("hold", where)
   if by == nil then by = {0, 0, 0} end
   if type(by) == "table" then
     for i = 1, 3 do
-      if type(by[i]) ~= "number" and by[i] ~= false then
+      if not finite(by[i]) and by[i] ~= false then
         raise "hold: {x, y, z} expected, each a displacement or false"
       end
     end
+    if not (by[1] or by[2] or by[3]) then raise "hold: {false, false, false} holds nothing" end
   elseif type(by) ~= "function" then
     raise(("hold: {x, y, z} or a function of x, y, z expected, got %s"):format(type(by)))
   end
-  return add(self, {kind = type(by) == "table" and "hold" or "move", where = where, by = by})
+  return add(self, {kind = type(by) == "table" and "hold" or "move", by = by}, where)
 end
 
 --- Nodes are held and turned about an axis: {axis =, point =, angle = (radians), move = {x, y, z}}.
 function solid:turn(where, given)
   check_self("turn", self)
+  check_where("turn", where)
   local wish = options.read("turn", given, {
     axis = {type = "any", needed = true},
     point = {type = "any", default = {0, 0, 0}},
@@ -109,15 +148,17 @@ function solid:turn(where, given)
   local axis = vector("turn", "axis", wish.axis)
   local length = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
   if length == 0 then raise "turn: axis: a direction expected, it has no length" end
-  return add(self, {kind = "turn", where = where, angle = wish.angle,
+  return add(self, {kind = "turn", angle = wish.angle,
     axis = {axis[1] / length, axis[2] / length, axis[3] / length},
-    point = vector("turn", "point", wish.point), move = vector("turn", "move", wish.move)})
+    point = vector("turn", "point", wish.point), move = vector("turn", "move", wish.move)},
+    where)
 end
 
 --- A total force on the boundary faces of nodes, by area.
 function solid:force(where, total)
   check_self("force", self)
-  return add(self, {kind = "force", where = where, total = vector("force", "total", total)})
+  check_where("force", where)
+  return add(self, {kind = "force", total = vector("force", "total", total)}, where)
 end
 
 function solid:gravity(acceleration)
@@ -125,12 +166,14 @@ function solid:gravity(acceleration)
   return add(self, {kind = "gravity", acceleration = vector("gravity", "acceleration", acceleration)})
 end
 
---- Pressure (Pa, positive pushes inwards) on a surface that goes with the solid: {pressure = a number, a
---- list with one for each triangle, or a function of the middle's x, y, z; follower = along the normals
---- of the deformed shape}.
-function solid:pressure(surface, given)
+--- Pressure (Pa, positive pushes inwards) on the free faces of cells between nodes by place, or on a
+--- surface that goes with the solid: {pressure = a number, a function of the middle's x, y, z, or for a
+--- surface a list with one for each triangle; follower = along the normals of the deformed shape}.
+function solid:pressure(on, given)
   check_self("pressure", self)
-  options.object("pressure", "surface", surface, "surface")
+  check_where("pressure", on)
+  local surface = getmetatable(on) == core.classes.surface
+  if surface and on.triangle_count < 1 then raise "pressure: the surface has no triangle" end
   local wish = options.read("pressure", given, {
     pressure = {type = "any", needed = true},
     follower = {type = "boolean", default = false},
@@ -139,8 +182,14 @@ function solid:pressure(surface, given)
   if kind ~= "number" and kind ~= "function" and kind ~= "table" and kind ~= "userdata" then
     raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(kind))
   end
-  return add(self, {kind = "pressure", surface = surface, pressure = wish.pressure,
-    follower = wish.follower})
+  if kind == "number" and not finite(wish.pressure) then raise "pressure: a finite number expected" end
+  if not surface then
+    if kind ~= "number" and kind ~= "function" then
+      raise "pressure: a list needs a surface; by place, a number or a function of x, y, z"
+    end
+    return add(self, {kind = "press", pressure = wish.pressure, follower = wish.follower}, on)
+  end
+  return add(self, {kind = "pressure", surface = on, pressure = wish.pressure, follower = wish.follower})
 end
 
 --- A plane that the solid may touch and not pass, without friction: {point =, normal = into the side
@@ -172,12 +221,15 @@ local function turned(act, x, y, z, part)
     rz * (c - 1) + n[3] * along + (n[1] * ry - n[2] * rx) * s + part * act.move[3]
 end
 
-local function rows_of(grid, nodes, displacement)
+-- Nodes of a grid are prescribed by what displacement(x, y, z) returns.
+local function prescribe(case, act, grid, displacement)
+  local nodes, message, details = nodes_of(grid, act)
+  if not nodes then return nil, message, details end
   local rows = {}
   for i, at in ipairs(grid.points:gather(nodes):totable()) do
     rows[i] = {displacement(at[1], at[2], at[3])}
   end
-  return rows
+  return case:hold_each(nodes, rows)
 end
 
 -- A function's values at the middles of a surface's triangles.
@@ -185,40 +237,58 @@ local function middle_values(surface, f)
   local points, values = surface.points:totable(), {}
   for t, corners in ipairs(surface.triangles:totable()) do
     local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
-    values[t] = f((a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3, (a[3] + b[3] + c[3]) / 3)
+    local x, y, z = (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3, (a[3] + b[3] + c[3]) / 3
+    values[t] = f(x, y, z)
+    if not finite(values[t]) then
+      raise(("pressure: the function returned %s at (%g, %g, %g) m: a finite number expected"):format(
+        values[t], x, y, z))
+    end
   end
   return values
 end
 
+-- Each returns nothing, or nil, message, details.
 local apply = {}
 
 function apply.hold(case, act, grid, part)
   local by = {}
   for i = 1, 3 do by[i] = act.by[i] and act.by[i] * part end
-  case:hold(nodes_of(grid, act), by)
+  local nodes, message, details = nodes_of(grid, act)
+  if not nodes then return nil, message, details end
+  return case:hold(nodes, by)
 end
 
 function apply.move(case, act, grid, part)
-  local nodes = nodes_of(grid, act)
-  case:hold_each(nodes, rows_of(grid, nodes, function(x, y, z)
+  return prescribe(case, act, grid, function(x, y, z)
     local u, v, w = act.by(x, y, z)
+    if not (finite(u) and finite(v) and finite(w)) then
+      raise(("hold: the function returned %s, %s, %s at (%g, %g, %g) m: three finite numbers expected"):format(
+        u, v, w, x, y, z))
+    end
     return u * part, v * part, w * part
-  end))
+  end)
 end
 
 function apply.turn(case, act, grid, part)
-  local nodes = nodes_of(grid, act)
-  case:hold_each(nodes, rows_of(grid, nodes, function(x, y, z) return turned(act, x, y, z, part) end))
+  return prescribe(case, act, grid, function(x, y, z) return turned(act, x, y, z, part) end)
 end
 
 function apply.force(case, act, grid, part)
+  local nodes, message, details = nodes_of(grid, act)
+  if not nodes then return nil, message, details end
   local t = act.total
-  case:force(nodes_of(grid, act), {t[1] * part, t[2] * part, t[3] * part})
+  return case:force(nodes, {t[1] * part, t[2] * part, t[3] * part})
 end
 
 function apply.gravity(case, act, _, part)
   local a = act.acceleration
-  case:gravity {a[1] * part, a[2] * part, a[3] * part}
+  return case:gravity {a[1] * part, a[2] * part, a[3] * part}
+end
+
+function apply.press(case, act, grid, part)
+  local nodes, message, details = nodes_of(grid, act)
+  if not nodes then return nil, message, details end
+  return case:press(nodes, act.pressure, part, act.follower)
 end
 
 function apply.pressure(case, act, grid, part)
@@ -233,31 +303,42 @@ function apply.pressure(case, act, grid, part)
     values = pressure:totable()
   end
   local scaled = {}
-  for t, value in ipairs(values) do scaled[t] = value * part end
-  case:pressure(grid:embed(surface), surface.triangles, scaled, act.follower)
+  for t, value in ipairs(values) do
+    if not finite(value) then
+      raise(("pressure: number %d of the list is %s: a finite number expected"):format(t, value))
+    end
+    scaled[t] = value * part
+  end
+  local embedding, message, details = grid:embed(surface)
+  if not embedding then return nil, message, details end
+  return case:pressure(embedding, surface.triangles, scaled, act.follower)
 end
 
 function apply.floor(case, act, grid, part)
   local move = {act.move[1] * part, act.move[2] * part, act.move[3] * part}
-  if act.surface then
-    case:floor(act.point, act.normal, move, grid:embed(act.surface), act.surface.points)
-  else
-    case:floor(act.point, act.normal, move)
-  end
+  if not act.surface then return case:floor(act.point, act.normal, move) end
+  local embedding, message, details = grid:embed(act.surface)
+  if not embedding then return nil, message, details end
+  return case:floor(act.point, act.normal, move, embedding, act.surface.points)
 end
 
 -- The case at a part of the path: turns go along their arcs, everything else in proportion.
 local function case_of(self, part)
   local case, message, details = core.solid.case(self.grid)
   if not case then return nil, message, details end
-  for _, act in ipairs(self.acts) do apply[act.kind](case, act, self.grid, part) end
+  for _, act in ipairs(self.acts) do
+    local _
+    _, message, details = apply[act.kind](case, act, self.grid, part)
+    if message then return nil, message, details end
+  end
   return case
 end
 
 -- ---- solving -------------------------------------------------------------------------------------
 
+local MOST_PARTS = 1000
 local solve_rules = {
-  path = {type = "integer", least = 1, most = 1000},
+  path = {type = "integer", least = 1, most = MOST_PARTS},
   start = {type = "any"},
 }
 for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "integer",
@@ -273,6 +354,10 @@ local function parts_of(self)
     if act.kind == "turn" then
       parts = math.max(parts, math.ceil(math.abs(act.angle) / (math.pi / 6) - 1e-9))
     end
+  end
+  if parts > MOST_PARTS then
+    raise(("solve: turns by %.0f times 30 degrees are more than the %d parts that a path has at most"):format(
+      parts, MOST_PARTS))
   end
   return parts
 end
@@ -344,6 +429,9 @@ end
 --- are at full, what is held stays where it is at full load.
 function solid:motion(given)
   check_self("motion", self)
+  if given ~= nil and type(given) ~= "table" then
+    raise(("motion: a table of options expected, got %s"):format(type(given)))
+  end
   local wish = {}
   for key, value in pairs(given or {}) do wish[key] = value end
   local displacement, velocity = wish.displacement, wish.velocity
@@ -362,10 +450,7 @@ function solid:with(grid)
   if not self.coarse then return make(grid, self.palette, self.acts, self.body) end
   local coarse, message, details = self.coarse:follow(grid)
   if not coarse then return nil, message, details end
-  local next_solid
-  next_solid, message, details = make(coarse.grid, coarse.palette, self.acts, self.body, coarse)
-  if next_solid then next_solid.base = self.base:with(grid) end
-  return next_solid, message, details
+  return make(coarse.grid, coarse.palette, self.acts, self.body, coarse)
 end
 
 --- The solid on a grid made coarse: by a library, or "naive" or "average"; `levels` times (1).
@@ -374,10 +459,7 @@ function solid:coarsen(by, levels)
   if self.coarse then raise "coarsen: this solid is coarse; give the levels where the fine one is coarsened" end
   local coarse, message, details = core.metamaterial.coarsen(self.grid, self.palette, by, levels or 1)
   if not coarse then return nil, message, details end
-  local made
-  made, message, details = make(coarse.grid, coarse.palette, self.acts, nil, coarse)
-  if made then made.base = self end
-  return made, message, details
+  return make(coarse.grid, coarse.palette, self.acts, nil, coarse)
 end
 
 function solid:__tostring()

@@ -128,8 +128,16 @@ static int box_close(lua_State *L) {
   return 0;
 }
 
+/* upvalue: the class's own, for open ones, or nil */
 static int box_tostring(lua_State *L) {
   lbw_box *box = self_box(L);
+  if (box->object && lua_isfunction(L, lua_upvalueindex(1))) {
+    lua_settop(L, 1);
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_call(L, 1, 1);
+    return 1;
+  }
   lua_pushfstring(L, "%s%s", box->class->name, box->object ? "" : " (closed)");
   return 1;
 }
@@ -222,7 +230,6 @@ void lbw_class_register(lua_State *L, const lbw_class *class) {
   static const luaL_Reg common[] = {{"__gc", box_gc},
                                     {"__close", box_close},
                                     {"__eq", box_equal},
-                                    {"__tostring", box_tostring},
                                     {"__newindex", box_newindex},
                                     {NULL, NULL}};
   lua_newtable(L);
@@ -233,6 +240,9 @@ void lbw_class_register(lua_State *L, const lbw_class *class) {
   lua_setfield(L, -2, "__class");
   if (class->meta)
     luaL_setfuncs(L, class->meta, 0);
+  lua_getfield(L, -1, "__tostring");
+  lua_pushcclosure(L, box_tostring, 1);
+  lua_setfield(L, -2, "__tostring");
   lua_newtable(L);
   luaL_setfuncs(L, class->methods, 0);
   lua_pushcfunction(L, box_close);

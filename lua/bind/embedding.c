@@ -115,11 +115,11 @@ static int embedding_point_count(lua_State *L) {
 }
 
 static int embedding_tostring(lua_State *L) {
-  const bw_embedding *it = (const bw_embedding *)lbw_test(L, 1, &lbw_embedding_class);
+  const bw_embedding *it = self(L);
   char text[100];
-  snprintf(text, sizeof text, "embedding of %lld points in %d elements",
-           it ? (long long)it->point_count : 0, it ? (int)it->grid->element_count : 0);
-  lua_pushstring(L, it ? text : "embedding (closed)");
+  snprintf(text, sizeof text, "embedding of %lld points in %d elements", (long long)it->point_count,
+           (int)it->grid->element_count);
+  lua_pushstring(L, text);
   return 1;
 }
 

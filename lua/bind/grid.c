@@ -330,8 +330,8 @@ static int grid_components(lua_State *L) {
 static int grid_write(lua_State *L) {
   static const lbw_option list[] = {{"fields", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   const bw_grid *grid = self(L);
-  size_t length;
-  const char *path = lbw_check_text(L, 2, &length);
+  const char *path = lbw_check_text(L, 2, NULL);
+  size_t length = strlen(path);
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, NULL);
   if (length < 4 || strcasecmp(path + length - 4, ".vtu") != 0)
@@ -462,11 +462,7 @@ static int grid_material_counts(lua_State *L) {
 }
 
 static int grid_tostring(lua_State *L) {
-  const bw_grid *grid = (const bw_grid *)lbw_test(L, 1, &lbw_grid_class);
-  if (!grid) {
-    lua_pushliteral(L, "grid (closed)");
-    return 1;
-  }
+  const bw_grid *grid = self(L);
   double low[3], high[3];
   char text[200];
   int32_t most = 0, cut = 0;

@@ -71,7 +71,12 @@ static int library_material(lua_State *L) {
     return lbw_error(L, "a key of 8 materials (64 for level 2) expected, got %d", (int)count);
   for (size_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, (lua_Integer)i + 1);
-    key[i] = (int32_t)lbw_check_integer(L, -1);
+    int whole;
+    lua_Integer value = lua_tointegerx(L, -1, &whole);
+    if (!whole || value < 0 || value > INT32_MAX)
+      return lbw_error(L, "number %d of the key is %s: a whole number expected, 0 for void",
+                       (int)i + 1, luaL_tolstring(L, -1, NULL));
+    key[i] = (int32_t)value;
     lua_pop(L, 1);
   }
   lbw_box *box = lbw_box_new(L, &lbw_solid_material_class);
@@ -161,15 +166,18 @@ static int coarse_create(lua_State *L) {
   static const char *const words[] = {"naive", "average", NULL};
   lua_settop(L, 4);
   const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
-  const bw_library *library = (const bw_library *)lbw_test(L, 3, &lbw_library_class);
+  const bw_library *library = NULL;
   bw_coarse_method method = BW_COARSE_LOOKUP;
-  if (!library)
+  if (lua_type(L, 3) == LUA_TUSERDATA)
+    library = (const bw_library *)lbw_check(L, 3, &lbw_library_class);
+  else
     method = lbw_check_word(L, 3, words) == 0 ? BW_COARSE_NAIVE : BW_COARSE_AVERAGE;
-  int levels = (int)lbw_integer_or(L, 4, 1);
+  lua_Integer levels = lbw_integer_or(L, 4, 1);
+  lbw_argument_check(L, levels >= 1 && levels <= 2, 4, "1 or 2 levels expected");
   const bw_palette *palette = lbw_check_palette(L, 2, "coarsen");
   lbw_box *box = lbw_box_new(L, &lbw_coarse_class);
   bw_coarse *coarse = NULL;
-  bw_status status = bw_coarsen(lbw_enter(L), method, library, palette, grid, levels, &coarse);
+  bw_status status = bw_coarsen(lbw_enter(L), method, library, palette, grid, (int)levels, &coarse);
   lbw_box_fill(L, box, coarse);
   return lbw_leave(L, status, 1);
 }

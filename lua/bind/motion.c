@@ -47,6 +47,7 @@ static int motion_step(lua_State *L) {
   bw_status status = BW_OK;
   bw_solid_motion *motion = self(L);
   lua_Integer count = lbw_integer_or(L, 2, 1);
+  lbw_argument_check(L, count >= 0, 2, "a number of steps expected, 0 or more");
   lua_settop(L, 1);
   bw_context *context = lbw_enter(L);
   for (lua_Integer i = 0; i < count; i++) {

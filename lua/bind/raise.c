@@ -64,9 +64,14 @@ void lbw_check_type(lua_State *L, int argument, int type) {
 }
 
 const char *lbw_check_text(lua_State *L, int argument, size_t *length) {
-  const char *text = lua_tolstring(L, argument, length);
+  size_t size = 0;
+  const char *text = lua_tolstring(L, argument, &size);
   if (!text)
     type_error(L, argument, lua_typename(L, LUA_TSTRING));
+  else if (!length && strlen(text) != size) /* C would see the beginning alone */
+    lbw_argument_error(L, argument, "a text without zero bytes expected");
+  if (length)
+    *length = size;
   return text;
 }
 

@@ -252,6 +252,23 @@ static int case_pressure(lua_State *L) {
                    0);
 }
 
+/* case:press(nodes, pressure, factor, follower): on free faces; a number, a function of x, y, z or
+ * a formula */
+static int case_press(lua_State *L) {
+  bw_solid_case *it = self_case(L);
+  int64_t count;
+  lua_settop(L, 5);
+  const int32_t *node = read_nodes(L, 2, it->grid, &count);
+  lbw_field *field = lbw_field_read(L, 3, "pressure");
+  double factor = lbw_check_real(L, 4, "factor");
+  bw_context *context = lbw_enter(L);
+  lbw_field_begin(field, context);
+  bw_status status = bw_solid_case_press(context, it, count, node, lbw_field_value, field, factor,
+                                         lua_toboolean(L, 5));
+  lbw_field_end(field, context);
+  return lbw_leave(L, status, 0);
+}
+
 /* case:floor(point, normal, move, embedding | nil, points | nil) */
 static int case_floor(lua_State *L) {
   bw_solid_case *it = self_case(L);
@@ -279,55 +296,26 @@ static int case_applied(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, it->grid->node_count, 3, it->force, it);
 }
 
-static const luaL_Reg case_methods[] = {{"hold", case_hold},
-                                        {"hold_each", case_hold_each},
-                                        {"force", case_force},
-                                        {"gravity", case_gravity},
-                                        {"pressure", case_pressure},
-                                        {"floor", case_floor},
-                                        {NULL, NULL}};
+static const luaL_Reg case_methods[] = {{"hold", case_hold},         {"hold_each", case_hold_each},
+                                        {"force", case_force},       {"gravity", case_gravity},
+                                        {"pressure", case_pressure}, {"press", case_press},
+                                        {"floor", case_floor},       {NULL, NULL}};
 static const luaL_Reg case_properties[] = {{"applied", case_applied}, {NULL, NULL}};
 const lbw_class lbw_solid_case_class = {"loading", case_methods, case_properties, no_meta, NULL};
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
-/* What solves share is no engine object: a userdata of its own. */
-typedef struct newton_box {
-  bw_newton *newton;
-} newton_box;
-static const char newton_key; /* registry: the metatable */
-
-static newton_box *check_newton(lua_State *L, int index) {
-  newton_box *box = (newton_box *)lua_touserdata(L, index);
-  bool fine = box && lua_getmetatable(L, index);
-  if (fine) {
-    lua_rawgetp(L, LUA_REGISTRYINDEX, &newton_key);
-    fine = lua_rawequal(L, -1, -2);
-    lua_pop(L, 2);
-  }
-  return fine ? box : NULL;
-}
-
-static int newton_gc(lua_State *L) {
-  newton_box *box = check_newton(L, 1);
-  if (box) {
-    bw_newton_free(box->newton);
-    box->newton = NULL;
-  }
-  return 0;
-}
+static const luaL_Reg none[] = {{NULL, NULL}};
+static const lbw_class lbw_newton_class = {"newton", none, none, none, NULL};
 
 /* solid.newton(): order, analysis and memory kept between solves */
 static int newton_create(lua_State *L) {
-  newton_box *box = (newton_box *)lua_newuserdatauv(L, sizeof *box, 0);
-  box->newton = NULL;
-  lua_rawgetp(L, LUA_REGISTRYINDEX, &newton_key);
-  lua_setmetatable(L, -2);
-  bw_status status = bw_newton_create(lbw_enter(L), &box->newton);
+  lbw_box *box = lbw_box_new(L, &lbw_newton_class);
+  bw_newton *newton = NULL;
+  bw_status status = bw_newton_create(lbw_enter(L), &newton);
+  lbw_box_fill(L, box, newton);
   return lbw_leave(L, status, 1);
 }
-
-static const luaL_Reg none[] = {{NULL, NULL}};
 
 enum { MOST_LEVELS = 4 };
 
@@ -370,7 +358,7 @@ static int solid_solve(lua_State *L) {
   lua_settop(L, 5);
   const bw_solid *solid = self(L);
   const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
-  newton_box *kept = check_newton(L, 3);
+  lbw_box *kept = lua_isnil(L, 3) ? NULL : lbw_check_box(L, 3, &lbw_newton_class);
   const bw_coarsening *coarsening[MOST_LEVELS];
   const bw_solid *coarse[MOST_LEVELS];
   bw_newton_options options;
@@ -384,9 +372,11 @@ static int solid_solve(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_solid_static_class);
   int place = lua_gettop(L);
   bw_solid_static *result = NULL;
-  bw_status status =
-      bw_solid_statics(lbw_enter(L), solid, the, kept ? kept->newton : NULL, &options, &result);
+  bw_status status = bw_solid_statics(lbw_enter(L), solid, the,
+                                      kept ? (bw_newton *)kept->object : NULL, &options, &result);
   lbw_box_fill(L, box, result);
+  if (kept)
+    lbw_box_account(L, kept); /* it has grown */
   lua_pushvalue(L, place);
   int results = lbw_leave(L, status, 1);
   /* What was reached before it failed goes with the details. */
@@ -438,12 +428,7 @@ void lbw_open_solid(lua_State *L) {
   lbw_class_register(L, &lbw_solid_class);
   lbw_class_register(L, &lbw_solid_case_class);
   lbw_class_register(L, &lbw_solid_static_class);
-  lua_createtable(L, 0, 2);
-  lua_pushcfunction(L, newton_gc);
-  lua_setfield(L, -2, "__gc");
-  lua_pushliteral(L, "barwright.newton");
-  lua_setfield(L, -2, "__name");
-  lua_rawsetp(L, LUA_REGISTRYINDEX, &newton_key);
+  lbw_class_register(L, &lbw_newton_class);
   lbw_add_methods(L, &lbw_solid_class, solve);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);

@@ -32,12 +32,17 @@ static int material_create(lua_State *L) {
   lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, where, list, &c);
   int law = lbw_word_option(L, 1, where, "law", laws, 0);
-  if (lbw_option_get(L, 1, "name") == LUA_TSTRING)
-    name = lua_tostring(L, -1);
+  int type = lbw_option_get(L, 1, "name");
+  if (type != LUA_TSTRING && type != LUA_TNIL)
+    return lbw_option_error(L, where, "name", "a string expected");
+  name = lua_tostring(L, -1); /* stays on the stack */
   bool engineering = !isnan(c.young) && !isnan(c.poisson) && isnan(c.mu) && isnan(c.lambda);
   bool lame = !isnan(c.mu) && !isnan(c.lambda) && isnan(c.young) && isnan(c.poisson);
   if (!engineering && !lame)
     return lbw_error(L, "%s: either young and poisson or mu and lambda expected", where);
+  if (lame && !(c.mu > 0 && 3 * c.lambda + 2 * c.mu > 0))
+    return lbw_error(L, "%s: mu is %f Pa and lambda %f Pa: mu and 3 lambda + 2 mu must be positive",
+                     where, c.mu, c.lambda);
   if (lame) {
     c.young = c.mu * (3 * c.lambda + 2 * c.mu) / (c.lambda + c.mu);
     c.poisson = c.lambda / (2 * (c.lambda + c.mu));

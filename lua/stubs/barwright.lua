@@ -3110,12 +3110,14 @@ function Solid:force(where, total) end
 ---@return bw.Solid
 function Solid:gravity(acceleration) end
 
----Pressure (Pa, positive pushes inwards) on a surface that is embedded in the solid: a number, a list
----with one for each triangle, or a function of x, y, z. `follower`: along the normals as they turn.
----@param surface bw.Surface
+---Pressure (Pa, positive pushes inwards) on the free faces of cells all of whose nodes are in a region,
+---or on a surface that is embedded in the solid: a number, a function of x, y, z (of a face's or
+---triangle's middle), or for a surface a list with one for each triangle. `follower`: along the normals
+---as they turn.
+---@param on bw.Region|function|string|bw.Array|integer[]|bw.Surface
 ---@param options {pressure: number|table|function|bw.Array, follower?: boolean}
 ---@return bw.Solid
-function Solid:pressure(surface, options) end
+function Solid:pressure(on, options) end
 
 ---A plane that the solid's nodes, or the points of a `surface`, may touch and not pass, without
 ---friction. `normal` points to the solid's side; `move`: its displacement at full load.

@@ -193,9 +193,19 @@ bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t cou
 bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
                               const int32_t *node, const double total[3]);
 bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it, const double gravity[3]);
+/* Pressures (Pa, finite, one a triangle) on triangles between points of the embedding, which is of
+ * the case's grid; copied. */
 bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
                                  const bw_embedding *embedding, int64_t triangles,
                                  const int32_t *triangle, const double *pressure, bool follower);
+/* The same on the free faces all of whose nodes are among those given: exact for faces that bend,
+ * a quarter of it at each node of one that does not. The pressure is `factor` times
+ * pressure(data, middle of a face at rest), or `factor` where that is NULL. BW_EMPTY without a
+ * face. */
+bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t count,
+                              const int32_t *node,
+                              double (*pressure)(void *data, const double at[3]), void *data,
+                              double factor, bool follower);
 /* Nothing of the solid passes the plane, and nothing is held back by it: no friction. Points whose
  * nodes are all held along the normal are left out. `rest` is copied. */
 bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
@@ -248,11 +258,10 @@ typedef struct bw_newton_report {
   bw_newton_entry *history;
 } bw_newton_report;
 
-/* What can be kept between solves of solids with the same elements: order, analysis, memory.
- * Mutable, one thread at a time. */
+/* What can be kept between solves of solids with the same elements: order, analysis, memory. An
+ * object; mutable, one thread at a time. */
 typedef struct bw_newton bw_newton;
 bw_status bw_newton_create(bw_context *context, bw_newton **newton);
-void bw_newton_free(bw_newton *newton);
 
 typedef struct bw_solid_static {
   bw_object object;

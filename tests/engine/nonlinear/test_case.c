@@ -102,6 +102,120 @@ static void test_followers(void **state) {
   box_free(&b);
 }
 
+/* Nodes of a side, all of whose faces are pressed. */
+static void press_side(bw_context *context, box *b, int axis, int high, double pressure,
+                       bool follower) {
+  int32_t *node = malloc(sizeof *node * (size_t)b->grid->node_count);
+  int64_t count = box_end(b, axis, high, node);
+  check_ok(context,
+           bw_solid_case_press(context, b->the, count, node, NULL, NULL, pressure, follower));
+  free(node);
+}
+
+static double linear_in_x(void *data, const double at[3]) {
+  return *(const double *)data * at[0];
+}
+
+/* Even on every face: a node has a quarter of p A for each of its faces, on all six sides. */
+static void test_even(void **state) {
+  bw_context *context = check_context(state);
+  for (int side = 0; side < 6; side++) {
+    box b;
+    int axis = side / 2, high = side % 2, faces = 0;
+    box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 0);
+    press_side(context, &b, axis, high, 700, false);
+    double *force = malloc(24 * (size_t)b.grid->node_count), sum = 0;
+    double quarter = size[0] * size[1] * size[2] / size[axis] / 4 / 4 * 700;
+    check_ok(context, bwi_case_dead(context, b.solid, b.the, force));
+    for (int32_t n = 0; n < b.grid->node_count; n++) {
+      double x[3], share = quarter;
+      bw_grid_position(b.grid, n, x);
+      for (int d = 0; d < 3; d++)
+        if (d != axis && fabs(x[d] - size[d] / 2) < 1e-9)
+          share *= 2;
+      bool on = fabs(x[axis] - (high ? size[axis] : 0)) < 1e-9;
+      for (int d = 0; d < 3; d++)
+        check_near(force[3 * n + d], d == axis && on ? (high ? -share : share) : 0, 1e-9);
+      sum += force[3 * n + axis];
+      faces += on;
+    }
+    check_near(fabs(sum), 700 * size[0] * size[1] * size[2] / size[axis], 1e-8);
+    assert_int_equal(faces, 9);
+    free(force);
+    box_free(&b);
+  }
+}
+
+/* By place, and what is no face. */
+static void test_press(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  double slope = 1000, total = 0, bad = NAN;
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 0);
+  int32_t *node = malloc(sizeof *node * (size_t)b.grid->node_count);
+  int64_t count = box_end(&b, 2, 1, node);
+  check_ok(context,
+           bw_solid_case_press(context, b.the, count, node, linear_in_x, &slope, 2, false));
+  double *force = malloc(24 * (size_t)b.grid->node_count);
+  check_ok(context, bwi_case_dead(context, b.solid, b.the, force));
+  for (int32_t n = 0; n < b.grid->node_count; n++)
+    total += force[3 * n + 2];
+  check_near(total, -2 * 1000 * 0.15 * 0.06, 1e-9);
+  check_fails(context, BW_INVALID, "finite",
+              bw_solid_case_press(context, b.the, count, node, linear_in_x, &bad, 2, false));
+  check_fails(context, BW_EMPTY, "no face",
+              bw_solid_case_press(context, b.the, 3, node, NULL, NULL, 2, false));
+  free(node);
+  free(force);
+  box_free(&b);
+}
+
+/* A follower on faces is the slope of the volume: moved in any way, the work of pressing all six
+ * sides is p times the volume that is lost, whatever shape the faces have. */
+static void test_follows_volume(void **state) {
+  bw_context *context = check_context(state);
+  box b;
+  bw_random random;
+  const double pressure = 40;
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 0);
+  for (int side = 0; side < 6; side++)
+    press_side(context, &b, side / 2, side % 2, pressure, true);
+  int n = 3 * b.grid->node_count;
+  double *u = calloc(3 * (size_t)n, sizeof *u), *v = u + n, *force = v + n;
+  bw_random_seed(&random, 8);
+  for (int i = 0; i < n; i++) {
+    u[i] = 0.05 * (bw_random_uniform(&random) - 0.5);
+    v[i] = bw_random_uniform(&random) - 0.5;
+  }
+  check_ok(context, bwi_case_follow(context, b.the, u, 1, force));
+  double work = 0, volume[2] = {0, 0}, step = 1e-6;
+  for (int i = 0; i < n; i++)
+    work += force[i] * v[i];
+  bw_rule *rule;
+  check_ok(context, bw_rule_create(context, 0, &rule));
+  for (int s = 0; s < 2; s++) /* det F of a trilinear cell is integrated exactly by 2 x 2 x 2 */
+    for (int32_t e = 0; e < b.grid->element_count; e++)
+      for (int k = 0; k < rule->count; k++) {
+        double f[9] = {0};
+        for (int c = 0; c < 8; c++) {
+          int32_t node = b.grid->element[8 * e + c];
+          double x[3];
+          bw_grid_position(b.grid, node, x);
+          for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+              f[3 * i + j] += (x[i] + u[3 * node + i] + (s ? -step : step) * v[3 * node + i]) *
+                              rule->gradient[24 * k + 3 * c + j];
+        }
+        volume[s] += rule->weight[k] *
+                     (f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
+                      f[2] * (f[3] * f[7] - f[4] * f[6]));
+      }
+  check_near(work, -pressure * (volume[0] - volume[1]) / (2 * step), 1e-6);
+  bw_release(rule);
+  free(u);
+  box_free(&b);
+}
+
 /* The derivative of follower forces against differences. */
 static void test_follower_derivative(void **state) {
   bw_context *context = check_context(state);
@@ -111,6 +225,7 @@ static void test_follower_derivative(void **state) {
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
   press_face(context, &b, 1, 1, 3, true);
   press_face(context, &b, 0, 0, 2, true);
+  press_side(context, &b, 2, 1, 4, true);
   int n = 3 * b.grid->node_count;
   double *u = calloc(7 * (size_t)n, sizeof *u), *v = u + n, *moved = v + n;
   bw_random_seed(&random, 3);
@@ -191,6 +306,9 @@ int main(void) {
       check_test(test_totals),
       check_test(test_followers),
       check_test(test_follower_derivative),
+      check_test(test_even),
+      check_test(test_press),
+      check_test(test_follows_volume),
       check_test(test_contradictions),
       check_test(test_not_held),
   };

@@ -118,7 +118,7 @@ static void test_twist(void **state) {
       before = result;
     }
     bw_release(before);
-    bw_newton_free(newton);
+    bw_release(newton);
     box_free(&b);
   }
 }
@@ -238,7 +238,7 @@ static void test_no_memory(void **state) {
         assert_int_equal(status, BW_MEMORY);
     }
     assert_true(passed);
-    bw_newton_free(newton);
+    bw_release(newton);
     bw_release(coarse_solid);
     bw_release(coarse);
     box_free(&b);

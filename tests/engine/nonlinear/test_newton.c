@@ -127,7 +127,7 @@ static void test_same_bits(void **state) {
   assert_memory_equal(first->displacement, other->displacement, 24 * (size_t)b.grid->node_count);
   bw_release(other);
   bw_release(first);
-  bw_newton_free(newton);
+  bw_release(newton);
   box_free(&b);
 }
 
@@ -151,7 +151,7 @@ static void test_kept(void **state) {
     box_free(&b);
   }
   assert_true(analysis[1] < 0.2 * analysis[0]);
-  bw_newton_free(newton);
+  bw_release(newton);
 }
 
 int main(void) {
