@@ -294,6 +294,25 @@ done:
   return status;
 }
 
+/* A residual that passes as rounding may be as large as the loads themselves, where these are tiny
+ * against the stiffest elements: no wrong answer without a word. */
+static void remark_rounding(bwi_walk *walk) {
+  double applied = 0;
+  bwi_walk_measure(walk);
+  double least = walk->noise / walk->options->tolerance;
+  double left = walk->relative * fmax(walk->reference, least);
+  for (int64_t i = 0; i < walk->size; i++) {
+    double load = walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0);
+    applied += walk->the->held[i] ? 0 : load * load;
+  }
+  applied = sqrt(applied);
+  if (applied > 0 && left > 1e-2 * applied && left > walk->options->tolerance * walk->reference)
+    bw_remark(walk->context,
+              "the loads (%.3g N) are out of balance by %.3g N, which rounding of the stiffest "
+              "elements' forces (%.3g N) hides: the displacements are not to be relied on",
+              applied, left, walk->noise);
+}
+
 /* Reactions and energies of the state that was reached. */
 static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result) {
   bw_status status = BW_OK;
@@ -312,6 +331,8 @@ static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result)
   result->report.shape = walk->now.shape;
   result->report.contacts = walk->now.contacts;
   result->complete = reached >= 1;
+  if (result->complete)
+    remark_rounding(walk);
 done:
   return status;
 }

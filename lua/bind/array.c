@@ -440,11 +440,7 @@ static void add_number(luaL_Buffer *buffer, const bw_array *array, int64_t row, 
 
 static int array_tostring(lua_State *L) {
   enum { SHOWN = 6 };
-  const bw_array *array = (const bw_array *)lbw_test(L, 1, &lbw_array_class);
-  if (!array) {
-    lua_pushliteral(L, "array (closed)");
-    return 1;
-  }
+  const bw_array *array = (const bw_array *)lbw_check(L, 1, &lbw_array_class);
   luaL_Buffer buffer;
   luaL_buffinit(L, &buffer);
   char head[80];

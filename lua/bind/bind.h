@@ -209,6 +209,12 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
 /* A mask of `count` bytes from an array, in a userdata that is pushed. */
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count);
 
+/* The surface of a body, and the node of every point, counted from 1: two results of a method, made
+ * by a function that gives a new surface and a list to be released with bw_free. */
+typedef bw_status lbw_boundary(bw_context *context, const void *body, bw_surface **surface,
+                               int32_t **node);
+int lbw_push_boundary(lua_State *L, const void *body, lbw_boundary *boundary);
+
 /* {size, elements, ...} at `index`. `field` is pushed: NULL (and nil), or what to begin and end
  * around the call. */
 void lbw_read_plane_options(lua_State *L, int index, const char *function,

@@ -270,11 +270,7 @@ static int domains_interface(lua_State *L) {
 }
 
 static int domains_tostring(lua_State *L) {
-  const bw_domains *domains = (const bw_domains *)lbw_test(L, 1, &lbw_domains_class);
-  if (!domains) {
-    lua_pushliteral(L, "domains (closed)");
-    return 1;
-  }
+  const bw_domains *domains = (const bw_domains *)lbw_check(L, 1, &lbw_domains_class);
   int64_t blended = 0;
   for (int32_t d = domains->rigid_count; d < domains->count; d++)
     blended += domains->elements[d];

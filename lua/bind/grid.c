@@ -285,31 +285,14 @@ done:
 
 /* ---- what it is ------------------------------------------------------------------------------ */
 
+static bw_status boundary_of(bw_context *context, const void *grid, bw_surface **surface,
+                             int32_t **node) {
+  return bw_grid_surface(context, (const bw_grid *)grid, surface, node);
+}
+
 /* grid:surface(): its boundary, and the node of every point */
 static int grid_surface(lua_State *L) {
-  const bw_grid *grid = self(L);
-  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
-  lbw_box *nodes = lbw_box_new(L, &lbw_array_class);
-  bw_surface *out = NULL;
-  bw_array *array = NULL;
-  int32_t *node = NULL;
-  bw_status status;
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_grid_surface(context, grid, &out, &node));
-  for (int32_t i = 0; i < out->point_count; i++)
-    node[i]++;
-  BW_TRY(bw_array_own(context, BW_I32, out->point_count, 1, node, &array));
-  node = NULL;
-done:
-  bw_free(node);
-  if (status != BW_OK) {
-    bw_release(out);
-    out = NULL;
-  }
-  nodes->object = array;
-  lbw_box_fill(L, box, out);
-  lbw_box_account(L, nodes);
-  return lbw_leave(L, status, 2);
+  return lbw_push_boundary(L, self(L), boundary_of);
 }
 
 /* grid:components(): how many bodies, and which one each element belongs to */

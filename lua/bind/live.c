@@ -170,11 +170,8 @@ static int server_client_count(lua_State *L) {
 }
 
 static int server_tostring(lua_State *L) {
-  const lbw_live_server *server = (const lbw_live_server *)lbw_test(L, 1, &lbw_live_server_class);
-  if (server)
-    lua_pushfstring(L, "live server at 127.0.0.1:%d", lbw_live_port(server));
-  else
-    lua_pushliteral(L, "live server (closed)");
+  const lbw_live_server *server = (const lbw_live_server *)lbw_check(L, 1, &lbw_live_server_class);
+  lua_pushfstring(L, "live server at 127.0.0.1:%d", lbw_live_port(server));
   return 1;
 }
 

@@ -300,11 +300,7 @@ static int local_piece_count(lua_State *L) {
 }
 
 static int local_tostring(lua_State *L) {
-  const bw_local_system *local = (const bw_local_system *)lbw_test(L, 1, &lbw_local_system_class);
-  if (!local) {
-    lua_pushliteral(L, "local system (closed)");
-    return 1;
-  }
+  const bw_local_system *local = (const bw_local_system *)lbw_check(L, 1, &lbw_local_system_class);
   size_t factor = 0, updates = 0;
   bw_local_system_memory(local, &factor, &updates);
   char text[200];

@@ -256,11 +256,7 @@ static void add_source(luaL_Buffer *buffer, const char *what, const char *axis,
 }
 
 static int material_tostring(lua_State *L) {
-  const bw_material *material = (const bw_material *)lbw_test(L, 1, &lbw_material_class);
-  if (!material) {
-    lua_pushliteral(L, "material (closed)");
-    return 1;
-  }
+  const bw_material *material = (const bw_material *)lbw_check(L, 1, &lbw_material_class);
   char text[400];
   const double *y = material->young, *s = material->strength;
   int used = snprintf(text, sizeof text, "material %s, ",

@@ -294,31 +294,14 @@ static int mesh_subset(lua_State *L) {
   return leave(L, box, out, status);
 }
 
+static bw_status boundary_of(bw_context *context, const void *mesh, bw_surface **surface,
+                             int32_t **node) {
+  return bw_mesh_boundary(context, (const bw_mesh *)mesh, surface, node);
+}
+
 /* mesh:surface(): surface, the mesh node of every point */
 static int mesh_surface(lua_State *L) {
-  const bw_mesh *mesh = self(L);
-  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
-  lbw_box *nodes = lbw_box_new(L, &lbw_array_class);
-  bw_surface *out = NULL;
-  bw_array *array = NULL;
-  int32_t *node = NULL;
-  bw_status status;
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_mesh_boundary(context, mesh, &out, &node));
-  for (int32_t i = 0; i < out->point_count; i++)
-    node[i]++;
-  BW_TRY(bw_array_own(context, BW_I32, out->point_count, 1, node, &array));
-  node = NULL;
-done:
-  bw_free(node);
-  if (status != BW_OK) {
-    bw_release(out);
-    out = NULL;
-  }
-  nodes->object = array;
-  lbw_box_fill(L, box, out);
-  lbw_box_account(L, nodes);
-  return lbw_leave(L, status, 2);
+  return lbw_push_boundary(L, self(L), boundary_of);
 }
 
 /* ---- searching and measuring ----------------------------------------------------------------- */
@@ -497,11 +480,7 @@ static int mesh_boundary(lua_State *L) {
 }
 
 static int mesh_tostring(lua_State *L) {
-  const bw_mesh *mesh = (const bw_mesh *)lbw_test(L, 1, &lbw_mesh_class);
-  if (!mesh) {
-    lua_pushliteral(L, "mesh (closed)");
-    return 1;
-  }
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   double low[3], high[3];
   bw_mesh_box(mesh, low, high);
   lbw_push_box_text(L, low, high);

@@ -423,11 +423,7 @@ static int model_supports(lua_State *L) {
 }
 
 static int model_tostring(lua_State *L) {
-  const bw_model *model = (const bw_model *)lbw_test(L, 1, &lbw_model_class);
-  if (!model) {
-    lua_pushliteral(L, "model (closed)");
-    return 1;
-  }
+  const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   lbw_state *state = lbw_state_of(L);
   char *text = NULL;
   if (state->running || bw_model_describe(lbw_enter(L), model, &text) != BW_OK) {

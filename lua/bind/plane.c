@@ -378,11 +378,7 @@ static int plane_shares(lua_State *L) {
 }
 
 static int plane_tostring(lua_State *L) {
-  const bw_plane_mesh *mesh = (const bw_plane_mesh *)lbw_test(L, 1, &lbw_plane_mesh_class);
-  if (!mesh) {
-    lua_pushliteral(L, "plane mesh (closed)");
-    return 1;
-  }
+  const bw_plane_mesh *mesh = (const bw_plane_mesh *)lbw_check(L, 1, &lbw_plane_mesh_class);
   bw_plane_quality q;
   char text[160];
   bw_plane_measure(mesh, &q);

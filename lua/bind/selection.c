@@ -334,11 +334,7 @@ static int selection_mesh(lua_State *L) {
 }
 
 static int selection_tostring(lua_State *L) {
-  const bw_selection *selection = (const bw_selection *)lbw_test(L, 1, &lbw_selection_class);
-  if (!selection) {
-    lua_pushliteral(L, "selection (closed)");
-    return 1;
-  }
+  const bw_selection *selection = (const bw_selection *)lbw_check(L, 1, &lbw_selection_class);
   double centre[3];
   bw_selection_centre(selection, centre);
   char text[160];

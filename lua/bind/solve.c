@@ -195,11 +195,7 @@ static int static_times(lua_State *L) {
 }
 
 static int static_tostring(lua_State *L) {
-  const bw_static *result = (const bw_static *)lbw_test(L, 1, &lbw_static_class);
-  if (!result) {
-    lua_pushliteral(L, "static (closed)");
-    return 1;
-  }
+  const bw_static *result = (const bw_static *)lbw_check(L, 1, &lbw_static_class);
   double largest = 0;
   for (int64_t i = 0; i < result->model->mesh->node_count; i++) {
     double length = bw_norm(result->displacement + 3 * i);
@@ -299,11 +295,7 @@ static int modes_length(lua_State *L) {
 }
 
 static int modes_tostring(lua_State *L) {
-  const bw_modes *modes = (const bw_modes *)lbw_test(L, 1, &lbw_modes_class);
-  if (!modes) {
-    lua_pushliteral(L, "modes (closed)");
-    return 1;
-  }
+  const bw_modes *modes = (const bw_modes *)lbw_check(L, 1, &lbw_modes_class);
   char text[240];
   int last = modes->count - 1;
   if (modes->count == 0)
@@ -367,11 +359,7 @@ static int system_motion_count(lua_State *L) {
 }
 
 static int system_tostring(lua_State *L) {
-  const bw_system *system = (const bw_system *)lbw_test(L, 1, &lbw_system_class);
-  if (!system) {
-    lua_pushliteral(L, "system (closed)");
-    return 1;
-  }
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
   char text[160];
   snprintf(text, sizeof text,
            "system of %d unknowns, %d free rigid motions, factor of %.3g entries",

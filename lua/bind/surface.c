@@ -474,17 +474,38 @@ static int surface_box(lua_State *L) {
 }
 
 static int surface_tostring(lua_State *L) {
-  const bw_surface *surface = (const bw_surface *)lbw_test(L, 1, &lbw_surface_class);
-  if (!surface) {
-    lua_pushliteral(L, "surface (closed)");
-    return 1;
-  }
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
   double low[3], high[3];
   bw_surface_box(surface, low, high);
   lbw_push_box_text(L, low, high);
   lua_pushfstring(L, "surface of %d triangles and %d points, %s", (int)surface->triangle_count,
                   (int)surface->point_count, lua_tostring(L, -1));
   return 1;
+}
+
+int lbw_push_boundary(lua_State *L, const void *body, lbw_boundary *boundary) {
+  lbw_box *box = lbw_box_new(L, &lbw_surface_class);
+  lbw_box *nodes = lbw_box_new(L, &lbw_array_class);
+  bw_surface *out = NULL;
+  bw_array *array = NULL;
+  int32_t *node = NULL;
+  bw_status status;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(boundary(context, body, &out, &node));
+  for (int32_t i = 0; i < out->point_count; i++)
+    node[i]++;
+  BW_TRY(bw_array_own(context, BW_I32, out->point_count, 1, node, &array));
+  node = NULL;
+done:
+  bw_free(node);
+  if (status != BW_OK) {
+    bw_release(out);
+    out = NULL;
+  }
+  nodes->object = array;
+  lbw_box_fill(L, box, out);
+  lbw_box_account(L, nodes);
+  return lbw_leave(L, status, 2);
 }
 
 static const luaL_Reg methods[] = {{"write", surface_write},

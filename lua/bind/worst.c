@@ -107,11 +107,9 @@ static int regions_mesh(lua_State *L) {
 }
 
 static int regions_tostring(lua_State *L) {
-  const bw_weak_regions *regions = (const bw_weak_regions *)lbw_test(L, 1, &lbw_weak_regions_class);
-  if (!regions)
-    lua_pushliteral(L, "weak regions (closed)");
-  else
-    lua_pushfstring(L, "%d weak regions", regions->count);
+  const bw_weak_regions *regions =
+      (const bw_weak_regions *)lbw_check(L, 1, &lbw_weak_regions_class);
+  lua_pushfstring(L, "%d weak regions", regions->count);
   return 1;
 }
 
@@ -249,11 +247,8 @@ static int basis_maximise(lua_State *L) {
 
 static int basis_tostring(lua_State *L) {
   const bw_pressure_basis *basis =
-      (const bw_pressure_basis *)lbw_test(L, 1, &lbw_pressure_basis_class);
-  if (basis)
-    lua_pushfstring(L, "pressure basis of %d boundary nodes", (int)basis->count);
-  else
-    lua_pushliteral(L, "pressure basis (closed)");
+      (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
+  lua_pushfstring(L, "pressure basis of %d boundary nodes", (int)basis->count);
   return 1;
 }
 

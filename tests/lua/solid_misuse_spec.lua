@@ -342,7 +342,7 @@ describe("memory", function()
       if fine and result then break end
       failures = failures + 1
       if fine then assert.equal("memory", details.status, message) end
-      result = nil
+      result, details = nil, nil -- luacheck: ignore 311
       collectgarbage()
       collectgarbage()
       local _, blocks = core.external()

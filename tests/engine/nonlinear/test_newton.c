@@ -154,6 +154,46 @@ static void test_kept(void **state) {
   bw_release(newton);
 }
 
+/* Loads that the stiffest elements' rounding hides are not balanced, and that is said. */
+static void test_hidden_loads(void **state) {
+  bw_context *context = check_context(state);
+  for (int k = 0; k < 2; k++) {
+    const int32_t cells[3] = {1, 1, 2}, material[2] = {1, 2};
+    const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, force[3] = {0, 0, 1e-3};
+    const int32_t low[4] = {0, 1, 2, 3}, high[4] = {8, 9, 10, 11};
+    const bool all[3] = {true, true, true};
+    bw_grid *grid;
+    bw_solid_material *made[2];
+    bw_palette *palette;
+    bw_solid *solid;
+    bw_solid_case *the;
+    bw_solid_static *result;
+    check_ok(context, bw_grid_create(context, origin, spacing, cells, material, NULL, &grid));
+    for (int m = 0; m < 2; m++)
+      check_ok(context, bw_solid_material_create(context, "", BW_NEO_HOOKEAN,
+                                                 m ? 1 : (k ? 1e20 : 1e8), 0.3, 0, &made[m]));
+    check_ok(context,
+             bw_palette_create(context, 3, (const bw_solid_material *const *)made, &palette));
+    check_ok(context, bw_solid_create(context, grid, palette, NULL, &solid));
+    check_ok(context, bw_solid_case_create(context, grid, &the));
+    check_ok(context, bw_solid_case_hold(context, the, 4, low, all, NULL));
+    check_ok(context, bw_solid_case_force(context, the, 4, high, force));
+    bw_clear_remarks(context);
+    check_ok(context, bw_solid_statics(context, solid, the, NULL, NULL, &result));
+    if (k)
+      assert_non_null(strstr(bw_remark_at(context, 0), "rounding"));
+    else
+      assert_null(bw_remark_at(context, 0));
+    bw_release(result);
+    bw_release(the);
+    bw_release(solid);
+    bw_release(palette);
+    bw_release(made[0]);
+    bw_release(made[1]);
+    bw_release(grid);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_uniaxial),
@@ -161,6 +201,7 @@ int main(void) {
       check_test(test_load_steps_do_not_matter),
       check_test(test_same_bits),
       check_test(test_kept),
+      check_test(test_hidden_loads),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
