@@ -10,6 +10,7 @@
 #include <string.h>
 
 #define TOLERANCE 1e-6
+enum { OFTEN = 1024 }; /* places between two looks at whether to stop: functions may be slow */
 
 /* Points or cells of a lattice, seen alike: cells by their middles. */
 typedef struct places {
@@ -202,6 +203,8 @@ static bw_status choose(bw_context *context, const bw_grid *grid, const bw_regio
     int64_t place = voids ? i : cells ? grid->cell[i] : grid->node[i];
     int32_t item = voids ? grid->at[i] : (int32_t)i;
     double at[3];
+    if (i % OFTEN == 0)
+      BW_TRY(bw_check_cancel(context));
     place_at(&p, place, at);
     double away = distance(&p, at);
     if (away < near) {
@@ -242,6 +245,8 @@ bw_status bw_cell_materials(bw_context *context, const double origin[3], const d
   for (int64_t i = 0; i < count; i++) {
     int32_t place[3];
     double at[3];
+    if (i % OFTEN == 0 && bw_check_cancel(context) != BW_OK)
+      return BW_CANCELLED;
     bwi_grid_place(cells, cell ? cell[i] : i, place);
     for (int d = 0; d < 3; d++)
       at[d] = origin[d] + spacing[d] * (place[d] + 0.5);

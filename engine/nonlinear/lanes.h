@@ -38,4 +38,18 @@ static inline void bwi_sqrt(const bwi_lanes *x, bwi_lanes *root) {
   memcpy(root, number, sizeof number);
 }
 
+/* Jacobi's rotation that makes the entry pq of a symmetric matrix vanish in the lanes of `apart`,
+ * none in the others: the tangent, cosine and sine of its angle. `difference` is qq - pp. */
+static inline void bwi_jacobi(const bwi_lanes *difference, const bwi_lanes *pq,
+                              const bwi_mask *apart, bwi_lanes *t, bwi_lanes *c, bwi_lanes *s) {
+  bwi_lanes square = *difference * *difference + 4 * *pq * *pq, root;
+  bwi_sqrt(&square, &root);
+  *t = 2 * *pq / BWI_SELECT(*difference >= 0, *difference + root, *difference - root);
+  *t = BWI_SELECT(*apart, *t, BWI_ALL(0.0));
+  square = 1 + *t * *t;
+  bwi_sqrt(&square, &root);
+  *c = 1 / root;
+  *s = *t * *c;
+}
+
 #endif

@@ -90,13 +90,8 @@ static inline void turn(bwi_lanes h[6], bwi_lanes v[9], int p, int q, int r, bwi
   bwi_lanes scale = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
   bwi_mask apart = pq * pq > 1e-32 * scale;
   *moved |= apart;
-  bwi_lanes difference = h[q] - h[p], square = difference * difference + 4 * pq * pq, root;
-  bwi_sqrt(&square, &root);
-  bwi_lanes t = 2 * pq / BWI_SELECT(difference >= 0, difference + root, difference - root);
-  t = BWI_SELECT(apart, t, BWI_ALL(0.0));
-  square = 1 + t * t;
-  bwi_sqrt(&square, &root);
-  bwi_lanes c = 1 / root, s = t * c;
+  bwi_lanes difference = h[q] - h[p], t, c, s;
+  bwi_jacobi(&difference, &pq, &apart, &t, &c, &s);
   h[p] -= t * pq;
   h[q] += t * pq;
   h[place[p][q]] = BWI_SELECT(apart, BWI_ALL(0.0), pq);

@@ -298,6 +298,8 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     bool definite = false;
     int32_t cg = 0;
     double slope = 0, step = 0;
+    if (!walk->quadratic)
+      bw_progress(walk->context, "equilibrium", walk->reached);
     BW_TRY(bw_check_cancel(walk->context));
     bwi_walk_measure(walk);
     if (!walk->quadratic && largest(walk->now.u, walk->size) > AWAY * size_of(walk->solid->grid)) {

@@ -85,6 +85,7 @@ typedef struct bwi_walk {
   bwi_contact *contact; /* or NULL */
   const bwi_quadratic *quadratic; /* or NULL */
   double load;
+  double reached; /* load factor of the last equilibrium, for progress */
   bwi_balance now, trial;
   double *blocks;                      /* 9 per node: diagonal of the last tangent */
   double *residual, *direction, *work; /* size each */

@@ -265,7 +265,7 @@ static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, doub
   while (*reached < 1) {
     double load = *reached + step > 1 - 1e-9 ? 1 : *reached + step;
     bool found;
-    bw_progress(walk->context, "equilibrium", *reached);
+    walk->reached = *reached;
     BW_TRY(bwi_newton_equilibrium(walk, load, &found));
     if (found) {
       *reached = load;

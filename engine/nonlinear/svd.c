@@ -27,13 +27,8 @@ static inline void turn(bwi_lanes b[9], bwi_lanes v[9], int p, int q, bwi_mask *
   if (!bwi_any(&apart))
     return;
   *moved |= apart;
-  bwi_lanes difference = qq - pp, square = difference * difference + 4 * pq * pq, root;
-  bwi_sqrt(&square, &root);
-  bwi_lanes t = 2 * pq / BWI_SELECT(difference >= 0, difference + root, difference - root);
-  t = BWI_SELECT(apart, t, BWI_ALL(0.0));
-  square = 1 + t * t;
-  bwi_sqrt(&square, &root);
-  bwi_lanes c = 1 / root, s = t * c;
+  bwi_lanes difference = qq - pp, t, c, s;
+  bwi_jacobi(&difference, &pq, &apart, &t, &c, &s);
   rotate(b, p, q, &c, &s);
   rotate(v, p, q, &c, &s);
 }

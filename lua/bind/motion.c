@@ -51,6 +51,8 @@ static int motion_step(lua_State *L) {
   lua_settop(L, 1);
   bw_context *context = lbw_enter(L);
   for (lua_Integer i = 0; i < count; i++) {
+    if (count > 1)
+      bw_progress(context, "motion", (double)i / (double)count);
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_solid_motion_step(context, motion));
   }

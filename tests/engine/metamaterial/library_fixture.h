@@ -10,7 +10,7 @@
 static inline bw_palette *fixture_palette(bw_context *context, int count) {
   static const double young[] = {1e5, 1e6, 1e7, 2e6}, density[] = {1000, 1200, 900, 1100};
   static const char *const name[] = {"soft", "middle", "stiff", "other"};
-  bw_solid_material *material[4];
+  bw_solid_material *material[4] = {NULL};
   bw_palette *palette;
   for (int i = 0; i < count; i++)
     check_ok(context,

@@ -6,7 +6,7 @@
 
 static bw_palette *make_palette(bw_context *context, int count) {
   static const double young[] = {1e5, 1e6, 1e7, 2e6}, density[] = {1000, 1200, 900, 1100};
-  bw_solid_material *material[4];
+  bw_solid_material *material[4] = {NULL};
   bw_palette *palette;
   for (int i = 0; i < count; i++)
     check_ok(context, bw_solid_material_create(context, i == 1 ? "middle" : "other",
