@@ -68,7 +68,8 @@ struct bwi_plate {
   bool factored;   /* there is a factor of these nodes, of whatever shape */
   double *origin;  /* node_count x 2: where the nodes were then */
   int fresh, last; /* iterations with a new factor, and in the last solve */
-  int known;       /* vectors in plate->shape: the modes and some guards, the next start */
+  int known;       /* vectors in plate->shape: the modes and some guards, the next start, */
+  int past;        /* and as the last of them modes of former frames */
 };
 
 /* y = M x (3 numbers a node) */
@@ -86,6 +87,8 @@ typedef struct bwi_ritz {
   int rigid_count;
   const double *rigid, *mass_rigid; /* M-orthonormal, one after the other, and M times them */
   int wanted, block;                /* eigenpairs; vectors iterated, wanted and some guards */
+  int more_count;                   /* at most 2 block: directions that the start may be moved */
+  const double *more;               /* along */
   double tolerance;
   int limit; /* of iterations */
 } bwi_ritz;

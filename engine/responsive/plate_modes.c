@@ -6,7 +6,7 @@
 
 #include "responsive/plate.h"
 
-enum { RIGID = 3, GUARDS = 2, ROUNDS = 400 };
+enum { RIGID = 3, GUARDS = 2, ROUNDS = 400, PAST = 2 };
 
 void bw_plate_options_default(bw_plate_options *options) {
   *options = (bw_plate_options){.modes = 1, .tolerance = 1e-6};
@@ -136,8 +136,9 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   if (!(options.tolerance > 0))
     return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
                    options.tolerance);
-  int block = options.modes + GUARDS;
-  vector = BW_NEW0(context, double, block *n);
+  int block = options.modes + GUARDS, begun = in->known - in->past, past = 0;
+  bool follows = false;
+  vector = BW_NEW0(context, double, (block + PAST * options.modes) * n);
   rigid = BW_NEW(context, double, 2 * RIGID * n);
   value = BW_NEW(context, double, block);
   frequency = BW_NEW(context, double, block);
@@ -146,9 +147,20 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
     status = BW_MEMORY;
     goto done;
   }
-  if (!options.scratch && in->known > 0)
-    memcpy(vector, plate->shape,
-           (size_t)((in->known < block ? in->known : block) * n) * sizeof *vector);
+  if (!options.scratch && begun > 0) {
+    memcpy(vector, plate->shape, (size_t)((begun < block ? begun : block) * n) * sizeof *vector);
+    /* what is solved here will be the newest of the past */
+    size_t bytes = (size_t)(options.modes * n) * sizeof *vector;
+    if (begun >= options.modes) {
+      memcpy(vector + block * n, plate->shape, bytes);
+      past = options.modes;
+      follows = plate->mode_count == options.modes && in->past > 0;
+    }
+    if (follows) {
+      memcpy(vector + (block + past) * n, plate->shape + begun * n, bytes);
+      past += options.modes;
+    }
+  }
   bool fresh = options.scratch || !in->factored || in->last > 2 * in->fresh + 6;
   if (fresh)
     BW_TRY(refactor(context, plate, options.scratch, kept));
@@ -177,6 +189,8 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
                    .mass_rigid = rigid + RIGID * n,
                    .wanted = options.modes,
                    .block = block,
+                   .more_count = follows ? in->past : 0,
+                   .more = follows ? plate->shape + begun * n : NULL,
                    .tolerance = options.tolerance,
                    .limit = fresh ? ROUNDS : 2 * in->fresh + 20};
   int iterations = 0;
@@ -211,7 +225,8 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   plate->residual = residual;
   vector = frequency = residual = NULL;
   plate->mode_count = options.modes;
-  in->known = block;
+  in->known = block + past;
+  in->past = past;
 done:
   bw_free(vector);
   bw_free(rigid);

@@ -13,6 +13,9 @@
  * decides the convergence of the wanted ones, for which their being right to a tenth is enough.
  * Once they have it they are only combined, no more improved: most of the time is in B and K.
  *
+ * The start is the best of the span of the vectors given and, where there are any, of further ones:
+ * the modes of former frames of a drag, so that what the last frames changed may go on.
+ *
  * Invariants: the basis is M-orthonormal and M-orthogonal to the rigid motions; `stiff` and `heavy`
  * are K and M times the basis, carried along as combinations. */
 #include <math.h>
@@ -203,9 +206,14 @@ static bw_status start(bw_context *context, workspace *w, const double *vector) 
       }
     }
   }
+  for (int k = 0; k < p->more_count; k++) {
+    bool taken;
+    memcpy(w->basis + w->count * p->size, p->more + k * p->size, (size_t)p->size * sizeof *p->more);
+    BW_TRY(admit(w, false, &taken));
+  }
   BW_TRY(project(context, w));
   int directions;
-  advance(w, p->block, p->block, &directions);
+  advance(w, p->block, 0, &directions);
 done:
   return status;
 }

@@ -206,17 +206,21 @@ static void test_stale_equals_scratch(void **state) {
   options.modes = 2;
   check_ok(context, bw_plate_create(context, mesh, material, 0.004, &plate));
   check_ok(context, bw_plate_solve(context, plate, &options, NULL));
-  for (int k = 0; k < 5; k++) {
+  static const int modes[] = {2, 2, 2, 2, 2, 3, 1, 1, 1};
+  for (int k = 0; k < 9; k++) {
     bw_plane_mesh *moved = dragged(context, mesh, 0.004 * (k + 1));
     bw_kept kept = {0};
-    double scratch[2];
+    double scratch[3];
+    options.modes = modes[k];
     check_ok(context, bw_plate_follow(context, plate, moved, &kept));
     check_ok(context, bw_plate_solve(context, plate, &options, &kept));
     assert_int_equal(kept.factorisations, 0);
     assert_true(kept.iterations < 20);
+    if (k == 4 || k == 8) /* the last frames' modes leave little to do */
+      assert_true(kept.iterations <= 3);
     assert_true(kept.pattern && kept.factor && kept.solution);
-    frequencies(context, moved, material, 0.004, 2, scratch);
-    for (int i = 0; i < 2; i++)
+    frequencies(context, moved, material, 0.004, modes[k], scratch);
+    for (int i = 0; i < modes[k]; i++)
       check_near(plate->frequency[i] / scratch[i], 1, 1e-9);
     bw_release(moved);
   }
