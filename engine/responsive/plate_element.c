@@ -188,6 +188,9 @@ void bwi_plate_reference_fill(bwi_plate_reference *r) {
 /* ---- an element
  * ---------------------------------------------------------------------------------- */
 
+/* Numbers in a row over the 20 unknowns, the last of them zero: whole vector registers. */
+enum { ROW = 24 };
+
 /* Rows d x / d xi, d x / d eta; the determinant comes back. */
 static double jacobian(const double slope[2][7], const double x[6][2], double j[4]) {
   for (int d = 0; d < 2; d++)
@@ -201,8 +204,8 @@ static double jacobian(const double slope[2][7], const double x[6][2], double j[
 }
 
 /* The 8 conditions as rows over the 20 unknowns: covariant shear g_d = w,d + b . x,d. */
-static void tying_rows(const bwi_plate_reference *r, const double x[6][2], double row[8][20]) {
-  memset(row, 0, 8 * 20 * sizeof(double));
+static void tying_rows(const bwi_plate_reference *r, const double x[6][2], double row[8][ROW]) {
+  memset(row, 0, 8 * ROW * sizeof(double));
   for (int k = 0; k < 6 + r->points; k++) {
     const double *value = r->tie[k].value;
     double j[4];
@@ -235,27 +238,46 @@ static inline int rotation(int a) {
   return a < 6 ? 3 * a + 1 : 18;
 }
 
-/* What the strains (three curvatures, two shears) of one point add: k += weight b^T d b. All five
- * in one pass over k, which costs more to read and write than they do. */
-static void add_point(const bwi_plate_law *law, double b[5][20], double weight, double k[20][20]) {
-  double db[5][20];
-  for (int u = 0; u < 20; u++) {
+/* Rows of strains at all points, of their stresses times weights of the quadrature. */
+enum { STRAINS = 5 };
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+typedef struct point_rows {
+  double strain[BWI_PLATE_POINTS * STRAINS][ROW], stress[BWI_PLATE_POINTS * STRAINS][ROW];
+} point_rows;
+
+/* Stresses of the strains (three curvatures, two shears) of one point. */
+static void add_stresses(const bwi_plate_law *law, double weight, const double (*b)[ROW],
+                         double (*db)[ROW]) {
+  for (int u = 0; u < ROW; u++) {
     for (int i = 0; i < 3; i++)
       db[i][u] = weight * (law->bending[3 * i] * b[0][u] + law->bending[3 * i + 1] * b[1][u] +
                            law->bending[3 * i + 2] * b[2][u]);
     for (int i = 0; i < 2; i++)
       db[3 + i][u] = weight * (law->shear[2 * i] * b[3][u] + law->shear[2 * i + 1] * b[4][u]);
   }
-  for (int u = 0; u < 20; u++) {
-    double b0 = b[0][u], b1 = b[1][u], b2 = b[2][u], b3 = b[3][u], b4 = b[4][u];
-    for (int v = 0; v < 20; v++)
-      k[u][v] += b0 * db[0][v] + b1 * db[1][v] + b2 * db[2][v] + b3 * db[3][v] + b4 * db[4][v];
-  }
+}
+
+/* k = sum of strain^T stress, in the upper triangle and some of the lower: a part of four rows and
+ * eight columns stays in registers while all points are added. */
+static void add_points(const point_rows *rows, int count, double k[20][ROW]) {
+  for (int u = 0; u < 20; u += 4)
+    for (int v = u / 8 * 8; v < ROW; v += 8) {
+      eight sum[4] = {{0}};
+      for (int p = 0; p < count; p++) {
+        const double *b = rows->strain[p] + u;
+        const eight db = *(const eight *)(rows->stress[p] + v);
+        for (int i = 0; i < 4; i++)
+          sum[i] += b[i] * db;
+      }
+      for (int i = 0; i < 4; i++)
+        *(eight *)(k[u + i] + v) = sum[i];
+    }
 }
 
 double bwi_plate_stiffness(const bwi_plate_reference *r, const bwi_plate_law *law,
                            const double x[6][2], double *stiffness, double *bubble) {
-  double k[20][20] = {{0}}, tying[8][20], smallest = INFINITY;
+  double k[20][ROW], tying[8][ROW], smallest = INFINITY;
+  point_rows rows;
   tying_rows(r, x, tying);
   for (int p = 0; p < r->points; p++) {
     double j[4], to[4];
@@ -264,7 +286,8 @@ double bwi_plate_stiffness(const bwi_plate_reference *r, const bwi_plate_law *la
     if (!(det > 0))
       return det;
     inverse2(j, to); /* gradient = to * reference slopes */
-    double strain[5][20] = {{0}}, reference[2][20] = {{0}};
+    double(*strain)[ROW] = rows.strain + STRAINS * p, reference[2][ROW] = {{0}};
+    memset(strain, 0, STRAINS * sizeof *strain);
     for (int a = 0; a < 7; a++) {
       double gx = to[0] * r->slope[p][0][a] + to[1] * r->slope[p][1][a];
       double gy = to[2] * r->slope[p][0][a] + to[3] * r->slope[p][1][a];
@@ -276,26 +299,24 @@ double bwi_plate_stiffness(const bwi_plate_reference *r, const bwi_plate_law *la
     }
     for (int d = 0; d < 2; d++)
       for (int i = 0; i < 8; i++)
-        for (int u = 0; u < 20; u++)
+        for (int u = 0; u < ROW; u++)
           reference[d][u] += r->field[p][d][i] * tying[i][u];
     for (int c = 0; c < 2; c++)
-      for (int u = 0; u < 20; u++)
+      for (int u = 0; u < ROW; u++)
         strain[3 + c][u] = to[2 * c] * reference[0][u] + to[2 * c + 1] * reference[1][u];
-    add_point(law, strain, r->weight[p] * det, k);
+    add_stresses(law, r->weight[p] * det, strain, rows.stress + STRAINS * p);
   }
+  add_points(&rows, STRAINS * r->points, k);
   /* condensation: the bubble carries no mass, so that it follows the nodes at once */
-  double own[4] = {k[18][18], k[18][19], k[19][18], k[19][19]}, inverse[4], follow[2][18];
+  double own[4] = {k[18][18], k[18][19], k[18][19], k[19][19]}, inverse[4], follow[2][18];
   inverse2(own, inverse);
   for (int c = 0; c < 2; c++)
     for (int u = 0; u < 18; u++)
-      follow[c][u] = -(inverse[2 * c] * k[18][u] + inverse[2 * c + 1] * k[19][u]);
+      follow[c][u] = -(inverse[2 * c] * k[u][18] + inverse[2 * c + 1] * k[u][19]);
   for (int u = 0; u < 18; u++)
-    for (int v = 0; v < 18; v++)
-      stiffness[18 * u + v] = k[u][v] + k[u][18] * follow[0][v] + k[u][19] * follow[1][v];
-  /* the same bits on both sides of the diagonal */
-  for (int u = 0; u < 18; u++)
-    for (int v = 0; v < u; v++)
-      stiffness[18 * u + v] = stiffness[18 * v + u];
+    for (int v = u; v < 18; v++) /* the same bits on both sides of the diagonal */
+      stiffness[18 * u + v] = stiffness[18 * v + u] =
+          k[u][v] + k[u][18] * follow[0][v] + k[u][19] * follow[1][v];
   if (bubble)
     memcpy(bubble, follow, sizeof follow);
   return smallest;
@@ -323,7 +344,7 @@ static double quadratic_form(const double *d, int n, const double *e) {
 void bwi_plate_energies(const bwi_plate_reference *r, const bwi_plate_law *law,
                         const double x[6][2], const double u[20], double *elastic,
                         double *kinetic) {
-  double tying[8][20], condition[8];
+  double tying[8][ROW], condition[8];
   tying_rows(r, x, tying);
   for (int i = 0; i < 8; i++) {
     double sum = 0;
