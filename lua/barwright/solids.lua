@@ -30,8 +30,11 @@ end
 local function make(grid, palette, acts, previous, coarse)
   local body, message, details = core.solid.create(grid, palette, previous)
   if not body then return nil, message, details end
+  local newton
+  newton, message, details = core.solid.newton()
+  if not newton then return nil, message, details end
   return setmetatable({grid = grid, palette = body.palette, body = body, acts = acts, coarse = coarse or false,
-    newton = core.solid.newton()}, solid)
+    newton = newton}, solid)
 end
 
 --- A solid: {grid =, palette = {material 1, material 2, ...}}.
@@ -374,15 +377,12 @@ end
 -- fewer iterations the better that is (docs/theory/data_driven.md, "Equilibrium").
 local MOST_NODES = 20000
 
-local function cubes(grid)
-  local h = grid.spacing
-  return math.abs(h[1] - h[2]) < 1e-9 * h[1] and math.abs(h[1] - h[3]) < 1e-9 * h[1]
-end
-
 -- A coarse solid to precondition with where none is given, kept; nil where a factor does.
 local function own_coarse(self, wanted)
-  local possible = not self.coarse and cubes(self.grid)
-  if not (possible and (wanted or self.node_count > MOST_NODES)) then return nil end
+  if self.coarse and wanted then
+    raise 'solve: linear = "coarse": this solid is coarse itself, and has no coarser one'
+  end
+  if self.coarse or not (wanted or self.node_count > MOST_NODES) then return nil end
   if rawget(self, "under") == nil then
     rawset(self, "under", self:coarsen("naive", 1) or false)
   end

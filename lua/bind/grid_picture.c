@@ -46,8 +46,7 @@ static void read_names(lua_State *L, int index, const char *function,
   if (!lua_istable(L, -1))
     lbw_option_error(L, function, "names", "a list of the materials' names expected");
   int from = lua_gettop(L);
-  size_t length = lua_rawlen(L, from);
-  int count = length < 100 ? (int)length : 100;
+  int count = (int)lua_rawlen(L, from);
   const char **name = (const char **)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *name, 0);
   for (int i = 0; i < count; i++) {
     if (lua_rawgeti(L, from, i + 1) != LUA_TSTRING)
@@ -167,8 +166,7 @@ static int animation(lua_State *L) {
   lbw_check_type(L, 2, LUA_TTABLE);
   lua_settop(L, 3);
   lbw_options(L, 3, "animation", list, &wish);
-  size_t length = lua_rawlen(L, 2);
-  int count = length < 100000 ? (int)length : 100000;
+  int count = (int)lua_rawlen(L, 2);
   const char **png = (const char **)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *png, 0);
   for (int i = 0; i < count; i++) {
     if (lua_rawgeti(L, 2, i + 1) != LUA_TSTRING)

@@ -45,6 +45,7 @@ static int motion_create(lua_State *L) {
 /* motion:step(count | nil): the motion itself */
 static int motion_step(lua_State *L) {
   bw_status status = BW_OK;
+  lbw_box *box = lbw_check_box(L, 1, &lbw_solid_motion_class);
   bw_solid_motion *motion = self(L);
   lua_Integer count = lbw_integer_or(L, 2, 1);
   lbw_argument_check(L, count >= 0, 2, "a number of steps expected, 0 or more");
@@ -56,8 +57,10 @@ static int motion_step(lua_State *L) {
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_solid_motion_step(context, motion));
   }
-done:
-  return lbw_leave(L, status, 1);
+done:;
+  int results = lbw_leave(L, status, 1);
+  lbw_box_account(L, box); /* factors and matrices come with the first step */
+  return results;
 }
 
 /* Fields change in place: each is a copy of its moment. */

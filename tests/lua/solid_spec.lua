@@ -146,6 +146,14 @@ describe("a solid", function()
       assert.is_true(other:error(direct) < 1e-8)
     end
     check.raises("coarsened once from this one", function() solid:solve {coarse = solid} end)
+    check.raises("coarse itself", function() solid:coarsen("naive"):solve {linear = "coarse"} end)
+    -- cells need not be cubes
+    local flat = assert(bw.solid {grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1}, cells = {4, 4, 8}}),
+      palette = {rubber()}})
+    flat:hold {side = "low z"}
+    flat:force({side = "high z"}, {2, 0, 20})
+    assert.is_true(assert(flat:solve {linear = "coarse", tolerance = 1e-9}):error(
+      assert(flat:solve {tolerance = 1e-9})) < 1e-8)
   end)
 
   it("says why it does not solve, and how far it came", function()

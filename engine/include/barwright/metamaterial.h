@@ -98,7 +98,7 @@ typedef struct bw_coarse {
 } bw_coarse;
 /* In time linear in the elements. `library` NULL for baselines; `palette` is that of the grid, and
  * must be the library's (same laws and constants, BW_INVALID names the first that differs).
- * Spacing must be the same in all directions (BW_INVALID). */
+ * A library is of cubes: for lookup spacing must be the same in all directions (BW_INVALID). */
 bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_library *library,
                      const bw_palette *palette, const bw_grid *fine, int levels,
                      bw_coarse **coarse);
