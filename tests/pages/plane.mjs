@@ -353,6 +353,29 @@ async function bar(all) {
     await v.until((n) => window.barwright.state().edits === n, edits);
     assert(v.problems.length === 0, v.problems.join("; "));
   });
+
+  await test("vertices that are pinned stay where they are while it is tuned", async () => {
+    const { edits, frequency } = await v.state();
+    const target = Number((frequency * 1.03).toFixed(1)); // farther off the bar is stretched first, pins or not
+    const places = () => Promise.all([1, 2, 3, 4, 5, 6, 7, 8].map((vertex) => v.place("vertex", vertex)));
+    const before = await places();
+    await page.click("[data-tool=pull]");
+    for (const pin of [2, 1]) await page.mouse.click(...before[pin - 1]);
+    assert((await v.state()).pins.join() === "2,1", `pins ${(await v.state()).pins}`);
+    await page.fill("#target", `${target} Hz`);
+    await page.click("#tune");
+    await v.until((n) => window.barwright.state().edits === n + 1 && !window.barwright.state().busy, edits);
+    const now = await v.state();
+    assert(Math.abs(now.frequency / target - 1) < 5e-3, `${now.frequency} Hz, not ${target}`);
+    assert(now.script.at(-1) === `assert(object:tune(${target}, {pins = {1, 2}}))`, now.script.at(-1));
+    const moved = (await places()).map((p, i) => Math.hypot(p[0] - before[i][0], p[1] - before[i][1]));
+    assert(moved[0] < 0.01 && moved[1] < 0.01, `the pinned moved by ${moved.slice(0, 2)} pixels`);
+    assert(Math.max(...moved) > 1, `nothing moved by more than ${Math.max(...moved)} pixels`);
+    await v.picture("pinned");
+    await page.click("#undo");
+    await v.until((n) => window.barwright.state().edits === n, edits);
+    assert(v.problems.length === 0, v.problems.join("; "));
+  });
   await v.end();
 }
 
