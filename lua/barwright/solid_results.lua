@@ -40,6 +40,9 @@ local properties = {
     return self.solid.body:stress(self.displacement, false)
   end),
   von_mises = kept("von_mises", function(self) return core.von_mises(self.stress) end),
+  movement = kept("movement", function(self)
+    return self.displacement:map "sqrt(a.x*a.x + a.y*a.y + a.z*a.z)"
+  end),
   fine_displacement = kept("fine_displacement", function(self)
     local coarse = self.solid.coarse
     return coarse and coarse:to_fine(self.displacement) or self.displacement
@@ -72,16 +75,33 @@ function result:write(path)
   }})
 end
 
---- The deformed grid with its elements' edges; options as of grid:picture, {values = result.von_mises,
---- unit = "Pa", deformation =, direction =, ...}.
+local named = {von_mises = true, movement = true}
+
+local function values_of(self, values)
+  if type(values) ~= "string" then return values end
+  if not named[values] then
+    core.raise(("picture: values: \"von_mises\", \"movement\" or an array expected, got '%s'"):format(values))
+  end
+  return self[values]
+end
+
+--- The deformed grid with its elements' edges: {values = "von_mises", "movement" or an array; without,
+--- materials; other options as of grid:picture}.
 function result:picture(path, given)
   if given ~= nil and type(given) ~= "table" then
     core.raise(("picture: a table of options expected, got %s"):format(type(given)))
   end
   local wish = {}
   for key, value in pairs(given or {}) do wish[key] = value end
+  wish.values = values_of(self, wish.values)
   wish.displacement = wish.displacement or self.displacement
   return self.solid.grid:picture(path, wish)
+end
+
+--- A panel of bw.grid.picture, to be beside others.
+function result:panel(title, values)
+  return {title = title, grid = self.solid.grid, displacement = self.displacement,
+    values = values_of(self, values)}
 end
 
 function result:__tostring()

@@ -3173,6 +3173,7 @@ function Solid:coarsen(by, levels) end
 ---@field stress bw.Array Cauchy stress at nodes, Pa
 ---@field element_stress bw.Array
 ---@field von_mises bw.Array at nodes, Pa
+---@field movement bw.Array of nodes: how far each went, m
 ---@field fine_displacement bw.Array of a coarse solid: at the nodes of its fine grid
 local SolidResult = {}
 
@@ -3194,13 +3195,19 @@ function SolidResult:total_reaction(where) end
 ---@return table? details
 function SolidResult:write(path) end
 
----The deformed grid, as Grid:picture.
+---The deformed grid, as Grid:picture; `values` may be "von_mises" or "movement" too.
 ---@param path string
 ---@param options? table
 ---@return boolean?
 ---@return string? message
 ---@return table? details
 function SolidResult:picture(path, options) end
+
+---A panel of bw.grid.picture, to be beside others.
+---@param title? string
+---@param values? "von_mises"|"movement"|bw.Array
+---@return table
+function SolidResult:panel(title, values) end
 
 ---@class bw.SolidMotion
 ---@field time number s

@@ -57,6 +57,8 @@ end)
 
 describe_page("tutorial_edit.md", 10)
 
+describe_page("tutorial_solids.md", 8)
+
 describe_page("tutorial_responsive.md", 8, function(folder)
   local page = check.read(check.root .. "/docs/tutorial_responsive.md")
   check.write(folder .. "/whale.svg", page:match "```svg\n(.-)```")

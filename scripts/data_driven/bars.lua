@@ -1,0 +1,58 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Cube and bars of layers: pushed, bent, twisted (data-driven, figures 10 and 11).
+local bw = require "barwright"
+
+local H = 0.01 -- m, a cell
+
+-- Soft, medium and hard layers in turn across an axis. One cell thick: all blocks are mixed.
+local function layers(axis, thickness)
+  return function(x, y, z)
+    local at = axis == 1 and x or axis == 2 and y or z
+    return math.floor(at / (thickness * H)) % 3 + 1
+  end
+end
+
+local function box(cells, material)
+  return function()
+    return bw.grid.box {cells = cells, spacing = H, material = material}
+  end
+end
+
+local bars = {}
+
+bars.pushing = {
+  words = "a cube of upright layers under a plate that sticks to it and comes down by a tenth",
+  levels = 2,
+  grid = box({16, 16, 16}, layers(1, 4)),
+  act = function(solid)
+    solid:hold {side = "low z"}
+    solid:hold({side = "high z"}, {0, 0, -0.1 * 16 * H})
+  end,
+}
+
+bars.bending = {
+  words = "a bar of layers, held at one end, with a force across the other",
+  levels = 2,
+  grid = box({8, 32, 8}, layers(2, 1)),
+  act = function(solid)
+    solid:hold {side = "low y"}
+    solid:force({side = "high y"}, {0, 0, -25})
+  end,
+}
+
+-- A couple: the halves of the end are pushed sideways, each against the other.
+bars.twisting = {
+  words = "a bar of layers, held at one end and twisted by a couple at the other",
+  levels = 2,
+  grid = box({8, 32, 8}, layers(2, 1)),
+  act = function(solid)
+    local middle, force = 4 * H, 60
+    solid:hold {side = "low y"}
+    solid:force({side = "high y", high = {middle, 1, 1}}, {0, 0, force})
+    solid:force({side = "high y", low = {middle, 0, 0}}, {0, 0, -force})
+    solid:force({side = "high y", high = {1, 1, middle}}, {-force, 0, 0})
+    solid:force({side = "high y", low = {0, 0, middle}}, {force, 0, 0})
+  end,
+}
+
+return bars

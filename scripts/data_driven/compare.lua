@@ -1,0 +1,89 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A scene solved on its fine grid and on coarse ones: times, iterations, errors. Seconds are of the
+-- processor, all threads together, which other programs on the machine do not change much; those of the
+-- clock are kept beside them.
+local bw = require "barwright"
+
+local compare = {}
+
+-- More elements than that: conjugate gradients over a coarse solid, which take less time and memory.
+local DIRECT = 20000
+
+local function row_of(method, level, solid, solution, spent)
+  local report = solution.report
+  local iterations = math.max(1, report.iterations)
+  return {method = method, level = level, elements = solid.element_count, nodes = solid.node_count,
+    iterations = report.iterations, load_steps = report.load_steps, cg_iterations = report.cg_iterations,
+    seconds = spent.processor, seconds_clock = spent.clock,
+    seconds_per_iteration = spent.processor / iterations,
+    seconds_clock_per_iteration = spent.clock / iterations,
+    quadrature_share = report.seconds_quadrature / math.max(report.seconds, 1e-9),
+    residual = report.residual, energy_j = solution.energy,
+    least_det_f = report.shape.least_ratio}
+end
+
+--- Runs f and returns what it returns after {processor =, clock =} seconds.
+function compare.timed(f, ...)
+  local clock, processor = bw.seconds(), os.clock()
+  local a, b, c = f(...)
+  return {clock = bw.seconds() - clock, processor = os.clock() - processor}, a, b, c
+end
+
+--- Equilibrium of a fine solid; its preconditioner is made by the `library` where there is one.
+function compare.solve_fine(fine, library, given)
+  local options = {}
+  for key, value in pairs(given or {}) do options[key] = value end
+  local coarse, message, details
+  if fine.element_count > DIRECT and not options.linear then
+    coarse, message, details = fine:coarsen(library or "naive", 1)
+    if not coarse then return nil, message, details end
+    options.coarse = coarse
+  end
+  return fine:solve(options)
+end
+
+--- The mean distance of nodes from rest over the longest side: what an error is to be seen beside.
+function compare.movement(solution)
+  local u = solution.fine_displacement
+  return solution.grid:difference(u, bw.array.zeros(#u, 3))
+end
+
+--- Rows of a scene: the fine solution, then by each of the methods ("lookup" with a library that has the
+--- level, "naive", "average") at each level. `each(row, solution)` is called as they are done. Returns the
+--- rows and the fine solution; a coarse solid that has no solution is a row with `failed`. nil, message,
+--- details, rows so far when the fine one has none or the run is interrupted.
+function compare.scene(scene, fine, library, methods, each)
+  local rows = bw.json.list {}
+  local spent, reference, message, details = compare.timed(compare.solve_fine, fine, nil, scene.solve)
+  if not reference then return nil, message, details, rows end
+  local row = row_of("fine", 0, fine, reference, spent)
+  row.movement = compare.movement(reference)
+  rows[1] = row
+  each(row, reference)
+  for level = 1, scene.levels do
+    for _, method in ipairs(methods) do
+      if method ~= "lookup" or (library and library.levels >= level) then
+        local made, coarse
+        made, coarse, message, details = compare.timed(fine.coarsen, fine,
+          method == "lookup" and library or method, level)
+        if not coarse then return nil, message, details, rows end
+        local solution
+        spent, solution, message, details = compare.timed(coarse.solve, coarse, scene.solve)
+        if bw.interrupted() then return nil, "interrupted", {status = "cancelled"}, rows end
+        if solution then
+          row = row_of(method, level, coarse, solution, spent)
+          row.error = solution:error(reference)
+          row.speed_up = rows[1].seconds / spent.processor
+        else
+          row = {method = method, level = level, elements = coarse.element_count, failed = message}
+        end
+        row.seconds_coarsening = made.clock
+        rows[#rows + 1] = row
+        each(row, solution)
+      end
+    end
+  end
+  return rows, reference
+end
+
+return compare

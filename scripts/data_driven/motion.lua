@@ -1,0 +1,90 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A scene let go from its loaded shape: fine and coarse side by side as an animation, with its energies.
+local bw = require "barwright"
+local compare = require "compare"
+
+local motion = {}
+
+local function energies(m)
+  return {time_s = m.time, kinetic_j = m.kinetic, strain_j = m.strain, potential_j = m.potential,
+    dissipated_j = m.dissipated}
+end
+
+-- A solid in motion from the shape of a solution, with what holds it and nothing that loads it.
+local function let_go(wish, fine, solution, by)
+  local free, message, details = bw.solid {grid = fine.grid, palette = fine.palette}
+  if not free then return nil, message, details end
+  wish.held(free)
+  if by then
+    free, message, details = free:coarsen(by, 1)
+    if not free then return nil, message, details end
+  end
+  local moving
+  moving, message, details = free:motion {scheme = "implicit_euler", step = wish.step, iterations = 1,
+    displacement = solution.displacement, linear = not by and "jacobi" or nil}
+  return moving, message, details, free
+end
+
+--- Goes `wish.steps` steps of `wish.step` seconds with the linearly implicit scheme, and draws
+--- motion.png into a folder. solutions: {{title =, by = library, "naive" or nil: fine, solution =}, ...}.
+--- Returns what goes into result.json; nil, message, details.
+function motion.run(out, wish, fine, solutions)
+  local parts = {}
+  for i, each in ipairs(solutions) do
+    local moving, message, details, solid = let_go(wish, fine, each.solution, each.by)
+    if not moving then return nil, message, details end
+    parts[i] = {title = each.title, moving = moving, solid = solid, seconds = 0}
+  end
+  local box = fine.grid.box
+  local low, high = {}, {}
+  for k = 1, 3 do
+    local margin = 0.12 * (box.high[2] - box.low[2])
+    low[k], high[k] = box.low[k] - margin, box.high[k] + margin
+  end
+  local names, rows = {}, bw.json.list {}
+  local function draw(frame)
+    local panels = {}
+    for i, part in ipairs(parts) do
+      local u = part.moving.displacement
+      panels[i] = {title = part.title, grid = part.solid.grid, displacement = u,
+        values = u:map "sqrt(a.x*a.x + a.y*a.y + a.z*a.z)"}
+    end
+    names[#names + 1] = ("%s/frame_%03d.png"):format(out, frame)
+    return bw.grid.picture(names[#names], panels, {direction = wish.direction, up = {0, 0, 1}, width = 380,
+      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = wish.high,
+      view = {low, high}})
+  end
+  local function remove()
+    for _, name in ipairs(names) do os.remove(name) end
+  end
+  rows[1] = energies(parts[#parts].moving)
+  local drawn, message, details = draw(0)
+  for step = 1, wish.steps do
+    if not drawn then break end
+    for _, part in ipairs(parts) do
+      local spent
+      spent, drawn, message, details = compare.timed(part.moving.step, part.moving)
+      part.seconds = part.seconds + spent.processor
+      if not drawn then break end
+    end
+    if drawn and step % wish.each == 0 then
+      drawn, message, details = draw(step)
+      rows[#rows + 1] = energies(parts[#parts].moving)
+    end
+  end
+  if drawn then
+    drawn, message, details = bw.animation(out .. "/motion.png", names, {seconds = wish.each * wish.step * 4})
+  end
+  remove()
+  local result = {words = wish.words, step_s = wish.step, steps = wish.steps, energies = rows,
+    of = parts[#parts].title, solids = bw.json.list {}}
+  for i, part in ipairs(parts) do
+    result.solids[i] = {title = part.title, elements = part.solid.element_count,
+      seconds_per_step = part.seconds / wish.steps}
+    part.moving:close()
+  end
+  if not drawn then return nil, message, details end
+  return result
+end
+
+return motion

@@ -1,0 +1,239 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Pictures and HTML reports of the experiments: one for each scene, and one over all that were run into
+-- the same folder.
+local bw = require "barwright"
+local core = require "barwright.core"
+
+local page = {}
+
+local escape = require "barwright.report".escape
+
+local STYLE = [[
+body { font: 16px/1.5 system-ui, sans-serif; color: #1c2430; max-width: 84rem; margin: 2rem auto; padding: 0 1rem }
+h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem } figure { margin: 1rem 0 }
+img { max-width: 100%; border: 1px solid #d8dee8; border-radius: 6px } figcaption, small { color: #556 }
+.scroll { overflow-x: auto } table { border-collapse: collapse; width: 100% }
+th, td { text-align: right; padding: .2rem .6rem; border-bottom: 1px solid #e4e8ef;
+  font-variant-numeric: tabular-nums } th:first-child, td:first-child { text-align: left }
+th { vertical-align: bottom } .met { color: #176b3a } .missed { color: #a3341c }
+tr.first td { border-top: 2px solid #c3cbd8 }
+]]
+
+local function read(path)
+  local file = io.open(path, "rb")
+  if not file then return nil end
+  local bytes = file:read "a"
+  file:close()
+  return bytes
+end
+
+local function image(path, words)
+  local bytes = read(path)
+  if not bytes then return "" end
+  return ('<figure><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s</figcaption></figure>')
+    :format(escape(words), core.base64(bytes), escape(words))
+end
+
+-- Cells are text, or {text, class}.
+local function table_of(head, rows)
+  local out = {'<div class="scroll"><table><thead><tr>'}
+  for _, cell in ipairs(head) do out[#out + 1] = ("<th>%s</th>"):format(escape(cell)) end
+  out[#out + 1] = "</tr></thead><tbody>"
+  for _, row in ipairs(rows) do
+    out[#out + 1] = row.first and '<tr class="first">' or "<tr>"
+    for _, cell in ipairs(row) do
+      local text, class = cell, nil
+      if type(cell) == "table" then text, class = cell[1], cell[2] end
+      out[#out + 1] = ("<td%s>%s</td>"):format(class and (' class="' .. class .. '"') or "", escape(text))
+    end
+    out[#out + 1] = "</tr>"
+  end
+  out[#out + 1] = "</tbody></table></div>"
+  return table.concat(out)
+end
+
+local function document(title, body)
+  return table.concat {'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>', escape(title),
+    "</title><style>", STYLE, "</style></head><body><h1>", escape(title), "</h1>", body,
+    ("<p><small>barwright %s</small></p></body></html>\n"):format(escape(core.version))}
+end
+
+-- ---- tables --------------------------------------------------------------------------------------
+
+local function find(rows, method, level)
+  for _, row in ipairs(rows) do
+    if row.method == method and row.level == level then return row end
+  end
+end
+
+local function seconds(s)
+  return s >= 100 and ("%.0f"):format(s) or s >= 1 and ("%.2f"):format(s) or ("%.4f"):format(s)
+end
+
+local function judged(text, met)
+  return {text, met and "met" or "missed"}
+end
+
+--- Table 1 of the paper beside ours, one scene or many.
+local function table_1(results)
+  local rows = {}
+  for _, result in ipairs(results) do
+    local paper = result.paper or {}
+    for i, row in ipairs(result.rows) do
+      local published = (row.method == "fine" or row.method == "lookup")
+        and paper["level_" .. row.level] or nil
+      local naive = row.method == "lookup" and find(result.rows, "naive", row.level)
+      local cells = {first = i == 1, ("%s, %s%s"):format(result.scene, row.method,
+        row.level > 0 and (" %d"):format(row.level) or ""), tostring(row.elements)}
+      if row.failed then
+        cells[#cells + 1] = {"no equilibrium", "missed"}
+      else
+        cells[#cells + 1] = ("%.1f"):format(row.speed_up or 1)
+        cells[#cells + 1] = published and ("%.1f"):format(published.speed_up) or ""
+        local limit = published and published.seconds_per_iteration / (row.method == "fine" and 5 or 1)
+        cells[#cells + 1] = limit and judged(seconds(row.seconds_per_iteration),
+          row.seconds_per_iteration <= limit) or seconds(row.seconds_per_iteration)
+        cells[#cells + 1] = published and seconds(published.seconds_per_iteration) or ""
+        cells[#cells + 1] = tostring(row.iterations)
+        cells[#cells + 1] = published and tostring(published.iterations) or ""
+        cells[#cells + 1] = not row.error and "" or published
+          and judged(("%.2e"):format(row.error), row.error <= published.error)
+          or ("%.2e"):format(row.error)
+        cells[#cells + 1] = published and published.error and ("%.2e"):format(published.error) or ""
+        cells[#cells + 1] = naive and naive.error and ("%.1f"):format(naive.error / row.error) or ""
+        cells[#cells + 1] = row.error and ("%.1f %%"):format(100 * row.error / result.rows[1].movement) or ""
+      end
+      rows[#rows + 1] = cells
+    end
+  end
+  return table_of({"example, method, level", "elements", "faster than fine", "paper", "s / iteration", "paper",
+    "iterations", "paper", "error", "paper", "naive / this error", "error of movement"}, rows)
+end
+
+local TABLE_1_WORDS = [[<p>Errors are mean distances of the fine grid's nodes over the longest side; the last
+column has them in per cent of the fine solution's own mean movement. Seconds are of the processor, all
+threads together. Green: the fine grid takes at most a fifth of the paper's seconds for an iteration, coarse
+ones at most the paper's; errors are at most the paper's.</p>]]
+
+-- Table 2 of the paper: {quadrature, whole} seconds of an iteration.
+local TABLE_2 = {bending = {[0] = {0.11, 0.27}, {0.015, 0.028}, {0.014, 0.015}},
+  buckling = {[0] = {1.0, 8.8}, {0.11, 0.28}, {0.10, 0.12}},
+  fibers = {[0] = {10.0, 193}, {1.0, 4.9}, {0.68, 0.96}}}
+
+--- Table 2 beside ours; nil when none of its scenes is there.
+local function table_2(results)
+  local rows = {}
+  for _, result in ipairs(results) do
+    local published = TABLE_2[result.scene]
+    for _, row in ipairs(published and result.rows or {}) do
+      if not row.failed and (row.method == "fine" or row.method == "lookup") then
+        local p = published[row.level]
+        rows[#rows + 1] = {first = row.level == 0, ("%s, level %d"):format(result.scene, row.level),
+          seconds(row.quadrature_share * row.seconds_per_iteration), seconds(p[1]),
+          seconds(row.seconds_per_iteration), seconds(p[2]),
+          ("%.0f %%"):format(100 * row.quadrature_share), ("%.0f %%"):format(100 * p[1] / p[2])}
+      end
+    end
+  end
+  return #rows > 0 and table_of({"example", "quadrature, s / iteration", "paper", "whole, s / iteration",
+    "paper", "quadrature's share", "paper"}, rows) or nil
+end
+
+local function edits_of(result)
+  if not result.edits then return "" end
+  local rows = {}
+  for i, edit in ipairs(result.edits) do
+    rows[i] = {edit.words, edit.looked_up and tostring(edit.looked_up) or "",
+      edit.seconds_coarsening and ("%.2f"):format(1e3 * edit.seconds_coarsening) or "",
+      seconds(edit.seconds_fine), edit.seconds_coarse and seconds(edit.seconds_coarse) or "",
+      edit.speed_up and ("%.1f"):format(edit.speed_up) or "",
+      edit.error and ("%.2e"):format(edit.error) or "", ("%.2f"):format(1e3 * edit.deepest_m)}
+  end
+  return "<h2>Edits of the material</h2>" .. table_of({"edit", "blocks looked up", "coarsened in, ms",
+    "fine, s", "coarse, s", "times faster", "error", "deepest, mm"}, rows)
+end
+
+local function energies_of(motion)
+  local rows = {}
+  for i, e in ipairs(motion.energies) do
+    rows[i] = {("%.3f"):format(e.time_s), ("%.2f"):format(e.kinetic_j), ("%.2f"):format(e.strain_j),
+      ("%.2f"):format(e.potential_j), ("%.2f"):format(e.dissipated_j)}
+  end
+  return table_of({"time, s", "kinetic, J", "strain, J", "of loads, J", "lost, J"}, rows)
+end
+
+-- ---- pictures ------------------------------------------------------------------------------------
+
+--- Draws a scene: rest.png, by material, and shapes.png, the solutions beside each other, by how far
+--- nodes went.
+function page.pictures(out, scene, fine, solutions)
+  local view = {direction = scene.direction, up = {0, 0, 1}, names = {"soft", "medium", "hard"}}
+  view.width, view.height = 640, 480
+  local fine_, message, details = fine.grid:picture(out .. "/rest.png", view)
+  if not fine_ then return nil, message, details end
+  local panels = {}
+  for _, method in ipairs {"fine", "lookup", "naive", "average"} do
+    for _, done in ipairs(solutions) do
+      local row = done.row
+      if done.solution and row.method == method then
+        local title = row.level == 0 and "fine" or ("%s, level %d: error %.1e"):format(method, row.level,
+          row.error)
+        panels[#panels + 1] = done.solution:panel(title, "movement")
+      end
+    end
+  end
+  return bw.grid.picture(out .. "/shapes.png", panels, {direction = scene.direction, up = {0, 0, 1},
+    width = 440, height = 360, columns = math.min(4, math.ceil(#panels / 2)), unit = "movement, mm",
+    scale = 1e3, low = 0, ghost = true})
+end
+
+-- ---- pages ---------------------------------------------------------------------------------------
+
+local function scene_part(folder, result)
+  local parts = {("<p>%s.%s</p>"):format(escape(result.words),
+    result.finished and "" or " <b>Not finished: " .. escape(result.message or "interrupted") .. "</b>")}
+  parts[#parts + 1] = image(folder .. "/rest.png", "at rest, by material")
+  parts[#parts + 1] = image(folder .. "/shapes.png",
+    "deformed, by how far each place went; outline: at rest")
+  for i = 1, #(result.edits or {}) do
+    parts[#parts + 1] = image(("%s/edit_%d.png"):format(folder, i), result.edits[i].words)
+  end
+  if result.motion then
+    parts[#parts + 1] = image(folder .. "/motion.png", result.motion.words)
+  end
+  return table.concat(parts)
+end
+
+--- The report of one scene, in its folder.
+function page.write(folder, result)
+  local body = {scene_part(folder, result), "<h2>Beside table 1 of the paper</h2>", table_1 {result},
+    TABLE_1_WORDS, edits_of(result)}
+  local second = table_2 {result}
+  if second then body[#body + 1] = "<h2>Beside table 2</h2>" .. second end
+  if result.motion then body[#body + 1] = "<h2>Energies in motion</h2>" .. energies_of(result.motion) end
+  return core.write_file(folder .. "/report.html",
+    document(("Data-driven: %s"):format(result.scene), table.concat(body)))
+end
+
+--- The report over all scenes whose results are in the folder: `order`: their names.
+function page.overall(out, order)
+  local results = {}
+  for _, name in ipairs(order) do
+    local text = read(("%s/%s/result.json"):format(out, name))
+    local result = text and bw.json.decode(text)
+    if type(result) == "table" and result.rows and #result.rows > 0 then results[#results + 1] = result end
+  end
+  local body = {"<h2>Table 1</h2>", table_1(results), TABLE_1_WORDS}
+  local second = table_2(results)
+  if second then body[#body + 1] = "<h2>Table 2</h2>" .. second end
+  for _, result in ipairs(results) do
+    body[#body + 1] = ("<h2>%s</h2>"):format(escape(result.scene))
+    body[#body + 1] = scene_part(out .. "/" .. result.scene, result)
+    body[#body + 1] = edits_of(result)
+    if result.motion then body[#body + 1] = energies_of(result.motion) end
+  end
+  return core.write_file(out .. "/report.html",
+    document("Data-driven finite elements: the experiments", table.concat(body)))
+end
+
+return page

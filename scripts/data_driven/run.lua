@@ -1,0 +1,229 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The experiments of the paper data-driven: each solved on its fine grid, and coarse by lookup, naively
+-- and by averages, beside the numbers of its table 1.
+--   build/barwright scripts/data_driven/run.lua --scene NAME[,NAME...]|all --out DIR
+--       [--library FILE.bwm] [--methods lookup,naive,average] [--levels N] [--threads N] [--no-motion]
+-- Scenes: pushing bending twisting buckling fibers bridge bridge_arch george george_bone sole. The
+-- library is built into DIR/three.bwm when none is given; a build that was interrupted carries on.
+-- Without lookup among the methods none is needed. DIR gets a folder for each scene with result.json,
+-- manifest.json, report.html and pictures, and a report over all scenes that were run into it. Exit
+-- status 0: all solved. 1: something did not solve. 2: refused. 130: interrupted; what is done is kept.
+local folder = arg[0]:match "^(.*)/[^/]*$" or "."
+package.path = folder .. "/?.lua;" .. package.path
+local bw = require "barwright"
+local compare = require "compare"
+local library_of = require "library"
+local motion = require "motion"
+local page = require "page"
+local scenes = require "scenes"
+local nearest = require "barwright.core".nearest
+
+local SOLVED, NOT_SOLVED, REFUSED, INTERRUPTED = 0, 1, 2, 130
+
+local known = {scene = true, out = true, library = true, methods = true, levels = true, threads = true,
+  ["no-motion"] = "flag"}
+
+local function stop(status, message)
+  io.stdout:flush()
+  io.stderr:write("data_driven: ", (message:gsub("%s*\n%s*", " ")), "\n")
+  os.exit(status, true)
+end
+
+local function split(text)
+  local list = {}
+  for word in text:gmatch "[^,]+" do list[#list + 1] = word end
+  return list
+end
+
+local function keys(of)
+  local list = {}
+  for key in pairs(of) do list[#list + 1] = key end
+  return list
+end
+
+local function read_arguments()
+  local wish, i = {methods = "lookup,naive,average"}, 1
+  while arg[i] do
+    local name = arg[i]:match "^%-%-(.+)$"
+    if not name or known[name] == nil then
+      stop(REFUSED, ("'%s' is not known: did you mean '--%s'?"):format(arg[i],
+        nearest(name or arg[i], keys(known))))
+    end
+    if known[name] == "flag" then
+      wish[name] = true
+      i = i + 1
+    else
+      wish[name] = arg[i + 1] or stop(REFUSED, ("option --%s: a value expected"):format(name))
+      i = i + 2
+    end
+  end
+  if not wish.out or not wish.scene then stop(REFUSED, "--scene NAME|all and --out DIR expected") end
+  wish.scene = wish.scene == "all" and scenes.order or split(wish.scene)
+  local function each_of(list, names, what)
+    if #list == 0 then stop(REFUSED, ("there is no %s: %s"):format(what, table.concat(names, ", "))) end
+    for _, name in ipairs(list) do
+      local known_name = false
+      for _, one in ipairs(names) do known_name = known_name or one == name end
+      if not known_name then
+        stop(REFUSED, ("there is no %s '%s': did you mean '%s'?"):format(what, name, nearest(name, names)))
+      end
+    end
+  end
+  each_of(wish.scene, scenes.order, "scene")
+  wish.methods = split(wish.methods)
+  each_of(wish.methods, {"lookup", "naive", "average"}, "method")
+  for name, most in pairs {levels = 2, threads = 1024} do
+    if wish[name] then
+      local number = math.tointeger(tonumber(wish[name]))
+      if not number or number < 1 or number > most then
+        stop(REFUSED, ("option --%s: a whole number from 1 to %d expected, got '%s'"):format(name, most,
+          wish[name]))
+      end
+      wish[name] = number
+    end
+  end
+  return wish
+end
+
+local function say(name, row)
+  if row.failed then
+    print(("%-12s %-8s %d  %7d elements  did not solve: %s"):format(name, row.method, row.level,
+      row.elements, row.failed))
+  else
+    print(("%-12s %-8s %d  %7d elements %4d iterations %9.4f s each  %s"):format(name, row.method,
+      row.level, row.elements, row.iterations, row.seconds_per_iteration,
+      row.error and ("error %.2e, %6.1f times faster"):format(row.error, row.speed_up) or
+      ("moved by %.2e"):format(row.movement)))
+  end
+  io.stdout:flush()
+end
+
+-- The materials of the sole are edited one after the other; only what differs is looked up again.
+local function edit(scene, fine, library, result, out)
+  local list = bw.json.list {}
+  result.edits = list
+  local grid, coarse, message, details = fine.grid, nil, nil, nil
+  if library then
+    coarse, message, details = fine:coarsen(library, 1)
+    if not coarse then return nil, message, details end
+  end
+  for i, change in ipairs(scene.edits) do
+    local row = {words = change.words}
+    grid, message, details = grid:set(change.region, change.material)
+    if not grid then return nil, message, details end
+    fine, message, details = fine:with(grid)
+    if not fine then return nil, message, details end
+    local spent, reference, solution
+    spent, reference, message, details = compare.timed(compare.solve_fine, fine, nil, scene.solve)
+    if not reference then return nil, message, details end
+    row.seconds_fine, row.deepest_m = spent.processor, -reference.displacement:column(3):min()
+    local panels = {{title = "materials", grid = grid}, reference:panel("fine", "movement")}
+    if coarse then
+      spent, coarse, message, details = compare.timed(coarse.with, coarse, grid)
+      if not coarse then return nil, message, details end
+      row.seconds_coarsening, row.looked_up = spent.clock, coarse.coarse.looked_up
+      spent, solution, message, details = compare.timed(coarse.solve, coarse, scene.solve)
+      if not solution then return nil, message, details end
+      row.seconds_coarse, row.error = spent.processor, solution:error(reference)
+      row.speed_up = row.seconds_fine / row.seconds_coarse
+      panels[3] = solution:panel("lookup", "movement")
+      print(("   %s: %d blocks looked up, coarsened in %.2f ms, error %.2e, %.1f times faster"):format(
+        change.words, row.looked_up, 1e3 * row.seconds_coarsening, row.error, row.speed_up))
+    end
+    list[i] = row
+    local drawn
+    drawn, message, details = bw.grid.picture(("%s/edit_%d.png"):format(out, i), panels,
+      {direction = scene.direction, up = {0, 0, 1}, width = 440, height = 360, columns = #panels,
+        unit = "movement, mm", scale = 1e3, low = 0})
+    if not drawn then return nil, message, details end
+  end
+  return true
+end
+
+local function move(scene, fine, library, solutions, result, out)
+  local list = {}
+  for _, done in ipairs(solutions) do
+    local method, level = done.row.method, done.row.level
+    local by = method == "lookup" and library or method == "naive" and "naive" or nil
+    if done.solution and level == 1 and by then
+      list[#list + 1] = {title = method .. ", level 1", by = by, solution = done.solution}
+    elseif method == "fine" and scene.motion.fine then
+      list[#list + 1] = {title = "fine", solution = done.solution}
+    end
+  end
+  if #list == 0 then return true end
+  local wish = {direction = scene.direction}
+  for key, value in pairs(scene.motion) do wish[key] = value end
+  local message, details
+  result.motion, message, details = motion.run(out, wish, fine, list)
+  if not result.motion then return nil, message, details end
+  for _, each in ipairs(result.motion.solids) do
+    print(("   in motion, %s: %.3f s a step of %g ms"):format(each.title, each.seconds_per_step,
+      1e3 * result.motion.step_s))
+  end
+  return true
+end
+
+-- Everything about one scene, into its folder; true when all of it solved.
+local function run(name, wish, library)
+  local scene = {}
+  for key, value in pairs(scenes[name]) do scene[key] = value end
+  if wish.levels then scene.levels = math.min(scene.levels, wish.levels) end
+  local out = wish.out .. "/" .. name
+  local results, message = bw.results.open(out, {script = "scripts/data_driven/run.lua",
+    options = {scene = name, methods = wish.methods, levels = scene.levels}, inputs = {wish.library}})
+  if not results then stop(REFUSED, message) end
+  local fine, rows, reference, details, partial
+  fine, message = scenes.solid(scene, scenes.palette())
+  local result = {scene = name, words = scene.words, paper = library_of.paper(name), finished = false,
+    rows = bw.json.list {}}
+  local solutions, solved = {}, true
+  if fine then
+    rows, reference, details, partial = compare.scene(scene, fine, library, wish.methods,
+      function(row, solution)
+        say(name, row)
+        if row.failed then solved = false end
+        result.rows[#result.rows + 1] = row
+        solutions[#solutions + 1] = {row = row, solution = solution}
+      end)
+    if not rows then message, result.rows = reference, partial or result.rows end
+  end
+  local drawn = rows
+  if rows then
+    drawn, message = page.pictures(out, scene, fine, solutions)
+    if drawn and scene.edits then drawn, message = edit(scene, fine, library, result, out) end
+    if drawn and scene.motion and not wish["no-motion"] then
+      drawn, message = move(scene, fine, library, solutions, result, out)
+    end
+  end
+  result.finished = drawn and true or false
+  if not result.finished then
+    result.message = bw.interrupted() and "interrupted" or message
+    print(("%-12s %s"):format(name, result.message))
+  end
+  assert(results:write(result))
+  assert(page.write(out, result))
+  assert(page.overall(wish.out, scenes.order))
+  return result.finished and solved
+end
+
+local wish = read_arguments()
+if wish.threads then bw.threads(wish.threads) end
+local library
+for _, method in ipairs(wish.methods) do
+  if method == "lookup" then
+    local levels = 1
+    for _, name in ipairs(wish.scene) do
+      levels = math.max(levels, math.min(scenes[name].levels, wish.levels or 2))
+    end
+    local message
+    library, message = library_of.get(wish, scenes.palette(), levels)
+    if not library then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
+  end
+end
+local all = true
+for _, name in ipairs(wish.scene) do
+  all = run(name, wish, library) and all
+  if bw.interrupted() then stop(INTERRUPTED, "interrupted; what is done is kept") end
+end
+os.exit(all and SOLVED or NOT_SOLVED, true)

@@ -1,0 +1,84 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The experiments of data-driven, end to end on the two smallest scenes, with a small library.
+local bw = require "barwright"
+local check = require "check"
+
+local folder = check.folder()
+local library = folder .. "/small.bwm"
+local script = "scripts/data_driven/run.lua"
+
+local function row_of(result, method, level)
+  for _, row in ipairs(result.rows) do
+    if row.method == method and row.level == level then return row end
+  end
+end
+
+describe("the experiments of data-driven", function()
+  setup(function()
+    local palette = {}
+    for i, name in ipairs {"soft", "medium", "hard"} do
+      palette[i] = bw.hyperelastic {name = name, young = 10 ^ (4 + i), poisson = 0.45, density = 1000}
+    end
+    local made = assert(bw.metamaterial.build(palette, {voids = false, directions = 8, magnitudes = 1,
+      stretches = 20}))
+    assert(made:write(library))
+  end)
+
+  it("bend and twist bars of layers: at most the paper's errors, far below naive", function()
+    local code, said, complaint = check.run(("%s --scene bending,twisting --out %s/out --library %s "
+      .. "--methods lookup,naive --levels 1"):format(script, folder, library))
+    assert.message(complaint).are.equal(0, code)
+    assert.is_truthy(said:find("times faster", 1, true))
+    for name, paper in pairs {bending = 5.6e-2, twisting = 1.56e-2} do
+      local result = assert(bw.json.decode(check.read(("%s/out/%s/result.json"):format(folder, name))))
+      assert.is_true(result.finished)
+      assert.equal(paper, result.paper.level_1.error)
+      local lookup, naive = row_of(result, "lookup", 1), row_of(result, "naive", 1)
+      assert.equal(256, lookup.elements)
+      assert.is_true(lookup.error <= paper, name .. ": " .. lookup.error)
+      assert.is_true(3 * lookup.error <= naive.error)
+      assert.is_true(lookup.speed_up > 1)
+      assert.is_nil(row_of(result, "lookup", 2))
+      for _, file in ipairs {"manifest.json", "report.html", "rest.png", "shapes.png"} do
+        assert.is_true(#check.read(("%s/out/%s/%s"):format(folder, name, file)) > 500)
+      end
+    end
+    local page = check.read(folder .. "/out/report.html")
+    assert.is_truthy(page:find("twisting, lookup 1", 1, true))
+    assert.is_truthy(page:find("quadrature's share", 1, true) or page:find("quadrature&#39;s share", 1, true))
+    assert.is_falsy(page:find "https?://")
+  end)
+
+  it("refuse what they do not know", function()
+    for _, each in ipairs {
+      {"--scene bendin --out x", "did you mean 'bending'"},
+      {"--scene bending --out x --method naive", "did you mean '--methods'"},
+      {"--scene bending --out x --methods lookup,guess", "there is no method 'guess'"},
+      {"--scene bending --out x --levels 3", "whole number from 1 to 2"},
+      {"--scene bending", "--out DIR expected"},
+      {"--scene bending --out", "a value expected"},
+      {"--scene bending --out " .. folder .. "/x --library " .. script, "run.lua"},
+    } do
+      local code, _, complaint = check.run(script .. " " .. each[1])
+      assert.message(each[1] .. ": " .. complaint).are.equal(2, code)
+      assert.message(complaint).is_truthy(complaint:find(each[2], 1, true))
+      assert.equal(1, select(2, complaint:gsub("\n", "")))
+    end
+  end)
+end)
+
+describe("an equilibrium", function()
+  it("tells how far nodes went, and draws it", function()
+    local grid = assert(bw.grid.box {size = 0.1, cells = 2})
+    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
+    solid:hold({side = "low z"}):hold({side = "high z"}, {0.003, 0, 0.004})
+    local result = assert(solid:solve())
+    check.near(0.005, result.movement:max(), 1e-12)
+    local panel = result:panel("moved", "movement")
+    assert.equal("moved", panel.title)
+    assert.equal(grid, panel.grid)
+    assert(bw.grid.picture(folder .. "/panel.png", {panel, result:panel("materials")}))
+    assert(result:picture(folder .. "/one.png", {values = "von_mises"}))
+    check.raises("values: \"von_mises\"", function() result:picture(folder .. "/x.png", {values = "stress"}) end)
+  end)
+end)
