@@ -39,6 +39,14 @@ static inline void bwi_grid_corner_steps(const int32_t cells[3], int64_t step[8]
         (c & 1) + ((int64_t)cells[0] + 1) * ((c >> 1 & 1) + ((int64_t)cells[1] + 1) * (c >> 2 & 1));
 }
 
+/* The same elements at the same places: what was made for one grid is meant for the other. */
+static inline bool bwi_grid_same_places(const bw_grid *a, const bw_grid *b) {
+  bool same = true;
+  for (int d = 0; d < 3; d++)
+    same = same && a->origin[d] == b->origin[d] && a->spacing[d] == b->spacing[d];
+  return same && bw_grid_same_elements(a, b);
+}
+
 /* Corners of side 0..5 (low x, high x, low y, ...) of a cell, counter-clockwise seen from outside.
  */
 extern const int bwi_grid_side_corner[6][4];

@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "grid/internal.h"
+
 static void destroy(void *object) {
   bw_solid_case *it = (bw_solid_case *)object;
   for (int32_t p = 0; p < it->patch_count; p++) {
@@ -121,11 +123,14 @@ done:
 
 static bw_status check_embedding(bw_context *context, const bw_solid_case *it,
                                  const bw_embedding *embedding) {
-  if (bw_grid_same_elements(it->grid, embedding->grid))
+  if (bwi_grid_same_places(it->grid, embedding->grid))
     return BW_OK;
-  return bw_fail(context, BW_INVALID,
-                 "the points are embedded in another grid (%d elements) than that of the case (%d)",
-                 (int)embedding->grid->element_count, (int)it->grid->element_count);
+  return bw_fail(
+      context, BW_INVALID,
+      "the points are embedded in another grid (%d elements, cells of %g m) than that of "
+      "the case (%d, %g m), or one at another place",
+      (int)embedding->grid->element_count, embedding->grid->spacing[0],
+      (int)it->grid->element_count, it->grid->spacing[0]);
 }
 
 bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Motions of solids: what one is, and where it begins. */
 #include "nonlinear/motion.h"
+#include "grid/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -208,7 +209,7 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
   bw_motion_options_default(&plain);
   options = options ? options : &plain;
   BW_TRY(bwi_motion_check(context, options));
-  if (!bw_grid_same_elements(the->grid, solid->grid))
+  if (!bwi_grid_same_places(the->grid, solid->grid))
     return bw_fail(context, BW_INVALID, "the supports and loads belong to another grid");
   if (solid->weightless)
     return bw_fail(context, BW_INVALID,

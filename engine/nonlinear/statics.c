@@ -8,6 +8,7 @@
  *
  * A load step that fails is halved, with what the failure said about how far it could have gone;
  * steps grow again after two that went well. */
+#include "grid/internal.h"
 #include "nonlinear/newton.h"
 
 #include <math.h>
@@ -92,10 +93,12 @@ static bw_status check_coarse(bw_context *context, const bw_solid *solid,
 static bw_status check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
                        const bw_newton_options *o) {
   bw_status status = BW_OK;
-  if (!bw_grid_same_elements(solid->grid, the->grid))
+  if (!bwi_grid_same_places(solid->grid, the->grid))
     return bw_fail(context, BW_INVALID,
-                   "the case is for a grid of %d elements, not for the solid's, which has %d",
-                   (int)the->grid->element_count, (int)solid->grid->element_count);
+                   "the case is for a grid of %d elements (cells of %g m), not for the solid's, "
+                   "which has %d (%g m), or lies elsewhere",
+                   (int)the->grid->element_count, the->grid->spacing[0],
+                   (int)solid->grid->element_count, solid->grid->spacing[0]);
   if (o->linear == BW_NEWTON_COARSE)
     BW_TRY(check_coarse(context, solid, o));
   if (!(o->tolerance > 0 && o->tolerance < 1))

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Beyond this a mistyped spacing is likelier than a wish. */
-#define MOST_CELLS 268435456.0
+/* Beyond this (3 GB, were all of them elements) a mistyped spacing is likelier than a wish. */
+#define MOST_CELLS 67108864.0
 
 static const bw_grid *self(lua_State *L) {
   return (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
@@ -133,8 +133,8 @@ static int grid_box(lua_State *L) {
     all *= counts[d];
   }
   if (all > MOST_CELLS)
-    return lbw_error(L, "grid.box: %d x %d x %d cells are too many", (int)cells[0], (int)cells[1],
-                     (int)cells[2]);
+    return lbw_error(L, "grid.box: %d x %d x %d cells are too many: up to 2^26", (int)cells[0],
+                     (int)cells[1], (int)cells[2]);
   int64_t count = (int64_t)all;
   if (lbw_option_get(L, 1, "material") == LUA_TNIL) {
     lua_pop(L, 1);

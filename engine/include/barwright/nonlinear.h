@@ -155,7 +155,9 @@ bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const doub
 /* ---- what acts on a solid ----------------------------------------------------------------------
  */
 
-/* Supports, loads and floors, gathered call by call; then used, and not changed meanwhile.
+/* Supports, loads and floors, gathered call by call; then used, and not changed meanwhile. A case
+ * serves solids on its grid or on one with the same elements at the same places, and so do
+ * embeddings it is given: BW_INVALID otherwise, and for nodes or numbers that are none.
  * Loads, prescribed displacements and gravity grow with the load factor 0..1. */
 typedef struct bw_pressure_patch {
   const bw_embedding *embedding; /* retained */

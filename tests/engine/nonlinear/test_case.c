@@ -246,6 +246,29 @@ static void test_follower_derivative(void **state) {
   box_free(&b);
 }
 
+/* The same cells at another place, or of another size, are another grid. */
+static void test_elsewhere(void **state) {
+  bw_context *context = check_context(state);
+  box b, other;
+  const double twice[3] = {0.6, 0.4, 0.4}, point[3] = {0, 0, 0}, normal[3] = {0, 0, 1};
+  const double places[3] = {0.1, 0.1, 0.1};
+  bw_embedding *embedding;
+  bw_solid_static *result;
+  bw_solid_motion *motion;
+  box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
+  box_make(context, &other, cells, twice, BW_COROTATED, 1e6, 0.3, 1000);
+  check_ok(context, bw_embedding_create(context, other.grid, 1, places, 0, &embedding));
+  check_fails(context, BW_INVALID, "another grid",
+              bw_solid_case_floor(context, b.the, point, normal, NULL, embedding, NULL));
+  check_fails(context, BW_INVALID, "elsewhere",
+              bw_solid_statics(context, b.solid, other.the, NULL, NULL, &result));
+  check_fails(context, BW_INVALID, "another grid",
+              bw_solid_motion_create(context, b.solid, other.the, NULL, NULL, NULL, &motion));
+  bw_release(embedding);
+  box_free(&b);
+  box_free(&other);
+}
+
 static void test_contradictions(void **state) {
   bw_context *context = check_context(state);
   box b;
@@ -306,6 +329,7 @@ int main(void) {
       check_test(test_totals),
       check_test(test_followers),
       check_test(test_follower_derivative),
+      check_test(test_elsewhere),
       check_test(test_even),
       check_test(test_press),
       check_test(test_follows_volume),
