@@ -225,6 +225,10 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
     sum.energy += response.energy;
     defined &= response.defined;
     defined_ratio = response.ratio;
+    if (m->empty)
+      for (int i = 0; i < BWI_LANES; i++)
+        if (m->empty[first + i] && !isnan(defined_ratio[i]))
+          defined_ratio[i] = INFINITY;
     ratio = BWI_SELECT(defined_ratio >= ratio, ratio, defined_ratio); /* NaN stays */
     if (want >= BWI_STRESS)
       add_forces(&p, response.stress, first == 0, sum.force);

@@ -20,6 +20,7 @@ static void destroy(void *object) {
   bw_free(m->lambda);
   bw_free(m->fibre_stiffness);
   bw_free(m->fibre);
+  bw_free(m->empty);
   bw_free(m);
 }
 
@@ -30,6 +31,33 @@ static size_t bytes(const void *object) {
 }
 
 static const bw_kind material_kind = {"solid material", destroy, bytes};
+
+#define EMPTY_PART 2e-3
+
+/* Which points stand for void: what metamaterials put where a block has none. */
+static bw_status find_empty(bw_context *context, bw_solid_material *m) {
+  double most = 0;
+  int32_t count = 0;
+  for (int32_t p = 0; p < m->rule->count; p++)
+    most = fmax(most, m->mu[p]);
+  for (int pass = 0; pass < 2; pass++) {
+    for (int32_t p = 0; p < m->rule->count; p++) {
+      bool empty = m->law[p] == BW_ST_VENANT_KIRCHHOFF && m->mu[p] < EMPTY_PART * most;
+      if (pass == 0)
+        count += empty;
+      else
+        m->empty[p] = empty;
+    }
+    if (count == 0)
+      return BW_OK;
+    if (pass == 0) {
+      m->empty = BW_NEW(context, uint8_t, m->rule->count);
+      if (!m->empty)
+        return BW_MEMORY;
+    }
+  }
+  return BW_OK;
+}
 
 /* Constants of one point: finite, and not below what keeps the energy bounded. */
 static bw_status check_point(bw_context *context, const char *name, int32_t point, int law,
@@ -96,6 +124,7 @@ bw_status bw_solid_material_points(bw_context *context, const char *name, const 
   m->uniform = fibre_count == 0;
   for (size_t p = 1; p < n; p++)
     m->uniform = m->uniform && law[p] == law[0] && mu[p] == mu[0] && lambda[p] == lambda[0];
+  BW_TRY(find_empty(context, m));
   *out = m;
   m = NULL;
 done:

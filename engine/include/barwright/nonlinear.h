@@ -80,6 +80,10 @@ typedef struct bw_solid_material {
   double *mu, *lambda;     /* rule->count, Pa */
   double *fibre_stiffness; /* rule->count x fibre_count: C, Pa */
   double *fibre;           /* rule->count x fibre_count x 3: v */
+  /* Points that stand for void in a coarse cell (St. Venant-Kirchhoff, mu below 1/500 of the
+   * largest): they only hold the cell's nodes, and may turn inside out without its counting as
+   * inverted. rule->count; NULL: there are none. */
+  uint8_t *empty;
 } bw_solid_material;
 /* young > 0, -1 < poisson < 1/2; density may be 0. */
 bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,

@@ -303,6 +303,38 @@ static void test_projected(void **state) {
   }
 }
 
+/* A point that stands for void may turn inside out: with the same material at all points the
+ * element counts as inverted. */
+static void test_empty(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {1, 1, 1};
+  for (int empty = 0; empty < 2; empty++) {
+    bw_rule *rule = NULL;
+    bw_solid_material *one = NULL;
+    uint8_t law[8];
+    double mu[8], lambda[8], u[24] = {0}, energy;
+    check_ok(context, bw_rule_create(context, 1, &rule));
+    for (int q = 0; q < 8; q++) {
+      bool last = q == 7 && empty;
+      law[q] = last ? BW_ST_VENANT_KIRCHHOFF : BW_FIXED_COROTATED;
+      mu[q] = last ? 1e-3 : 1;
+      lambda[q] = last ? 0 : 1;
+    }
+    check_ok(context,
+             bw_solid_material_points(context, "", rule, 0, law, mu, lambda, 0, NULL, NULL, &one));
+    assert_true((one->empty != NULL) == (empty == 1));
+    bw_solid *solid = solids_create(context, cells, 1, &one, NULL, NULL);
+    for (int d = 0; d < 3; d++) /* the last corner, pushed through the middle */
+      u[21 + d] = -0.75 * solid->grid->spacing[d];
+    bw_solid_shape shape;
+    check_ok(context, bw_solid_evaluate(context, solid, u, false, &energy, NULL, NULL, &shape));
+    assert_int_equal(shape.inverted, 1 - empty);
+    assert_true((shape.least_ratio > 0) == (empty == 1));
+    bw_release(solid);
+    bw_release(rule);
+  }
+}
+
 /* Inverted elements are counted; where the energy does not exist the call still succeeds. */
 static void test_inverted(void **state) {
   bw_context *context = check_context(state);
@@ -377,9 +409,9 @@ static void test_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_patch),       check_test(test_plain_sums),
-                                     check_test(test_derivatives), check_test(test_rotation),
-                                     check_test(test_threads),     check_test(test_projected),
-                                     check_test(test_inverted),    check_test(test_memory)};
+  const struct CMUnitTest tests[] = {
+      check_test(test_patch),    check_test(test_plain_sums), check_test(test_derivatives),
+      check_test(test_rotation), check_test(test_threads),    check_test(test_projected),
+      check_test(test_empty),    check_test(test_inverted),   check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
