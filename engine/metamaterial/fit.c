@@ -348,6 +348,17 @@ static void measure(const bw_solid_material *fitted, const bw_solid_material *na
   spread_of(values + 3 * count, count, &error->naive_force, &other);
 }
 
+/* Never worse than nothing: constants that are not negative cannot follow blocks of a negative
+ * Poisson's ratio. */
+static void prefer(const bw_solid_material *naive, bw_solid_material **fitted,
+                   bw_fit_error *error) {
+  bw_release(*fitted);
+  *fitted = (bw_solid_material *)bw_retain(naive);
+  error->median = error->naive_median;
+  error->worst = error->naive_worst;
+  error->force = error->naive_force;
+}
+
 /* ---- fitting -------------------------------------------------------------------------------- */
 
 static int take_samples(const bw_library_options *options, int directions, bw_random *random,
@@ -384,6 +395,9 @@ bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_
     error->samples = count;
     BW_TRY(bwi_fit_naive(context, block, &naive));
     measure(fitted, naive, w, 0, first, error);
+    if (naive->rule->count == BWI_OCTANTS && error->median > error->naive_median &&
+        error->force > error->naive_force)
+      prefer(naive, &fitted, error);
   }
   *out = fitted;
   fitted = NULL;

@@ -63,6 +63,26 @@ static double modulus(const bw_solid_material *m, const double strain[9]) {
   return sum;
 }
 
+/* A negative Poisson's ratio is beyond constants that are not negative: the naive material stays,
+ * which a block of one material is. */
+static void an_auxetic_block_is_left_as_it_is(void **state) {
+  bw_context *context = check_context(state);
+  kit k = kit_of(context, 20);
+  bw_fit_error error;
+  bw_release(k.material[1]);
+  check_ok(context, bw_solid_material_create(context, "auxetic", BW_NEO_HOOKEAN, 1e5, -0.5, 1000,
+                                             &k.material[1]));
+  bw_solid_material *fitted = fit(context, &k, "11111111", &error);
+  for (int p = 0; p < 8; p++) {
+    assert_true(fitted->mu[p] == k.material[1]->mu[p]);
+    assert_true(fitted->lambda[p] == k.material[1]->lambda[p]);
+  }
+  assert_int_equal(fitted->fibre_count, 0);
+  assert_true(error.median == error.naive_median && error.force == error.naive_force);
+  bw_release(fitted);
+  kit_free(&k);
+}
+
 static void a_homogeneous_block_keeps_its_moduli(void **state) {
   bw_context *context = check_context(state);
   kit k = kit_of(context, 40);
@@ -353,7 +373,8 @@ static void nnls_keeps_the_limit(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(a_homogeneous_block_keeps_its_moduli),
+  const struct CMUnitTest tests[] = {check_test(an_auxetic_block_is_left_as_it_is),
+                                     check_test(a_homogeneous_block_keeps_its_moduli),
                                      check_test(layers_are_a_laminate),
                                      check_test(condensing_is_exact_for_laminates),
                                      check_test(fits_beat_naive_coarsening),
