@@ -2,19 +2,16 @@
 -- A bridge that sags under its own weight, and the same with arches (data-driven, figure 16).
 local bw = require "barwright"
 
-local H = 0.0125
+local H = 0.0085
 local LENGTH, WIDTH, HEIGHT = 192, 24, 44 -- cells
-local DECK, SKIN = 9, 2                   -- cells: thickness, and of its hard upper and lower layers
+local DECK = 9                            -- cells
 local PIER = 9                            -- cells
 
--- In cells, from the low corner.
-local function deck(i, _, k)
-  local under = HEIGHT - 6 - DECK
-  if k < under or k >= under + DECK then return 0 end
-  local from_face = math.min(k - under, under + DECK - 1 - k)
-  -- hard skins over a soft core, with medium webs across
-  if from_face < SKIN then return 2 end
-  return i % 12 < 2 and 2 or 1
+-- In cells, from the low corner. Firm sheets with soft ones between them, each a cell thick.
+local function deck(_, _, k)
+  local above = k - (HEIGHT - 6 - DECK)
+  if above < 0 or above >= DECK then return 0 end
+  return above % 2 == 0 and 3 or 1
 end
 
 local function rail(i, j, k)
@@ -58,7 +55,7 @@ local function act(solid)
 end
 
 return {
-  bridge = {words = "a bridge of soft core and hard skins under its own weight", levels = 2,
+  bridge = {words = "a bridge of hard and soft sheets under its own weight", levels = 2,
     grid = grid_of(false), act = act, size = 56177},
   bridge_arch = {words = "the same bridge with an arch under each side", levels = 2,
     grid = grid_of(true), act = act, size = 65684},

@@ -4,7 +4,7 @@
 local bw = require "barwright"
 local shapes = require "barwright.shapes"
 
-local H = 0.0025              -- m, a cell
+local H = 0.0018              -- m, a cell
 local CELLS = {64, 28, 112}
 local U = 0.827 * H          -- m: the figure is drawn 132 of these tall
 
