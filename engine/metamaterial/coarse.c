@@ -14,25 +14,6 @@
 
 #include "grid/internal.h"
 
-typedef struct bwi_coarse {
-  int32_t width; /* 8 or 64 */
-  int32_t *key;  /* (palette->count - 1) x width */
-} bwi_coarse;
-
-/* Materials while blocks are gone through: those of the coarse grid followed first (ids 1 to
- * kept), new ones behind. */
-typedef struct rows {
-  bw_context *context;
-  const bwi_coarse_maker *maker;
-  int32_t width, kept, count;
-  const bw_solid_material **material; /* id - 1; retained */
-  int32_t *key;                       /* as in bwi_coarse, by id */
-  size_t material_capacity, key_capacity;
-  int32_t
-      *slot; /* ids by hash of their key, 0: free; slots: a power of two, at least twice count */
-  size_t slots;
-} rows;
-
 static void destroy(void *object) {
   bw_coarse *it = (bw_coarse *)object;
   bw_release(it->library);
@@ -55,111 +36,6 @@ static size_t bytes(const void *object) {
 }
 
 static const bw_kind coarse_kind = {"coarse", destroy, bytes};
-
-/* ---- rows by key -------------------------------------------------------------------------- */
-
-static size_t hash(const int32_t *key, int32_t width) {
-  uint64_t h = 0x9e3779b97f4a7c15u;
-  for (int32_t i = 0; i < width; i += 2) {
-    h ^= (uint32_t)key[i] | (uint64_t)(uint32_t)key[i + 1] << 32;
-    h *= 0xff51afd7ed558ccdu;
-    h ^= h >> 32;
-  }
-  return (size_t)h;
-}
-
-/* The slot that holds this key's id, or the free one where it belongs. */
-static int32_t *find(const rows *it, const int32_t *key) {
-  size_t at = hash(key, it->width);
-  for (;; at++) {
-    int32_t *slot = &it->slot[at & (it->slots - 1)];
-    if (!*slot || memcmp(it->key + (size_t)it->width * (size_t)(*slot - 1), key,
-                         (size_t)it->width * sizeof *key) == 0)
-      return slot;
-  }
-}
-
-static bw_status make_slots(rows *it, size_t slots) {
-  int32_t *fresh = BW_NEW0(it->context, int32_t, slots);
-  if (!fresh)
-    return BW_MEMORY;
-  bw_free(it->slot);
-  it->slot = fresh;
-  it->slots = slots;
-  for (int32_t id = 1; id <= it->count; id++) {
-    const int32_t *key = it->key + (size_t)it->width * (size_t)(id - 1);
-    if (key[0] >= 0)
-      *find(it, key) = id;
-  }
-  return BW_OK;
-}
-
-static bw_status rows_add(rows *it, const bw_solid_material *material, const int32_t *key) {
-  size_t n = (size_t)it->count, w = (size_t)it->width;
-  if (!bw_grow(it->context, (void **)&it->material, &it->material_capacity, n, 1,
-               sizeof *it->material) ||
-      !bw_grow(it->context, (void **)&it->key, &it->key_capacity, n * w, w, sizeof *it->key))
-    return BW_MEMORY;
-  it->material[n] = (const bw_solid_material *)bw_retain(material);
-  memcpy(it->key + n * w, key, w * sizeof *key);
-  it->count++;
-  return BW_OK;
-}
-
-static bw_status rows_begin(rows *it, bw_context *context, const bwi_coarse_maker *maker,
-                            const bw_coarse *before) {
-  bw_status status = BW_OK;
-  memset(it, 0, sizeof *it);
-  it->context = context;
-  it->maker = maker;
-  it->width = maker->rule->count;
-  size_t slots = 64;
-  for (int32_t r = 1; before && r < before->palette->count; r++)
-    BW_TRY(rows_add(it, before->palette->material[r],
-                    before->inner->key + (size_t)it->width * (size_t)(r - 1)));
-  it->kept = it->count;
-  while (slots < 4 * (size_t)it->count)
-    slots *= 2;
-  BW_TRY(make_slots(it, slots));
-done:
-  return status;
-}
-
-static void rows_clear(rows *it) {
-  for (int32_t i = 0; i < it->count; i++)
-    bw_release(it->material[i]);
-  bw_free((void *)it->material);
-  bw_free(it->key);
-  bw_free(it->slot);
-}
-
-/* The id of a block's material, made where it is new. */
-static bw_status rows_of(rows *it, bwi_fine_block *block, int32_t *id) {
-  bw_status status = BW_OK;
-  bw_solid_material *material = NULL;
-  int32_t *slot = NULL;
-  if (!block->partial) {
-    slot = find(it, block->key);
-    *id = *slot;
-    if (*id)
-      return BW_OK;
-  }
-  if (it->maker->method == BW_COARSE_LOOKUP)
-    BW_TRY(bwi_lookup_material(it->context, it->maker, block, &material));
-  else
-    BW_TRY(bwi_baseline_material(it->context, it->maker, block, &material));
-  if (block->partial)
-    block->key[0] = -1;
-  BW_TRY(rows_add(it, material, block->key));
-  *id = it->count;
-  if (slot)
-    *slot = it->count;
-  if (2 * (size_t)it->count > it->slots)
-    BW_TRY(make_slots(it, 2 * it->slots));
-done:
-  bw_release(material);
-  return status;
-}
 
 /* ---- blocks --------------------------------------------------------------------------------- */
 
@@ -184,7 +60,7 @@ static void gather(const bw_coarse *it, int32_t element, bwi_fine_block *block) 
 }
 
 /* Number the materials in the order of first use, and make palette, keys and the coarse grid. */
-static bw_status finish(bw_context *context, bw_coarse *it, const rows *list, int32_t *id) {
+static bw_status finish(bw_context *context, bw_coarse *it, const bwi_rows *list, int32_t *id) {
   bw_status status = BW_OK;
   const bw_grid *shape = it->coarsening[it->levels - 1]->coarse;
   bw_palette *palette = NULL;
@@ -295,13 +171,13 @@ static bw_status assign(bw_context *context, bw_coarse *it, const bw_coarse *bef
   bw_status status = BW_OK;
   bw_rule *rule = NULL;
   bwi_coarse_maker maker = {it->method, it->levels, it->library, it->fine_palette, NULL};
-  rows list;
+  bwi_rows list;
   memset(&list, 0, sizeof list);
   double start = bw_seconds();
   int32_t elements = it->coarsening[it->levels - 1]->coarse->element_count;
   BW_TRY(bw_rule_create(context, it->levels, &rule));
   maker.rule = rule;
-  BW_TRY(rows_begin(&list, context, &maker, before));
+  BW_TRY(bwi_rows_begin(&list, context, &maker, before));
   for (int32_t e = 0; e < elements; e++) {
     bwi_fine_block block;
     if (e % 4096 == 0)
@@ -309,13 +185,13 @@ static bw_status assign(bw_context *context, bw_coarse *it, const bw_coarse *bef
     if (id[e])
       continue;
     gather(it, e, &block);
-    BW_TRY(rows_of(&list, &block, &id[e]));
+    BW_TRY(bwi_rows_of(&list, &block, &id[e]));
     it->looked_up++;
   }
   BW_TRY(finish(context, it, &list, id));
   it->seconds_lookup = bw_seconds() - start;
 done:
-  rows_clear(&list);
+  bwi_rows_clear(&list);
   bw_release(rule);
   return status;
 }

@@ -15,7 +15,7 @@ typedef struct bwi_coarse_maker {
 } bwi_coarse_maker;
 
 /* A block's 8 or 64 fine elements: their materials (0: void), child by child, and the parts of
- * their cells that are inside (NULL: all full). At level 2 element 8 c + d is child d of child c.
+ * their cells that are inside. At level 2 element 8 c + d is child d of child c.
  */
 typedef struct bwi_fine_block {
   int32_t key[64];
@@ -36,5 +36,30 @@ bw_status bwi_level2_material(bw_context *context, const bw_library *library,
 /* Materials, laws and constants of the two must be the same, row by row. */
 bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
                            const bw_palette *of_library);
+
+/* Behind bw_coarse: the keys of its palette's rows. */
+typedef struct bwi_coarse {
+  int32_t width; /* 8 or 64 */
+  int32_t *key;  /* (palette->count - 1) x width */
+} bwi_coarse;
+
+/* Materials while blocks are gone through: those of the coarse grid followed first, new ones
+ * behind. */
+typedef struct bwi_rows {
+  bw_context *context;
+  const bwi_coarse_maker *maker;
+  int32_t width, count;
+  const bw_solid_material **material; /* id - 1; retained */
+  int32_t *key;                       /* as in bwi_coarse, by id */
+  size_t material_capacity, key_capacity;
+  int32_t *slot; /* ids by hash of their key, 0: free */
+  size_t slots;
+} bwi_rows;
+/* With the rows of `before` (may be NULL); to be cleared also when it fails. */
+bw_status bwi_rows_begin(bwi_rows *rows, bw_context *context, const bwi_coarse_maker *maker,
+                         const bw_coarse *before);
+void bwi_rows_clear(bwi_rows *rows);
+/* The id of a block's material, made where it is new. */
+bw_status bwi_rows_of(bwi_rows *rows, bwi_fine_block *block, int32_t *id);
 
 #endif

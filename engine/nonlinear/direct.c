@@ -159,7 +159,3 @@ bw_status bwi_direct_solve(bw_context *context, const bwi_direct *direct, const 
     return bw_fail(context, BW_INTERNAL, "there is no factor to solve with");
   return bwi_solve_fields(context, direct->factor, NULL, 1, force, displacement);
 }
-
-double bwi_direct_flops(const bwi_direct *direct) {
-  return direct->symbolic ? direct->symbolic->flops : 0;
-}

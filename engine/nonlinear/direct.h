@@ -26,7 +26,5 @@ bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct, const bw_gr
 /* node_count x 3 each, which may be the same. */
 bw_status bwi_direct_solve(bw_context *context, const bwi_direct *direct, const double *force,
                            double *displacement);
-/* Work and numbers of the factor, for reports. */
-double bwi_direct_flops(const bwi_direct *direct);
 
 #endif
