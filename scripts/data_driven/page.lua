@@ -167,7 +167,8 @@ end
 --- Draws a scene: rest.png, by material, and shapes.png, the solutions beside each other, by how far
 --- nodes went.
 function page.pictures(out, scene, fine, solutions)
-  local view = {direction = scene.direction, up = {0, 0, 1}, names = {"soft", "medium", "hard"}}
+  local up = scene.up or {0, 0, 1}
+  local view = {direction = scene.direction, up = up, names = {"soft", "medium", "hard"}}
   view.width, view.height = 640, 480
   local fine_, message, details = fine.grid:picture(out .. "/rest.png", view)
   if not fine_ then return nil, message, details end
@@ -182,7 +183,7 @@ function page.pictures(out, scene, fine, solutions)
       end
     end
   end
-  return bw.grid.picture(out .. "/shapes.png", panels, {direction = scene.direction, up = {0, 0, 1},
+  return bw.grid.picture(out .. "/shapes.png", panels, {direction = scene.direction, up = up,
     width = 440, height = 360, columns = math.min(4, math.ceil(#panels / 2)), unit = "movement, mm",
     scale = 1e3, low = 0, ghost = true})
 end
