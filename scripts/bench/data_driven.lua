@@ -139,7 +139,9 @@ if wanted "library" then
     shipped_fits = #library.errors[1]}
   print(("a library of two materials, default options: %d blocks, %.1f s of the processor, %.2f s each"):format(fits,
     spent.processor, spent.processor / fits))
-  print(("the library used: %d blocks of level 1, built in %.0f s"):format(#library.errors[1], library.seconds))
+  if library.seconds > 0 then -- not kept in files of every version
+    print(("the library used: %d blocks of level 1, built in %.0f s"):format(#library.errors[1], library.seconds))
+  end
 end
 
 if wish.out then

@@ -7,7 +7,7 @@ local bw = require "barwright"
 local compare = {}
 
 -- More elements than that: conjugate gradients over a coarse solid, which take less time and memory.
-local DIRECT = 20000
+local DIRECT = 3000
 
 local function row_of(method, level, solid, solution, spent)
   local report = solution.report

@@ -41,7 +41,8 @@ function motion.run(out, wish, fine, solutions)
     local margin = 0.12 * (box.high[2] - box.low[2])
     low[k], high[k] = box.low[k] - margin, box.high[k] + margin
   end
-  local names, rows = {}, bw.json.list {}
+  local names, rows, most = {}, bw.json.list {}, 0
+  for _, each in ipairs(solutions) do most = math.max(most, each.solution.movement:max()) end
   local function draw(frame)
     local panels = {}
     for i, part in ipairs(parts) do
@@ -51,7 +52,7 @@ function motion.run(out, wish, fine, solutions)
     end
     names[#names + 1] = ("%s/frame_%03d.png"):format(out, frame)
     return bw.grid.picture(names[#names], panels, {direction = wish.direction, up = {0, 0, 1}, width = 380,
-      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = wish.high,
+      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = most,
       view = {low, high}})
   end
   local function remove()
