@@ -3,7 +3,6 @@
 -- not within what is allowed.
 --   build/barwright scripts/verification/nonlinear.lua [--full] [--only TEXT] [--out FILE]
 -- --full: finer grids and more of them. --only: parts whose name holds the text; nothing is written then.
-local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local manual = require "manual"

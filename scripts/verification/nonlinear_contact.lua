@@ -57,12 +57,14 @@ end
 
 return {{title = "A ball between plates",
   text = "The force of plates without friction on a ball in cells that its surface cuts, each a twentieth of the "
-    .. "radius in; points of the surface touch. Beside Hertz's theory with Tatara's correction for the other plate.",
+    .. "radius in; points of the surface touch. Beside Hertz's theory with Tatara's correction for the "
+    .. "other plate.",
   run = function(wish)
     local rows, depth = {}, 0.05 * RADIUS
     for _, cells in ipairs(wish.full and {8, 16, 24} or {8, 16}) do
       rows[#rows + 1] = {("force over theory less 1, %d cells along the radius"):format(cells),
-        math.abs(squeezed(cells, depth) / theory(depth) - 1), "at most", cells < 16 and 0.1 or 0.03, "Hertz, Tatara"}
+        math.abs(squeezed(cells, depth) / theory(depth) - 1), "at most", cells < 16 and 0.1 or 0.03,
+        "Hertz, Tatara"}
     end
     return rows
   end}}

@@ -86,21 +86,25 @@ local function cantilever(cells, parts)
 end
 
 return {
-  {title = "A pendulum", text = "A stiff bar hinged along an edge and let go from the horizontal, beside the period "
+  {title = "A pendulum", text = "A stiff bar hinged along an edge and let go from the horizontal, "
+    .. "beside the period "
     .. "of a rigid pendulum that swings as far: rotations are large, strains small. Two half periods, by where "
     .. "it passes the lowest point.",
     run = function(wish)
       local rows = {}
       for _, parts in ipairs(wish.full and {100, 200, 400} or {100, 200}) do
         local period, energy = pendulum("newmark", parts)
-        rows[#rows + 1] = {("period over theory less 1, %d steps of Newmark in it"):format(parts), math.abs(period),
+        rows[#rows + 1] = {("period over theory less 1, %d steps of Newmark in it"):format(parts),
+          math.abs(period),
           "at most", 24 / parts ^ 2, "elliptic integral"}
-        rows[#rows + 1] = {("change of energy over weight times arm, %d steps of Newmark in a period"):format(parts),
+        rows[#rows + 1] = {
+          ("change of energy over weight times arm, %d steps of Newmark in a period"):format(parts),
           energy, "at most", 200 / parts ^ 2, "theory"}
       end
       return rows
     end},
-  {title = "A cantilever that vibrates", text = "One row of cells twenty times as long as thick, let go from under a "
+  {title = "A cantilever that vibrates", text = "One row of cells twenty times as long as thick, let go "
+    .. "from under a "
     .. "load at its tip; two periods, beside Euler's lowest with the stiffness that the elements have.",
     run = function()
       local rows = {}

@@ -14,8 +14,8 @@ extern "C" {
  * every stored pair the list of contributions (element, local pair). Depends on topology only. */
 typedef struct bw_graph {
   bw_object object;
-  const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled; NULL where it was
-                          made of element lists */
+  const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled; NULL where it
+                          was made of element lists */
   int32_t node_count;
   int64_t pair_count;
   int64_t *start;        /* node_count + 1 */

@@ -115,11 +115,10 @@ REPLAY(bwm)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),
-      cmocka_unit_test(replay_off),   cmocka_unit_test(replay_ply),
-      cmocka_unit_test(replay_msh),   cmocka_unit_test(replay_vtu),
-      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen),
-      cmocka_unit_test(replay_inp),   cmocka_unit_test(replay_tgf),
-      cmocka_unit_test(replay_svg),   cmocka_unit_test(replay_dxf), cmocka_unit_test(replay_bwm)};
+      cmocka_unit_test(replay_stl),   cmocka_unit_test(replay_obj),    cmocka_unit_test(replay_off),
+      cmocka_unit_test(replay_ply),   cmocka_unit_test(replay_msh),    cmocka_unit_test(replay_vtu),
+      cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen), cmocka_unit_test(replay_inp),
+      cmocka_unit_test(replay_tgf),   cmocka_unit_test(replay_svg),    cmocka_unit_test(replay_dxf),
+      cmocka_unit_test(replay_bwm)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
