@@ -3,9 +3,10 @@
 -- of an iteration on the fine grid and on coarse ones, how much faster the coarse ones are than our own fine
 -- grid and than the paper's coarse one, the share of quadrature, the time to coarsen 100,000 elements and to
 -- follow an edit, conjugate gradients against factors on the figure with bones, and the coarse solid as a
--- preconditioner. All in one run, seconds of the processor (all threads together), which is what to trust on a busy
--- machine.
---   build/barwright scripts/bench/data_driven.lua --library FILE.bwm [--scene NAME[,NAME...]|all] [--out FILE.json]
+-- preconditioner. All in one run, seconds of the processor (all threads together), which is what to trust
+-- on a busy machine.
+--   build/barwright scripts/bench/data_driven.lua --library FILE.bwm [--scene NAME[,NAME...]|all]
+--       [--out FILE.json]
 --       [--only scenes|coarsening|gradients|library]
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/../verification/?.lua;" .. folder .. "/../data_driven/?.lua;" .. package.path
@@ -50,7 +51,8 @@ local function one_scene(name)
 end
 
 if wanted "scenes" then
-  print "  example  level elements | s / iteration (paper)   less | faster  (paper) | quadrature | iterations | error"
+  print("  example  level elements | s / iteration (paper)   less | faster  (paper) | quadrature | "
+    .. "iterations | error")
   out.scenes = {}
   local names = scenes.order
   if wish.scene and wish.scene ~= "all" then
@@ -88,7 +90,8 @@ if wanted "coarsening" then
     local all = middle(7, function(i) inside[i] = 1e3 * assert(fine:coarsen(library, level)).coarse.seconds end)
     table.sort(inside)
     out.coarsening.ms[level] = {coarsening = inside[4], with_the_solid = all}
-    print(("coarsening %d elements, %d level%s: %.1f ms (paper's time of George, 46152 elements: 200 ms); with the "
+    print(("coarsening %d elements, %d level%s: %.1f ms (paper's time of George, 46152 elements: 200 ms); "
+      .. "with the "
       .. "coarse solid %.1f ms"):format(grid.element_count, level, level > 1 and "s" or "", inside[4], all))
   end
   local edited = assert(grid:set({low = {0.1, 0.1, 0.1}, high = {0.2, 0.2, 0.2}}, 1))
@@ -113,7 +116,8 @@ if wanted "gradients" then
     if level == 0 and linear == "jacobi" then base = spent.processor end
     out.gradients[#out.gradients + 1] = {level = level, linear = linear, seconds = spent.processor,
       iterations = report.iterations, cg_iterations = report.cg_iterations}
-    print(("  level %d, %-7s %8.2f s, %3d iterations, %6d of conjugate gradients (%.0f each)%s"):format(level, linear,
+    print(("  level %d, %-7s %8.2f s, %3d iterations, %6d of conjugate gradients (%.0f each)%s"):format(level,
+      linear,
       spent.processor, report.iterations, report.cg_iterations, report.cg_iterations / report.iterations,
       linear == "jacobi" and level > 0 and base and (", %.0f times faster than fine (paper: %d)"):format(
         base / spent.processor, level == 1 and 20 or 67) or ""))
@@ -137,7 +141,8 @@ if wanted "library" then
   out.library = {fits = fits, seconds = spent.processor, seconds_clock = spent.clock,
     seconds_per_block = spent.processor / fits, shipped_seconds = library.seconds,
     shipped_fits = #library.errors[1]}
-  print(("a library of two materials, default options: %d blocks, %.1f s of the processor, %.2f s each"):format(fits,
+  print(("a library of two materials, default options: %d blocks, %.1f s of the processor, %.2f s each"):format(
+    fits,
     spent.processor, spent.processor / fits))
   if library.seconds > 0 then -- not kept in files of every version
     print(("the library used: %d blocks of level 1, built in %.0f s"):format(#library.errors[1], library.seconds))

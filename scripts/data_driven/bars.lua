@@ -4,11 +4,11 @@ local bw = require "barwright"
 
 local H = 0.01 -- m, a cell
 
--- Soft, medium and hard layers in turn across an axis. One cell thick: all blocks are mixed.
-local function layers(axis, thickness)
+-- Soft, medium and hard layers in turn across an axis, each a cell thick: all blocks are mixed.
+local function layers(axis)
   return function(x, y, z)
     local at = axis == 1 and x or axis == 2 and y or z
-    return math.floor(at / (thickness * H)) % 3 + 1
+    return math.floor(at / H) % 3 + 1
   end
 end
 
@@ -21,19 +21,19 @@ end
 local bars = {}
 
 bars.pushing = {
-  words = "a cube of upright layers under a plate that sticks to it and comes down by a tenth",
+  words = "a cube of layers on the ground, with an even force on its top",
   levels = 2,
-  grid = box({16, 16, 16}, layers(1, 4)),
+  grid = box({16, 16, 16}, layers(3)),
   act = function(solid)
     solid:hold {side = "low z"}
-    solid:hold({side = "high z"}, {0, 0, -0.1 * 16 * H})
+    solid:force({side = "high z"}, {0, 0, -400})
   end,
 }
 
 bars.bending = {
   words = "a bar of layers, held at one end, with a force across the other",
   levels = 2,
-  grid = box({8, 32, 8}, layers(2, 1)),
+  grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
     solid:hold {side = "low y"}
     solid:force({side = "high y"}, {0, 0, -25})
@@ -44,7 +44,7 @@ bars.bending = {
 bars.twisting = {
   words = "a bar of layers, held at one end and twisted by a couple at the other",
   levels = 2,
-  grid = box({8, 32, 8}, layers(2, 1)),
+  grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
     local middle, force = 4 * H, 60
     solid:hold {side = "low y"}

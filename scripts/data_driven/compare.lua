@@ -68,7 +68,7 @@ function compare.scene(scene, fine, library, methods, each)
           method == "lookup" and library or method, level)
         if not coarse then return nil, message, details, rows end
         local solution
-        spent, solution, message, details = compare.timed(coarse.solve, coarse, scene.solve)
+        spent, solution, message = compare.timed(coarse.solve, coarse, scene.solve)
         if bw.interrupted() then return nil, "interrupted", {status = "cancelled"}, rows end
         if solution then
           row = row_of(method, level, coarse, solution, spent)

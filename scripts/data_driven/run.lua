@@ -102,7 +102,8 @@ end
 local function edit(scene, fine, library, result, out)
   local list = bw.json.list {}
   result.edits = list
-  local grid, coarse, message, details = fine.grid, nil, nil, nil
+  local grid = fine.grid
+  local coarse, message, details
   if library then
     coarse, message, details = fine:coarsen(library, 1)
     if not coarse then return nil, message, details end
@@ -173,13 +174,13 @@ local function run(name, wish, library)
   local results, message = bw.results.open(out, {script = "scripts/data_driven/run.lua",
     options = {scene = name, methods = wish.methods, levels = scene.levels}, inputs = {wish.library}})
   if not results then stop(REFUSED, message) end
-  local fine, rows, reference, details, partial
+  local fine, rows, reference, partial, _
   fine, message = scenes.solid(scene, scenes.palette())
   local result = {scene = name, words = scene.words, paper = library_of.paper(name), finished = false,
     rows = bw.json.list {}}
   local solutions, solved = {}, true
   if fine then
-    rows, reference, details, partial = compare.scene(scene, fine, library, wish.methods,
+    rows, reference, _, partial = compare.scene(scene, fine, library, wish.methods,
       function(row, solution)
         say(name, row)
         if row.failed then solved = false end
