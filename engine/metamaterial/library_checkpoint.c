@@ -1,12 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Checkpoints of a library that is being built.
  *
- *   "BWMCKPT1", u32 length of the head, head, u32 checksum of the head
+ *   "BWMCKPT2", u32 length of the head, head, u32 checksum of the head
  *   records: u32 length n, n bytes (u8 level, u32 fit, f64 seconds so far, the fit), u32 checksum
  *
  * Records are appended by one write each, so that a kill leaves at most one that is cut short; the
  * disk is asked to keep them every few seconds, which is what a power cut may cost. Who opens a
- * checkpoint holds a lock on it. */
+ * checkpoint holds a lock on it. The mark's last digit moves whenever fits come out differently or
+ * this layout changes, so that a library is never put together of fits of two kinds. */
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -20,7 +21,7 @@
 #include "metamaterial/library.h"
 
 enum { MARK_BYTES = 8, RECORD_HEAD = 13, MOST_HEAD = 4096 };
-static const char mark[MARK_BYTES + 1] = "BWMCKPT1";
+static const char mark[MARK_BYTES + 1] = "BWMCKPT2";
 static const double seconds_between_syncs = 3;
 
 struct bwi_checkpoint {
