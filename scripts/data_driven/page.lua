@@ -14,7 +14,7 @@ h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem } figure { margin: 1rem 0 }
 img { max-width: 100%; border: 1px solid #d8dee8; border-radius: 6px } figcaption, small { color: #556 }
 .scroll { overflow-x: auto } table { border-collapse: collapse; width: 100% }
 th, td { text-align: right; padding: .2rem .6rem; border-bottom: 1px solid #e4e8ef;
-  font-variant-numeric: tabular-nums } th:first-child, td:first-child { text-align: left }
+  font-variant-numeric: tabular-nums; white-space: nowrap } th:first-child, td:first-child { text-align: left }
 th { vertical-align: bottom } .met { color: #176b3a } .missed { color: #a3341c }
 tr.first td { border-top: 2px solid #c3cbd8 }
 ]]
