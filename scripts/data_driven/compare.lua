@@ -29,16 +29,11 @@ function compare.timed(f, ...)
   return {clock = bw.seconds() - clock, processor = os.clock() - processor}, a, b, c
 end
 
---- Equilibrium of a fine solid; its preconditioner is made by the `library` where there is one.
-function compare.solve_fine(fine, library, given)
+--- Equilibrium of a fine solid.
+function compare.solve_fine(fine, given)
   local options = {}
   for key, value in pairs(given or {}) do options[key] = value end
-  local coarse, message, details
-  if fine.element_count > DIRECT and not options.linear then
-    coarse, message, details = fine:coarsen(library or "naive", 1)
-    if not coarse then return nil, message, details end
-    options.coarse = coarse
-  end
+  options.linear = options.linear or (fine.element_count > DIRECT and "coarse" or "direct")
   return fine:solve(options)
 end
 
@@ -54,7 +49,7 @@ end
 --- details, rows so far when the fine one has none or the run is interrupted.
 function compare.scene(scene, fine, library, methods, each)
   local rows = bw.json.list {}
-  local spent, reference, message, details = compare.timed(compare.solve_fine, fine, nil, scene.solve)
+  local spent, reference, message, details = compare.timed(compare.solve_fine, fine, scene.solve)
   if not reference then return nil, message, details, rows end
   local row = row_of("fine", 0, fine, reference, spent)
   row.movement = compare.movement(reference)

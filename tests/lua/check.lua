@@ -25,6 +25,14 @@ function check.near(expected, value, tolerance)
   end
 end
 
+--- Numbers from 0 up to below 1, the same ones for the same seed.
+function check.random(seed)
+  return function()
+    seed = (seed * 1103515245 + 12345) % 2147483648
+    return seed / 2147483648
+  end
+end
+
 --- The call raises a message that holds the text.
 function check.raises(text, f, ...)
   local fine, message = pcall(f, ...)

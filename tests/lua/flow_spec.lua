@@ -215,11 +215,7 @@ describe("random drags", function()
     for _, ale in ipairs {false, true} do
       it(("leave a good state: %s%s"):format(name, ale and ", moving mesh" or ""), function()
         local s = assert(make {elements = 200, ale = ale})
-        local seed = 4321
-        local function random()
-          seed = (seed * 1103515245 + 12345) % 2147483648
-          return seed / 2147483648
-        end
+        local random = check.random(4321)
         local done, refused = 0, 0
         for i = 1, count do
           local handle = random() < 0.5 and {loop = "body"}

@@ -216,11 +216,7 @@ describe("random drags", function()
   for name, make in pairs(makers) do
     it("leave a good state: " .. name, function()
       local sheet = assert(make())
-      local seed = 12345
-      local function random()
-        seed = (seed * 1103515245 + 12345) % 2147483648
-        return seed / 2147483648
-      end
+      local random = check.random(12345)
       local done, refused = 0, 0
       for i = 1, count do
         local handle = random() < 0.5 and {loop = "hole"}
