@@ -59,4 +59,6 @@
 
 #include "barwright/picture.h"
 
+#include "barwright/study.h"
+
 #endif
