@@ -1,5 +1,8 @@
--- A cylinder in the wind: vortices part from it in turn. It is dragged up and back while they do.
+-- SPDX-License-Identifier: MIT
+-- Lesson 13: wind.
 --   build/barwright examples/13_wind.lua [FOLDER]
+--
+-- A cylinder in the wind: vortices part from it in turn. It is dragged up and back while they do.
 local bw = require "barwright"
 local folder = arg[1] or "."
 

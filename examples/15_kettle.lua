@@ -1,5 +1,8 @@
--- A kettle heated from below: how much heat goes in, for the shape that it has, while its bottom is drawn out.
+-- SPDX-License-Identifier: MIT
+-- Lesson 15: a kettle.
 --   build/barwright examples/15_kettle.lua [FOLDER]
+--
+-- A kettle heated from below: how much heat goes in, for the shape that it has, while its bottom is drawn out.
 local bw = require "barwright"
 local folder = arg[1] or "."
 

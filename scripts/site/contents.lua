@@ -1,0 +1,29 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Which page stands where in the site. Every page of docs/ must be named here: run.lua refuses to leave one out.
+return {
+  {title = "Start", pages = {
+    {"README.md", "Overview"}, {"docs/tutorial.md", "From an STL file to an answer"},
+    {"gallery", "Gallery"}, {"lessons", "Lessons"},
+  }},
+  {title = "How to", pages = {
+    {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
+  }},
+  {title = "Tutorials", pages = {
+    {"docs/tutorial_edit.md", "Edit sessions"}, {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"},
+    {"docs/tutorial_solids.md", "Soft bodies"},
+  }},
+  {title = "Theory", pages = {
+    {"docs/theory/elements.md", "Elements"}, {"docs/theory/filling.md", "Filling a surface"},
+    {"docs/theory/solving.md", "Solving"}, {"docs/theory/worst_case.md", "Worst case"},
+    {"docs/theory/edit.md", "Edit sessions"}, {"docs/theory/responsive.md", "The plane"},
+    {"docs/theory/data_driven.md", "Soft bodies, coarsened"},
+    {"docs/theory/studies.md", "Studies, scenarios, experiments"},
+  }},
+  {title = "Reference", pages = {
+    {"docs/reference.md", "API"}, {"docs/verification.md", "Verification"},
+    {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Beside other tools"},
+  }},
+  {title = "Inside", pages = {
+    {"docs/map.md", "Map of the source"}, {"CONTRIBUTING.md", "How to contribute"},
+  }},
+}

@@ -1,0 +1,43 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Each lesson of examples/ as a page: what its head says, how to run it, the whole program.
+local markdown = require "markdown"
+
+local lessons = {}
+
+--- What a lesson's source says of itself: {number, title, run, text, source}.
+function lessons.read(path)
+  local file = assert(io.open(path, "rb"))
+  local source = file:read "a"
+  file:close()
+  local number, title = source:match "\n%-%- Lesson (%d+): ([^\n]*)\n"
+  if not number then return nil, path .. ": its head has no line '-- Lesson N: title'" end
+  local head, words, run = source:match "^(.-)\n[^-]", {}, nil
+  for line in head:gmatch "[^\n]+" do
+    local text = line:match "^%-%- ?(.*)$" or ""
+    if text:match "^  build/barwright" then
+      run = run or text:match "^%s*(.*)"
+    elseif not text:match "^SPDX" and not text:match "^Lesson" then
+      words[#words + 1] = text
+    end
+  end
+  title = title:gsub("%.$", ""):gsub("^%l", string.upper)
+  return {number = tonumber(number), title = title, run = run, text = table.concat(words, "\n"),
+    source = source:sub(#head + 2), path = path}
+end
+
+--- Its page as HTML.
+function lessons.html(lesson, pictures)
+  local out = {("<h1>%d. %s</h1>"):format(lesson.number, markdown.escape(lesson.title))}
+  out[#out + 1] = (markdown.html(lesson.text, function(target) return target end))
+  if lesson.run then
+    out[#out + 1] = ("<pre><code>%s</code></pre>"):format(markdown.escape(lesson.run))
+  end
+  for _, picture in ipairs(pictures or {}) do
+    out[#out + 1] = ('<p><img src="../%s" alt="%s" loading="lazy"></p>'):format(picture.file,
+      markdown.escape(picture.caption))
+  end
+  out[#out + 1] = ('<pre class="lua"><code>%s</code></pre>'):format(markdown.lua(lesson.source))
+  return table.concat(out, "\n")
+end
+
+return lessons

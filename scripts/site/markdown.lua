@@ -1,0 +1,67 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Markdown to HTML by cmark-gfm, with what a site needs beside it: a name for each heading, links to other
+-- pages and to sources, colours for code.
+local colour = require "colour"
+
+local markdown = {}
+
+local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
+
+local function plain(html)
+  return (html:gsub("<[^>]*>", ""):gsub("&lt;", "<"):gsub("&gt;", ">"):gsub("&quot;", '"'):gsub("&amp;", "&"))
+end
+markdown.plain = plain
+
+function markdown.escape(text)
+  return (text:gsub("[&<>\"]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;"}))
+end
+
+-- The name that others who show Markdown give a heading: small letters, hyphens for spaces, no other signs.
+local function slug(text, taken)
+  local name = text:lower():gsub("[^%w%s_\128-\255-]", ""):gsub("%s", "-")
+  if taken[name] then
+    taken[name] = taken[name] + 1
+    name = name .. "-" .. taken[name]
+  else
+    taken[name] = 0
+  end
+  return name
+end
+
+--- The HTML of a Markdown text: html, headings {level, name, text}. `link(target)` says where a link leads to.
+function markdown.html(text, link)
+  local name = os.tmpname()
+  local file = assert(io.open(name, "wb"))
+  file:write(text)
+  file:close()
+  local pipe = assert(io.popen("cmark-gfm --unsafe -e table -e autolink -e strikethrough " .. quoted(name)))
+  local html = pipe:read "a"
+  local fine = pipe:close()
+  os.remove(name)
+  if not fine then return nil, "cmark-gfm failed: is the Debian package cmark-gfm installed?" end
+  local headings, taken = {}, {}
+  html = html:gsub("<h(%d)>(.-)</h%d>", function(level, inner)
+    local words = plain(inner)
+    local id = slug(words, taken)
+    headings[#headings + 1] = {level = tonumber(level), name = id, text = words}
+    return ('<h%s id="%s">%s <a class="anchor" href="#%s" aria-label="link to this section">#</a></h%s>'):format(
+      level, id, inner, id, level)
+  end)
+  html = html:gsub('(<%a+[^>]- ?)(%a+)="([^"]*)"', function(before, attribute, target)
+    if attribute ~= "href" and attribute ~= "src" then return nil end
+    return ('%s%s="%s"'):format(before, attribute, link(target, attribute))
+  end)
+  html = html:gsub('<pre><code class="language%-(%a+)">(.-)</code></pre>', function(language, code)
+    local coloured = language == "lua" and markdown.lua(plain(code)) or code
+    return ('<pre class="%s"><code>%s</code></pre>'):format(language, coloured)
+  end)
+  html = html:gsub("<table>(.-)</table>", '<div class="scroll"><table>%1</table></div>')
+  return html, headings
+end
+
+--- Lua with its words, texts, numbers and comments marked.
+function markdown.lua(source)
+  return colour.lua(source, markdown.escape)
+end
+
+return markdown

@@ -1,0 +1,201 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Makes the documentation's site from README, docs/ and examples/: one folder that opens from disk or from any
+-- web server. With --gallery the lessons are run first, and what they draw is shown. Exits with 1 when a page is
+-- left out or a link leads nowhere.
+--   build/barwright scripts/site/run.lua [--out out/site] [--gallery]
+local root = arg[0]:match "^(.*)/scripts/site/[^/]*$" or "."
+package.path = root .. "/scripts/site/?.lua;" .. package.path
+local bw = require "barwright"
+local contents = require "contents"
+local gallery = require "gallery"
+local lessons = require "lessons"
+local links = require "links"
+local markdown = require "markdown"
+
+local wish, i = {out = "out/site"}, 1
+while arg[i] do
+  if arg[i] == "--gallery" then
+    wish.gallery = true
+  elseif arg[i] == "--out" and arg[i + 1] then
+    wish.out, i = arg[i + 1], i + 1
+  else
+    io.stderr:write(("site: '%s' is not known (known: --out FOLDER, --gallery)\n"):format(arg[i]))
+    os.exit(2)
+  end
+  i = i + 1
+end
+
+local function read(path)
+  local file = assert(io.open(path, "rb"))
+  local text = file:read "a"
+  file:close()
+  return text
+end
+
+-- Beside its target and renamed: an older site stays whole until the new page is.
+local function write(path, text)
+  local file = assert(io.open(path .. ".partial", "wb"))
+  assert(file:write(text))
+  assert(file:close())
+  assert(os.rename(path .. ".partial", path))
+end
+
+local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
+
+local function list(pattern)
+  local out, pipe = {}, assert(io.popen("cd " .. quoted(root) .. " && ls " .. pattern))
+  for line in pipe:lines() do out[#out + 1] = line end
+  pipe:close()
+  return out
+end
+
+assert(os.execute("mkdir -p " .. quoted(wish.out)))
+assert(os.execute(("cd %s && mkdir -p docs/theory docs/images examples source"):format(quoted(wish.out))))
+local problems = {}
+
+-- ---- which pages there are ---------------------------------------------------------------------
+local pages, by_source = {}, {}
+local function add(source, title, address)
+  local page = {source = source, title = title, address = address}
+  pages[#pages + 1] = page
+  by_source[source] = page
+  return page
+end
+for _, group in ipairs(contents) do
+  for _, entry in ipairs(group.pages) do
+    local source = entry[1]
+    add(source, entry[2], source == "README.md" and "index.html" or source:match "^%a+$" and source .. ".html"
+      or (source:gsub("%.md$", ".html")))
+  end
+end
+for _, source in ipairs(list "docs/*.md docs/theory/*.md") do
+  -- The parts of the verification manual are in the manual.
+  if not by_source[source] and not source:match "^docs/verification_" then
+    problems[#problems + 1] = source .. ": stands in no group of scripts/site/contents.lua"
+  end
+end
+local all_lessons = {}
+for _, source in ipairs(list "examples/*.lua") do
+  local lesson, message = lessons.read(root .. "/" .. source)
+  if lesson then
+    lesson.page = add(source, lesson.title, (source:gsub("%.lua$", ".html")))
+    lesson.page.hidden = true
+    all_lessons[#all_lessons + 1] = lesson
+  else
+    problems[#problems + 1] = message
+  end
+end
+table.sort(all_lessons, function(a, b) return a.number < b.number end)
+
+-- ---- what each page says -----------------------------------------------------------------------
+local pictures = gallery.make(root, wish.out, wish.gallery, all_lessons)
+local template = read(root .. "/scripts/site/page.html")
+local version, commit = bw.version()
+local sections = bw.json.list {}
+
+local function up(address) return ("../"):rep(select(2, address:gsub("/", ""))) end
+
+local function navigation(page)
+  local out = {}
+  for _, group in ipairs(contents) do
+    out[#out + 1] = "<h2>" .. group.title .. "</h2><ul>"
+    for _, entry in ipairs(group.pages) do
+      local other = by_source[entry[1]]
+      if other.there then
+        out[#out + 1] = ('<li><a href="%s%s"%s>%s</a></li>'):format(up(page.address), other.address,
+          other == page and ' aria-current="page"' or "", markdown.escape(other.title))
+      end
+    end
+    out[#out + 1] = "</ul>"
+  end
+  return table.concat(out)
+end
+
+local function section_list(page)
+  local out = {}
+  for _, heading in ipairs(page.headings or {}) do
+    if heading.level == 2 or heading.level == 3 and #page.headings < 60 then
+      out[#out + 1] = ('<li%s><a href="#%s">%s</a></li>'):format(heading.level == 3 and ' class="deep"' or "",
+        heading.name, markdown.escape(heading.text))
+    end
+  end
+  return #out > 1 and "<ul>" .. table.concat(out) .. "</ul>" or ""
+end
+
+-- For the search: the text under each heading.
+local function index(page)
+  local heading, name = page.title, nil
+  local function add_section(html)
+    local text = markdown.plain(html:gsub('<a class="anchor".-</a>', "")):gsub("%s+", " ")
+    if #text > 1 then
+      sections[#sections + 1] = {page = page.title, heading = heading,
+        address = page.address .. (name and "#" .. name or ""), text = text:sub(1, 1500)}
+    end
+  end
+  local at = 1
+  for from, id, words, after in page.html:gmatch '()<h%d id="([^"]*)">(.-)</h%d>()' do
+    add_section(page.html:sub(at, from - 1))
+    heading, name, at = markdown.plain(words:gsub("<a class.*", "")):gsub("%s+$", ""), id, after
+  end
+  add_section(page.html:sub(at))
+end
+
+local shown = {} -- files that pages lead to and that have no page
+for _, page in ipairs(pages) do
+  local file = page.source:match "%.md$" and io.open(root .. "/" .. page.source, "rb")
+  if file then
+    local text = file:read "a"
+    file:close()
+    page.there = true
+    page.html, page.headings = assert(markdown.html(text, links.from(page, by_source, shown)))
+  elseif page.source == "gallery" then
+    page.there, page.html = true, gallery.html(pictures, by_source)
+  elseif page.source == "lessons" then
+    local rows = {"<h1>Lessons</h1><p>Each is one short program that the tests run.</p><ol>"}
+    for _, lesson in ipairs(all_lessons) do
+      rows[#rows + 1] = ('<li value="%d"><a href="%s">%s</a></li>'):format(lesson.number, lesson.page.address,
+        markdown.escape(lesson.title))
+    end
+    page.there, page.html = true, table.concat(rows, "\n") .. "</ol>"
+  elseif page.source:match "%.md$" then
+    problems[#problems + 1] = page.source .. ": named in scripts/site/contents.lua, but not there"
+  end
+end
+for _, lesson in ipairs(all_lessons) do
+  lesson.page.there = true
+  lesson.page.html = lessons.html(lesson, pictures[lesson.path])
+end
+
+for source in pairs(shown) do
+  local file = io.open(root .. "/" .. source, "rb")
+  local text = file and file:read "a"
+  if file then file:close() end
+  if text then
+    local page = add(source, source, "source/" .. source:gsub("/", "_") .. ".html")
+    page.there = true
+    page.html = ("<h1>%s</h1><pre><code>%s</code></pre>"):format(source,
+      (source:match "%.lua$" and markdown.lua or markdown.escape)(text))
+  end
+end
+
+local function fill(values)
+  return (template:gsub("@(%u+)@", function(name) return values[name] end))
+end
+for _, page in ipairs(pages) do
+  if page.there then
+    index(page)
+    write(wish.out .. "/" .. page.address, fill {TITLE = markdown.escape(page.title), ROOT = up(page.address),
+      VERSION = version .. (commit ~= "" and ", " .. commit or ""), PAGES = navigation(page), BODY = page.html,
+      SECTIONS = section_list(page)})
+  end
+end
+for _, name in ipairs {"site.css", "site.js"} do
+  write(wish.out .. "/" .. name, read(root .. "/scripts/site/" .. name))
+end
+write(wish.out .. "/search.js", "const sections = " .. bw.json.encode(sections) .. ";\n")
+
+-- ---- do all links lead somewhere? --------------------------------------------------------------
+for _, problem in ipairs(links.check(wish.out, pages)) do problems[#problems + 1] = problem end
+for _, problem in ipairs(problems) do io.stderr:write("site: ", problem, "\n") end
+print(("%d pages in %s, %d pictures, %d problems"):format(#pages, wish.out, #pictures, #problems))
+os.exit(#problems == 0 and 0 or 1, true)

@@ -1,0 +1,61 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The documentation's site: every page has its place, every link leads somewhere.
+package.path = "scripts/site/?.lua;" .. package.path
+
+local function read(path)
+  local file = assert(io.open(path, "rb"))
+  local text = file:read "a"
+  file:close()
+  return text
+end
+
+describe("site", function()
+  it("is made whole: no page left out, no link to nowhere", function()
+    if not os.execute "command -v cmark-gfm >/dev/null 2>&1" then return pending "cmark-gfm is not installed" end
+    local folder = os.tmpname()
+    os.remove(folder)
+    local pipe = assert(io.popen(("build/barwright scripts/site/run.lua --out '%s' 2>&1"):format(folder)))
+    local said = pipe:read "a"
+    local fine = pipe:close()
+    assert.is_true(fine, said)
+    assert.truthy(said:find("0 problems", 1, true), said)
+    local index = read(folder .. "/index.html")
+    assert.truthy(index:find('<a href="docs/tutorial.html"', 1, true))
+    assert.falsy(index:find("@%u+@"))
+    local search = read(folder .. "/search.js")
+    assert.truthy(search:find("Weak regions", 1, true) or search:find("weak regions", 1, true))
+    local lesson = read(folder .. "/examples/01_where_will_it_break.html")
+    assert.truthy(lesson:find('<span class="word">local</span>', 1, true))
+    os.execute(("rm -rf '%s'"):format(folder))
+  end)
+
+  it("colours Lua without changing it", function()
+    local colour = require "colour"
+    local source = "" ..
+      'local a = [==[ x ]] ]==] -- "no text"\nb = \'it\\\'s\' .. 0x1F '
+      .. '+ 1e-3 --[[ two\nlines ]] return a'
+    local html = colour.lua(source, function(text) return text end)
+    assert.equal(source, (html:gsub('<span class="%a+">', ""):gsub("</span>", "")))
+    assert.truthy(html:find('<span class="text">[==[ x ]] ]==]</span>', 1, true))
+    assert.truthy(html:find('<span class="comment">-- "no text"</span>', 1, true))
+    assert.truthy(html:find('<span class="text">\'it\\\'s\'</span>', 1, true))
+    assert.truthy(html:find('<span class="number">1e-3</span>', 1, true))
+    assert.truthy(html:find('<span class="comment">--[[ two\nlines ]]</span>', 1, true))
+  end)
+
+  it("tells a link that leads nowhere", function()
+    local links = require "links"
+    assert.equal("docs/live.md", links.joined("docs/theory/", "../live.md"))
+    local folder = os.tmpname()
+    os.remove(folder)
+    assert(os.execute("mkdir " .. folder))
+    local file = assert(io.open(folder .. "/a.html", "w"))
+    file:write '<h1 id="here"></h1> <a href="#here"></a> <a href="#there"></a> <a href="b.html"></a>'
+    file:close()
+    local problems = links.check(folder, {{source = "a.md", address = "a.html", there = true}})
+    os.execute("rm -rf " .. folder)
+    assert.equal(2, #problems)
+    assert.truthy(problems[1]:find "no such section")
+    assert.truthy(problems[2]:find "not there")
+  end)
+end)
