@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The program barwright: runs a script or statements, or opens a prompt, with the module built in.
+/* The program barwright: runs a command, a script or statements, or opens a prompt, with the module
+ * built in. Commands are Lua: lua/barwright/command.
  *
  * Ctrl-C: while the engine works, the first one asks it to stop; the call returns nil, "cancelled"
  * and the script can keep what is done. Otherwise, and the second time, an error is raised at the
@@ -15,7 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { INTERRUPTED = 130 };
+enum { MISUSED = 2, INTERRUPTED = 130 };
 
 static lua_State *interrupted_state; /* whose script the handler stops */
 static lbw_state *engine;
@@ -134,17 +135,15 @@ static void set_path(lua_State *L) {
 
 /* ---- the command line ------------------------------------------------------------------------ */
 
-static void print_help(void) {
-  puts("usage: barwright [options] [script.lua [arguments]]\n"
-       "       barwright live session.lua [options]   an edit session in the browser (--help)\n"
-       "  -e STATEMENTS   run them (barwright is loaded as bw)\n"
-       "  -i              open the prompt after the script or the statements\n"
-       "  --gc-stress     run the whole collector at every allocation (slow; for tests)\n"
-       "  --version       versions of barwright and of the libraries it stands on\n"
-       "  --help          this text\n"
-       "Without a script: a prompt. The script sees its arguments in the table arg.\n"
-       "Environment: BARWRIGHT_THREADS (number of threads), BARWRIGHT_QUIET=1 (no progress).\n"
-       "Exit status: 0, 1 after an error, 130 after Ctrl-C, or what the script gives os.exit.");
+/* What the commands are is known in Lua. */
+static int print_help(lua_State *L) {
+  lua_getglobal(L, "require");
+  lua_pushliteral(L, "barwright.command");
+  lua_call(L, 1, 1);
+  lua_getfield(L, -1, "help");
+  lua_call(L, 0, 1);
+  puts(lua_tostring(L, -1));
+  return 0;
 }
 
 static int print_version(lua_State *L) {
@@ -221,11 +220,22 @@ static void set_arguments(lua_State *L, const command *c) {
   lua_setglobal(L, "arg");
 }
 
+/* Scripts are text: bytecode can do anything to the process that runs it. */
+static bool loaded(lua_State *L, int failure) {
+  if (failure == LUA_OK)
+    return true;
+  const char *message = lua_tostring(L, -1);
+  fprintf(stderr, "barwright: %s%s\n", message,
+          strstr(message, "attempt to load a binary chunk")
+              ? ": a script is loaded as text only, a precompiled one (luac) is refused"
+              : "");
+  return false;
+}
+
 static bool run_script(lua_State *L, const command *c) {
-  if (luaL_loadfile(L, strcmp(c->script, "-") == 0 ? NULL : c->script) != LUA_OK) {
-    fprintf(stderr, "barwright: %s\n", lua_tostring(L, -1));
+  const char *path = strcmp(c->script, "-") == 0 ? NULL : c->script;
+  if (!loaded(L, luaL_loadfilex(L, path, "t")))
     return false;
-  }
   int arguments = c->count - c->script_at - 1;
   luaL_checkstack(L, arguments + 4, "too many arguments");
   for (int i = 0; i < arguments; i++)
@@ -233,34 +243,76 @@ static bool run_script(lua_State *L, const command *c) {
   return program_call(L, arguments, 0);
 }
 
-/* barwright live FILE ...: the function run of barwright.live_command with the arguments. */
-static int run_live(lua_State *L) {
-  int arguments = lua_gettop(L);
+static bool run_statements(lua_State *L, const char *text) {
+  return loaded(L, luaL_loadbufferx(L, text, strlen(text), "=(command line)", "t")) &&
+         program_call(L, 0, 0);
+}
+
+/* name: what barwright.command says of it: true when it is a command; else a name that is near */
+static int is_command(lua_State *L) {
   lua_getglobal(L, "require");
-  lua_pushliteral(L, "barwright.live_command");
+  lua_pushliteral(L, "barwright.command");
+  lua_call(L, 1, 1);
+  lua_getfield(L, -1, "known");
+  lua_pushvalue(L, 1);
+  lua_call(L, 1, 1);
+  if (lua_toboolean(L, -1))
+    return 1;
+  lua_getfield(L, -2, "nearest");
+  lua_pushvalue(L, 1);
+  lua_call(L, 1, 1);
+  return 1;
+}
+
+/* barwright NAME ...: the exit code of barwright.command.run(NAME, ...). */
+static int call_command(lua_State *L) {
+  int words = lua_gettop(L);
+  lua_getglobal(L, "require");
+  lua_pushliteral(L, "barwright.command");
   lua_call(L, 1, 1);
   lua_getfield(L, -1, "run");
   lua_insert(L, 1);
   lua_pop(L, 1);
-  lua_call(L, arguments, 0);
-  return 0;
+  lua_call(L, words, 1);
+  return 1;
 }
 
-static bool run_command(lua_State *L, const command *c) {
-  int arguments = c->count - c->script_at - 1;
-  luaL_checkstack(L, arguments + 8, "too many arguments");
-  lua_pushcfunction(L, run_live);
-  for (int i = 0; i < arguments; i++)
-    lua_pushstring(L, c->value[c->script_at + 1 + i]);
-  return program_call(L, arguments, 0);
+/* A word without a dot or a slash is the name of a command, if there is one; else a script. */
+static int run_word(lua_State *L, const command *c) {
+  if (strpbrk(c->script, "./") || strcmp(c->script, "-") == 0)
+    return run_script(L, c) ? EXIT_SUCCESS : EXIT_FAILURE;
+  lua_pushcfunction(L, is_command);
+  lua_pushstring(L, c->script);
+  if (!program_call(L, 1, 1))
+    return EXIT_FAILURE;
+  if (!lua_isboolean(L, -1)) {
+    if (access(c->script, F_OK) == 0)
+      return run_script(L, c) ? EXIT_SUCCESS : EXIT_FAILURE;
+    fprintf(stderr,
+            "barwright: there is no command '%s' and no file: did you mean 'barwright %s'?\n",
+            c->script, lua_tostring(L, -1));
+    return MISUSED;
+  }
+  lua_pop(L, 1);
+  int words = c->count - c->script_at;
+  luaL_checkstack(L, words + 8, "too many arguments");
+  lua_pushcfunction(L, call_command);
+  for (int i = 0; i < words; i++)
+    lua_pushstring(L, c->value[c->script_at + i]);
+  if (!program_call(L, words, 1))
+    return EXIT_FAILURE;
+  int code = (int)lua_tointeger(L, -1);
+  lua_pop(L, 1);
+  return code;
 }
 
-static bool run(lua_State *L, const command *c) {
+/* The exit code. */
+static int run(lua_State *L, const command *c) {
   set_path(L);
   set_arguments(L, c);
-  if (c->version) {
-    lua_pushcfunction(L, print_version);
-    return program_call(L, 0, 0);
+  if (c->version || c->help) {
+    lua_pushcfunction(L, c->help ? print_help : print_version);
+    return program_call(L, 0, 0) ? EXIT_SUCCESS : EXIT_FAILURE;
   }
   bool prompt = c->prompt || (!c->script && !c->statements);
   if (c->stress) {
@@ -274,31 +326,23 @@ static bool run(lua_State *L, const command *c) {
     lua_pushcfunction(L, load_module);
     fine = program_call(L, 0, 0);
   }
-  if (fine && c->statements) {
-    if (luaL_loadbuffer(L, c->statements, strlen(c->statements), "=(command line)") != LUA_OK) {
-      fprintf(stderr, "barwright: %s\n", lua_tostring(L, -1));
-      fine = false;
-    } else
-      fine = program_call(L, 0, 0);
-  }
+  if (fine && c->statements)
+    fine = run_statements(L, c->statements);
+  int code = fine ? EXIT_SUCCESS : EXIT_FAILURE;
   if (fine && c->script)
-    fine = strcmp(c->script, "live") == 0 ? run_command(L, c) : run_script(L, c);
+    code = run_word(L, c);
   if (prompt && !engine->stopping) {
     program_prompt(L);
-    return true;
+    return EXIT_SUCCESS;
   }
-  return fine;
+  return code;
 }
 
 int main(int argc, char **argv) {
   command c;
   memset(&c, 0, sizeof c);
   if (!read_command(argc, argv, &c))
-    return 2;
-  if (c.help) {
-    print_help();
-    return 0;
-  }
+    return MISUSED;
   setlocale(LC_CTYPE, ""); /* for editing lines of UTF-8; numbers stay with the C locale */
   lua_State *L = luaL_newstate();
   if (!L) {
@@ -316,8 +360,9 @@ int main(int argc, char **argv) {
     engine->progress = program_progress;
   signal(SIGTERM, on_termination);
   signal(SIGHUP, on_termination);
-  bool fine = run(L, &c);
-  int status = engine->stopping ? INTERRUPTED : fine ? EXIT_SUCCESS : EXIT_FAILURE;
+  int status = run(L, &c);
+  if (engine->stopping)
+    status = INTERRUPTED;
   program_ignore_interrupt();
   program_progress_clear();
   lua_close(L);

@@ -428,14 +428,14 @@ describe("barwright live", function()
     check.write(folder .. "/nothing.lua", "return 5")
     check.write(folder .. "/broken.lua", "return (")
     for arguments, text in pairs {
-      [""] = "SESSION.lua is missing",
+      [""] = "FILE is missing",
       [folder .. "/missing.lua"] = "No such file",
       [folder .. "/nothing.lua"] = "must return a session",
       [folder .. "/broken.lua"] = "unexpected symbol",
-      ["--prot 3 x.lua"] = "did you mean '--port'",
-      ["x.lua --port 70000"] = "a number from 0 to 65535 expected",
+      ["--prot 3 x.lua"] = "did you mean --port",
+      ["x.lua --port 70000"] = "a whole number from 0 up to 65535 expected",
       ["x.lua --save"] = "a value is missing",
-      ["x.lua y.lua"] = "one file expected",
+      ["x.lua y.lua"] = "one argument too many",
     } do
       local status, _, err = check.run("live " .. arguments)
       assert.equal(2, status, arguments .. ": " .. err)

@@ -9,7 +9,7 @@ export const difference = (a, b) => Math.max(...a.map((x, i) => Math.abs(x - b[i
 // Starts `barwright live` on a file; gives its address and a way to end it.
 export function serve(root, file, before) {
   const run = before
-    ? ["-e", `${before} require("barwright.live_command").run("${file}", "--no-open")`]
+    ? ["-e", `${before} require("barwright.command").run("live", "${file}", "--no-open")`]
     : ["live", file, "--no-open"];
   const child = spawn(path.join(root, "build/barwright"), run, {
     cwd: root,

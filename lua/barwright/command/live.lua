@@ -8,53 +8,9 @@ local kinds = require "barwright.live_plane_kinds"
 local live = require "barwright.live"
 local plane_edits = require "barwright.live_plane_edits"
 
-local command = {}
-
-local usage = [[
-usage: barwright live SESSION.lua [options]
-  --port N      the port to listen at (default: any that is free)
-  --save FILE   where the edits are kept (default: SESSION.edits.lua beside it; they are replayed
-                when they are there already)
-  --fresh       begin without the edits kept before; the file is kept as FILE~
-  --no-open     print the address only, do not open a browser
-SESSION.lua returns a session (bw.edit), a part and the options of bw.edit, or an object of
-bw.responsive; or is a file of edits that was kept of one.
-Only this machine can reach the page, and only with the address that is printed. Ctrl-C ends it.]]
-
--- Nothing, after one sentence on standard error: the caller's next word is "return".
-local function fail(text)
-  io.stderr:write("barwright live: ", text, "\n")
-  os.exit(2, true)
-end
-
-local function read_arguments(list)
-  local wish, i = {open = true, port = 0}, 1
-  local function value(name)
-    i = i + 1
-    return list[i] or fail(name .. ": a value is missing")
-  end
-  while i <= #list do
-    local word = list[i]
-    if word == "--help" or word == "-h" then
-      print(usage)
-      os.exit(0, true)
-    elseif word == "--port" then
-      wish.port = math.tointeger(tonumber(value(word)))
-      if not wish.port or wish.port < 0 or wish.port > 65535 then
-        fail "--port: a number from 0 to 65535 expected"
-      end
-    elseif word == "--save" then wish.save = value(word)
-    elseif word == "--fresh" then wish.fresh = true
-    elseif word == "--no-open" then wish.open = false
-    elseif word:sub(1, 1) == "-" then
-      fail(("unknown option '%s': did you mean '%s'?"):format(word,
-        core.nearest(word, {"--port", "--save", "--fresh", "--no-open", "--help"})))
-    elseif wish.file then fail("one file expected, got also " .. word)
-    else wish.file = word end
-    i = i + 1
-  end
-  if not wish.file then fail("SESSION.lua is missing\n" .. usage) end
-  return wish
+-- One sentence that ends the command: caught where it is run.
+local function fail(text, status)
+  error({text = text, status = status})
 end
 
 -- ---- sessions --------------------------------------------------------------------------------------
@@ -179,9 +135,7 @@ local function open_file(wish)
   return (text:find('require%("barwright"%)%.edit%.begin%(') and open_edits or open_script)(wish)
 end
 
---- The program's subcommand.
-function command.run(...)
-  local wish = read_arguments {...}
+local function serve(wish, out)
   local served, about, saved = open_file(wish)
   local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
   local opened
@@ -189,21 +143,51 @@ function command.run(...)
   given.port, given.name, given.saved = wish.port, name, saved
   given.title = about.title or not kinds.of(served) and name or nil -- else the kind's
   function given.ready(address)
-    print(address)
-    print(("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends."):format(saved))
+    print(address) -- also under --quiet: nobody could open it else
+    out:say("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends.", saved)
     io.stdout:flush()
-    if wish.open then opened = open_browser(address) end
+    if not wish.no_open then opened = open_browser(address) end
   end
-  local fine, message = live.run(served, given)
+  local fine, message, details = live.run(served, given)
   if opened then os.remove(opened) end
-  if not fine then fail(message) end
+  if not fine then fail(message, details and details.status) end
+  local count
   if kinds.of(served) then
     local _, lines = plane_edits.read(read(saved))
-    print(("%d edits in force, kept in %s"):format(#lines, saved))
-    return
+    count = #lines
+  else
+    count = #served.edits
+    served:close()
   end
-  print(("%d edits in force, kept in %s"):format(#served.edits, saved))
-  served:close()
+  out:say("%d edits in force, kept in %s", count, saved)
+  out:json {edits = count, kept = saved}
 end
 
-return command
+local function run(wish, out)
+  local fine, problem = xpcall(serve, function(problem)
+    return type(problem) == "table" and problem or debug.traceback(problem, 2)
+  end, wish, out)
+  if fine then return end
+  if type(problem) ~= "table" then error(problem, 0) end
+  out:fail(problem.text, {status = problem.status})
+  return 2
+end
+
+return {
+  summary = "an edit session in the browser",
+  about = "Opens the live view of what a file makes: a session (bw.edit), a part and the options of bw.edit, or an "
+    .. "object of bw.responsive; or of a file of edits that was kept of one. Only this machine can reach the "
+    .. "page, and only with the address that is printed. Ctrl-C ends it.",
+  server = true,
+  arguments = {{name = "file", type = "file", what = "a script that returns the session, or saved edits"}},
+  options = {
+    {name = "port", value = "N", type = "integer", default = 0, least = 0, most = 65535,
+      what = "the port to listen at; 0: any that is free"},
+    {name = "save", value = "FILE", type = "file", what = "where the edits are kept; else SESSION.edits.lua "
+      .. "beside the file. They are replayed when they are there already"},
+    {name = "fresh", type = "flag", what = "begin without the edits kept before; the file is kept as FILE~"},
+    {name = "no-open", type = "flag", what = "print the address only, do not open a browser"},
+  },
+  examples = {"barwright live hook.lua", {"barwright live hook.edits.lua", "goes on from the edits kept before"}},
+  run = run,
+}

@@ -1,0 +1,146 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The commands of the program, `barwright NAME ...`: which there are, and how one is run. Each is a module
+-- barwright.command.NAME that returns data (see arguments.lua); help, completion and the man page are
+-- made from it.
+local core = require "barwright.core"
+local arguments = require "barwright.command.arguments"
+local help_text = require "barwright.command.help_text"
+local output = require "barwright.command.output"
+
+local commands = {}
+
+-- In the order of help. What is not installed is left out.
+local list = {"check", "worst", "modes", "statics", "convert", "materials", "live", "test", "study", "rerun",
+  "completion", "manual", "help"}
+
+--- What the program itself understands before a command or a script.
+commands.program_options = {
+  {name = "e", short = true, value = "STATEMENTS", what = "run them (the module is loaded as bw)"},
+  {name = "i", short = true, type = "flag", what = "open the prompt after the script or the statements"},
+  {name = "gc-stress", type = "flag",
+    what = "run the whole collector at every allocation (slow; for tests)"},
+  {name = "version", type = "flag", what = "versions of barwright and of the libraries it stands on"},
+  {name = "help", type = "flag", what = "this text; `barwright NAME --help` tells about a command"},
+}
+
+local function module_of(name)
+  return "barwright.command." .. name
+end
+
+local present = {}
+
+--- Whether there is a command of the name.
+function commands.known(name)
+  for _, known in ipairs(list) do
+    if known == name then
+      if present[name] == nil then
+        present[name] = package.loaded[module_of(name)] ~= nil
+          or package.searchpath(module_of(name), package.path) ~= nil
+      end
+      return present[name]
+    end
+  end
+  return false
+end
+
+--- The names of the commands that are there.
+function commands.names()
+  local names = {}
+  for _, name in ipairs(list) do
+    if commands.known(name) then names[#names + 1] = name end
+  end
+  return names
+end
+
+--- The data of a command.
+function commands.load(name)
+  return require(module_of(name))
+end
+
+--- "did you mean" for a word that is neither a command nor a file.
+function commands.nearest(word)
+  return core.nearest(word, commands.names())
+end
+
+--- The text of `barwright --help`.
+function commands.help()
+  local lines = {"usage: barwright COMMAND ...            a command, see below",
+    "       barwright [options] [SCRIPT.lua [arguments]]", "", "commands:"}
+  local rows = {}
+  for i, name in ipairs(commands.names()) do rows[i] = {name, commands.load(name).summary} end
+  help_text.table_of(rows, lines)
+  lines[#lines + 1] = ""
+  lines[#lines + 1] = "options:"
+  rows = {}
+  for i, rule in ipairs(commands.program_options) do
+    local text = help_text.option(rule)
+    rows[i] = {rule.short and text:sub(2) or text, rule.what .. help_text.notes(rule)}
+  end
+  help_text.table_of(rows, lines)
+  for _, line in ipairs {"", "Without a script or a command: a prompt. A script sees its arguments in the table arg;",
+    "one whose file is named like a command is run as ./NAME.",
+    "Environment: BARWRIGHT_THREADS (number of threads), BARWRIGHT_QUIET=1 (no progress).",
+    "Exit status: 0 yes or done; 1 the answer is no, or an error; 2 misuse; 130 after Ctrl-C; of a",
+    "script what it gives os.exit."} do
+    lines[#lines + 1] = line
+  end
+  return table.concat(lines, "\n")
+end
+
+-- Whether --json stands among the words: also where they cannot be read.
+local function wants_json(words)
+  for _, word in ipairs(words) do
+    if word == "--" then return false end
+    if word == "--json" then return true end
+  end
+  return false
+end
+
+-- An error that a command did not expect: its fault, not that of who runs it.
+local function trace(problem)
+  if type(problem) == "string" or type(problem) == "number" then
+    return debug.traceback(tostring(problem), 2)
+  end
+  return problem
+end
+
+--- Runs a command with the words behind its name; returns the exit code.
+function commands.run(name, ...)
+  local words = {...}
+  local command = commands.load(name)
+  local wish, message = arguments.parse(command, words)
+  if not wish then
+    local out = output.create(name, {json = wants_json(words)})
+    return out:finish(out:misuse(message))
+  end
+  if wish.help then
+    print(help_text.of(name, command))
+    return output.DONE
+  end
+  if wish.quiet then core.progress(function() end) end
+  local out = output.create(name, wish)
+  if wish.json then
+    -- Only the object goes to standard output; what a script prints goes beside it.
+    function print(...)
+      local texts = table.pack(...)
+      for i = 1, texts.n do texts[i] = tostring(texts[i]) end
+      io.stderr:write(table.concat(texts, "\t"), "\n")
+    end
+  end
+  local fine, code = xpcall(command.run, trace, wish, out)
+  if not fine then
+    if core.interrupted() then
+      code = out:fail("interrupted", {status = "cancelled"})
+    else
+      code = out:fail(tostring(code) .. "\nThis is a fault of barwright: please report it.",
+        {status = "internal"})
+    end
+  elseif code == nil or code == true then
+    code = output.DONE
+  elseif code == false then
+    code = output.FAILED
+  end
+  return out:finish(code)
+end
+
+return commands

@@ -1,0 +1,91 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What a command tells: sentences for people on standard output, or with --json one object and nothing
+-- else there; errors on standard error either way.
+local core = require "barwright.core"
+local json = require "barwright.json"
+
+local output = {}
+output.__index = output
+output.__name = "output"
+
+--- Exit codes.
+output.DONE, output.FAILED, output.MISUSED, output.INTERRUPTED = 0, 1, 2, 130
+
+--- For the command `name`; wish.json and wish.quiet count.
+function output.create(name, wish)
+  return setmetatable({name = name, machine = wish.json, quiet = wish.quiet, object = {}}, output)
+end
+
+--- A line for people; with more arguments a format and its values.
+function output:say(text, ...)
+  if self.machine or self.quiet then return end
+  if select("#", ...) > 0 then text = text:format(...) end
+  io.stdout:write(text, "\n")
+end
+
+--- Fields of the object that --json prints; later ones are added to earlier ones.
+function output:json(fields)
+  for key, value in pairs(fields) do self.object[key] = value end
+end
+
+-- What of a table of details a JSON object can hold.
+local function plain(value, depth)
+  local kind = type(value)
+  if kind == "string" or kind == "number" or kind == "boolean" then return value end
+  if kind ~= "table" or getmetatable(value) or depth > 3 then return nil end
+  local out = {}
+  for key, inner in pairs(value) do
+    if math.type(key) == "integer" or type(key) == "string" then out[key] = plain(inner, depth + 1) end
+  end
+  return out
+end
+
+--- An error: one sentence on standard error, and in the object. Returns the exit code: 1, or 130 where the
+--- failure is that somebody pressed Ctrl-C.
+function output:fail(message, details)
+  message = tostring(message)
+  self.object.error = plain(details or {}, 0) or {}
+  self.object.error.message = message
+  io.stdout:flush()
+  io.stderr:write("barwright ", self.name, ": ", message, "\n")
+  local cancelled = core.interrupted() or type(details) == "table" and details.status == "cancelled"
+  return cancelled and output.INTERRUPTED or output.FAILED
+end
+
+--- The same for a wrong use of the command. Returns the exit code 2.
+function output:misuse(message)
+  self:fail(message .. (" (barwright %s --help tells more)"):format(self.name), {status = "misuse"})
+  return output.MISUSED
+end
+
+--- What the engine remarked meanwhile ("the surface was repaired: ..."), said and kept in the object.
+function output:remarks()
+  local list = core.remarks()
+  for _, remark in ipairs(list) do
+    self:say("  " .. remark)
+    self.object.remarks = self.object.remarks or json.list {}
+    table.insert(self.object.remarks, remark)
+  end
+  return list
+end
+
+--- Prints the object where it is wanted, and sees that all was written. Returns the exit code.
+function output:finish(code)
+  if self.machine then
+    self.object.command, self.object.exit_code = self.name, code
+    local fine, text = pcall(json.encode, self.object, "  ")
+    if not fine then
+      io.stderr:write("barwright ", self.name, ": ", tostring(text), "\n")
+      return output.FAILED
+    end
+    io.stdout:write(text, "\n")
+  end
+  local fine, why = io.stdout:flush()
+  if not fine then
+    io.stderr:write("barwright ", self.name, ": standard output: ", tostring(why), "\n")
+    return output.FAILED
+  end
+  return code
+end
+
+return output

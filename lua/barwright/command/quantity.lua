@@ -1,0 +1,60 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Numbers with a unit, as people write them on a command line: 20, 20N, 0.2MPa, 30mm, 5min, 2G. A number
+-- alone is in the SI unit that the option names.
+local quantity = {}
+
+-- For each unit that an option can name: what else may stand there, and how many of it that is.
+local units = {
+  m = {m = 1, mm = 1e-3, cm = 1e-2, um = 1e-6, km = 1e3, ["in"] = 0.0254, ft = 0.3048},
+  N = {N = 1, kN = 1e3, MN = 1e6, mN = 1e-3, kgf = 9.80665, lbf = 4.4482216152605},
+  Pa = {Pa = 1, kPa = 1e3, MPa = 1e6, GPa = 1e9, bar = 1e5, psi = 6894.757293168361},
+  kg = {kg = 1, g = 1e-3, mg = 1e-6, t = 1e3, lb = 0.45359237},
+  s = {s = 1, ms = 1e-3, min = 60, h = 3600, d = 86400},
+  Hz = {Hz = 1, kHz = 1e3},
+  K = {K = 1},
+  bytes = {B = 1, K = 1024, M = 1024 ^ 2, G = 1024 ^ 3, T = 1024 ^ 4, KB = 1e3, MB = 1e6, GB = 1e9, TB = 1e12,
+    KiB = 1024, MiB = 1024 ^ 2, GiB = 1024 ^ 3, TiB = 1024 ^ 4},
+  ["kg/m3"] = {["kg/m3"] = 1, ["g/cm3"] = 1e3},
+  ["m/s2"] = {["m/s2"] = 1, g = 9.80665},
+}
+
+--- The names that may stand behind a number where an option names the unit, smallest first.
+function quantity.names(unit)
+  local list = {}
+  for name in pairs(units[unit] or {}) do list[#list + 1] = name end
+  table.sort(list, function(a, b)
+    local p, q = units[unit][a], units[unit][b]
+    return p < q or p == q and a < b
+  end)
+  return list
+end
+
+-- Digits as a person writes them: no hexadecimal, no "nan", no "inf".
+local function split(text)
+  local mantissa, rest = text:match "^%s*([+-]?%d+%.?%d*)(.*)$"
+  if not mantissa then mantissa, rest = text:match "^%s*([+-]?%.%d+)(.*)$" end
+  if not mantissa then return end
+  local exponent, after = rest:match "^([eE][+-]?%d+)(.*)$"
+  if exponent then mantissa, rest = mantissa .. exponent, after end
+  return tonumber((mantissa:gsub("^%+", ""))), rest:match "^%s*(.-)%s*$"
+end
+
+--- The number of a text in the unit (nil: a bare number), or nil and what was expected.
+function quantity.read(text, unit)
+  local value, name = split(text)
+  if not value or value - value ~= 0 then return nil, "a number" .. (unit and " of " .. unit or "") end
+  value = value + 0.0
+  if name == "" then return value end
+  local known = unit and units[unit]
+  if known and known[name] then
+    -- Through the decimal text where it is exact: 30mm is 0.03, not 0.030000000000000002.
+    local scale = known[name]
+    return scale < 1 and 1 / scale % 1 == 0 and value / (1 / scale) or value * scale
+  end
+  if not unit then return nil, "a number without a unit" end
+  if not known then return nil, "a number in " .. unit end
+  return nil, ("a number with one of the units %s (alone: %s)"):format(
+    table.concat(quantity.names(unit), ", "), unit)
+end
+
+return quantity
