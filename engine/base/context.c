@@ -2,6 +2,7 @@
 /* The context: last failure with its details, remarks, progress, cancelling, and the thread pool.
  * Failures may be recorded from pool threads, so the record is guarded by a lock. */
 #include "base/internal.h"
+#include "base/job.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -212,4 +213,15 @@ bwi_pool *bwi_context_pool(bw_context *context) {
   if (!context->pool && context->threads > 1)
     context->pool = bwi_pool_create(context->threads - 1);
   return context->pool;
+}
+
+void bwi_context_forked(bw_context *context) {
+  pthread_mutex_init(&context->lock, NULL);
+  bwi_pool_forget(context->pool);
+  context->pool = NULL;
+  context->threads = 1;
+  context->progress = NULL;
+  bw_clear_cancel(context);
+  bw_clear_failure(context);
+  bw_clear_remarks(context);
 }

@@ -9,6 +9,9 @@
 typedef struct bwi_pool bwi_pool;
 bwi_pool *bwi_pool_create(int extra_threads); /* NULL: no memory, work runs serially */
 void bwi_pool_destroy(bwi_pool *pool);
+/* In a forked child, where the threads are not: frees what the pool holds without waiting for them.
+ */
+void bwi_pool_forget(bwi_pool *pool);
 bwi_pool *bwi_context_pool(bw_context *context);
 bool bwi_on_pool_thread(void);
 /* Each thread that calls BLAS takes a buffer of 128 MB of OpenBLAS, which has room for few and

@@ -146,6 +146,17 @@ void bwi_pool_destroy(bwi_pool *pool) {
   bw_free(pool);
 }
 
+void bwi_pool_forget(bwi_pool *pool) {
+  on_pool_thread = false;
+  inside_body = false;
+  if (!pool)
+    return;
+  /* To destroy the condition would wait for its waiters. */
+  bw_free(pool->thread);
+  bw_free(pool->start);
+  bw_free(pool);
+}
+
 bw_status bw_parallel(bw_context *context, int64_t count, int64_t grain, bw_body *body,
                       void *data) {
   if (count <= 0)

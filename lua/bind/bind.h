@@ -31,6 +31,7 @@ typedef struct lbw_state {
   bool echo;                      /* print remarks on standard error as they come */
   bw_progress_function *progress; /* what shows progress when the script sets no function */
   void *progress_data;
+  bw_status last_failure; /* that lbw_leave told */
   size_t external;       /* bytes held by open boxes */
   size_t external_after; /* the same after the last full collection */
 } lbw_state;
@@ -44,6 +45,12 @@ bw_context *lbw_enter(lua_State *L);
 int lbw_leave(lua_State *L, bw_status status, int results);
 /* The same where only success can be told: every failure raises. */
 void lbw_leave_or_raise(lua_State *L, bw_status status);
+
+/* In a forked child: the engine is at rest, and progress goes to this function alone. */
+void lbw_forked(lua_State *L, bw_progress_function *progress, void *data);
+/* In a callback from the engine: the error value on the top of the stack is kept for lbw_leave,
+ * which raises it, and the engine is asked to stop. */
+void lbw_keep_error(lbw_state *state);
 
 /* Call the Lua function at `function` with three coordinates and read one number, protected, for
  * callbacks from the engine. After a failure every call returns `otherwise`. */
@@ -103,7 +110,7 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_flow_state_class, lbw_plate_class,
-    lbw_grid_class, lbw_embedding_class;
+    lbw_grid_class, lbw_embedding_class, lbw_job_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -257,6 +264,7 @@ void lbw_open_solid(lua_State *L);
 void lbw_open_motion(lua_State *L);
 void lbw_open_library(lua_State *L);
 void lbw_open_grid(lua_State *L);
+void lbw_open_job(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

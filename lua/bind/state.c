@@ -101,6 +101,7 @@ int lbw_leave(lua_State *L, bw_status status, int results) {
   finish(L, state);
   if (status == BW_OK)
     return results;
+  state->last_failure = status;
   if (status == BW_INVALID || status == BW_EMPTY)
     return lbw_error(L, "%s", message_of(state->context, status));
   if (status == BW_CANCELLED)
@@ -117,14 +118,14 @@ void lbw_leave_or_raise(lua_State *L, bw_status status) {
   finish(L, state);
   if (status == BW_CANCELLED)
     bw_clear_cancel(state->context);
+  state->last_failure = status;
   if (status != BW_OK)
     lbw_error(L, "%s", message_of(state->context, status));
 }
 
 /* ---- callbacks ------------------------------------------------------------------------------- */
 
-/* The error value on the top of the stack is kept for lbw_leave, and the engine asked to stop. */
-static void keep_error(lbw_state *state) {
+void lbw_keep_error(lbw_state *state) {
   lua_rawsetp(state->caller, LUA_REGISTRYINDEX, &error_key);
   state->callback_failed = true;
   bw_cancel(state->context);
@@ -138,7 +139,7 @@ double lbw_call_field(lbw_state *state, int function, const double at[3], double
   for (int i = 0; i < 3; i++)
     lua_pushnumber(L, at[i]);
   if (lua_pcall(L, 3, 1, 0) != LUA_OK) {
-    keep_error(state);
+    lbw_keep_error(state);
     return otherwise;
   }
   int is_number;
@@ -147,7 +148,7 @@ double lbw_call_field(lbw_state *state, int function, const double at[3], double
     value = lua_toboolean(L, -1);
   } else if (!is_number) {
     lua_pushfstring(L, "a function of x, y, z must return a number, not %s", lbw_type_name(L, -1));
-    keep_error(state);
+    lbw_keep_error(state);
     value = otherwise;
   }
   lua_pop(L, 1);
@@ -172,13 +173,29 @@ static void on_progress(void *data, const char *stage, double fraction) {
   int failure = lua_pcall(L, 2, 1, 0);
   state->reporting = false;
   if (failure != LUA_OK) {
-    keep_error(state);
+    lbw_keep_error(state);
     return;
   }
   /* Returning false asks the engine to stop. */
   if (lua_isboolean(L, -1) && !lua_toboolean(L, -1))
     bw_cancel(state->context);
   lua_pop(L, 1);
+}
+
+void lbw_forked(lua_State *L, bw_progress_function *progress, void *data) {
+  lbw_state *state = lbw_state_of(L);
+  state->running = 0;
+  state->stopping = 0;
+  state->caller = NULL;
+  state->reporting = false;
+  state->echo = false;
+  state->progress = progress;
+  state->progress_data = data;
+  state->last_failure = BW_OK;
+  lua_sethook(L, NULL, 0, 0);
+  lua_pushnil(L);
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &progress_key);
+  bw_set_progress(state->context, on_progress, state);
 }
 
 /* bw.progress(function | nil): the function in force before */
@@ -365,6 +382,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_flow(L);
   lbw_open_plate(L);
   lbw_open_grid(L);
+  lbw_open_job(L);
   lbw_open_solid_material(L);
   lbw_open_solid(L);
   lbw_open_motion(L);

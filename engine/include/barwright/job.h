@@ -1,0 +1,91 @@
+/* Jobs: work in forked child processes with limits on time and memory, one or many at a time.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+ *
+ * A child sees everything that is in memory at the fork, on pages that it shares until one side
+ * writes, and what it writes stays with it. Whatever it does (crash, hang, fill memory), whoever
+ * started it gets a status and a message. It has one thread, is the leader of a process group of
+ * its own, so that Ctrl-C at a terminal reaches the starter alone, and dies with the starter. Files
+ * that were open at the fork stay open in it; the pipes of other jobs do not. */
+#ifndef BARWRIGHT_JOB_H
+#define BARWRIGHT_JOB_H
+
+#include "barwright/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bw_job bw_job;               /* an object: bw_retain, bw_release */
+typedef struct bw_job_stream bw_job_stream; /* the child's end of what leads to the starter */
+
+typedef struct bw_job_options {
+  const char *name;         /* in messages: "trial 7"; NULL: "the job" */
+  const char *output;       /* file for standard output and error; NULL: they go nowhere */
+  double seconds;           /* of time by the clock; 0: no limit */
+  double processor_seconds; /* of computing; 0: no limit */
+  double bytes; /* of address space beyond what the process has at the fork; 0: no limit */
+  bool show;    /* what the work tells its progress goes to the progress of who waits */
+} bw_job_options;
+
+/* Called in the child, with the starter's context made fit for it: one thread, no failure, no
+ * remarks; bw_progress in it reaches the job's usage. A failure goes to the starter with message
+ * and details. When it returns, what it wrote to files is flushed, and the process ends without
+ * further ado: nothing registered with atexit runs. */
+typedef bw_status bw_job_work(bw_context *context, void *data, bw_job_stream *out);
+/* Append bytes to the job's result. BW_IO when the starter is gone. */
+bw_status bw_job_write(bw_job_stream *out, const void *bytes, size_t count);
+/* A bw_progress_function for the child; `out` is the stream. What finds no room in the pipe is
+ * dropped: the work does not wait for a starter that is busy. */
+void bw_job_tell(void *out, const char *stage, double fraction);
+
+/* Fork and begin. Nothing of the context's threads may be at work. */
+bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_job_work *work,
+                       void *data, bw_job **job);
+
+/* Wait until one of the jobs has ended; *which is its place, or -1 when `seconds` have passed
+ * (INFINITY: no end) or the list is empty. A job that ended before counts at once. BW_CANCELLED
+ * leaves the jobs as they are. */
+bw_status bw_jobs_wait(bw_context *context, int count, bw_job *const *jobs, double seconds,
+                       int *which);
+
+typedef enum bw_job_state {
+  BW_JOB_RUNNING,
+  BW_JOB_DONE,
+  BW_JOB_FAILED,      /* the work returned a failure */
+  BW_JOB_CRASHED,     /* a signal, or the process was left early */
+  BW_JOB_OUT_OF_TIME, /* either limit */
+  BW_JOB_OUT_OF_MEMORY,
+  BW_JOB_CANCELLED
+} bw_job_state;
+
+typedef struct bw_job_usage {
+  bw_job_state state;
+  int signal;               /* that ended it, or 0 */
+  double seconds;           /* by the clock, from the fork to the end of the work */
+  double processor_seconds; /* with those of processes that it waited for; once it has ended */
+  double peak_bytes;        /* resident, with what it shares with the starter; once it has ended */
+  const char *stage;        /* of its last progress; "" when there was none */
+  double fraction;
+} bw_job_usage;
+
+void bw_job_read_usage(const bw_job *job, bw_job_usage *usage);
+const char *bw_job_name(const bw_job *job);
+
+/* What the work wrote; the bytes are the job's. Otherwise, with message and details:
+ *   the work's own status      it failed
+ *   BW_LIMIT                   time or memory ran out (detail "limit": "time" or "memory")
+ *   BW_INTERNAL                it crashed (detail "signal") or left early (detail "exit")
+ *   BW_CANCELLED               bw_job_cancel
+ *   BW_INVALID                 it is running */
+bw_status bw_job_result(bw_context *context, const bw_job *job, const unsigned char **bytes,
+                        size_t *count);
+
+/* End it with all processes of its group, and collect it; nothing where it has ended. The last
+ * release of a running job does the same. */
+void bw_job_cancel(bw_job *job);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
