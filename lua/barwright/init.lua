@@ -31,6 +31,7 @@ local bw = {
   seconds = core.seconds,
   json = require "barwright.json",
   results = require "barwright.results",
+  scenario = require "barwright.scenario",
   shapes = require "barwright.shapes",
   worst_case = require "barwright.worst_case",
   brute_force = require "barwright.brute_force",

@@ -35,6 +35,7 @@
 ---@field shapes table bodies by signed distance functions, for surface.implicit: sphere, limb, box, join, cut, ...
 ---@field json bw.JsonModule
 ---@field results bw.ResultsModule
+---@field scenario bw.ScenarioModule
 local bw = {}
 
 ---A part: a mesh of a material, to be supported and loaded.
@@ -3682,5 +3683,129 @@ function FlowBody:close() end
 local FlowState = {}
 
 function FlowState:close() end
+
+---Requirements as scripts, run by `barwright test`: `scenario("title", {tags = {"slow"}, skip = "why",
+---about = "...", seconds = 600, memory = 4e9}, function(t) ... end)`; the table may be left out.
+---@class bw.ScenarioModule
+---@overload fun(title: string, options?: table, work: fun(t: bw.Test))
+local scenario_module = {}
+
+---Title and text of the file, for reports and manuals.
+---@param about {title: string, text: string}
+function scenario_module.about(about) end
+
+---A figure to be judged, with what it is and its unit; or whatever a call returned: where that is nil
+---and a message, the expectation fails with the message.
+---@param figure any
+---@param what? string
+---@param unit? string
+---@return bw.Expectation
+function scenario_module.expect(figure, what, unit) end
+
+---What must hold of a figure. A failed expectation is kept and the scenario goes on; `t:require` of what
+---it returns stops there. Every form takes {source = "...", how = "..."} for reports.
+---@class bw.Expectation
+local Expectation = {}
+
+---At most the bound.
+---@param bound number
+---@param options? {source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:below(bound, options) end
+
+---At least the bound.
+---@param bound number
+---@param options? {source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:above(bound, options) end
+
+---From low to high.
+---@param low number
+---@param high number
+---@param options? {source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:between(low, high, options) end
+
+---Within `absolute` of the reference, or `relative` of its size, whichever is more; of arrays and lists
+---every value, relative to the largest.
+---@param reference number|bw.Array|table
+---@param options {relative: number, absolute: number, source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:near(reference, options) end
+
+---Exactly this: numbers to the last bit, texts, truth values, tables of these.
+---@param other any
+---@param options? {source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:equals(other, options) end
+
+---Neither nil nor false.
+---@param options? {source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:is_true(options) end
+
+---Of a function, or of what a call returned: it must fail, with a status word and a text in its message;
+---{raises = "text"}: by raising an error.
+---@param status? string|{status: string, message: string, raises: string, source: string, how: string}
+---@param message? string
+---@param options? {source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:fails_with(status, message, options) end
+
+---The same modes as others, whatever their signs and whatever the order and the mix of those whose
+---frequencies are nearer than `degenerate` (1e-4): frequencies within `relative` (1e-6), of each such group
+---the space that it spans within `shapes` (1e-3, the sine of an angle; false: not compared); `last = false`
+---leaves the shapes of the last group out, which may be cut.
+---@param other bw.Modes
+---@param options? {relative: number, degenerate: number, shapes: number|false, last: boolean, source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:same_modes(other, options) end
+
+---What was measured before, kept in baselines/FILE/NAME.json beside the scenario file and written by
+---`barwright test --update`: numbers, texts, arrays, tables of these, a static result, modes.
+---@param name string
+---@param options? {relative: number, absolute: number, degenerate: number, shapes: number, last: boolean, source: string, how: string}
+---@return boolean good
+---@return string? message
+function Expectation:matches_baseline(name, options) end
+
+---What a scenario's function is given.
+---@class bw.Test
+---@field folder string a scratch folder, removed at the end
+local Test = {}
+
+---The values, where the first is there; else the scenario ends here as failed, with the message. Also
+---takes what an expectation returns.
+---@param value any
+---@param message? string
+---@return any ...
+function Test:require(value, message) end
+
+---Ends the scenario without judging it: what it needs is not there.
+---@param reason string
+function Test:skip(reason) end
+
+---A sentence for reports and manuals, with values as string.format has them.
+---@param text string
+---@param ... any
+function Test:note(text, ...) end
+
+---A plain table for reports and manuals.
+---@param table {heads: string[], rows: any[][], text: string}
+function Test:table(table) end
+
+---Drawn into the output folder when the scenario fails: an object with a picture (of modes the one that
+---{mode = n} names), a figure of bw.plot, or a function of a path.
+---@param object any
+---@param options? table those of the picture; caption
+function Test:picture_of(object, options) end
 
 return bw

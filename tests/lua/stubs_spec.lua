@@ -66,6 +66,7 @@ describe("the stubs", function()
     same(keys(bw.edit), "bw.EditModule")
     same(keys(bw.metamaterial), "bw.MetamaterialModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
+    same(keys(bw.scenario), "bw.ScenarioModule")
     local library = {}
     for _, name in ipairs(bw.material.names()) do library[name] = true end
     same(keys(bw.material, library), "bw.MaterialModule")

@@ -1,0 +1,347 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Expectations: a figure, what it must be, and a record of both. A failed one does not end the scenario.
+local baseline = require "barwright.scenario.baseline"
+local core = require "barwright.core"
+local modes = require "barwright.scenario.modes"
+local numbers = require "barwright.scenario.numbers"
+local options = require "barwright.options"
+local record = require "barwright.scenario.record"
+
+local raise, show, plain = core.raise, numbers.show, numbers.plain
+
+local expect = {}
+local methods = {}
+local fields = {value = true, what = true, unit = true, failure = true}
+local Expectation = {__name = "barwright.expectation"}
+
+function Expectation.__index(_, name)
+  if fields[name] then return nil end
+  return methods[name] or raise(("expect has no '%s': did you mean '%s'?"):format(tostring(name),
+    core.nearest(tostring(name), {"below", "above", "between", "near", "equals", "is_true", "fails_with",
+      "same_modes", "matches_baseline"})))
+end
+
+--- expect(figure, what, unit); or what a call returned: nil, its message, its details.
+function expect.of(...)
+  record.running "expect"
+  if select("#", ...) == 0 then raise "expect: a figure expected, got no value" end
+  local value, what, unit = ...
+  local self = setmetatable({value = value, what = what, unit = unit}, Expectation)
+  if value == nil then
+    self.failure = {message = what, details = type(unit) == "table" and unit or {}}
+    self.what, self.unit = nil, nil
+  end
+  -- A call that gave an object may give more behind it.
+  if type(self.what) ~= "string" then self.what = nil end
+  if type(self.unit) ~= "string" then self.unit = nil end
+  return self
+end
+
+local about = {source = {type = "string"}, how = {type = "string"}}
+
+local function read(form, given, rules)
+  local all = {source = about.source, how = about.how}
+  for key, rule in pairs(rules or {}) do all[key] = rule end
+  return options.read(form, given, all)
+end
+
+-- Keeps what was found. `message` (only where it is not good) says what was expected.
+local function judged(self, form, entry, good, message)
+  entry.form, entry.good = form, good and true or false
+  entry.quantity, entry.unit = self.what, self.unit
+  if not good then
+    entry.message = (self.what and self.what .. ": " or "") .. message
+    record.running("expect").said = entry.message
+  end
+  return record.expectation(entry)
+end
+
+local function with_unit(self, text)
+  return self.unit and self.unit ~= "" and text .. " " .. self.unit or text
+end
+
+-- Where the call that should have given the figure failed: its own words.
+local function missing(self, form, wish)
+  local message = self.failure and self.failure.message
+  return judged(self, form, {source = wish.source, how = wish.how}, false, message and
+    ("nothing to judge: %s"):format(tostring(message)) or "nothing to judge: the value is nil")
+end
+
+local function number_of(self, form)
+  if type(self.value) == "number" then return self.value end
+  local kind = type(self.value)
+  local meta = getmetatable(self.value)
+  if type(meta) == "table" and meta.__name then kind = meta.__name:match "[^.]+$" end
+  raise(("%s: a number expected, got %s%s"):format(form, kind, kind == "array"
+    and ": take its max(), min(), norm() or one value" or ""))
+end
+
+local function checked_bound(form, bound)
+  if type(bound) ~= "number" or bound ~= bound then
+    raise(("%s: a number as the bound expected, got %s"):format(form, tostring(bound)))
+  end
+  return bound
+end
+
+local function share(value, bound)
+  if bound == 0 or bound ~= bound or math.abs(bound) == math.huge then return "" end
+  local off = math.abs(value - bound) / math.abs(bound)
+  return off < math.huge and (" (by %s %%)"):format(show(100 * off, 3)) or ""
+end
+
+--- At most the bound.
+function methods:below(bound, given)
+  local wish = read("below", given)
+  checked_bound("below", bound)
+  if self.value == nil then return missing(self, "below", wish) end
+  local value = number_of(self, "below")
+  local a, b = numbers.apart(value, bound)
+  return judged(self, "below", {figure = plain(value), most = plain(bound), source = wish.source, how = wish.how,
+    allowed = "at most " .. show(bound)}, value <= bound,
+    ("%s, at most %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
+end
+
+--- At least the bound.
+function methods:above(bound, given)
+  local wish = read("above", given)
+  checked_bound("above", bound)
+  if self.value == nil then return missing(self, "above", wish) end
+  local value = number_of(self, "above")
+  local a, b = numbers.apart(value, bound)
+  return judged(self, "above", {figure = plain(value), least = plain(bound), source = wish.source, how = wish.how,
+    allowed = "at least " .. show(bound)}, value >= bound,
+    ("%s, at least %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
+end
+
+--- From `low` to `high`.
+function methods:between(low, high, given)
+  local wish = read("between", given)
+  checked_bound("between", low)
+  checked_bound("between", high)
+  if low > high then raise(("between: %s is above %s"):format(show(low), show(high))) end
+  if self.value == nil then return missing(self, "between", wish) end
+  local value = number_of(self, "between")
+  local a, b = numbers.apart(value, value < low and low or high)
+  return judged(self, "between", {figure = plain(value), least = plain(low), most = plain(high),
+    source = wish.source, how = wish.how, allowed = ("%s to %s"):format(show(low), show(high))},
+    value >= low and value <= high, ("%s, from %s to %s expected (%s is passed)"):format(with_unit(self, a),
+      show(low), with_unit(self, show(high)), b))
+end
+
+local function tolerance_text(wish, unit)
+  local parts = {}
+  if wish.relative then parts[#parts + 1] = show(100 * wish.relative) .. " %" end
+  if wish.absolute then parts[#parts + 1] = show(wish.absolute) .. (unit and unit ~= "" and " " .. unit or "") end
+  return "within " .. table.concat(parts, " or ")
+end
+
+local function near_list(self, reference, wish)
+  local b, shape = numbers.flat(reference)
+  local a, own = numbers.flat(self.value)
+  if not a then
+    raise("near: a number, an array or a list of numbers expected")
+  end
+  local entry = {source = wish.source, how = wish.how, absolute = wish.absolute, relative = wish.relative,
+    allowed = tolerance_text(wish, self.unit)}
+  if #a ~= #b or own ~= shape then
+    return judged(self, "near", entry, false, ("%s, %s expected"):format(own, shape))
+  end
+  local most, size, at = numbers.largest(a, b)
+  entry.figure = plain(size > 0 and most / size or most)
+  entry.values, entry.at = #a, at
+  local good = most <= math.max(wish.absolute or 0, (wish.relative or 0) * size)
+  local x, y = numbers.apart(a[at] or 0, b[at] or 0)
+  return judged(self, "near", entry, good,
+    ("value %d of %s is %s, %s expected: apart by %s of the largest (%s); %s expected"):format(at, own, x, y,
+      show(size > 0 and most / size or most, 3), show(size), entry.allowed))
+end
+
+--- Near the reference: |figure - reference| at most `absolute`, or `relative` |reference|, whichever is
+--- more. Of arrays and lists every value, beside the largest one of the reference.
+function methods:near(reference, given)
+  local wish = read("near", given, {relative = {type = "number", least = 0},
+    absolute = {type = "number", least = 0}})
+  if not wish.relative and not wish.absolute then
+    raise "near: {relative = ...} or {absolute = ...} expected: how near is near?"
+  end
+  if self.value == nil then return missing(self, "near", wish) end
+  if type(reference) ~= "number" then
+    if not numbers.flat(reference) then
+      raise(("near: a number, an array or a list of numbers as the reference expected, got %s"):format(
+        type(reference)))
+    end
+    return near_list(self, reference, wish)
+  end
+  if reference - reference ~= 0 then raise "near: a finite number as the reference expected" end
+  if reference == 0 and not wish.absolute then
+    raise "near: beside 0 a relative tolerance means nothing: {absolute = ...} expected"
+  end
+  local value = number_of(self, "near")
+  local off = math.abs(value - reference)
+  local a, b = numbers.apart(value, reference)
+  return judged(self, "near", {figure = plain(value), reference = reference, absolute = wish.absolute,
+    relative = wish.relative, source = wish.source, how = wish.how,
+    difference = reference ~= 0 and plain((value - reference) / math.abs(reference)) or nil,
+    allowed = tolerance_text(wish, self.unit)},
+    off <= math.max(wish.absolute or 0, (wish.relative or 0) * math.abs(reference)),
+    ("%s, %s expected %s%s"):format(with_unit(self, a), with_unit(self, b), tolerance_text(wish, self.unit),
+      share(value, reference):gsub("by", "apart by")))
+end
+
+local function short(value)
+  local text = type(value) == "string" and ("%q"):format(value):gsub("\\\n", "\\n")
+    or type(value) == "number" and show(value, 17) or tostring(value)
+  return #text > 200 and text:sub(1, 197) .. "..." or text
+end
+
+-- The first place where two values differ: a path and the two, or nil.
+local function differs(a, b, path)
+  if a == b then return nil end
+  if type(a) == "table" and type(b) == "table" and not getmetatable(a) and not getmetatable(b) then
+    local keys = {}
+    for key in pairs(a) do keys[#keys + 1] = key end
+    for key in pairs(b) do if a[key] == nil then keys[#keys + 1] = key end end
+    table.sort(keys, function(x, y)
+      if type(x) == type(y) and (type(x) == "number" or type(x) == "string") then return x < y end
+      return tostring(x) < tostring(y)
+    end)
+    for _, key in ipairs(keys) do
+      local at, x, y = differs(a[key], b[key], path .. (type(key) == "number" and ("[%d]"):format(key)
+        or path == "" and tostring(key) or "." .. tostring(key)))
+      if at then return at, x, y end
+    end
+    return nil
+  end
+  return path, a, b
+end
+
+--- Exactly this: numbers to the last bit, texts, truth values, tables of these.
+function methods:equals(other, given)
+  local wish = read("equals", given)
+  if self.value == nil and other ~= nil and self.failure.message then return missing(self, "equals", wish) end
+  local at, a, b = differs(self.value, other, "")
+  return judged(self, "equals", {figure = type(self.value) == "number" and plain(self.value) or short(self.value),
+    reference = type(other) == "number" and plain(other) or short(other), source = wish.source, how = wish.how,
+    allowed = "equal"}, not at, at and ("%s%s, %s expected"):format(at ~= "" and at .. " is " or "", short(a),
+      short(b)))
+end
+
+--- Neither nil nor false.
+function methods:is_true(given)
+  local wish = read("is_true", given)
+  if self.value == nil then return missing(self, "is_true", wish) end
+  return judged(self, "is_true", {figure = self.value and "yes" or "no", source = wish.source, how = wish.how,
+    allowed = "yes"}, self.value, "not true")
+end
+
+-- What a call that must fail did: {returned = value} | {message, status} | {raised = message}.
+local function outcome(self)
+  if self.failure then return {message = self.failure.message, status = self.failure.details.status} end
+  if type(self.value) ~= "function" then return {returned = self.value} end
+  local found = table.pack(pcall(self.value))
+  if not found[1] then return {raised = tostring(found[2])} end
+  if found[2] ~= nil and found[2] ~= false then return {returned = found[2]} end
+  return {message = found[3], status = type(found[4]) == "table" and found[4].status or nil}
+end
+
+--- A function, or what a call returned, that must fail: with a status word, with a text in its message, or
+--- by raising an error with a text: {status = "io", message = "...", raises = "..."}.
+function methods:fails_with(status, message, given)
+  local wanted = type(status) == "table" and status or {status = status, message = message}
+  local wish = read("fails_with", type(status) == "table" and status or given, {status = {type = "string"},
+    message = {type = "string"}, raises = {type = "string"}})
+  for _, key in ipairs {"status", "message"} do
+    if wanted[key] ~= nil and type(wanted[key]) ~= "string" then
+      raise(("fails_with: the %s: a text expected, got %s"):format(key, type(wanted[key])))
+    end
+  end
+  local got, fault = outcome(self), nil
+  if got.returned ~= nil then
+    fault = ("it did not fail: %s"):format(short(got.returned))
+  elseif wanted.raises then
+    if not got.raised then fault = ("it raised nothing; it returned nil, %s"):format(short(got.message))
+    elseif not got.raised:find(wanted.raises, 1, true) then
+      fault = ("it raised %s, an error with %s expected"):format(short(got.raised), short(wanted.raises))
+    end
+  elseif got.raised then
+    fault = ("it raised an error: %s"):format(got.raised)
+  elseif wanted.status and got.status ~= wanted.status then
+    fault = ("status %s, %s expected: %s"):format(tostring(got.status), wanted.status, tostring(got.message))
+  elseif wanted.message and not tostring(got.message):find(wanted.message, 1, true) then
+    fault = ("its message is %s, one with %s expected"):format(short(got.message), short(wanted.message))
+  end
+  local allowed = wanted.raises and "raises " .. short(wanted.raises)
+    or "fails" .. (wanted.status and " with " .. wanted.status or "")
+      .. (wanted.message and ": " .. short(wanted.message) or "")
+  return judged(self, "fails_with", {figure = tostring(got.raised or got.message or short(got.returned)),
+    source = wish.source, how = wish.how, allowed = allowed}, not fault, fault)
+end
+
+local function judged_modes(self, found, wish)
+  local entry = {relative = wish.relative, source = wish.source, how = wish.how,
+    allowed = ("frequencies within %s, shapes within %s"):format(show(wish.relative), wish.shapes == false and
+      "anything" or show(wish.shapes))}
+  if found.message then return judged(self, "same_modes", entry, false, found.message) end
+  entry.figure, entry.lean = plain(found.frequency), plain(found.shape)
+  local faults = {}
+  if numbers.over(found.frequency, wish.relative) then
+    faults[1] = ("the frequency of mode %d is apart by %s, at most %s expected"):format(found.at,
+      show(found.frequency, 3), show(wish.relative))
+  end
+  if wish.shapes ~= false and numbers.over(found.shape, wish.shapes) then
+    local first, last = found.group[1], found.group[2]
+    faults[#faults + 1] = ("%s: apart by an angle whose sine is %s, at most %s expected%s"):format(first == last
+      and ("the shape of mode %d"):format(first) or ("the shapes of modes %d to %d together"):format(first, last),
+      show(found.shape, 3), show(wish.shapes), found.is_last and " (the last group may be cut by the number of "
+      .. "modes: ask for one more, or {last = false})" or "")
+  end
+  return judged(self, "same_modes", entry, #faults == 0, table.concat(faults, "; "))
+end
+
+--- The same modes as others, whatever the signs, and whatever the order and the mix of those whose
+--- frequencies are nearer than `degenerate`: frequencies within `relative`, and of each group the space
+--- that it spans, by the sine of the angle between, within `shapes` (false: not compared).
+function methods:same_modes(other, given)
+  local wish = read("same_modes", given, {relative = {type = "number", least = 0, default = 1e-6},
+    degenerate = {type = "number", least = 0, default = 1e-4}, shapes = {type = "any", default = 1e-3},
+    last = {type = "boolean", default = true}})
+  if wish.shapes ~= false and type(wish.shapes) ~= "number" then
+    raise "same_modes: option 'shapes': a number or false expected"
+  end
+  if self.value == nil then return missing(self, "same_modes", wish) end
+  local class = core.classes.modes
+  for _, object in ipairs {self.value, other} do
+    if getmetatable(object) ~= class then raise "same_modes: modes expected (part:modes)" end
+  end
+  if other == nil then raise "same_modes: the modes to compare with are missing" end
+  local found = modes.compare(self.value, other, wish)
+  return judged_modes(self, found, wish)
+end
+
+--- What was measured before: a number, text, array, table of these, a static result or modes, kept in
+--- the folder baselines beside the file and written by `barwright test --update`.
+function methods:matches_baseline(name, given)
+  local wish = read("matches_baseline", given, {relative = {type = "number", least = 0},
+    absolute = {type = "number", least = 0}, degenerate = {type = "number", least = 0, default = 1e-4},
+    shapes = {type = "number", least = 0, default = 1e-3}, last = {type = "boolean", default = true}})
+  if type(name) ~= "string" or not name:match "^[%w_][%w_. -]*$" then
+    raise "matches_baseline: a name of letters, digits, '_', '-', '.' and spaces expected"
+  end
+  if not wish.relative and not wish.absolute then wish.relative = 1e-9 end
+  if self.value == nil then return missing(self, "matches_baseline", wish) end
+  local running = record.running "expect"
+  running.baselines = running.baselines or {}
+  if running.baselines[name] then
+    raise(("matches_baseline: '%s' was compared before in this scenario"):format(name))
+  end
+  running.baselines[name] = true
+  local entry = {source = wish.source, how = wish.how, relative = wish.relative, absolute = wish.absolute,
+    allowed = tolerance_text(wish), baseline = name}
+  local path = baseline.path(running.scenario_file, name)
+  local fault, written, figure = baseline.compare(path, self.value, wish, running.options.update)
+  entry.figure, entry.written = plain(figure), written
+  self.what = self.what or ("baseline %s"):format(name)
+  return judged(self, "matches_baseline", entry, not fault, fault)
+end
+
+return expect

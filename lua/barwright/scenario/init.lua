@@ -1,0 +1,73 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Scenarios: scripts that state requirements, run by `barwright test`. A file is loaded to see what it
+-- states; each scenario is a function that is called later, in a process of its own.
+local core = require "barwright.core"
+local files = require "barwright.scenario.files"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local scenario = {}
+
+local rules = {
+  tags = {type = "table"},
+  skip = {type = "any"}, -- false, true or why
+  about = {type = "string"},
+  seconds = {type = "number", above = 0},
+  memory = {type = "number", above = 0},
+}
+
+local function checked_tags(tags)
+  for key, tag in pairs(tags) do
+    if math.type(key) ~= "integer" or type(tag) ~= "string" or not tag:match "^[%w_.-]+$" then
+      raise("scenario: option 'tags': a list of words of letters, digits, '_', '-' and '.' expected")
+    end
+  end
+  return tags
+end
+
+--- Title and text of the file, for reports and manuals.
+function scenario.about(given)
+  local collection = files.loading or raise("scenario.about: only in a scenario file, which `barwright test` "
+    .. "loads")
+  local wish = options.read("scenario.about", given, {title = {type = "string", needed = true},
+    text = {type = "string"}})
+  collection.title, collection.text = wish.title, wish.text
+end
+
+local function state(title, given, work)
+  local collection = files.loading or raise("scenario: only in a scenario file, outside of other scenarios; run "
+    .. "it by `barwright test FILE`")
+  if work == nil and type(given) == "function" then given, work = nil, given end
+  if type(title) ~= "string" or not title:find "%S" then raise("scenario: a title expected") end
+  if title:find "[%c]" then raise("scenario: a title of one line expected") end
+  if type(work) ~= "function" then
+    raise(("scenario '%s': a function expected, got %s"):format(title, type(work)))
+  end
+  local wish = options.read("scenario", given, rules)
+  if wish.skip ~= nil and type(wish.skip) ~= "boolean" and type(wish.skip) ~= "string" then
+    raise(("scenario '%s': option 'skip': false, true or the reason expected"):format(title))
+  end
+  local line = debug.getinfo(3, "l").currentline
+  if collection.titles[title] then
+    raise(("scenario '%s': there is one of that title in line %d"):format(title, collection.titles[title]))
+  end
+  collection.titles[title] = line
+  collection.list[#collection.list + 1] = {title = title, line = line, work = work,
+    tags = checked_tags(wish.tags or {}), skip = wish.skip or nil, about = wish.about, seconds = wish.seconds,
+    bytes = wish.memory}
+end
+
+--- Inside a scenario: `expect(figure, "what", "unit"):below(5)` and its relatives.
+function scenario.expect(...)
+  return require "barwright.scenario.expect".of(...)
+end
+
+return setmetatable(scenario, {
+  __call = function(_, title, given, work) state(title, given, work) end,
+  __tostring = function() return "barwright.scenario" end,
+  __index = function(_, name)
+    raise(("bw.scenario has no '%s': did you mean '%s'?"):format(tostring(name),
+      core.nearest(tostring(name), {"expect", "about"})))
+  end,
+})
