@@ -188,6 +188,10 @@ local function ending(fine, raised)
     end
     return {status = "failed", message = not raised.judged and raised.message or nil, line = raised.line}
   end
+  if type(raised) == "string" then -- without memory, Lua calls no handler
+    collectgarbage()
+    return {status = "memory", message = raised}
+  end
   return {status = "error", message = raised.text, trace = raised.trace, line = raised.line}
 end
 

@@ -45,7 +45,7 @@ local function all(tasks, parallel, in_process, done)
       ends[told] = true
     end
   end
-  if in_process or not core.job then
+  if in_process then
     for i, task in ipairs(tasks) do
       ends[i] = here(task)
       if core.interrupted() then return nil, "interrupted" end
@@ -171,7 +171,9 @@ local function finish(item, ending, path)
     out.message = because(ending)
     local count = 0
     for _, entry in ipairs(out.entries) do count = count + (entry.kind == "expectation" and 1 or 0) end
-    if count > 0 then out.message = ("%s (after %d expectations)"):format(out.message, count) end
+    if count > 0 then
+      out.message = ("%s (after %d expectation%s)"):format(out.message, count, count > 1 and "s" or "")
+    end
   end
   return out
 end
