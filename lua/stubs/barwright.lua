@@ -36,6 +36,7 @@
 ---@field json bw.JsonModule
 ---@field results bw.ResultsModule
 ---@field scenario bw.ScenarioModule
+---@field plot bw.PlotModule
 local bw = {}
 
 ---A part: a mesh of a material, to be supported and loaded.
@@ -2321,6 +2322,7 @@ function responsive_module.flow(options) end
 ---@return string? message
 ---@return table? details
 function responsive_module.thermal(options) end
+
 ---A bar that rings: the outline extruded to a free plate (Reissner-Mindlin), solved in every drag from the
 ---last frame's modes and factor. `modes`: how many (default 1); `elements`: default 400, six-node.
 ---@param options {outline: bw.Outline, material: bw.Material, thickness: number, modes?: integer, elements?: integer, size?: number, tolerance?: number, follow?: table}
@@ -3807,5 +3809,177 @@ function Test:table(table) end
 ---@param object any
 ---@param options? table those of the picture; caption
 function Test:picture_of(object, options) end
+
+---A drawing of lines, markers, text and images, in pixels from the top left corner, y downwards: to be
+---written as SVG or PNG. Plots (bw.plot) are made of these.
+---@param width number
+---@param height number
+---@param options? {name?: string} name: what it shows, for those who cannot see it
+---@return bw.Canvas?
+---@return string? message
+---@return table? details
+function bw.canvas(width, height, options) end
+
+---A drawing. Points are rows of two numbers or a flat list x, y, x, y; where one is not finite a line
+---breaks. A pen is {fill, stroke, width, dash, round}: colours "#rrggbb" or "#rrggbbaa", the stroke's width
+---(1), lengths on and off, round ends and corners. What is drawn later lies above. Each drawing method
+---returns the canvas.
+---@class bw.Canvas
+---@field width number
+---@field height number
+local Canvas = {}
+
+---@param points bw.Array|number[][]|number[]
+---@param pen? table
+---@return bw.Canvas?
+function Canvas:line(points, pen) end
+
+---A closed line, filled by the even-odd rule: loops within are holes.
+---@param points bw.Array|number[][]|number[]
+---@param pen? table
+---@return bw.Canvas?
+function Canvas:polygon(points, pen) end
+
+---@param x number
+---@param y number
+---@param width number
+---@param height number
+---@param pen? table
+---@param radius? number of the corners
+---@return bw.Canvas?
+function Canvas:rectangle(x, y, width, height, pen, radius) end
+
+---Markers `size` pixels across. Where the pointer rests on one an SVG shows its note.
+---@param kind "disc"|"square"|"diamond"|"triangle"|"triangle_down"|"cross"|"plus"
+---@param size number
+---@param points bw.Array|number[][]|number[]
+---@param pen? table
+---@param notes? string[] one for each point, or false
+---@return bw.Canvas?
+function Canvas:markers(kind, size, points, pen, notes) end
+
+---Text on a baseline; align 0 (begins at x), 0.5 or 1 (ends there); angle in degrees, counterclockwise;
+---halo: a pale rim.
+---@param text string
+---@param x number
+---@param y number
+---@param options? {size?: number, align?: number, angle?: number, colour?: string, bold?: boolean, halo?: boolean}
+---@return bw.Canvas?
+function Canvas:text(text, x, y, options) end
+
+---How wide a text will be, in pixels.
+---@param text string
+---@param size number
+---@param bold? boolean
+---@return number?
+function Canvas:text_width(text, size, bold) end
+
+---What is drawn until `leave` is cut at the box; there the part `view` {x, y, width, height} of a drawing
+---of its own is seen, as large as fits. Without a view coordinates stay.
+---@param x number
+---@param y number
+---@param width number
+---@param height number
+---@param view? number[]
+---@return bw.Canvas?
+function Canvas:enter(x, y, width, height, view) end
+
+---@return bw.Canvas?
+function Canvas:leave() end
+
+---A PNG file, as large as fits in the box; one with more pixels than are seen is reduced.
+---@param path string
+---@param x number
+---@param y number
+---@param width number
+---@param height number
+---@return bw.Canvas?
+---@return string? message
+---@return table? details
+function Canvas:image(path, x, y, width, height) end
+
+---Rows of pixels, three bytes each (red, green, blue), from the top, stretched to the box.
+---@param bytes string
+---@param columns integer
+---@param x number
+---@param y number
+---@param width number
+---@param height number
+---@return bw.Canvas?
+function Canvas:pixels(bytes, columns, x, y, width, height) end
+
+---By the ending: .svg, or .png with `scale` (2) pixels for each of the drawing's. With `outlines` (true)
+---the text in an SVG is paths, which look the same everywhere.
+---@param path string
+---@param options? {scale?: number, outlines?: boolean}
+---@return boolean?
+---@return string? message
+---@return table? details
+function Canvas:write(path, options) end
+
+---One <svg> element for a page; text is text unless `outlines`.
+---@param options? {outlines?: boolean}
+---@return string?
+---@return string? message
+---@return table? details
+function Canvas:svg(options) end
+
+function Canvas:close() end
+
+---Plots: plain data in, a figure out. An axis is its label, or {label, unit, scale = "linear" | "log", least,
+---most, prefix = true, whole}: values are in the unit, what is written at the axis may have an SI prefix.
+---Lists of numbers are tables or arrays; what is not finite is left out and counted at the foot. Every kind
+---takes title, width and height (pixels) too; unknown options raise.
+---@class bw.PlotModule
+local PlotModule = {}
+
+---Lines through points in their order. A series: {name, y, x (1, 2, ... without), low and high: a band,
+---colour, dashed, steps, markers, width}. marks: lines across, {{x = or y =, name}}.
+---@param options {series: table[], x?: table|string, y?: table|string, marks?: table[], notes?: string[], legend?: boolean, diagonal?: boolean}
+---@return bw.Figure
+function PlotModule.lines(options) end
+
+---Points. A series: {name, x, y, low and high: intervals, values: colours by the axis `values`, notes,
+---colour, marker, size}.
+---@param options {series: table[], x?: table|string, y?: table|string, values?: table|string, marks?: table[], notes?: string[], legend?: boolean, diagonal?: boolean}
+---@return bw.Figure
+function PlotModule.scatter(options) end
+
+---Bars from 0: for each name one of every series {name, values, low, high, colour}.
+---@param options {names: string[], series: table[], value?: table|string, label?: string, horizontal?: boolean, notes?: string[], legend?: boolean}
+---@return bw.Figure
+function PlotModule.bars(options) end
+
+---What a plot gives: drawn anew for each file.
+---@class bw.Figure
+---@field kind string
+---@field name string
+---@field width number
+---@field height number
+local Figure = {}
+
+---By the ending: .svg or .png. text: "paths" (default, looks the same everywhere) or "text"; scale: pixels
+---of a PNG for each of the figure's (2).
+---@param path string
+---@param options? {text?: "paths"|"text", scale?: number}
+---@return boolean?
+---@return string? message
+---@return table? details
+function Figure:write(path, options) end
+
+---One <svg> element for a page. text: "text" (default) or "paths".
+---@param options? {text?: "paths"|"text"}
+---@return string?
+---@return string? message
+---@return table? details
+function Figure:svg(options) end
+
+---Where a point of the data lies, in pixels from the figure's top left corner; nil for figures of several
+---frames.
+---@param x number
+---@param y number
+---@return number? x
+---@return number? y
+function Figure:place(x, y) end
 
 return bw

@@ -18,6 +18,7 @@ local spoken = {
   ["bw.MeshModule"] = "bw.mesh", ["bw.MaterialModule"] = "bw.material", ["bw.JsonModule"] = "bw.json",
   ["bw.ResultsModule"] = "bw.results", ["bw.OutlineModule"] = "bw.outline",
   ["bw.ResponsiveModule"] = "bw.responsive", ["bw.GridModule"] = "bw.grid",
+  ["bw.PlotModule"] = "bw.plot",
 }
 
 local function title(class)

@@ -16,7 +16,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   domains = "bw.Domains", local_system = "bw.LocalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
-  grid = "bw.Grid", embedding = "bw.Embedding", hyperelastic = "bw.Hyperelastic",
+  grid = "bw.Grid", canvas = "bw.Canvas", embedding = "bw.Embedding", hyperelastic = "bw.Hyperelastic",
   palette = "bw.Palette", solid_motion = "bw.SolidMotion", library = "bw.Library",
   plane_mesh = "bw.PlaneMesh", mover = "bw.Mover", flow = "bw.FlowBody", flow_state = "bw.FlowState"}
 
@@ -65,6 +65,7 @@ describe("the stubs", function()
     same(keys(bw.grid), "bw.GridModule")
     same(keys(bw.edit), "bw.EditModule")
     same(keys(bw.metamaterial), "bw.MetamaterialModule")
+    same(keys(bw.plot), "bw.PlotModule")
     same({open = true, peak_memory = true}, "bw.ResultsModule")
     same(keys(bw.scenario), "bw.ScenarioModule")
     local library = {}
@@ -104,6 +105,8 @@ describe("the stubs", function()
     same(keys(solid_results.class, solid_results.properties, {solid = true}), "bw.SolidResult")
     local bridge = require "barwright.bridge"
     same(keys(bridge.class, bridge.properties), "bw.Bridge")
+    same(keys(require("barwright.plot.figure").class, {kind = true, name = true, width = true,
+      height = true}), "bw.Figure")
     local results = assert(bw.results.open(check.folder()))
     local bound = keys(results, getmetatable(results))
     bound.open, bound.peak_memory = nil, nil

@@ -80,6 +80,86 @@ bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_panel *
  * picture of. `seconds` of each picture; it starts over again `rounds` times (0: for ever). */
 bw_status bw_animation_write(bw_context *context, int count, const char *const *png, double seconds,
                              int rounds, const char *path);
+/* ---- drawings ---------------------------------------------------------------------------------
+ */
+
+/* A drawing of lines, markers, text and images: a list of what was drawn, to be written as SVG or
+ * PNG. Lengths are in pixels from the top left corner, y downwards. What is drawn later lies above.
+ * Coordinates may be anything finite; what is a million pixels away is drawn there. */
+typedef struct bw_canvas bw_canvas;
+
+/* Colours are red, green, blue, opacity, from 0 to 1. What has no opacity is not drawn. */
+typedef struct bw_pen {
+  double fill[4], stroke[4];
+  double width;   /* of the stroke */
+  double dash[4]; /* lengths on, off, on, off; all 0: a solid line */
+  bool round;     /* ends and corners of the stroke */
+} bw_pen;
+
+typedef enum bw_marker {
+  BW_DISC,
+  BW_SQUARE,
+  BW_DIAMOND,
+  BW_TRIANGLE,
+  BW_TRIANGLE_DOWN,
+  BW_CROSS, /* this and the next are strokes alone */
+  BW_PLUS,
+  BW_MARKER_COUNT
+} bw_marker;
+
+typedef struct bw_label {
+  double x, y;  /* on the baseline */
+  double size;  /* of the font */
+  double align; /* 0: (x, y) is the left end, 0.5: the middle, 1: the right end */
+  double angle; /* degrees, counterclockwise about (x, y) */
+  double colour[4];
+  bool bold;
+  bool halo; /* a pale rim, for text over lines */
+} bw_label;
+
+/* `name`: what it shows, for those who cannot see it (SVG); may be NULL. 1 to 20000 pixels. */
+bw_status bw_canvas_create(bw_context *context, double width, double height, const char *name,
+                           bw_canvas **canvas);
+void bw_canvas_size(const bw_canvas *canvas, double size[2]);
+/* A line through points (count x 2), or a closed one, filled by the even-odd rule. A point that is
+ * not finite breaks it: what follows is a piece of its own. */
+bw_status bw_canvas_line(bw_context *context, bw_canvas *canvas, const bw_pen *pen, bool closed,
+                         int64_t count, const double *point);
+bw_status bw_canvas_rectangle(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
+                              const double box[4], double radius);
+/* Markers of `size` pixels across; points that are not finite are passed over. `note`: what SVG
+ * shows where the pointer rests, for each point, or NULL. */
+bw_status bw_canvas_markers(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
+                            bw_marker marker, double size, int64_t count, const double *point,
+                            const char *const *note);
+bw_status bw_canvas_text(bw_context *context, bw_canvas *canvas, const bw_label *label,
+                         const char *text);
+/* How wide a text will be. */
+bw_status bw_canvas_text_width(bw_context *context, const bw_canvas *canvas, double size, bool bold,
+                               const char *text, double *width);
+/* What is drawn until bw_canvas_leave is cut at the box x, y, width, height; there the part `view`
+ * (likewise) of a drawing of its own is seen, centred and as large as fits. NULL: no change of
+ * coordinates. */
+bw_status bw_canvas_enter(bw_context *context, bw_canvas *canvas, const double box[4],
+                          const double view[4]);
+bw_status bw_canvas_leave(bw_context *context, bw_canvas *canvas);
+/* Rows of red, green, blue bytes from the top, stretched to the box. */
+bw_status bw_canvas_pixels(bw_context *context, bw_canvas *canvas, const double box[4], int columns,
+                           int rows, const unsigned char *rgb);
+/* A PNG file, as large as fits in the box, centred; one of more pixels than are seen is reduced to
+ * twice the box. */
+bw_status bw_canvas_image(bw_context *context, bw_canvas *canvas, const double box[4],
+                          const char *path);
+
+/* The drawing as one <svg> element without ids, so that many can stand in one page. Text is text of
+ * the width that it has here, whatever fonts there are; or, with `outlines`, paths. Release with
+ * bw_free. The same drawing gives the same bytes. */
+bw_status bw_canvas_svg(bw_context *context, const bw_canvas *canvas, bool outlines, char **text,
+                        size_t *length);
+/* By the ending: .svg, or .png with `scale` pixels for each of the drawing's (0.1 to 8). */
+bw_status bw_canvas_write(bw_context *context, const bw_canvas *canvas, double scale, bool outlines,
+                          const char *path);
+
 /* Colours that tell things apart (0, 1, ...), a dozen before they repeat. */
 void bw_category_colour(int64_t index, unsigned char rgb[3]);
 

@@ -1,0 +1,141 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- One axis: the range of what is shown, the way from values to places, marks and label. Places count
+-- from 0 at the low end to 1 at the high end. Values are the caller's; `factor` brings them to the
+-- unit of the labels.
+local core = require "barwright.core"
+local data = require "barwright.plot.data"
+local numbers = require "barwright.plot.numbers"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local Axis = {}
+Axis.__index = Axis
+
+local axis = {}
+
+local rules = {
+  label = {type = "string", default = ""},
+  unit = {type = "string", default = ""},
+  scale = {type = "string", one_of = {"linear", "log"}, default = "linear"},
+  least = {type = "number"}, most = {type = "number"},
+  prefix = {type = "boolean", default = true}, -- may the unit get one
+  whole = {type = "boolean", default = false}, -- marks at whole numbers only
+}
+
+-- Room around the data, so that no point lies on the frame; where all is equal, a range around it.
+local function widened(low, high, pad)
+  if high - low <= 1e-12 * math.max(math.abs(low), math.abs(high)) then
+    local half = low == 0 and 1 or 0.05 * math.abs(low)
+    return low - half, high + half
+  end
+  local room = pad * (high - low)
+  return low - room, high + room
+end
+
+local function linear_range(wish, least, most, how)
+  local low, high = widened(least, most, how.pad or 0.04)
+  if how.zero then
+    if least >= 0 then low = 0 end
+    if most <= 0 then high = 0 end
+    if least == 0 and most == 0 then low, high = 0, 1 end
+  end
+  low, high = wish.least or low, wish.most or high
+  if low >= high then -- one end given, the data beyond it
+    if wish.least then high = low + math.max(1e-9, math.abs(low) * 0.1)
+    else low = high - math.max(1e-9, math.abs(high) * 0.1) end
+  end
+  return low, high
+end
+
+local function log_range(wish, least, most, how)
+  local a, b = math.log(least, 10), math.log(most, 10)
+  if a == b then a, b = a - 0.3, b + 0.3
+  else
+    local room = (how.pad or 0.04) * (b - a)
+    a, b = a - room, b + room
+  end
+  local low, high = wish.least or 10.0 ^ a, wish.most or 10.0 ^ b
+  if low >= high then
+    if wish.least then high = 10 * low else low = high / 10 end
+  end
+  return low, high
+end
+
+-- {label, unit, ...} or the label alone.
+local function read(where, given)
+  if type(given) == "string" then given = {label = given} end
+  local wish = options.read(where, given, rules)
+  if wish.least and wish.most and wish.least >= wish.most then
+    raise(("%s: least %g must be below most %g"):format(where, wish.least, wish.most))
+  end
+  if wish.scale == "log" and (wish.least and wish.least <= 0 or wish.most and wish.most <= 0) then
+    raise(("%s: a log axis shows numbers above 0: least, most"):format(where))
+  end
+  return wish
+end
+
+--- An axis for lists of numbers. how = {pad, zero: 0 is part of it}.
+function axis.new(where, given, lists, how)
+  how = how or {}
+  local wish = read(where, given)
+  local log = wish.scale == "log"
+  local least, most = data.range(lists, log)
+  local any = data.range(lists)
+  if log and any and not least and not (wish.least and wish.most) then
+    raise(("%s: a log axis shows numbers above 0, and there is none (from %s to %s)"):format(where,
+      numbers.short(any), numbers.short(select(2, data.range(lists)))))
+  end
+  local self = setmetatable({log = log, whole = wish.whole, empty = least == nil}, Axis)
+  if self.empty then least, most = log and 1 or 0, log and 10 or 1 end
+  if log then self.low, self.high = log_range(wish, least, most, how)
+  else self.low, self.high = linear_range(wish, least, most, how) end
+  self.factor, self.unit = 1, wish.unit
+  if wish.prefix and not (self.empty and wish.unit == "") then
+    local size = math.max(math.abs(least), math.abs(most))
+    if log and wish.unit == "" then size = 1 end -- powers of ten are on the axis
+    if wish.least and wish.most then size = math.max(math.abs(wish.least), math.abs(wish.most)) end
+    self.factor, self.unit = numbers.unit(wish.unit, size, wish.whole)
+  end
+  self.label = wish.label .. (self.unit ~= "" and (wish.label ~= "" and ", " or "") .. self.unit or "")
+  self.name = wish.label
+  return self
+end
+
+--- An axis of names, each in the middle of its share.
+function axis.names(label, names)
+  return setmetatable({names = names, low = 0.5, high = #names + 0.5, factor = 1, label = label or "",
+    name = label or ""}, Axis)
+end
+
+--- The place of a value, from 0 to 1 within the range; nil where it has none.
+function Axis:at(value)
+  if value ~= value then return nil end
+  if self.log then
+    if value <= 0 then return nil end
+    return math.log(value / self.low) / math.log(self.high / self.low)
+  end
+  return (value - self.low) / (self.high - self.low)
+end
+
+--- At most about `most` marks: {{at, text (or nil: a small one)}}.
+function Axis:marks(most)
+  local out = {}
+  if self.names then
+    for i, name in ipairs(self.names) do out[i] = {at = self:at(i), text = name} end
+    return out
+  end
+  local low, high = self.low * self.factor, self.high * self.factor
+  local marks
+  if self.log then marks = numbers.log(low, high, most)
+  else marks = numbers.linear(low, high, most, self.whole) end
+  for i, mark in ipairs(marks) do out[i] = {at = self:at(mark.value / self.factor), text = mark.text} end
+  return out
+end
+
+--- A value as a label has it, without its unit.
+function Axis:text(value)
+  return numbers.short(value * self.factor)
+end
+
+return axis

@@ -1,0 +1,168 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Numbers on axes: round steps, labels, SI prefixes.
+local numbers = {}
+
+local raised = {["-"] = "⁻", ["0"] = "⁰", ["1"] = "¹", ["2"] = "²", ["3"] = "³", ["4"] = "⁴", ["5"] = "⁵",
+  ["6"] = "⁶", ["7"] = "⁷", ["8"] = "⁸", ["9"] = "⁹"}
+
+--- "10⁻⁶"
+function numbers.power(exponent)
+  return "10" .. ("%d"):format(exponent):gsub(".", raised)
+end
+
+--- So many decimals, a point in any locale, a true minus sign, and no "-0".
+function numbers.fixed(value, decimals)
+  local text = ("%%.%d%s"):format(math.min(decimals, 15), decimals > 15 and "g" or "f"):format(value)
+  text = text:gsub(",", ".")
+  if tonumber(text) == 0 then text = text:gsub("^%-", "") end
+  return (text:gsub("^%-", "−"))
+end
+
+--- A number for captions: so many significant digits, without zeros at the end.
+function numbers.short(value, digits)
+  if value ~= value then return "nan" end
+  if value == math.huge or value == -math.huge then return value > 0 and "∞" or "−∞" end
+  if value == math.floor(value) and math.abs(value) < 1e6 then return numbers.fixed(value, 0) end
+  local text = ("%." .. (digits or 4) .. "g"):format(value):gsub(",", ".")
+  local mantissa, exponent = text:match "^(.-)e(.+)$"
+  if mantissa then
+    text = ("%s·%s"):format(mantissa, numbers.power(math.tointeger(tonumber(exponent))))
+  end
+  return (text:gsub("^%-", "−"))
+end
+
+-- The exponent e with 10^e <= value < 10^(e + 1), exact at powers of ten.
+local function magnitude(value)
+  local e = math.floor(math.log(value, 10))
+  if 10.0 ^ (e + 1) <= value then e = e + 1 end
+  if 10.0 ^ e > value then e = e - 1 end
+  return e
+end
+numbers.magnitude = magnitude
+
+--- The smallest of 1, 2, 5 times a power of ten that is at least `rough`, and the decimals it needs.
+function numbers.step(rough)
+  local e = magnitude(rough)
+  for _, m in ipairs {1, 2, 5, 10} do
+    local step = m * 10.0 ^ e
+    if step >= rough * (1 - 1e-9) then
+      return step, math.max(0, -(m == 10 and e + 1 or e))
+    end
+  end
+end
+
+--- Round numbers from low to high, at most `most` of them: {{value, text}}.
+function numbers.linear(low, high, most, whole)
+  local step, decimals = numbers.step((high - low) / math.max(1, most))
+  if whole and step < 1 then step, decimals = 1, 0 end
+  local out = {}
+  for i = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6) do
+    out[#out + 1] = {value = i * step, text = numbers.fixed(i * step, decimals)}
+    if #out > 200 then break end
+  end
+  return out
+end
+
+-- Plain as long as that is short, else a power of ten with its factor.
+local function log_text(factor, e)
+  if e >= -3 and e <= 4 then return numbers.fixed(factor * 10.0 ^ e, math.max(0, -e)) end
+  return factor == 1 and numbers.power(e) or ("%d·%s"):format(factor, numbers.power(e))
+end
+
+local function inside(value, low, high)
+  return value >= low * (1 - 1e-9) and value <= high * (1 + 1e-9)
+end
+
+--- Marks of a logarithmic axis: decades (every so many), with 2 and 5 where there is room, the rest
+--- between them without text; within part of a decade the round numbers of a linear one.
+function numbers.log(low, high, most)
+  local first, last = magnitude(low), magnitude(high)
+  local decades = math.log(high / low, 10)
+  local out = {}
+  local factors = decades * 3 <= most and {1, 2, 5} or {1}
+  local every = math.max(1, math.ceil(decades / math.max(1, most)))
+  for e = first, last do
+    for m = 1, 9 do
+      local value = m * 10.0 ^ e
+      local named = false
+      for _, f in ipairs(factors) do named = named or f == m end
+      if inside(value, low, high) then
+        if named and e % every == 0 then
+          out[#out + 1] = {value = value, text = log_text(m, e)}
+        elseif decades <= 7 or m == 1 then
+          out[#out + 1] = {value = value}
+        end
+      end
+    end
+  end
+  local named = 0
+  for _, mark in ipairs(out) do named = named + (mark.text and 1 or 0) end
+  if named >= 2 then return out end
+  local marks = numbers.linear(low, high, most)
+  return #marks > 1 and marks or out
+end
+
+-- ---- units -------------------------------------------------------------------------------------
+
+local prefixes = {{1e-12, "p"}, {1e-9, "n"}, {1e-6, "µ"}, {1e-3, "m"}, {1e-2, "c"}, {1, ""}, {1e3, "k"}, {1e6, "M"},
+  {1e9, "G"}, {1e12, "T"}}
+-- The base units that take prefixes, from which to which.
+local range = {m = {1e-9, 1e3}, g = {1e-6, 1e3}, s = {1e-9, 1}, N = {1e-6, 1e9}, Pa = {1e-3, 1e12},
+  Hz = {1e-3, 1e12}, J = {1e-9, 1e12}, W = {1e-9, 1e12}, V = {1e-6, 1e6}, A = {1e-6, 1e6}}
+local powers = {["²"] = 2, ["2"] = 2, ["^2"] = 2, ["³"] = 3, ["3"] = 3, ["^3"] = 3}
+local superscript = {[2] = "²", [3] = "³"}
+
+-- base, rest, power, factor into the base
+local function taken_apart(unit)
+  local factor = 1
+  if unit:match "^kg" then unit, factor = unit:sub(2), 1000 end
+  local base, rest = unit:match "^(%a+)(.*)$"
+  if not base or not range[base] then return nil end
+  local power = 1
+  local mark = rest:match "^%^?[23]" or rest:match "^²" or rest:match "^³"
+  if mark then power, rest = powers[mark], rest:sub(#mark + 1) end
+  if factor ~= 1 and rest ~= "" or power > 1 and base ~= "m" then return nil end
+  return base, rest, power, factor
+end
+
+local function powers_of_ten(size)
+  if size == 0 or size >= 1e-2 and size < 1e5 then return 1, "" end
+  local e = 3 * (magnitude(size) // 3)
+  return 10.0 ^ -e, numbers.power(e)
+end
+
+--- For values up to `size` in a unit: the factor to what is shown, and the unit to be written, so
+--- that labels are short: 5.5e7, "Pa" -> 1e-6, "MPa"; 3e-6, "" -> 1e6, "10⁻⁶".
+function numbers.unit(unit, size, whole)
+  local base, rest, power, factor = taken_apart(unit)
+  if base and size > 0 then
+    local chosen, name
+    for _, p in ipairs(prefixes) do
+      local worth = p[1] ^ power
+      local fits = p[1] >= range[base][1] and p[1] <= range[base][2]
+      if power > 1 then fits = fits and p[1] <= 1 else fits = fits and p[2] ~= "c" end
+      if fits and (not chosen or size * factor >= worth * (1 - 1e-9)) then chosen, name = worth, p[2] end
+    end
+    local shown = size * factor / chosen
+    if shown >= 1e-2 and shown < 1e5 then
+      return factor / chosen, name .. base .. (superscript[power] or "") .. rest
+    end
+  end
+  if whole and size < 1e6 then return 1, unit end
+  local times, text = powers_of_ten(size)
+  return times, text == "" and unit or unit == "" and text or text .. " " .. unit
+end
+
+--- A value with its unit for people: "55 MPa", "0.012", "zp150".
+function numbers.quantity(value, unit)
+  if math.type(value) == nil then return tostring(value) end
+  unit = unit or ""
+  if value ~= value or math.abs(value) == math.huge or value == 0 or unit == "" then
+    return numbers.short(value) .. (unit ~= "" and " " .. unit or "")
+  end
+  local factor, shown = numbers.unit(unit, math.abs(value))
+  if shown:match "^10" then factor, shown = 1, unit end
+  return numbers.short(value * factor) .. (shown == "%" and "" or " ") .. shown
+end
+
+return numbers
