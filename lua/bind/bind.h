@@ -110,7 +110,7 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_flow_state_class, lbw_plate_class,
-    lbw_grid_class, lbw_embedding_class, lbw_job_class, lbw_canvas_class;
+    lbw_grid_class, lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -266,6 +266,7 @@ void lbw_open_motion(lua_State *L);
 void lbw_open_library(lua_State *L);
 void lbw_open_grid(lua_State *L);
 void lbw_open_job(lua_State *L);
+void lbw_open_database(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

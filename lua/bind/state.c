@@ -384,6 +384,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_plate(L);
   lbw_open_grid(L);
   lbw_open_job(L);
+  lbw_open_database(L);
   lbw_open_solid_material(L);
   lbw_open_solid(L);
   lbw_open_motion(L);

@@ -212,8 +212,8 @@ describe("a job", function()
     end
     collectgarbage()
     collectgarbage()
-    assert.equal(before, files())
-    assert.equal(blocks, select(2, core.external()))
+    assert.truthy(files() <= before) -- less where the collector closed an earlier one
+    assert.truthy(select(2, core.external()) <= blocks)
   end)
 
   it("ends with Ctrl-C when the starter decides so", function()

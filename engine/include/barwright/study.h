@@ -10,6 +10,71 @@
 extern "C" {
 #endif
 
+/* ---- database files -------------------------------------------------------------------------- */
+
+/* A SQLite file in write-ahead mode: one writer at a time, readers beside it, and what was
+ * committed survives the death of the process at any moment. Failures carry the detail "reason":
+ *   BW_FORMAT      "damaged"; "foreign": not a file of barwright; "newer": of a later version
+ *   BW_LIMIT       "full": no room on the disk; "busy": another process holds it for too long
+ *   BW_INFEASIBLE  "constraint": a row that the table's rules forbid
+ *   BW_IO          the rest that the operating system refuses
+ *   BW_INVALID     SQL that is wrong
+ * A transaction in which the file turned out full, damaged or unreadable is rolled back.
+ *
+ * A database belongs to the process that opened it: in a forked child it can only be released,
+ * which there does nothing to the file. */
+typedef struct bw_database bw_database; /* an object */
+typedef struct bw_statement bw_statement;
+
+enum { BW_DATABASE_FORMAT = 1 };
+
+typedef struct bw_database_options {
+  bool read_only;      /* the file must exist */
+  double busy_seconds; /* to wait for another process */
+} bw_database_options;
+void bw_database_options_default(bw_database_options *options);
+
+/* A file that does not exist, or is empty, becomes a database. */
+bw_status bw_database_open(bw_context *context, const char *path,
+                           const bw_database_options *options, bw_database **database);
+const char *bw_database_path(const bw_database *database);
+bool bw_database_inside_transaction(const bw_database *database);
+/* Statements one after the other; rows that they give are dropped. */
+bw_status bw_database_execute(bw_context *context, bw_database *database, const char *sql);
+/* Rows that the last statement changed. */
+int64_t bw_database_changed(const bw_database *database);
+/* What SQLite's own check finds, one line each, at most `most`, to be released with bw_free; NULL
+ * when the file is sound. */
+bw_status bw_database_check(bw_context *context, bw_database *database, int most, char **problems);
+
+/* The statement for one SQL text, kept by it with the database; its parameters are NULL again. It
+ * is in use until it has been stepped to the end or put back. */
+bw_status bw_database_prepare(bw_context *context, bw_database *database, const char *sql,
+                              bw_statement **statement);
+int bw_statement_parameters(const bw_statement *statement);
+/* Parameters are counted from 0. NaN, which SQL does not know, becomes NULL. Text with zero bytes
+ * is kept as a blob. */
+bw_status bw_statement_bind_integer(bw_context *context, bw_statement *s, int i, int64_t value);
+bw_status bw_statement_bind_real(bw_context *context, bw_statement *s, int i, double value);
+bw_status bw_statement_bind_text(bw_context *context, bw_statement *s, int i, const char *text,
+                                 size_t length);
+/* *row is false at the end, and then the statement is put back. */
+bw_status bw_statement_step(bw_context *context, bw_statement *statement, bool *row);
+void bw_statement_put_back(bw_statement *statement);
+
+typedef enum bw_sql_type { BW_SQL_NONE, BW_SQL_INTEGER, BW_SQL_REAL, BW_SQL_TEXT } bw_sql_type;
+typedef struct bw_sql_value {
+  bw_sql_type type;
+  int64_t integer;
+  double real;
+  const char *text; /* until the next step */
+  size_t length;
+} bw_sql_value;
+int bw_statement_columns(const bw_statement *statement);
+const char *bw_statement_column_name(const bw_statement *statement, int column);
+bw_status bw_statement_value(bw_context *context, bw_statement *statement, int column,
+                             bw_sql_value *value);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,124 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Files of results from Lua.
+local core = require "barwright.core"
+local check = require "check"
+
+local function filled(path, count)
+  local db = assert(core.database(path))
+  assert(db:execute "CREATE TABLE trial (key TEXT PRIMARY KEY, number INTEGER, mass REAL, note TEXT)")
+  assert(db:execute "BEGIN")
+  for i = 1, count or 10 do
+    assert.equal(1, db:change("INSERT INTO trial VALUES (?, ?, ?, ?)", "key " .. i, i, i / 3, ("x"):rep(100)))
+  end
+  assert(db:execute "COMMIT")
+  return db
+end
+
+describe("a database", function()
+  it("gives back what was put in", function()
+    local path = check.folder() .. "/a.study"
+    local db = filled(path, 3)
+    local values = {math.maxinteger, math.mininteger, 0.1, -0.0, 1e308, math.huge, "", "ä\n'", "a\0b", false}
+    assert(db:execute "CREATE TABLE value (a, b)")
+    for i, value in ipairs(values) do
+      assert.equal(1, db:change("INSERT INTO value VALUES (?, ?)", i, value))
+    end
+    db:change("INSERT INTO value VALUES (?, ?)", #values + 1, nil)
+    db:change("INSERT INTO value VALUES (?, ?)", #values + 2, 0 / 0)
+    local rows = assert(db:rows "SELECT b FROM value ORDER BY a")
+    assert.equal(#values + 2, #rows)
+    for i = 1, #values - 1 do
+      assert.equal(values[i], rows[i].b)
+      assert.equal(math.type(values[i]), math.type(rows[i].b))
+    end
+    assert.equal(0, rows[#values].b)
+    assert.is_nil(rows[#values + 1].b)
+    assert.is_nil(rows[#values + 2].b)
+    assert.same({{number = 2, mass = 2 / 3}}, db:rows("SELECT number, mass FROM trial WHERE key = ?", "key 2"))
+    assert.same({}, db:rows "SELECT * FROM trial WHERE number > 100")
+    assert.equal(2, db:change "DELETE FROM trial WHERE number > 1")
+    assert.equal(0, db:change "CREATE TABLE other (a)")
+    assert.equal(path, db.path)
+    assert.equal("database: " .. path, tostring(db))
+    assert.is_true(db:check())
+    db:close()
+    check.raises("closed", db.rows, db, "SELECT 1")
+    local again <close> = assert(core.database(path, {read_only = true}))
+    assert.equal(1, again:rows "SELECT count(*) AS n FROM trial"[1].n)
+    check.fails("io", "readonly", again:change "DELETE FROM trial")
+  end)
+
+  it("raises what is wrong in the script", function()
+    local db <close> = filled(check.folder() .. "/a.study")
+    check.raises("syntax error", db.execute, db, "SELEKT 1")
+    check.raises("no such table", db.rows, db, "SELECT * FROM none_such")
+    check.raises("parameters expected", db.rows, db, "SELECT ?", 1, 2)
+    check.raises("parameters expected", db.change, db, "DELETE FROM trial WHERE number = ?")
+    check.raises("parameter 1: nil, a number", db.rows, db, "SELECT ?", {})
+    check.raises("one statement expected", db.rows, db, "SELECT 1; SELECT 2")
+    check.raises("a statement of SQL expected", db.rows, db, " ")
+    check.raises("did you mean 'read_only'", core.database, "x", {readonly = true})
+    check.fails("constraint", "UNIQUE", db:change("INSERT INTO trial (key) VALUES (?)", "key 1"))
+    assert.equal(10, db:rows "SELECT count(*) AS n FROM trial"[1].n)
+  end)
+
+  it("refuses what is no file of its own", function()
+    local folder = check.folder()
+    check.write(folder .. "/text", "number,mass\n1,2\n")
+    check.fails("foreign", "not a database", core.database(folder .. "/text"))
+    assert.equal("number,mass\n1,2\n", check.read(folder .. "/text"))
+    check.write(folder .. "/empty", "")
+    check.fails("foreign", "empty", core.database(folder .. "/empty", {read_only = true}))
+    check.fails("io", "folder", core.database(folder))
+    check.fails("io", "No such file", core.database(folder .. "/none", {read_only = true}))
+    check.fails("io", "unable to open", core.database(folder .. "/no such folder/a"))
+    assert(core.database(folder .. "/empty")):close()
+    local db <close> = assert(core.database(folder .. "/empty", {read_only = true}))
+    assert.same({}, db:rows "SELECT * FROM sqlite_master")
+  end)
+
+  it("is not used by a job, which may have one of its own on the same file", function()
+    local path = check.folder() .. "/a.study"
+    local db = filled(path, 5)
+    local job = core.job(function()
+      local fine, message = pcall(db.rows, db, "SELECT 1")
+      assert(not fine and message:find "another process")
+      db:close()
+      local own = assert(core.database(path))
+      assert(own:change("INSERT INTO trial (key) VALUES (?)", "of the job") == 1)
+      return tostring(own:rows "SELECT count(*) AS n FROM trial"[1].n)
+    end)
+    core.wait {job}
+    assert.equal("6", assert(job:result()))
+    assert.equal(6, db:rows "SELECT count(*) AS n FROM trial"[1].n)
+    assert.is_true(db:check())
+    db:close()
+  end)
+
+  it("keeps what was committed when its process is killed", function()
+    local path = check.folder() .. "/a.study"
+    local job = core.job(function()
+      local db = filled(path, 5)
+      db:execute "BEGIN"
+      db:change("INSERT INTO trial (key) VALUES (?)", "not committed")
+      os.execute "kill -KILL $PPID"
+      return ""
+    end)
+    core.wait {job}
+    check.fails("crashed", "killed", job:result())
+    local db <close> = assert(core.database(path))
+    assert.equal(5, db:rows "SELECT count(*) AS n FROM trial"[1].n)
+    assert.is_true(db:check())
+  end)
+
+  it("waits for another writer, as long as it was told", function()
+    local path = check.folder() .. "/a.study"
+    local db <close> = filled(path, 5)
+    local other <close> = assert(core.database(path, {busy_seconds = 0.05}))
+    assert(db:execute "BEGIN IMMEDIATE")
+    check.fails("busy", "another process", other:change "DELETE FROM trial")
+    assert.equal(5, #other:rows "SELECT * FROM trial") -- readers go on
+    assert(db:execute "COMMIT")
+    assert.equal(5, other:change "DELETE FROM trial")
+  end)
+end)
