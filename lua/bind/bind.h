@@ -239,6 +239,7 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
 void lbw_open_raise(lua_State *L);
 void lbw_open_array(lua_State *L);
 void lbw_open_surface(lua_State *L);
+void lbw_open_thickness(lua_State *L);
 void lbw_open_mesh(lua_State *L);
 void lbw_open_selection(lua_State *L);
 void lbw_open_material(lua_State *L);

@@ -3983,3 +3983,13 @@ function Figure:svg(options) end
 function Figure:place(x, y) end
 
 return bw
+
+-- ---- thickness under a surface ---------------------------------------------------------------------
+
+---How thick the body is under places of its surface that have equal shares of the area (1000 of them): the
+---way straight in until the wall on the other side, inf where there is none.
+---@param samples? integer
+---@return bw.Array? thickness
+---@return bw.Array|string places or a message
+---@return table? details
+function Surface:thickness(samples) end

@@ -57,8 +57,8 @@ describe("the words behind a command", function()
     local wish = assert(arguments.parse(sample, {"a.stl"}))
     assert.same({model = "a.stl", rest = {}, force = 20, kind = "stress", hold = {}, no_open = false, json = false,
       quiet = false, help = false}, wish)
-    wish = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--hold", "x:0", "b", "--hold=y",
-      "--no-open", "--json", "--", "--kind"}))
+    wish = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--hold", "x:0", "b",
+      "--hold=y", "--no-open", "--json", "--", "--kind"}))
     assert.equal(1000, wish.force)
     assert.equal(3, wish.count)
     assert.same({"x:0", "y"}, wish.hold)
@@ -146,5 +146,261 @@ describe("every command", function()
     local status, out = check.run(folder .. "/help")
     assert.equal(0, status)
     assert.equal("a script\n", out)
+  end)
+end)
+
+-- ---- what they answer ----------------------------------------------------------------------------------
+
+-- A folder with small models, good and bad.
+local function models()
+  local folder = check.folder() .. "/"
+  local box = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.01}})
+  assert(box:write(folder .. "sound.stl"))
+  assert(box:write(folder .. "metres.stl", {unit = "m"}))
+  local triangles = box.triangles:totable()
+  table.remove(triangles)
+  assert(bw.surface.new({points = box.points, triangles = triangles}):write(folder .. "open.stl"))
+  local thin = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.0005}})
+  assert(thin:write(folder .. "thin.stl"))
+  check.write(folder .. "cut.stl", check.read(folder .. "sound.stl"):sub(1, 300))
+  check.write(folder .. "empty.obj", "")
+  check.write(folder .. "flat.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\n"
+    .. "vertex 0 9 0\nendloop\nendfacet\nendsolid a\n")
+  assert(check.beam({8, 2, 2}):write(folder .. "beam.vtu"))
+  assert(bw.outline.rectangle {width = 0.05, height = 0.02}:write(folder .. "plate.svg"))
+  check.write(folder .. "crossed.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="10mm" height="10mm" '
+    .. 'viewBox="0 0 10 10"><path d="M 1 1 L 9 9 L 9 1 L 1 9 Z"/></svg>')
+  return folder
+end
+
+-- Runs a command with --json: exit status, the object.
+local function answer(words)
+  local status, out, err = check.run(words .. " --json")
+  local object, why = bw.json.decode(out)
+  assert(object, tostring(why) .. "\n" .. out .. err)
+  assert.equal(status, object.exit_code)
+  assert.is_nil(err:find("traceback", 1, true), err)
+  if object.error then assert.equal(1, select(2, err:gsub("\n", "")), err) end
+  return status, object, err
+end
+
+describe("barwright check", function()
+  local folder = models()
+
+  it("says of each model whether it is sound", function()
+    for name, expected in pairs {["sound.stl"] = 0, ["metres.stl"] = 0, ["open.stl"] = 1, ["thin.stl"] = 0,
+      ["cut.stl"] = 1, ["empty.obj"] = 1, ["flat.stl"] = 1, ["beam.vtu"] = 0, ["plate.svg"] = 0,
+      ["crossed.svg"] = 1, ["missing.stl"] = 1} do
+      local status, object, err = answer("check " .. folder .. name)
+      assert.equal(expected, status, name .. ": " .. err)
+      assert.equal(expected == 0, object.sound, name)
+      if object.error then assert.truthy(object.error.message:find(name, 1, true), object.error.message) end
+    end
+  end)
+
+  it("tells numbers that are right", function()
+    local _, object = answer("check " .. folder .. "sound.stl")
+    check.near(0.06 * 0.02 * 0.01, object.volume_m3, 1e-6)
+    check.near(2 * (0.06 * 0.02 + 0.06 * 0.01 + 0.02 * 0.01), object.area_m2, 1e-6)
+    check.near(0.02, object.thickness_median_m, 0.51) -- between the lesser two sides
+    check.near(0.01, object.thickness_1_percent_m, 1e-6)
+    assert.is_false(object.unit_doubtful)
+    _, object = answer("check " .. folder .. "open.stl")
+    assert.equal(3, object.defects.open_edge)
+    assert.equal(1, object.holes)
+    assert.is_true(object.repairable)
+    check.near(0.06 * 0.02 * 0.01, object.repaired_volume_m3, 1e-6)
+    _, object = answer("check " .. folder .. "open.stl --repair no")
+    assert.is_nil(object.repairable)
+    _, object = answer("check " .. folder .. "plate.svg")
+    check.near(1e-3, object.area_m2, 1e-9)
+  end)
+
+  it("guesses a unit where the size is no part's", function()
+    local _, object = answer("check " .. folder .. "metres.stl")
+    assert.is_true(object.unit_doubtful)
+    assert.equal("m", object.unit_suggestions[#object.unit_suggestions])
+    local _, out = check.run("check " .. folder .. "metres.stl")
+    assert.truthy(out:find("--unit m makes it 60 x 20 x 10 mm", 1, true), out)
+    _, object = answer("check " .. folder .. "metres.stl --unit m")
+    assert.is_false(object.unit_doubtful)
+    check.near(0.06, object.size_m[1], 1e-6)
+  end)
+
+  it("takes a least thickness as a condition", function()
+    assert.equal(0, (answer("check " .. folder .. "thin.stl --thin 0.4mm")))
+    local status, object = answer("check " .. folder .. "thin.stl --thin 0.8mm")
+    assert.equal(1, status)
+    assert.is_true(object.sound)
+    assert.is_false(object.good)
+    assert.truthy(object.thin_share > 0.9)
+  end)
+
+  it("speaks to people, or not at all", function()
+    local _, out = check.run("check " .. folder .. "open.stl")
+    assert.truthy(out:find("3 open edges: the surface has a rim there", 1, true), out)
+    assert.truthy(out:find("Repair mends it", 1, true), out)
+    local status, quiet, err = check.run("check --quiet " .. folder .. "open.stl")
+    assert.equal(1, status)
+    assert.equal("", quiet .. err)
+  end)
+end)
+
+describe("commands that compute", function()
+  local folder = models()
+  local beam = folder .. "beam.vtu"
+
+  it("worst answers, and says by its exit code whether it holds", function()
+    local status, object = answer("worst " .. folder .. "sound.stl --elements 600 --modes 3 --regions 1 --out "
+      .. folder .. "out")
+    assert.equal(0, status)
+    assert.is_true(object.holds)
+    assert.truthy(object.utilisation > 0 and object.utilisation < 1)
+    check.near(object.utilisation * object.strength_pa, object.max_principal_pa, 1e-9)
+    for _, name in ipairs {"weakness.png", "worst_load.png", "worst.vtu", "report.html", "result.json",
+      "manifest.json"} do
+      assert.truthy(#check.read(folder .. "out/" .. name) > 100, name)
+    end
+    local kept = assert(bw.json.decode(check.read(folder .. "out/result.json")))
+    assert.equal(object.max_principal_pa, kept.max_principal_pa)
+    -- Linear in force and pressure.
+    local scaled, stronger = answer("worst " .. folder
+      .. "sound.stl --elements 600 --modes 3 --regions 1 --force 2kN --pressure 20MPa")
+    check.near(100 * object.max_principal_pa, stronger.max_principal_pa, 1e-6)
+    assert.equal(stronger.utilisation < 1 and 0 or 1, scaled)
+    local _, out = check.run("worst " .. folder
+      .. "sound.stl --elements 600 --modes 3 --regions 1 --force 20kN --pressure 2GPa --report " .. folder
+      .. "r.html")
+    assert.truthy(out:find("it breaks there", 1, true), out)
+    assert.truthy(out:find("r.html", 1, true), out)
+    assert.truthy(#check.read(folder .. "r.html") > 1000)
+  end)
+
+  it("statics gives the beam's deflection and stress", function()
+    local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
+      .. "above:x:1=0,0,-100N")
+    assert.equal(0, status)
+    local moment = 0.1 ^ 4 / 12 -- second moment of area
+    check.near(100 * 1 / (3 * 210e9 * moment), object.max_displacement_m, 0.03)
+    assert.is_true(object.holds)
+    status, object = answer("statics " .. beam .. " --material steel --hold low:x --force high:x=0,0,-10MN")
+    assert.equal(1, status)
+    assert.is_false(object.holds)
+    status, object = answer("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g")
+    assert.equal(0, status)
+    check.near(7850 * 0.1 ^ 2 * 9.80665 * 1 / (8 * 210e9 * moment), object.max_displacement_m, 0.05)
+  end)
+
+  it("modes rings as a beam does, free and held", function()
+    local _, object = answer("modes " .. beam .. " --material steel --count 2 --sure")
+    local function bending(root) -- Euler and Bernoulli; shear and rotation lower it by some percent
+      return root ^ 2 / (2 * math.pi) * math.sqrt(210e9 * 0.1 ^ 4 / 12 / (7850 * 0.1 ^ 2))
+    end
+    check.near(bending(4.730), object.frequencies_hz[1], 0.08)
+    assert.equal(6, object.rigid_motions)
+    assert.is_true(object.counted)
+    _, object = answer("modes " .. beam .. " --material steel --count 2 --hold below:x:0 --vtu " .. folder
+      .. "m.vtu")
+    check.near(bending(1.875), object.frequencies_hz[1], 0.03)
+    assert.equal(0, object.rigid_motions)
+    assert.truthy(#check.read(folder .. "m.vtu") > 1000)
+  end)
+
+  it("refuse what makes no sense, with a sentence", function()
+    for words, text in pairs {
+      ["statics " .. beam] = "--hold PLACE is missing",
+      ["statics --hold low:x " .. beam] = "nothing loads it",
+      ["statics --hold lwo:x --gravity 0,0,1 " .. beam] = "'lwo:x' is no place",
+      ["statics --hold low:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
+      ["statics --hold low:x --force low:y=3 " .. beam] = "three numbers such as",
+      ["statics --hold low:x --force low:y " .. beam] = "PLACE=VALUE expected",
+      ["statics --hold low:x --pressure low:y=3N " .. beam] = "a number with one of the units",
+      ["modes --hold near:0,0:1 " .. beam] = "three numbers such as",
+      ["modes --hold below:x:1kg " .. beam] = "a number with one of the units",
+      ["worst --material plaa " .. beam] = "did you mean 'pla'",
+      ["worst --force -3 " .. beam] = "above 0 expected",
+      ["materials plaa"] = "did you mean 'pla'",
+    } do
+      local status, _, err = answer(words)
+      assert.equal(2, status, words .. ": " .. err)
+      assert.truthy(err:find(text, 1, true), words .. ": " .. err)
+    end
+    for words, text in pairs {
+      ["worst " .. folder .. "cut.stl"] = "cut.stl: ",
+      ["worst " .. folder .. "plate.svg"] = "a drawing is flat",
+      ["modes --hold near:9,9,9:1mm " .. beam] = "holds no boundary node",
+      ["worst --order 1 --report " .. folder .. "no/such.html --modes 2 --regions 1 " .. beam] = "such.html",
+      ["convert " .. folder .. "sound.stl " .. folder .. "x.dxf"] = "not as a drawing",
+      ["convert " .. folder .. "sound.stl " .. folder .. "x.xyz"] = "ending .xyz is not known",
+      ["convert " .. folder .. "plate.svg " .. folder .. "x.stl"] = "a drawing can be written as",
+      ["convert " .. folder .. "cut.stl " .. folder .. "x.obj"] = "cut.stl",
+    } do
+      local status, _, err = answer(words)
+      assert.equal(1, status, words .. ": " .. err)
+      assert.truthy(err:find(text, 1, true), words .. ": " .. err)
+    end
+  end)
+end)
+
+describe("barwright convert", function()
+  local folder = models()
+
+  it("goes there and back", function()
+    for _, ending in ipairs {"obj", "ply", "off", "stl"} do
+      assert.equal(0, (answer(("convert %ssound.stl %sa.%s"):format(folder, folder, ending))))
+      check.near(1.2e-5, assert(bw.surface.read(folder .. "a." .. ending)).volume, 1e-6)
+    end
+    assert.equal(0, (answer(("convert %sopen.stl %sb.stl --repair --scale 2 --out-unit cm"):format(folder,
+      folder))))
+    local mended = assert(bw.surface.read(folder .. "b.stl", {unit = "cm"}))
+    assert.is_true(mended:check().sound)
+    check.near(8 * 1.2e-5, mended.volume, 1e-6)
+    for _, ending in ipairs {"msh", "mesh", "inp", "vtu"} do
+      assert.equal(0, (answer(("convert %ssound.stl %sc.%s --elements 300 --order 2"):format(folder, folder,
+        ending))))
+      local mesh = assert(bw.mesh.read(folder .. "c." .. ending))
+      assert.equal(2, mesh.order)
+      check.near(1.2e-5, mesh.volume, 1e-6)
+    end
+    assert.equal(0, (answer(("convert %sc.msh %sd.stl"):format(folder, folder))))
+    check.near(1.2e-5, assert(bw.surface.read(folder .. "d.stl")).volume, 1e-6)
+    assert.equal(0, (answer(("convert %splate.svg %se.dxf --scale 3"):format(folder, folder))))
+    check.near(9e-3, assert(bw.outline.read(folder .. "e.dxf")).area, 1e-9)
+  end)
+end)
+
+describe("every model of the collection", function()
+  local shared = os.getenv "BARWRIGHT_SHARED" or check.root .. "/../shared"
+  local pipe = io.popen("ls '" .. shared .. "/models' 2>/dev/null")
+  local names = {}
+  for name in pipe:lines() do
+    if not name:match "^README" then names[#names + 1] = name end
+  end
+  pipe:close()
+  local full = os.getenv "BARWRIGHT_FULL" == "1"
+
+  it("is checked", function()
+    if #names == 0 then return pending "there is no collection" end
+    for _, name in ipairs(names) do
+      local status, object, err = answer(("check %s --repair no '%s/models/%s'"):format("", shared, name))
+      assert.equal(object.sound and 0 or 1, status, name .. err)
+      local bad = name:match "^bad_" or name == "engine_bracket.obj" or name == "manifest.csv"
+      assert.equal(not bad, object.sound, name .. ": " .. err)
+    end
+  end)
+
+  it("is answered by every command #slow", function()
+    if #names == 0 or not full then return pending "only with BARWRIGHT_FULL=1" end
+    local folder = check.folder()
+    for _, name in ipairs(names) do
+      for command, options in pairs {check = "", worst = "--elements 3000 --modes 6 --regions 2",
+        modes = "--elements 3000 --order 1", convert = folder .. "/out.ply --repair",
+        statics = "--elements 3000 --order 1 --hold low:z --gravity 0,0,-9.81"} do
+        local status, object, err = answer(("%s '%s/models/%s' %s"):format(command, shared, name, options))
+        assert.truthy(status == 0 or status == 1, command .. " " .. name .. err)
+        assert.is_true(status == 0 or object.error ~= nil or object.sound == false or object.holds == false,
+          command .. " " .. name .. ": " .. err)
+      end
+    end
   end)
 end)

@@ -139,6 +139,11 @@ bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface, double
  * middles of both. */
 bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
                               double *distance);
+/* How thick the body is under `samples` places that have equal shares of the area: the way straight
+ * in until the wall on the other side, INFINITY where there is none (an open surface, or one that
+ * faces inwards). thickness[samples]; place[3 * samples] may be NULL. */
+bw_status bw_surface_thickness(bw_context *context, const bw_surface *surface, int32_t samples,
+                               double *thickness, double *place);
 
 /* ---- tetrahedral meshes ---------------------------------------------------------------- */
 

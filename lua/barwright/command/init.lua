@@ -77,7 +77,8 @@ function commands.help()
     rows[i] = {rule.short and text:sub(2) or text, rule.what .. help_text.notes(rule)}
   end
   help_text.table_of(rows, lines)
-  for _, line in ipairs {"", "Without a script or a command: a prompt. A script sees its arguments in the table arg;",
+  for _, line in ipairs {"",
+    "Without a script or a command: a prompt. A script sees its arguments in the table arg;",
     "one whose file is named like a command is run as ./NAME.",
     "Environment: BARWRIGHT_THREADS (number of threads), BARWRIGHT_QUIET=1 (no progress).",
     "Exit status: 0 yes or done; 1 the answer is no, or an error; 2 misuse; 130 after Ctrl-C; of a",
@@ -121,11 +122,11 @@ function commands.run(name, ...)
   local out = output.create(name, wish)
   if wish.json then
     -- Only the object goes to standard output; what a script prints goes beside it.
-    function print(...)
+    rawset(_G, "print", function(...)
       local texts = table.pack(...)
       for i = 1, texts.n do texts[i] = tostring(texts[i]) end
       io.stderr:write(table.concat(texts, "\t"), "\n")
-    end
+    end)
   end
   local fine, code = xpcall(command.run, trace, wish, out)
   if not fine then

@@ -175,9 +175,9 @@ end
 
 return {
   summary = "an edit session in the browser",
-  about = "Opens the live view of what a file makes: a session (bw.edit), a part and the options of bw.edit, or an "
-    .. "object of bw.responsive; or of a file of edits that was kept of one. Only this machine can reach the "
-    .. "page, and only with the address that is printed. Ctrl-C ends it.",
+  about = "Opens the live view of what a file makes: a session (bw.edit), a part and the options of bw.edit, "
+    .. "or an object of bw.responsive; or of a file of edits that was kept of one. Only this machine can reach "
+    .. "the page, and only with the address that is printed. Ctrl-C ends it.",
   server = true,
   arguments = {{name = "file", type = "file", what = "a script that returns the session, or saved edits"}},
   options = {

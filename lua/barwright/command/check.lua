@@ -1,0 +1,204 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright check MODEL: what a file holds, what is wrong with it, whether that can be mended.
+local bw = require "barwright"
+local model = require "barwright.command.model"
+
+-- Each kind of defect in words: one, many, what it means.
+local kinds = {
+  ["open edge"] = {"open edge", "open edges", "the surface has a rim there instead of going on"},
+  ["non-manifold edge"] = {"edge with more than two facets", "edges with more than two facets",
+    "walls meet there as the pages of a book do"},
+  ["non-manifold point"] = {"point that several sheets share", "points that several sheets share",
+    "bodies touch in a point there"},
+  ["misoriented edge"] = {"edge whose facets disagree", "edges whose facets disagree",
+    "one says inside where the other says outside"},
+  ["flipped shell"] = {"shell that faces the wrong way", "shells that face the wrong way", "inside out"},
+  ["zero-area facet"] = {"facet without area", "facets without area", "its corners lie on a line"},
+  ["duplicate facet"] = {"facet that is there twice", "facets that are there twice", "one of them is too many"},
+  ["self-intersection"] = {"pair of facets that cross", "pairs of facets that cross",
+    "the surface goes through itself"},
+}
+local order = {"open edge", "non-manifold edge", "non-manifold point", "misoriented edge", "flipped shell",
+  "zero-area facet", "duplicate facet", "self-intersection"}
+
+local function size_of(box)
+  local size = {}
+  for i = 1, #box.low do size[i] = box.high[i] - box.low[i] end
+  return size
+end
+
+-- The value below which a share of the sorted list lies.
+local function quantile(sorted, share)
+  return sorted[math.max(1, math.ceil(share * #sorted))]
+end
+
+-- ---- surfaces --------------------------------------------------------------------------------------
+
+local function tell_unit(read, out)
+  local size = size_of(read.box)
+  local sentence, names = model.guess_unit(size, read.metres_per_unit or 1, read.unit)
+  out:json {size_m = size, box_low_m = read.box.low, box_high_m = read.box.high,
+    metres_per_unit = read.metres_per_unit, unit_doubtful = sentence ~= nil,
+    unit_suggestions = names and bw.json.list(names)}
+  if sentence then out:say(sentence) end
+end
+
+local function tell_defects(report, out)
+  local counts, first = {}, {}
+  for _, defect in ipairs(report.defects) do
+    first[defect.kind] = first[defect.kind] or defect
+  end
+  for _, kind in ipairs(order) do
+    local count, words = report.count[kind] or 0, kinds[kind]
+    if count > 0 then
+      counts[kind:gsub("[ -]", "_")] = count
+      local where = first[kind]
+      out:say("  %s: %s; the first at %s, facet %d", model.count(count, words[1], words[2]), words[3],
+        model.place(where.at), where.facet)
+    end
+  end
+  out:json {defects = counts, holes = report.holes}
+end
+
+-- How much of the surface stands on how little material.
+local function tell_thickness(surface, wish, out)
+  local values = surface:thickness(2000)
+  local list = values:totable()
+  table.sort(list)
+  local thin, median = quantile(list, 0.01), quantile(list, 0.5)
+  if median == math.huge then return true end
+  out:say("Walls: 1 %% of the surface has less than %s mm of material under it, half of it less than %s mm.",
+    model.mm(thin), model.mm(median))
+  out:json {thickness_1_percent_m = thin, thickness_median_m = median}
+  if not wish.thin then return true end
+  local below = 0
+  for _, value in ipairs(list) do below = below + (value < wish.thin and 1 or 0) end
+  local share = below / #list
+  out:json {thin_share = share}
+  out:say("%.3g %% of the surface has less than the %s mm asked for.", 100 * share, model.mm(wish.thin))
+  return share <= 0.01
+end
+
+local function tell_repair(surface, wish, out)
+  if not wish.repair then return end
+  local mended, log, details = model.try(surface.repair, surface, {time_limit = wish.seconds})
+  out:remarks()
+  if not mended then
+    out:say("Repair does not help: %s", log)
+    out:json {repairable = false, repair_message = log, repair_status = details and details.status}
+    return
+  end
+  local steps = bw.json.list {}
+  out:say("Repair mends it (what computes does so by itself; `barwright convert IN OUT --repair` keeps it):")
+  for i, step in ipairs(log.steps) do
+    steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
+    out:say("  %s: %s", step.name, step.text)
+  end
+  out:say("  Then it holds %.4g cm3, and lies at most %s mm from where it was.", mended.volume * 1e6,
+    model.mm(log.moved))
+  out:json {repairable = true, repair_steps = steps, repair_moved_m = log.moved,
+    repaired_volume_m3 = mended.volume}
+  return mended
+end
+
+local function check_surface(read, wish, out)
+  local surface = read.surface
+  local report = surface:check {limit = 1}
+  out:say("%s: %s, %s, %s mm.", model.name(read.path), read.format,
+    model.count(surface.triangle_count, "triangle"), model.size_text(size_of(read.box)))
+  tell_unit(read, out)
+  out:json {triangles = surface.triangle_count, points = surface.point_count, sound = report.sound,
+    closed = report.closed, oriented = report.oriented, shells = report.shells, area_m2 = report.area,
+    volume_m3 = report.volume}
+  local good
+  if report.sound then
+    out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
+      model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
+    good = tell_thickness(surface, wish, out)
+  else
+    local text = {}
+    text[#text + 1] = report.closed and "closed" or ("open, with %s"):format(model.count(report.holes, "hole"))
+    text[#text + 1] = model.count(report.shells, "shell")
+    out:say("Not sound (%s):", table.concat(text, ", "))
+    tell_defects(report, out)
+    local mended = tell_repair(surface, wish, out)
+    if mended then tell_thickness(mended, wish, out) end
+    good = false
+  end
+  return good
+end
+
+-- ---- meshes ----------------------------------------------------------------------------------------
+
+local function check_mesh(read, _, out)
+  local mesh = read.mesh
+  out:say("%s: %s, a mesh of %s tetrahedra of %d nodes.", model.name(read.path), read.format,
+    mesh.order == 1 and "linear" or "quadratic", mesh.order == 1 and 4 or 10)
+  model.tell_mesh(mesh, nil, out)
+  tell_unit(read, out)
+  local quality = mesh:quality()
+  local degrees = 180 / math.pi
+  local low, high = quality.dihedral_low, quality.dihedral_high
+  if high <= math.pi + 1e-9 then low, high = low * degrees, high * degrees end
+  out:say("Angles between faces from %.3g to %.3g degrees; volumes from %.3g to %.3g mm3; %s.", low, high,
+    quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
+  out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
+    volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
+  if mesh.component_count > 1 then
+    out:say("The bodies do not hang together: what pushes one is not felt by the others.")
+  end
+  if low < 1 then
+    out:say("Its flattest element has an angle of %.2g degrees: stresses there are not to be trusted.", low)
+    out:json {sound = false}
+    return false
+  end
+  return true
+end
+
+-- ---- drawings --------------------------------------------------------------------------------------
+
+local function check_outline(read, _, out)
+  local outline, holes = read.outline, 0
+  for _, loop in ipairs(outline.loops) do holes = holes + (loop.hole and 1 or 0) end
+  local size = size_of(read.box)
+  out:say("%s: %s, %s mm.", model.name(read.path), read.format, model.size_text(size))
+  out:say("Sound: %s closed and without crossings, of which %s; %s; area %.4g mm2, length of the cuts %.4g mm.",
+    model.count(#outline.loops, "loop"), model.count(holes, "hole"), model.count(outline.edge_count, "edge"),
+    outline.area * 1e6, outline.perimeter * 1e3)
+  out:json {size_m = size, sound = true, loops = #outline.loops, holes = holes, edges = outline.edge_count,
+    regions = outline.region_count, area_m2 = outline.area, perimeter_m = outline.perimeter}
+  return true
+end
+
+local by_kind = {surface = check_surface, mesh = check_mesh, outline = check_outline}
+
+return {
+  summary = "whether a model is sound, and what is wrong with it",
+  about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU MEDIT INP TetGen) or a drawing (SVG "
+    .. "DXF) and tells what is in it: size, and whether the unit can be right; whether the surface is closed, "
+    .. "faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
+    .. "Exit status: 0 sound; 1 it has faults (also where they can be mended) or cannot be read.",
+  arguments = {{name = "model", type = "file", what = "the file"}},
+  options = {
+    model.unit_option,
+    {name = "thin", value = "LENGTH", type = "number", unit = "m", above = 0,
+      what = "a fault if more than 1 % of the surface has less material under it than this"},
+    {name = "repair", value = "yes|no", one_of = {"yes", "no"}, default = "yes", what = "try a repair"},
+    {name = "seconds", value = "TIME", type = "number", unit = "s", default = 120, above = 0,
+      what = "how long the repair may take"},
+  },
+  examples = {"barwright check hook.stl", {"barwright check --thin 0.8mm hook.stl && echo printable",
+    "a wall of 0.8 mm at least, as a condition"}},
+  run = function(wish, out)
+    wish.repair = wish.repair == "yes"
+    local read, message, details = model.open(wish.model, wish.unit, out)
+    if not read then
+      out:json {sound = false}
+      return out:fail(message, details)
+    end
+    local good = by_kind[read.kind](read, wish, out)
+    out:remarks()
+    out:json {good = good}
+    return good and 0 or 1
+  end,
+}

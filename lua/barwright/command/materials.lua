@@ -1,0 +1,64 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright materials: the library, with where its numbers come from.
+local bw = require "barwright"
+
+-- "3.6" or "1.22 0.68 0.234": one number, or one for each axis.
+local function numbers(value, scale)
+  if not value then return "-" end
+  if type(value) == "number" then return ("%.4g"):format(value * scale) end
+  local texts = {}
+  for i, x in ipairs(value) do texts[i] = ("%.4g"):format(x * scale) end
+  return table.concat(texts, " ")
+end
+
+local function about(name)
+  local material = bw.material.named(name)
+  local sources = {}
+  for key, from in pairs(material.sources or {}) do
+    sources[key] = {value = from.mean, scatter = from.scatter, source = from.source}
+  end
+  return {name = name, isotropic = material.isotropic, young_pa = material.young, poisson = material.poisson,
+    density_kg_m3 = material.density, strength_pa = material.strength, sources = sources}
+end
+
+local function tell_one(entry, out)
+  out:say("%s", entry.name)
+  local keys, said = {}, {}
+  for key in pairs(entry.sources) do keys[#keys + 1] = key end
+  table.sort(keys)
+  for _, key in ipairs(keys) do
+    local from = entry.sources[key]
+    local name = entry.isotropic and key:gsub("_%d+$", "") or key
+    if not said[name] then
+      said[name] = true
+      out:say("  %-12s %.6g%s  %s", name, from.value, from.scatter and (" +- %.3g"):format(from.scatter) or "",
+        from.source or "")
+    end
+  end
+end
+
+return {
+  summary = "the materials that are known, with where their numbers come from",
+  about = "Without a name: a table; where a material has axes, three numbers stand for the three. With a name: "
+    .. "every number with its source, in SI units.",
+  arguments = {{name = "material", optional = true, one_of = bw.material.names(), what = "one of them"}},
+  examples = {"barwright materials", "barwright materials zp150"},
+  run = function(wish, out)
+    if wish.material then
+      local entry = about(wish.material)
+      tell_one(entry, out)
+      out:json {materials = bw.json.list {entry}}
+      return 0
+    end
+    local list = bw.json.list {}
+    out:say("%-28s %-22s %-22s %-10s %s", "name", "Young's modulus, GPa", "Poisson's ratio", "kg/m3",
+      "strength, MPa")
+    for i, name in ipairs(bw.material.names()) do
+      local entry = about(name)
+      list[i] = entry
+      out:say("%-28s %-22s %-22s %-10s %s", name, numbers(entry.young_pa, 1e-9), numbers(entry.poisson, 1),
+        numbers(entry.density_kg_m3, 1), numbers(entry.strength_pa, 1e-6))
+    end
+    out:json {materials = list}
+  end,
+}

@@ -1,0 +1,299 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the commands share: reading a MODEL, whatever it is, making a mesh of it, and telling in sentences how
+-- large it is. Failures are nil, message, details, the message beginning with the file.
+local bw = require "barwright"
+
+local model = {}
+
+--- The argument of those that compute.
+model.body_argument = {name = "model", type = "file",
+  what = "surface (STL OBJ OFF PLY) or mesh of tetrahedra (MSH VTU MEDIT INP TetGen)"}
+
+--- The option --unit of every command that reads a model.
+model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "in", "um"},
+  what = "the unit of the numbers in the file; left out: mm for surfaces, m for meshes of tetrahedra, what the "
+    .. "file says for drawings"}
+
+--- Materials by name.
+model.material_option = {name = "material", value = "NAME", default = "pla", one_of = bw.material.names(),
+  what = "what it is made of; `barwright materials` lists them"}
+
+model.elements_option = {name = "elements", value = "N", type = "integer", default = 20000, least = 1,
+  most = 10000000,
+  what = "about how many tetrahedra a surface is filled with: more take longer and show finer stresses"}
+
+model.order_option = {name = "order", value = "1|2", type = "integer", default = 1, one_of = {1, 2},
+  what = "linear or quadratic elements: the latter are far more exact, and slower"}
+
+model.threads_option = {name = "threads", value = "N", type = "integer", least = 1, most = 64,
+  what = "number of threads; the numbers do not depend on it"}
+
+--- Millimetres with the digits that matter: "12.5".
+function model.mm(length)
+  return ("%.4g"):format(length * 1e3)
+end
+
+--- "(1.5, 0, 30) mm"
+function model.place(at)
+  local texts = {}
+  for i, x in ipairs(at) do texts[i] = ("%.4g"):format(math.abs(x) < 1e-15 and 0 or x * 1e3) end
+  return "(" .. table.concat(texts, ", ") .. ") mm"
+end
+
+--- "45 x 64.94 x 13"
+function model.size_text(size, scale)
+  local texts = {}
+  for i, x in ipairs(size) do texts[i] = ("%.4g"):format(x * (scale or 1e3)) end
+  return table.concat(texts, " x ")
+end
+
+function model.mass_text(mass)
+  if mass >= 1 then return ("%.4g kg"):format(mass) end
+  if mass >= 1e-3 then return ("%.4g g"):format(mass * 1e3) end
+  return ("%.4g mg"):format(mass * 1e6)
+end
+
+function model.name(path)
+  return path:match "[^/]+$" or path
+end
+
+--- A count with its noun: "1 hole", "3 holes"; `many` where it is not the noun with an s.
+function model.count(n, one, many)
+  return ("%d %s"):format(n, n == 1 and one or many or one .. "s")
+end
+
+function model.pick(keys, from)
+  local out = {}
+  for _, key in ipairs(keys) do out[key] = from[key] end
+  return out
+end
+
+-- ---- units -----------------------------------------------------------------------------------------
+
+-- What is made, printed, cast and tested lies mostly between these lengths.
+local SMALLEST, LARGEST = 5e-3, 3
+local units = {{"mm", 1e-3}, {"in", 0.0254}, {"cm", 1e-2}, {"m", 1}}
+
+--- Whether the size makes sense, or a sentence on what unit the file may be in. `size` in metres as read with
+--- `metres` to a unit of the file; asked: whether the unit was given.
+function model.guess_unit(size, metres, asked)
+  local longest = math.max(table.unpack(size))
+  if asked or longest >= SMALLEST and longest <= LARGEST then return nil end
+  local likely = {}
+  for _, unit in ipairs(units) do
+    local length = longest / metres * unit[2]
+    if length >= SMALLEST and length <= LARGEST and math.abs(unit[2] - metres) > 1e-9 then
+      likely[#likely + 1] = unit
+    end
+  end
+  local head = ("The numbers were taken as %s, which makes it %s mm: %s for a part."):format(
+    metres == 1 and "metres" or metres == 1e-3 and "millimetres" or ("%g m"):format(metres),
+    model.size_text(size), longest < SMALLEST and "small" or "large")
+  if #likely == 0 then return head .. " Is that what is meant? (--unit)", {} end
+  local texts, names = {}, {}
+  for i, unit in ipairs(likely) do
+    names[i] = unit[1]
+    texts[i] = ("--unit %s makes it %s mm"):format(unit[1], model.size_text(size, unit[2] / metres * 1e3))
+  end
+  return head .. " " .. table.concat(texts, ", ") .. ".", names
+end
+
+-- ---- reading ---------------------------------------------------------------------------------------
+
+local volume_endings = {msh = true, vtu = true, mesh = true, inp = true, node = true, ele = true}
+local both_endings = {msh = true, vtu = true, mesh = true, inp = true}
+local drawing_endings = {svg = true, dxf = true}
+
+function model.ending(path)
+  return (path:match "%.(%w+)$" or ""):lower()
+end
+
+local function with_path(path, message)
+  if message:find(path, 1, true) then return message end
+  return path .. ": " .. message
+end
+
+-- Raised misuse (an argument that the engine refuses) and failures alike as nil, message, details.
+function model.try(f, ...)
+  local values = table.pack(pcall(f, ...))
+  if values[1] then return table.unpack(values, 2, values.n) end
+  if bw.interrupted() then error(values[2], 0) end
+  return nil, (tostring(values[2]):gsub("^[^\n:]+:%d+: ", "")), {status = "invalid"}
+end
+
+--- {kind = "surface" | "mesh" | "outline", surface | mesh | outline =, format =, metres_per_unit =, ...}
+function model.read(path, unit)
+  local ending = model.ending(path)
+  local options = {unit = unit}
+  if drawing_endings[ending] then
+    local outline, info, details = model.try(bw.outline.read, path, options)
+    if not outline then return nil, with_path(path, info), details end
+    return {kind = "outline", path = path, outline = outline, format = info.format, box = outline.box, unit = unit}
+  end
+  local why, what
+  if volume_endings[ending] then
+    local mesh, info, details = model.try(bw.mesh.read, path, options)
+    if mesh then
+      return {kind = "mesh", path = path, mesh = mesh, info = info, format = info.format, box = mesh.box,
+        unit = unit}
+    end
+    if not both_endings[ending] or details.status ~= "format" then return nil, with_path(path, info), details end
+    why, what = info, details
+  end
+  local surface, info, details = model.try(bw.surface.read, path, options)
+  if not surface then
+    -- Of a file that may hold either, the reader of meshes says more.
+    return nil, with_path(path, why or info), what or details
+  end
+  return {kind = "surface", path = path, surface = surface, format = info.format, box = surface.box, unit = unit,
+    metres_per_unit = info.metres_per_unit, info = info}
+end
+
+--- The same with what people want to hear of it.
+function model.open(path, unit, out)
+  local read, message, details = model.read(path, unit)
+  out:remarks()
+  if not read then return nil, message, details end
+  out:json {file = path, format = read.format, kind = read.kind}
+  return read
+end
+
+--- A mesh of what was read: as it is, or filled. Says what was done to the surface on the way.
+function model.mesh(read, wish, out)
+  if read.kind == "outline" then
+    return nil, read.path .. ": a drawing is flat: it is no body that could be filled (`barwright check` and "
+      .. "`barwright convert` take drawings; docs/tutorial_responsive.md tells what can be computed of one)",
+      {status = "unsupported"}
+  end
+  if read.kind == "mesh" then
+    local mesh = read.mesh
+    if wish.order and wish.order ~= mesh.order then return mesh:with_order(wish.order) end
+    out:json {repaired = false, surface_moved_m = 0}
+    return mesh
+  end
+  local mesh, log, details = model.try(bw.mesh.fill, read.surface, {elements = wish.elements, order = wish.order})
+  out:remarks()
+  if not mesh then return nil, with_path(read.path, log), details end
+  local steps = bw.json.list {}
+  for i, step in ipairs(log.steps) do
+    steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
+    out:say("  %s: %s", step.name, step.text)
+  end
+  if log.repaired then
+    out:say("  The surface was repaired, and lies at most %s mm from where it was.", model.mm(log.surface_moved))
+  end
+  out:json {repaired = log.repaired, surface_moved_m = log.surface_moved, surface_steps = steps,
+    seconds_fill = log.seconds_fill}
+  return mesh
+end
+
+--- Says and keeps what a mesh is.
+function model.tell_mesh(mesh, material, out)
+  local size = {}
+  for i = 1, 3 do size[i] = mesh.box.high[i] - mesh.box.low[i] end
+  out:say("%s, %s, %s mm, %.4g cm3%s.", model.count(mesh.element_count, "element"),
+    model.count(mesh.node_count, "node"), model.size_text(size), mesh.volume * 1e6,
+    material and material.density and ", " .. model.mass_text(material.density * mesh.volume) or "")
+  out:json {elements = mesh.element_count, nodes = mesh.node_count, bodies = mesh.component_count,
+    box_low_m = mesh.box.low, box_high_m = mesh.box.high, volume_m3 = mesh.volume,
+    area_m2 = mesh.boundary.area,
+    mass_kg = material and material.density and material.density * mesh.volume or nil}
+end
+
+-- ---- places ----------------------------------------------------------------------------------------
+
+model.place_help = "A PLACE on the surface is low:AXIS or high:AXIS (the lowest or highest fiftieth of the part "
+  .. "along x, y or z), below:AXIS:COORDINATE, above:AXIS:COORDINATE, near:X,Y,Z:RADIUS, or all. Coordinates "
+  .. "are in m unless a unit stands behind them: near:0,0,30mm:5mm."
+
+local quantity = require "barwright.command.quantity"
+
+local function length_of(text, what)
+  local value, expected = quantity.read(text, "m")
+  if not value then return nil, ("%s: %s expected, got '%s'"):format(what, expected, text) end
+  return value
+end
+
+--- Three numbers with commas between, in a unit: "0,0,-10N".
+function model.vector(text, unit)
+  local list = {}
+  for word in (text .. ","):gmatch "([^,]*)," do
+    local value, expected = quantity.read(word, unit)
+    if not value then return nil, ("%s expected, got '%s'"):format(expected, word) end
+    list[#list + 1] = value
+  end
+  if #list ~= 3 then return nil, ("three numbers such as 0,0,-10 expected, got '%s'"):format(text) end
+  return list
+end
+
+local share = 0.02 -- of the part, that "low" and "high" take
+
+local places = {}
+function places.all(boundary) return boundary end
+function places.low(boundary, box, axis)
+  local i = ({x = 1, y = 2, z = 3})[axis]
+  return boundary:below(axis, box.low[i] + share * (box.high[i] - box.low[i]))
+end
+function places.high(boundary, box, axis)
+  local i = ({x = 1, y = 2, z = 3})[axis]
+  return boundary:above(axis, box.high[i] - share * (box.high[i] - box.low[i]))
+end
+function places.below(boundary, _, axis, at)
+  return boundary:below(axis, at)
+end
+function places.above(boundary, _, axis, at)
+  return boundary:above(axis, at)
+end
+function places.near(boundary, _, point, radius)
+  return boundary:near(point, radius)
+end
+
+-- Word by word: the pieces behind the kind, read.
+local function read_place(text)
+  local kind, rest = text:match "^(%l+):?(.*)$"
+  local pieces = {}
+  for piece in ((rest or "") .. ":"):gmatch "([^:]*):" do pieces[#pieces + 1] = piece end
+  if rest == "" then pieces = {} end
+  local wanted = ({all = 0, low = 1, high = 1, below = 2, above = 2, near = 2})[kind]
+  if not wanted then
+    return nil, ("'%s' is no place: all, low:z, high:z, below:z:1mm, above:z:20mm or near:0,0,30mm:5mm "
+      .. "expected"):format(text)
+  end
+  if #pieces ~= wanted then
+    return nil, ("'%s': %s expected behind %s, got %d"):format(text, model.count(wanted, "part"), kind, #pieces)
+  end
+  local first = pieces[1]
+  local second, message
+  if kind == "near" then
+    first, message = model.vector(first, "m")
+    if not first then return nil, ("'%s': %s"):format(text, message) end
+  elseif wanted > 0 and not first:match "^[xyz]$" then
+    return nil, ("'%s': an axis x, y or z expected, got '%s'"):format(text, first)
+  end
+  if wanted == 2 then
+    second, message = length_of(pieces[2], text)
+    if not second then return nil, message end
+  end
+  return kind, first, second
+end
+
+--- Checks the text of a place without a mesh: nil and a sentence where it is none.
+function model.check_place(text)
+  local kind, message = read_place(text)
+  if not kind then return nil, message end
+  return true
+end
+
+--- The selection on a mesh, or nil and a sentence.
+function model.select(mesh, text)
+  local kind, first, second = read_place(text)
+  if not kind then return nil, first, {status = "misuse"} end
+  local selection, message = model.try(places[kind], mesh.boundary, mesh.box, first, second)
+  if not selection then
+    return nil, ("%s: %s (the part reaches from %s to %s)"):format(text, message, model.place(mesh.box.low),
+      model.place(mesh.box.high)), {status = "empty"}
+  end
+  return selection
+end
+
+return model

@@ -1,0 +1,95 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright modes MODEL: at what frequencies it rings, free or held.
+local bw = require "barwright"
+local model = require "barwright.command.model"
+local pitch = require "barwright.pitch"
+
+local function analyse(wish, out)
+  if wish.threads then bw.threads(wish.threads) end
+  local read, message, details = model.open(wish.model, wish.unit, out)
+  if not read then return nil, message, details end
+  out:say("%s: %s.", model.name(wish.model), read.format)
+  local mesh
+  mesh, message, details = model.mesh(read, wish, out)
+  if not mesh then return nil, message, details end
+  local material = bw.material.named(wish.material)
+  model.tell_mesh(mesh, material, out)
+  local part = bw.model {mesh = mesh, material = material}
+  local held = 0
+  for _, place in ipairs(wish.hold) do
+    local selection
+    selection, message, details = model.select(mesh, place)
+    if not selection then return nil, message, details end
+    held = held + selection.area
+    part:fix(selection)
+  end
+  local modes
+  modes, message, details = model.try(part.modes, part, {count = wish.count, sturm = wish.sure})
+  out:remarks()
+  if not modes then return nil, message, details end
+  return modes, held
+end
+
+local function tell(modes, held, wish, out)
+  out:say("")
+  if #wish.hold > 0 then
+    out:say("Held at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
+  else
+    out:say("Free, as if hung on threads, it rings at (its %d rigid motions are left out):", modes.rigid_count)
+  end
+  local list = bw.json.list {}
+  for i, frequency in ipairs(modes.frequencies:totable()) do
+    local note, cents = pitch.note(frequency)
+    list[i] = frequency
+    out:say("  %2d  %10.4g Hz   %-4s %+3.0f cents", i, frequency, note, cents)
+  end
+  out:json {frequencies_hz = list, rigid_motions = modes.rigid_count, held = bw.json.list(wish.hold),
+    material = wish.material, counted = modes.counted}
+  if wish.sure then
+    out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
+      or "The count of the eigenvalues could not confirm that none is missing.")
+  end
+end
+
+return {
+  summary = "at what frequencies a part rings",
+  about = "The lowest modes of vibration of a part, free or held somewhere, with the nearest note to each. A "
+    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. model.place_help,
+  arguments = {model.body_argument},
+  options = {
+    model.material_option,
+    {name = "count", value = "N", type = "integer", default = 6, least = 1, most = 500, what = "how many"},
+    {name = "hold", value = "PLACE", many = true, what = "hold it there"},
+    model.unit_option,
+    model.elements_option,
+    {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
+      what = "linear or quadratic elements; linear ones are too stiff and ring too high"},
+    {name = "sure", type = "flag", what = "count the eigenvalues, so that none is missing (twice the time)"},
+    {name = "vtu", value = "FILE.vtu", type = "file", what = "write the shapes, for ParaView"},
+    {name = "picture", value = "FILE.png", type = "file", what = "a picture of the first shape"},
+    model.threads_option,
+  },
+  examples = {"barwright modes bar.stl --material aluminium",
+    {"barwright modes fork.stl --hold low:z --hold near:0,0,30mm:5mm --count 10",
+      "held at its foot and at a point"}},
+  run = function(wish, out)
+    for _, place in ipairs(wish.hold) do
+      local fine, message = model.check_place(place)
+      if not fine then return out:misuse("option --hold: " .. message) end
+    end
+    local modes, held, details = analyse(wish, out)
+    if not modes then return out:fail(held, details) end
+    tell(modes, held, wish, out)
+    local written = bw.json.list {}
+    for _, how in ipairs {{wish.vtu, function() return modes:write(wish.vtu) end},
+      {wish.picture, function() return modes:picture(1, wish.picture) end}} do
+      if how[1] then
+        local fine, message, more = how[2]()
+        if not fine then return out:fail(message, more) end
+        written[#written + 1] = how[1]
+      end
+    end
+    if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
+    out:json {files = written}
+  end,
+}
