@@ -3950,6 +3950,50 @@ function PlotModule.scatter(options) end
 ---@return bw.Figure
 function PlotModule.bars(options) end
 
+---The value of each trial in their order, and the best so far; those that miss a constraint (feasible: false)
+---and those without a result (failed: true, or no number) are marked.
+---@param options {values: number[], numbers?: integer[], goal?: "least"|"most", failed?: boolean[], feasible?: boolean[], label?: string, unit?: string, scale?: "linear"|"log", notes?: string[], trial?: string}
+---@return bw.Figure
+function PlotModule.history(options) end
+
+---Two objectives with the front and what it beats; three to six pair by pair. An objective: {name, unit,
+---goal = "least" | "most", values, scale}.
+---@param options {objectives: table[], feasible?: boolean[], front?: integer[], notes?: string[]}
+---@return bw.Figure
+function PlotModule.pareto(options) end
+
+---Two to ten columns against each other: points below the diagonal, how often on it, rank correlations
+---above. A column: {name, unit, values: numbers or names, of: all names, scale, whole}. values: what colours
+---the points, value: its axis; chosen: places that stand out; faint: flags of those that stand back.
+---@param options {columns: table[], values?: number[], value?: table|string, goal?: "least"|"most", chosen?: integer[], faint?: boolean[], notes?: string[]}
+---@return bw.Figure
+function PlotModule.scatter_matrix(options) end
+
+---Rows of two to 24 columns as lines over upright axes; options as those of scatter_matrix. The best by the
+---coloured values lie on top.
+---@param options {columns: table[], values?: number[], value?: table|string, goal?: "least"|"most", chosen?: integer[], faint?: boolean[]}
+---@return bw.Figure
+function PlotModule.parallel_coordinates(options) end
+
+---What matters: Sobol's indices (first, total) as bars with intervals (first_low, first_high, total_low,
+---total_high), Morris' effects (mu_star, sigma, mu_star_low, mu_star_high) in a plane, or one variable at a
+---time (low, high: the measure at its least and most; base). label, unit: of the measure.
+---@param options {names: string[], first?: number[], total?: number[], mu_star?: number[], sigma?: number[], low?: number[], high?: number[], base?: number, label?: string, unit?: string}
+---@return bw.Figure
+function PlotModule.sensitivity(options) end
+
+---Errors against size, both logarithmic, with triangles of the slope of each series {name, x, y, slope: what
+---it should be, last: so many of the finest are fitted}; the fitted slope stands in the legend.
+---@param options {series: table[], x?: table|string, y?: table|string, triangles?: boolean}
+---@return bw.Figure
+function PlotModule.convergence(options) end
+
+---Pictures in a grid: {path: a PNG file, or figure, caption, chosen: a frame around it}. cell: their width in
+---pixels (230), ratio: height by width, lines: of a caption (2).
+---@param options {pictures: table[], title?: string, columns?: integer, cell?: number, ratio?: number, lines?: integer}
+---@return bw.Figure
+function PlotModule.contact_sheet(options) end
+
 ---What a plot gives: drawn anew for each file.
 ---@class bw.Figure
 ---@field kind string

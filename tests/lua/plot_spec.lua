@@ -158,6 +158,147 @@ describe("a plot", function()
   end)
 end)
 
+-- A study's worth of columns.
+local function trials(count, seed)
+  local random = check.random(seed or 3)
+  local out = {thickness = {}, material = {}, mass = {}, stress = {}, feasible = {}, failed = {}, notes = {}}
+  for i = 1, count do
+    out.thickness[i] = 1e-3 + 4e-3 * random()
+    out.material[i] = random() < 0.5 and "pla" or "zp150"
+    out.mass[i] = 9 * out.thickness[i] * (1 + 0.2 * random())
+    out.stress[i] = 4e4 / out.thickness[i] * (1 + 0.2 * random())
+    out.failed[i] = i % 10 == 7
+    if out.failed[i] then out.mass[i], out.stress[i] = 0 / 0, 0 / 0 end
+    out.feasible[i] = out.stress[i] < 3e7
+    out.notes[i] = ("trial %d & <more>"):format(i)
+  end
+  return out
+end
+
+local function count_of(text, part)
+  return select(2, text:gsub(part, ""))
+end
+
+describe("a plot of trials", function()
+  it("tells how they went on", function()
+    local t = trials(40)
+    local svg = svg_of(bw.plot.history {values = t.mass, feasible = t.feasible, failed = t.failed,
+      notes = t.notes, label = "mass", unit = "kg"})
+    assert.truthy(svg:find("mass, g", 1, true))
+    assert.truthy(svg:find("no result (4)", 1, true))
+    -- the notes of all trials, and of the best once more
+    assert.equal(41, count_of(svg, "<title>"))
+    local best
+    for i = 1, 40 do
+      if t.feasible[i] and not t.failed[i] and (not best or t.mass[i] < t.mass[best]) then best = i end
+    end
+    assert.equal(2, count_of(svg, "<title>trial " .. best .. " &amp; &lt;more&gt;<"))
+    assert.truthy(svg:find(numbers.quantity(t.mass[best], "kg"), 1, true))
+    for _, values in ipairs {{}, {1}, {2, 2, 2}, {0 / 0, 0 / 0}, {math.huge, 1}} do
+      svg_of(bw.plot.history {values = values, goal = "most", scale = "log"})
+    end
+    check.raises("40 numbers expected", bw.plot.history, {values = t.mass, numbers = {1, 2}})
+  end)
+
+  it("finds the front, of two objectives and of more", function()
+    local x, y = {1, 2, 3, 4, 2, 0.5, 3}, {4, 3, 1, 2, 3, 9, 0 / 0}
+    local feasible = {true, true, true, true, true, false, true}
+    local function front(goals, able)
+      local objectives = {{numbers = x, goal = goals[1]}, {numbers = y, goal = goals[2]}}
+      local out = {}
+      for i in pairs(require "barwright.plot.progress".find_front(objectives, able)) do out[#out + 1] = i end
+      table.sort(out)
+      return table.concat(out, " ")
+    end
+    assert.equal("1 2 3 5", front({"least", "least"}, feasible))
+    assert.equal("4", front({"most", "most"}, {false, false, false, true, false, false, false}))
+    assert.equal("1 4 6", front({"most", "most"}, {true, false, true, true, false, true, true}))
+    local svg = svg_of(bw.plot.pareto {objectives = {{name = "a", values = x}, {name = "b", values = y,
+      goal = "least"}}, feasible = feasible})
+    assert.truthy(svg:find("front (4)", 1, true))
+    assert.truthy(svg:find("a  ← better", 1, true))
+    local t = trials(30)
+    svg_of(bw.plot.pareto {objectives = {{name = "a", values = t.mass}, {name = "b", values = t.stress},
+      {name = "c", values = t.thickness, goal = "most"}}})
+    for _, values in ipairs {{}, {1}, {1, 1}, {0 / 0}} do
+      svg_of(bw.plot.pareto {objectives = {{name = "a", values = values}, {name = "b", values = values}}})
+    end
+    check.raises("2 to 6 columns", bw.plot.pareto, {objectives = {{name = "a", values = {1}}}})
+    check.raises("3 values; the first column has 2", bw.plot.pareto,
+      {objectives = {{name = "a", values = {1, 2}}, {name = "b", values = {1, 2, 3}}}})
+  end)
+
+  it("shows many columns at once", function()
+    for _, count in ipairs {0, 1, 2, 40} do
+      local t = trials(count)
+      local columns = {{name = "thickness", unit = "m", values = t.thickness},
+        {name = "material", values = t.material, of = {"pla", "zp150"}},
+        {name = "mass", unit = "kg", values = t.mass}, {name = "stress", unit = "Pa", values = t.stress,
+          scale = "log"}}
+      svg_of(bw.plot.scatter_matrix {columns = columns, values = t.mass, value = {label = "mass", unit = "kg"},
+        chosen = count > 0 and {1} or nil, faint = t.failed, notes = t.notes})
+      svg_of(bw.plot.parallel_coordinates {columns = columns, values = t.mass, goal = "most"})
+    end
+    check.raises("'steel' is none of its names", bw.plot.scatter_matrix, {columns = {
+      {name = "a", values = {"steel"}, of = {"pla"}}, {name = "b", values = {1}}}})
+    check.raises("places from 1 to 1", bw.plot.parallel_coordinates, {columns = {
+      {name = "a", values = {1}}, {name = "b", values = {1}}}, chosen = {2}})
+    assert.near(1, require "barwright.plot.data".rank_correlation({1, 2, 3, 4}, {1, 4, 9, 16}), 1e-12)
+    assert.near(-0.8, require "barwright.plot.data".rank_correlation({1, 2, 3, 4}, {9, 5, 7, 1}), 1e-12)
+  end)
+
+  it("says what matters", function()
+    local names = {"thickness", "holes", "größe"}
+    local svg = svg_of(bw.plot.sensitivity {names = names, first = {0.1, 0.2, 0.6}, total = {0.1, 0.25, 0.7},
+      total_low = {0, 0.2, 0.6}, total_high = {0.2, 0.3, 0.8}})
+    local function height_of(text) return tonumber(svg:match('y="([%d.]+)"[^>]*>' .. text .. "<")) end
+    assert.truthy(height_of "größe" < height_of "holes") -- the largest on top
+    assert.truthy(height_of "holes" < height_of "thickness")
+    svg_of(bw.plot.sensitivity {names = names, mu_star = {1, 2, 0}, sigma = {0.5, 3, 0}})
+    svg_of(bw.plot.sensitivity {names = names, low = {1, 2, 3}, high = {3, 2, 0 / 0}, base = 2})
+    for _, values in ipairs {{}, {0 / 0}, {0}} do
+      local few = {table.unpack(names, 1, #values)}
+      svg_of(bw.plot.sensitivity {names = few, total = values})
+      svg_of(bw.plot.sensitivity {names = few, mu_star = values, sigma = values})
+      svg_of(bw.plot.sensitivity {names = few, low = values, high = values})
+    end
+    check.raises("Sobol", bw.plot.sensitivity, {names = names})
+  end)
+
+  it("fits slopes", function()
+    local svg = svg_of(bw.plot.convergence {series = {{name = "tet10", x = {0.1, 0.2, 0.4}, y = {1, 4, 16}},
+      {name = "flat", x = {0.1, 0.2}, y = {1, 1}}, {name = "one", x = {0.1}, y = {1}},
+      {name = "exact", x = {0.1, 0.2}, y = {0, 1e-3}}}})
+    assert.truthy(svg:find("tet10 (slope 2.00)", 1, true))
+    assert.truthy(svg:find("1 point without place", 1, true))
+    svg_of(bw.plot.convergence {series = {}})
+  end)
+
+  it("puts pictures side by side, also those that are not there", function()
+    local folder = check.folder()
+    local inner = bw.plot.lines {series = {{y = {1, 2}}}}
+    assert(inner:write(folder .. "/a.png"))
+    check.write(folder .. "/bad.png", "no picture")
+    local svg = svg_of(bw.plot.contact_sheet {title = "variants", pictures = {{path = folder .. "/a.png",
+      caption = "first\nsecond"}, {path = folder .. "/none.png"}, {path = folder .. "/bad.png"},
+      {figure = inner, chosen = true}, {caption = "x"}}})
+    assert.equal(1, count_of(svg, "<image "))
+    assert.truthy(svg:find("no picture: none.png", 1, true))
+    assert.truthy(svg:find("this is no PNG file", 1, true))
+    svg_of(bw.plot.contact_sheet {pictures = {}})
+    check.raises("fewer, or smaller", bw.plot.contact_sheet, {pictures = {{}, {}, {}}, cell = 2000, ratio = 10,
+      columns = 1})
+  end)
+
+  it("of ten thousand is quick to draw", function()
+    local t = trials(10000)
+    local before = os.clock()
+    svg_of(bw.plot.history {values = t.mass, feasible = t.feasible, failed = t.failed})
+    svg_of(bw.plot.pareto {objectives = {{name = "a", values = t.mass}, {name = "b", values = t.stress}}})
+    assert.truthy(os.clock() - before < 20)
+  end)
+end)
+
 describe("a canvas", function()
   it("checks what it is given", function()
     local canvas <close> = assert(bw.canvas(100, 50, {name = "x"}))

@@ -33,7 +33,7 @@ end
 local function x_names(s, axis, width)
   local room, widest = width / #axis.names, 0
   for _, name in ipairs(axis.names) do widest = math.max(widest, s:text_width(name, small)) end
-  if widest + 8 <= room then return 0, 18, widest end
+  if widest + 8 <= room then return 0, 20, widest end
   local most = math.min(widest, 130)
   return 40, most * math.sin(math.rad(40)) + 16, most
 end
@@ -64,25 +64,27 @@ local function overhang(s, marks, width)
 end
 
 --- A frame in the box {x, y, width, height}. with = {quiet_x, quiet_y: no marks' texts and label;
---- grid = false; few: room for few marks}.
+--- grid = false; few: room for few marks; left, below: margins}.
 function frame.new(s, box, x, y, with)
   with = with or {}
   local self = setmetatable({sketch = s, x = x, y = y}, Frame)
   local turn, below, most_name = 0, with.quiet_x and 4 or 20, nil
-  if x.names and not with.quiet_x then turn, below, most_name = x_names(s, x, box[3] - 90) end
+  if x.names and not with.quiet_x then turn, below, most_name = x_names(s, x, box[3] - (with.left or 70) - 10) end
+  -- frames of a matrix line up: their margins are given, whatever their marks need
   local label_x = not with.quiet_x and x.label ~= ""
   local label_y = not with.quiet_y and y.label ~= ""
   local top = 8
-  local height = math.max(10, box[4] - below - (label_x and 20 or 4) - top)
+  local height = math.max(10, box[4] - (with.below or below + (label_x and 20 or 4)) - top)
   local y_count = math.max(2, math.floor(height / (with.few and 30 or 38)))
   local marks_y = y:marks(y_count)
   local texts = with.quiet_y and 0 or math.min(widest_text(s, marks_y), box[3] * 0.4)
   local left = texts + (with.quiet_y and 4 or 10) + (label_y and 20 or 0)
-  local width = math.max(10, box[3] - left - 10)
+  local width = math.max(10, box[3] - (with.left or left) - 10)
   local marks_x = x_marks(s, x, width)
   local out_left, out_right = overhang(s, marks_x, width)
   if with.quiet_x or turn > 0 then out_left, out_right = 0, 0 end
-  left = math.max(left, out_left)
+  left = with.left or math.max(left, out_left)
+  if with.left then out_right = 0 end
   self.left, self.top = half(box[1] + left), half(box[2] + top)
   self.right = half(box[1] + box[3] - math.max(10, out_right))
   self.bottom = half(box[2] + top + height)
@@ -262,6 +264,24 @@ function frame.colour_bar(s, box, axis)
       middle = true, most = height + 30})
   end
   return {box[1], box[2], x - box[1] - 8, box[4]}
+end
+
+--- Frames below the diagonal of a matrix, of axis `across` against axis `down`, with marks on the outer
+--- ones only: draw(frame, across, down).
+function frame.pairs(s, box, axes, draw)
+  local n = #axes - 1
+  local left, below = 62, 40
+  local width, height = (box[3] - left) / n, (box[4] - below) / n
+  for down = 2, n + 1 do
+    for across = 1, down - 1 do
+      local first, last = across == 1, down == n + 1
+      local x = box[1] + left + (across - 1) * width - (first and left or 0)
+      local y = box[2] + (down - 2) * height
+      draw(frame.new(s, {x, y, width + (first and left or 0), height + (last and below or 0)}, axes[across],
+        axes[down], {quiet_x = not last, quiet_y = not first, few = true, left = first and left or 4,
+          below = last and below or 4}), across, down)
+    end
+  end
 end
 
 frame.small, frame.normal, frame.large = small, normal, large

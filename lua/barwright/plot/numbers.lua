@@ -60,6 +60,10 @@ function numbers.linear(low, high, most, whole)
     out[#out + 1] = {value = i * step, text = numbers.fixed(i * step, decimals)}
     if #out > 200 then break end
   end
+  -- one mark is no scale: finer, where two were asked for
+  if #out < 2 and most >= 2 and most < 16 and not (whole and step == 1) then
+    return numbers.linear(low, high, 2 * most, whole)
+  end
   return out
 end
 
@@ -104,8 +108,8 @@ end
 
 -- ---- units -------------------------------------------------------------------------------------
 
-local prefixes = {{1e-12, "p"}, {1e-9, "n"}, {1e-6, "µ"}, {1e-3, "m"}, {1e-2, "c"}, {1, ""}, {1e3, "k"}, {1e6, "M"},
-  {1e9, "G"}, {1e12, "T"}}
+local prefixes = {{1e-12, "p"}, {1e-9, "n"}, {1e-6, "µ"}, {1e-3, "m"}, {1e-2, "c"}, {1, ""}, {1e3, "k"},
+  {1e6, "M"}, {1e9, "G"}, {1e12, "T"}}
 -- The base units that take prefixes, from which to which.
 local range = {m = {1e-9, 1e3}, g = {1e-6, 1e3}, s = {1e-9, 1}, N = {1e-6, 1e9}, Pa = {1e-3, 1e12},
   Hz = {1e-3, 1e12}, J = {1e-9, 1e12}, W = {1e-9, 1e12}, V = {1e-6, 1e6}, A = {1e-6, 1e6}}

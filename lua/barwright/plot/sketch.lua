@@ -13,6 +13,11 @@ function sketch.new(canvas)
   return setmetatable({canvas = canvas, width = canvas.width, height = canvas.height, widths = {}}, Sketch)
 end
 
+--- The same for a drawing of another size within it.
+function sketch.within(outer, width, height)
+  return setmetatable({canvas = outer.canvas, width = width, height = height, widths = outer.widths}, Sketch)
+end
+
 local function must(value, message, details)
   if value == nil then error(setmetatable({message = message, details = details}, sketch), 0) end
   return value

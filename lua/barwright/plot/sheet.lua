@@ -1,0 +1,110 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Contact sheets: pictures of variants (PNG files, figures) in a grid, each with its caption.
+local core = require "barwright.core"
+local data = require "barwright.plot.data"
+local figure = require "barwright.plot.figure"
+local frame = require "barwright.plot.frame"
+local options = require "barwright.options"
+local palette = require "barwright.plot.palette"
+local sketch = require "barwright.plot.sketch"
+
+local raise = core.raise
+local where = "plot.contact_sheet"
+
+local rules = {
+  pictures = {type = "table", needed = true},
+  title = {type = "string"},
+  columns = {type = "integer", least = 1, most = 24},
+  cell = {type = "number", least = 60, most = 2000, default = 230}, -- width of a picture
+  ratio = {type = "number", least = 0.1, most = 10}, -- height of a picture by its width
+  lines = {type = "integer", least = 0, most = 8, default = 2}, -- of a caption
+}
+local one_rules = {
+  path = {type = "string"}, figure = {type = "table"},
+  caption = {type = "string", default = ""},
+  chosen = {type = "boolean", default = false}, -- a frame around it
+}
+
+local function read(given, i)
+  local at = ("%s: picture %d"):format(where, i)
+  local one = options.read(at, given, one_rules)
+  if one.figure and not figure.is(one.figure) then raise(at .. ": figure: a figure of bw.plot expected") end
+  if one.figure and one.path then raise(at .. ": path or figure, not both") end
+  return one
+end
+
+local function draw_missing(s, box, text)
+  s:rectangle(box[1], box[2], box[3], box[4], {fill = "#eef1f4"}, 4)
+  s:text(text, box[1] + box[3] / 2, box[2] + box[4] / 2, {size = 11.5, align = 0.5, middle = true,
+    colour = palette.soft, most = box[3] - 12})
+end
+
+local function draw_picture(s, box, one)
+  if one.figure then
+    local inner = one.figure
+    s:enter(box[1], box[2], box[3], box[4], {0, 0, inner.width, inner.height})
+    inner.draw(sketch.within(s, inner.width, inner.height))
+    s:leave()
+  elseif one.path then
+    local fine, message = s:image(one.path, box[1], box[2], box[3], box[4])
+    if not fine then
+      local name = one.path:match "[^/]*$"
+      draw_missing(s, box, message:find("No such file", 1, true) and "no picture: " .. name
+        or message:gsub("^.*/", ""))
+    end
+  else
+    draw_missing(s, box, "no picture")
+  end
+end
+
+local function caption_lines(s, one, width, most)
+  local lines = {}
+  for part in (one.caption .. "\n"):gmatch "(.-)\n" do
+    if #lines < most then
+      for _, line in ipairs(s:wrapped(part, 11.5, width, most - #lines)) do lines[#lines + 1] = line end
+    end
+  end
+  return lines
+end
+
+--- Pictures {path = PNG file or figure =, caption, chosen} in a grid; one that cannot be read is an empty
+--- place that says so.
+return function(given)
+  local wish = options.read(where, given, rules)
+  local all = {}
+  for i, one in ipairs(data.list(where, "pictures", wish.pictures)) do all[i] = read(one, i) end
+  local count = math.max(1, #all)
+  local wide = wish.columns or math.min(count, math.max(1, math.min(6, math.ceil(math.sqrt(count * 1.4)))))
+  local ratio = wish.ratio
+  if not ratio then
+    local first = all[1] and all[1].figure
+    ratio = first and first.height / first.width or 0.75
+  end
+  local gap, line = 14, 15
+  local cell_height = wish.cell * ratio + 8 + line * wish.lines
+  local rows = math.ceil(count / wide)
+  local width = math.max(160, 24 + wide * wish.cell + (wide - 1) * gap)
+  local top = wish.title and 44 or 12
+  local height = top + rows * cell_height + (rows - 1) * gap + 12
+  if height > 20000 or width > 20000 then
+    raise(("%s: %d pictures make %d x %d pixels: fewer, or smaller ones (cell)"):format(where, #all,
+      math.ceil(width), math.ceil(height)))
+  end
+  return figure.new {kind = where, width = width, height = height, name = wish.title or "contact sheet",
+    draw = function(s)
+      if wish.title then frame.around(s, {title = s:shortened(wish.title, frame.large, width - 24, true)}) end
+      if #all == 0 then draw_missing(s, {12, top, wish.cell, wish.cell * ratio}, "no pictures") end
+      for i, one in ipairs(all) do
+        local x = 12 + (i - 1) % wide * (wish.cell + gap)
+        local y = top + (i - 1) // wide * (cell_height + gap)
+        local box = {x, y, wish.cell, wish.cell * ratio}
+        draw_picture(s, box, one)
+        s:rectangle(box[1], box[2], box[3], box[4], {width = one.chosen and 2.5 or 1,
+          stroke = one.chosen and palette.good or palette.grid}, 3)
+        for k, text in ipairs(caption_lines(s, one, wish.cell, wish.lines)) do
+          s:text(text, x + wish.cell / 2, y + box[4] + 4 + line * k - 2, {size = 11.5, align = 0.5,
+            bold = one.chosen and k == 1})
+        end
+      end
+    end}
+end
