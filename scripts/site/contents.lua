@@ -7,6 +7,7 @@ return {
   }},
   {title = "How to", pages = {
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
+    {"docs/howto_scenarios.md", "Requirements as scenarios"},
   }},
   {title = "Tutorials", pages = {
     {"docs/tutorial_edit.md", "Edit sessions"}, {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"},

@@ -108,10 +108,9 @@ function manual.document(run, command, manifests)
       end
     end
   end
-  local out = {"# Verification manual", "",
-    ("Made by `%s` with barwright %s; do not edit. Every figure was computed by the scenarios of"):format(command,
-      made(manifests)),
-    "`scenarios/verification` ([how they are written](howto_scenarios.md)):",
+  local out = {"# Verification manual", "", ("Made by `%s`"):format(command),
+    ("with barwright %s; do not edit. Every figure was computed by the scenarios of"):format(made(manifests)),
+    "`scenarios/verification` ([how such are written](howto_scenarios.md)):",
     ("%d of %d are within what is allowed."):format(met, count),
     "What is only true or false (rigid motions, symmetry, the same bits on any number of threads) is in",
     "`tests/` and runs with `scripts/test`.", ""}
