@@ -9,7 +9,7 @@
 --       [--out FILE.json]
 --       [--only scenes|coarsening|gradients|library]
 local folder = arg[0]:match "^(.*)/" or "."
-package.path = folder .. "/../verification/?.lua;" .. folder .. "/../data_driven/?.lua;" .. package.path
+package.path = folder .. "/?.lua;" .. folder .. "/../data_driven/?.lua;" .. package.path
 local bw = require "barwright"
 local compare = require "compare"
 local library_of = require "library"

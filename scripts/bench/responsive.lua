@@ -15,7 +15,7 @@ local paper = {
   thermal = {elements = 1938, reuse = 21.3, anew = 14.3},
 }
 
-package.path = (arg[0]:match "^(.*)/" or ".") .. "/../verification/?.lua;" .. package.path
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
 local wish = require "arguments" {out = "value", frames = "value", only = "value"}
 local frames = math.tointeger(tonumber(wish.frames or 159))
 if not frames or frames < 1 then
