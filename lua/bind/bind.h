@@ -268,6 +268,8 @@ void lbw_open_library(lua_State *L);
 void lbw_open_grid(lua_State *L);
 void lbw_open_job(lua_State *L);
 void lbw_open_database(lua_State *L);
+void lbw_open_sobol(lua_State *L);
+void lbw_open_minimise(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

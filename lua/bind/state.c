@@ -386,6 +386,8 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_grid(L);
   lbw_open_job(L);
   lbw_open_database(L);
+  lbw_open_sobol(L);
+  lbw_open_minimise(L);
   lbw_open_solid_material(L);
   lbw_open_solid(L);
   lbw_open_motion(L);

@@ -75,6 +75,87 @@ const char *bw_statement_column_name(const bw_statement *statement, int column);
 bw_status bw_statement_value(bw_context *context, bw_statement *statement, int column,
                              bw_sql_value *value);
 
+/* ---- points that fill a cube evenly ---------------------------------------------------------- */
+
+enum { BW_SOBOL_DIMENSIONS = 1111 };
+
+typedef struct bw_sobol_options {
+  int64_t skip;   /* the number of the first point */
+  bool scrambled; /* digits mixed and shifted at random by the seed */
+  uint64_t seed;
+} bw_sobol_options;
+
+/* Points skip, ..., skip + count - 1 of Sobol's sequence, row by row, in [0, 1). Of any 2^k points
+ * that begin at a multiple of 2^k, each dyadic interval of length 2^-k holds one in every
+ * dimension. Point 0 is the origin, unless scrambled. A dimension's numbers do not depend on how
+ * many there are. */
+bw_status bw_sobol(bw_context *context, int64_t count, int dimensions,
+                   const bw_sobol_options *options, double *point);
+
+/* ---- minimisers ------------------------------------------------------------------------------ */
+
+/* NLopt's, one face for all. Constraints are inequalities: value <= 0. */
+typedef enum bw_minimiser {
+  BW_COBYLA,     /* linear models; constraints */
+  BW_BOBYQA,     /* quadratic models */
+  BW_NELDERMEAD, /* a simplex */
+  BW_SBPLX,      /* a simplex in subspaces */
+  BW_DIRECT_L,   /* global: dividing rectangles */
+  BW_CRS2,       /* global: controlled random search */
+  BW_ISRES,      /* global: evolution; constraints */
+  BW_MMA,        /* gradients: moving asymptotes; constraints */
+  BW_SLSQP,      /* gradients: sequential quadratic programmes; constraints */
+  BW_LBFGS       /* gradients */
+} bw_minimiser;
+
+const char *bw_minimiser_word(bw_minimiser minimiser); /* "cobyla"; NULL past the last */
+bool bw_minimiser_takes_gradients(bw_minimiser minimiser);
+bool bw_minimiser_takes_constraints(bw_minimiser minimiser);
+bool bw_minimiser_is_global(bw_minimiser minimiser); /* needs finite bounds */
+
+/* The value, and where `gradient` is not NULL its derivatives, at x: of the objective (which 0) or
+ * a constraint (from 1). A failure ends the run and is what bw_minimise returns. */
+typedef bw_status bw_minimised(bw_context *context, void *data, int which, const double *x,
+                               double *value, double *gradient);
+
+typedef struct bw_minimise_options {
+  bw_minimiser method;
+  double tolerance;            /* steps of x, relative; 0: not asked */
+  double value_tolerance;      /* changes of the objective, relative; 0: not asked */
+  double constraint_tolerance; /* a constraint's value that passes */
+  double good_enough;          /* objective at which to stop; -INFINITY: none */
+  int64_t evaluations;         /* of the objective, at most */
+  int population;              /* of crs2 and isres; 0: NLopt's */
+  const double *step;          /* first steps without gradients; NULL: NLopt's */
+  uint64_t seed;               /* of crs2 and isres */
+} bw_minimise_options;
+void bw_minimise_options_default(bw_minimise_options *options);
+
+typedef enum bw_minimise_end {
+  BW_END_TOLERANCE,
+  BW_END_GOOD_ENOUGH,
+  BW_END_EVALUATIONS,
+  BW_END_ROUNDOFF, /* no better in these digits: most often a minimum */
+  BW_END_STUCK     /* the method found no way on */
+} bw_minimise_end;
+const char *bw_minimise_end_word(bw_minimise_end end);
+
+typedef struct bw_minimise_result {
+  double value;
+  double violation;    /* the largest constraint at x, or 0 */
+  int64_t evaluations; /* of the objective */
+  bw_minimise_end end;
+} bw_minimise_result;
+
+/* Minimise over n variables from x, which becomes the best point. Bounds may be infinite, or NULL.
+ *   BW_INVALID      what the method does not take, with the methods that do
+ *   BW_INFEASIBLE   a constraint is violated at the end (detail "violation"); x and result are set
+ *   BW_CONVERGENCE  a value that is not a number
+ *   the function's own status */
+bw_status bw_minimise(bw_context *context, int n, double *x, const double *least,
+                      const double *most, int constraints, bw_minimised *function, void *data,
+                      const bw_minimise_options *options, bw_minimise_result *result);
+
 #ifdef __cplusplus
 }
 #endif
