@@ -214,7 +214,8 @@ function matrix.parallel_coordinates(given)
       if bar then box = frame.colour_bar(s, box, bar) end
       local room = box[3] / n
       local first = box[1] + math.min(70, room * 0.66)
-      local last = box[1] + box[3] - math.min(52, room * 0.5)
+      local name = s:text_width(axes[n].label, 12, true) / 2 + 8
+      local last = box[1] + box[3] - math.max(math.min(52, room * 0.5), math.min(name, room * 0.6))
       local top, bottom = box[2] + 46, box[2] + box[4] - 14
       local step = (last - first) / (n - 1)
       local alpha = count < 60 and "e0" or count < 400 and "a0" or count < 2000 and "60" or "38"

@@ -67,9 +67,9 @@ function numbers.linear(low, high, most, whole)
   return out
 end
 
--- Plain as long as that is short, else a power of ten with its factor.
-local function log_text(factor, e)
-  if e >= -3 and e <= 4 then return numbers.fixed(factor * 10.0 ^ e, math.max(0, -e)) end
+-- A power of ten with its factor, or plain digits.
+local function log_text(factor, e, plain)
+  if plain then return numbers.fixed(factor * 10.0 ^ e, math.max(0, -e)) end
   return factor == 1 and numbers.power(e) or ("%d·%s"):format(factor, numbers.power(e))
 end
 
@@ -85,6 +85,7 @@ function numbers.log(low, high, most)
   local out = {}
   local factors = decades * 3 <= most and {1, 2, 5} or {1}
   local every = math.max(1, math.ceil(decades / math.max(1, most)))
+  local plain = low >= 5e-4 and high <= 5e4 -- short enough, all of them
   for e = first, last do
     for m = 1, 9 do
       local value = m * 10.0 ^ e
@@ -92,7 +93,7 @@ function numbers.log(low, high, most)
       for _, f in ipairs(factors) do named = named or f == m end
       if inside(value, low, high) then
         if named and e % every == 0 then
-          out[#out + 1] = {value = value, text = log_text(m, e)}
+          out[#out + 1] = {value = value, text = log_text(m, e, plain)}
         elseif decades <= 7 or m == 1 then
           out[#out + 1] = {value = value}
         end

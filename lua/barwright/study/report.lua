@@ -1,0 +1,358 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- trials:report(path): one HTML file that opens from disk without network: what was asked, what was
+-- found, what failed, all plots that fit, pictures, all trials. The page is web/study.html.
+local beside = require "barwright.beside"
+local core = require "barwright.core"
+local json = require "barwright.json"
+local numbers = require "barwright.plot.numbers"
+local options = require "barwright.options"
+local page = require "barwright.report"
+local plots = require "barwright.study.plots"
+
+local escape = page.escape
+local report = {}
+
+local rules = {
+  title = {type = "string"},
+  text = {type = "string"}, -- a paragraph above all
+  picture = {type = "string"}, -- which file of a trial's folder is its picture
+  pictures = {type = "integer", least = 0, most = 400, default = 40}, -- at most so many
+  rows = {type = "integer", least = 0, default = 5000}, -- of the table of trials
+  manifest = {type = "table"},
+}
+
+-- ---- tables ------------------------------------------------------------------------------------
+
+local function html_table(head, rows, class)
+  local out = {('<div class="scroll" tabindex="0"><table%s><thead><tr>'):format(class and
+    (' class="%s"'):format(class) or "")}
+  for _, text in ipairs(head) do out[#out + 1] = ('<th scope="col">%s</th>'):format(escape(text)) end
+  out[#out + 1] = "</tr></thead><tbody>\n"
+  for _, row in ipairs(rows) do
+    out[#out + 1] = row.attributes and ("<tr %s>"):format(row.attributes) or "<tr>"
+    for _, cell in ipairs(row) do
+      local text, sort = cell, nil
+      if type(cell) == "table" then text, sort = cell[1], cell[2] end
+      out[#out + 1] = ("<td%s>%s</td>"):format(sort and
+        (' data-sort="%s"'):format(escape(tostring(sort))) or "", escape(tostring(text)))
+    end
+    out[#out + 1] = "</tr>\n"
+  end
+  out[#out + 1] = "</tbody></table></div>\n"
+  return table.concat(out)
+end
+
+-- One line of a value with its unit as a cell that sorts by number.
+local function cell(value, unit)
+  if value == nil then return {"", ""} end
+  if math.type(value) == nil then return {tostring(value), tostring(value)} end
+  return {numbers.quantity(value, unit), ("%.17g"):format(value):gsub(",", ".")}
+end
+
+local function range_of(v)
+  if v.kind == "choice" then
+    local words = {}
+    for i, choice in ipairs(v.of) do words[i] = tostring(choice) end
+    return table.concat(words, ", ")
+  end
+  return ("%s to %s%s"):format(numbers.quantity(v.least, v.unit), numbers.quantity(v.most, v.unit),
+    v.scale == "log" and ", by its logarithm" or "")
+end
+
+local function bounds_of(c, unit)
+  local parts = {}
+  if c.least then parts[#parts + 1] = "at least " .. numbers.quantity(c.least, unit) end
+  if c.most then parts[#parts + 1] = "at most " .. numbers.quantity(c.most, unit) end
+  return table.concat(parts, ", ")
+end
+
+local function asked(problem)
+  local rows = {}
+  for i, v in ipairs(problem.variables) do
+    rows[i] = {v.name, v.kind or "real", range_of(v), v.unit or "", v.what or ""}
+  end
+  local out = {"<h3>Variables</h3>\n", html_table({"name", "kind", "range", "unit", "about"}, rows)}
+  rows = {}
+  for i, m in ipairs(problem.measures) do
+    local wanted = {}
+    for _, objective in ipairs(problem.objectives or {}) do
+      if objective.name == m.name then wanted[#wanted + 1] = "goal: " .. (objective.goal or "least") end
+    end
+    for _, c in ipairs(problem.constraints or {}) do
+      if c.name == m.name then wanted[#wanted + 1] = bounds_of(c, m.unit) end
+    end
+    rows[i] = {m.name, m.unit or "", table.concat(wanted, "; "), m.what or ""}
+  end
+  out[#out + 1] = "<h3>Measures</h3>\n"
+  out[#out + 1] = html_table({"name", "unit", "wanted", "about"}, rows)
+  return table.concat(out)
+end
+
+-- "latin_hypercube, count 100"
+local function design_text(study)
+  local design = type(study) == "table" and study.design
+  if type(design) ~= "table" then return nil end
+  local parts = {}
+  for key, value in pairs(type(design.wish) == "table" and design.wish or {}) do
+    if type(value) == "number" or type(value) == "string" or type(value) == "boolean" then
+      parts[#parts + 1] = ("%s %s"):format(key, tostring(value))
+    end
+  end
+  table.sort(parts)
+  table.insert(parts, 1, tostring(design.name or "a function"))
+  return table.concat(parts, ", ")
+end
+
+local function facts(trials)
+  local study = trials.study or {}
+  local seconds = 0
+  for i = 1, #trials do seconds = seconds + (trials[i].seconds or 0) end
+  local rows = {{"design", design_text(study)}, {"seed", study.seed}, {"file", study.file},
+    {"trials", #trials}, {"time of all trials", seconds > 0 and numbers.quantity(seconds, "s") or nil},
+    {"stopped", trials.stopped}}
+  local out = {'<dl class="facts">\n'}
+  for _, key in ipairs {1, 2, 3, 4, 5, 6} do
+    local row = rows[key]
+    if row[2] ~= nil then
+      out[#out + 1] = ("<dt>%s</dt><dd>%s</dd>\n"):format(row[1], escape(tostring(row[2])))
+    end
+  end
+  out[#out + 1] = "</dl>\n"
+  return table.concat(out)
+end
+
+-- ---- trials ------------------------------------------------------------------------------------
+
+local function head_of(problem)
+  local head = {"trial"}
+  for _, list in ipairs {problem.variables, problem.measures} do
+    for _, item in ipairs(list) do head[#head + 1] = item.name end
+  end
+  return head
+end
+
+local function row_of(problem, trial)
+  local row = {cell(trial.number)}
+  for _, v in ipairs(problem.variables) do row[#row + 1] = cell(trial.point and trial.point[v.name], v.unit) end
+  for _, m in ipairs(problem.measures) do
+    row[#row + 1] = cell(trial.results and trial.results[m.name], m.unit)
+  end
+  return row
+end
+
+local words = {done = "done", failed = "failed", time = "out of time", memory = "out of memory",
+  crashed = "crashed"}
+
+local function all_trials(trials, most)
+  local problem = trials.problem
+  local head, rows = head_of(problem), {}
+  head[#head + 1] = "status"
+  head[#head + 1] = "seconds"
+  local chosen = {}
+  for _, i in ipairs(plots.chosen(trials)) do chosen[i] = true end
+  for i = 1, math.min(#trials, most) do
+    local trial = trials[i]
+    local row = row_of(problem, trial)
+    local keeps = plots.keeps(problem, trial)
+    local status = words[trial.status] or tostring(trial.status)
+    if trial.status == "done" and not keeps then status = "misses a constraint" end
+    row[#row + 1] = {status .. (trial.message and ": " .. trial.message or ""), status}
+    row[#row + 1] = cell(trial.seconds)
+    row.attributes = ('class="%s"'):format(chosen[i] and "chosen" or trial.status ~= "done" and "bad"
+      or not keeps and "faint" or "")
+    rows[i] = row
+  end
+  local out = {html_table(head, rows, "sortable")}
+  if #trials > most then
+    out[2] = ('<p class="hint">The first %d of %d trials.</p>\n'):format(most, #trials)
+  end
+  return table.concat(out)
+end
+
+local function found(trials)
+  local problem = trials.problem
+  local objectives = problem.objectives or {}
+  if #trials == 0 then return "<p>There are no trials yet.</p>\n" end
+  local chosen = plots.chosen(trials)
+  if #objectives == 0 then
+    local rows = {}
+    for i, m in ipairs(problem.measures) do
+      local list = {}
+      for k = 1, #trials do
+        local value = trials[k].results and trials[k].results[m.name]
+        if value then list[#list + 1] = value end
+      end
+      table.sort(list)
+      rows[i] = {m.name, cell(list[1], m.unit), cell(list[(#list + 1) // 2], m.unit), cell(list[#list], m.unit)}
+    end
+    return "<h3>Measures</h3>\n" .. html_table({"measure", "least", "median", "most"}, rows)
+  end
+  if #chosen == 0 then return "<p>No trial keeps the constraints.</p>\n" end
+  local rows = {}
+  for k, i in ipairs(chosen) do
+    if k <= 200 then rows[k] = row_of(problem, trials[i]) end
+  end
+  local text = #objectives == 1 and "<h3>Best</h3>\n"
+    or ("<h3>Front</h3>\n<p>%d trial%s that no other beats in every objective:</p>\n"):format(#chosen,
+      #chosen == 1 and "" or "s")
+  return text .. html_table(head_of(problem), rows, #chosen > 1 and "sortable" or nil)
+end
+
+local function join_numbers(list)
+  local shown = {}
+  for i = 1, math.min(#list, 12) do shown[i] = tostring(list[i]) end
+  return table.concat(shown, ", ") .. (#list > 12 and (" and %d more"):format(#list - 12) or "")
+end
+
+-- How many ended how.
+local function statuses(trials)
+  local counts = {}
+  for i = 1, #trials do
+    local trial = trials[i]
+    local status = trial.status or "?"
+    if status == "done" and not plots.keeps(trials.problem, trial) then status = "infeasible" end
+    counts[status] = (counts[status] or 0) + 1
+  end
+  local out = {'<ul class="counts">\n'}
+  for _, one in ipairs {{"done", "done"}, {"infeasible", "done, misses a constraint"}, {"failed", "failed"},
+    {"time", "out of time"}, {"memory", "out of memory"}, {"crashed", "crashed"}} do
+    if counts[one[1]] then
+      out[#out + 1] = ('<li class="%s"><b>%d</b> %s</li>\n'):format(one[1], counts[one[1]], one[2])
+    end
+  end
+  out[#out + 1] = "</ul>\n"
+  return table.concat(out)
+end
+
+-- The messages of those that failed, the commonest first.
+local function failures(trials)
+  local by_text, order = {}, {}
+  for i = 1, #trials do
+    local trial = trials[i]
+    if trial.status ~= "done" then
+      local text = ("%s: %s"):format(words[trial.status] or tostring(trial.status), trial.message or "no message")
+      if not by_text[text] then
+        by_text[text] = {}
+        order[#order + 1] = text
+      end
+      table.insert(by_text[text], trial.number or i)
+    end
+  end
+  table.sort(order, function(a, b)
+    if #by_text[a] ~= #by_text[b] then return #by_text[a] > #by_text[b] end
+    return a < b
+  end)
+  local rows = {}
+  for i = 1, math.min(#order, 100) do
+    rows[i] = {cell(#by_text[order[i]]), order[i], join_numbers(by_text[order[i]])}
+  end
+  if #rows == 0 then return "" end
+  return "<h3>What went wrong</h3>\n" .. html_table({"trials", "message", "numbers"}, rows, "wide")
+end
+
+-- ---- plots -------------------------------------------------------------------------------------
+
+-- Every plot that fits: {title, kind, options}.
+local function fitting(trials)
+  local problem, out = trials.problem, {}
+  local objectives = problem.objectives or {}
+  local function add(title, kind, wish) out[#out + 1] = {title = title, kind = kind, wish = wish} end
+  if #trials == 0 then return out end
+  if #objectives >= 2 and #objectives <= 6 then add("Front", "pareto") end
+  for _, objective in ipairs(objectives) do
+    add(("History of %s"):format(objective.name), "history", {measure = objective.name})
+  end
+  local summary = plots.summary(trials)
+  local by_measure = summary.indices or summary.effects or summary.ranges
+  for _, m in ipairs(problem.measures) do
+    if by_measure and by_measure[m.name] and #by_measure[m.name] > 0 then
+      add(("What matters for %s"):format(m.name), "sensitivity", {measure = m.name})
+    end
+  end
+  local count = #problem.variables + #problem.measures
+  if count >= 2 then add("Each against each", "scatter_matrix") end
+  if count >= 3 and count <= 24 then add("All at once", "parallel_coordinates") end
+  return out
+end
+
+local function figure_html(title, made, message)
+  local svg = made
+  if made then svg, message = made:svg() end
+  if not svg then
+    return ('<p class="hint">%s could not be drawn: %s</p>\n'):format(escape(title), escape(tostring(message)))
+  end
+  return ("<figure><figcaption>%s</figcaption>\n%s</figure>\n"):format(escape(title), svg)
+end
+
+-- A plot that cannot be drawn says so in its place: the rest of the page is not lost with it.
+local function all_plots(trials)
+  local out = {#trials > 0 and '<p class="hint">A point shows its trial where the pointer rests.</p>\n'
+    or '<p class="hint">There is nothing to be drawn yet.</p>\n'}
+  for _, one in ipairs(fitting(trials)) do
+    local fine, made = pcall(plots.plot, trials, one.kind, one.wish)
+    out[#out + 1] = figure_html(one.title, fine and made, not fine and made or nil)
+  end
+  return table.concat(out)
+end
+
+local function all_pictures(trials, wish)
+  if wish.pictures == 0 then return "" end
+  local list = plots.pictures(trials, wish.picture, wish.pictures)
+  if #list == 0 then return "" end
+  local made = require("barwright.plot").contact_sheet {pictures = list, lines = 3}
+  return '<h2 id="pictures">Pictures</h2>\n' .. figure_html("The best first", made)
+end
+
+-- ---- the page ----------------------------------------------------------------------------------
+
+-- One sentence above all.
+local function answer(trials)
+  local problem = trials.problem
+  local objectives, chosen = problem.objectives or {}, plots.chosen(trials)
+  local done = 0
+  for i = 1, #trials do done = done + (trials[i].status == "done" and 1 or 0) end
+  local text = ("%d trial%s, %d done."):format(#trials, #trials == 1 and "" or "s", done)
+  if #objectives == 1 and chosen[1] then
+    return text .. " Best: " .. plots.note(problem, trials[chosen[1]]) .. "."
+  elseif #objectives > 1 and #chosen > 0 then
+    return text .. (" %d on the front."):format(#chosen)
+  elseif #objectives > 0 and #trials > 0 then
+    return text .. " None keeps the constraints."
+  end
+  return text
+end
+
+local function manifest_of(trials, wish)
+  if wish.manifest then return wish.manifest end
+  local study = trials.study
+  if type(study) == "table" and type(study.manifest) == "function" then return study:manifest() end
+  return {program = "barwright", version = core.version, commit = core.commit}
+end
+
+--- Writes the page. Options: title, text, picture (which file of a trial's folder), pictures (at most so
+--- many, 0: none), rows (of the table), manifest.
+function report.write(trials, path, given)
+  local wish = options.read("report", given, rules)
+  local text = beside.find "study.html"
+  if not text then return nil, "the report's template was not found", {status = "io"} end
+  local study = type(trials.study) == "table" and trials.study or {}
+  local about = wish.text or study.what
+  local parts = {
+    title = escape(wish.title or study.name and "Study " .. study.name or "Study"),
+    answer = escape(answer(trials)),
+    about = about and ("<p>%s</p>\n"):format(escape(about)) or "",
+    facts = facts(trials),
+    asked = asked(trials.problem),
+    found = found(trials),
+    statuses = statuses(trials),
+    failures = failures(trials),
+    plots = all_plots(trials),
+    pictures = all_pictures(trials, wish),
+    trials = all_trials(trials, wish.rows),
+    manifest = escape(json.encode(manifest_of(trials, wish), "  ")),
+  }
+  text = text:gsub("{{(%l+)}}", function(key) return parts[key] end)
+  return core.write_file(path, text)
+end
+
+return report
