@@ -49,14 +49,15 @@ static void gather_child(const bw_grid *fine, const int32_t *child, int first,
   }
 }
 
-static void gather(const bw_coarse *it, int32_t element, bwi_fine_block *block) {
-  const int32_t *child = it->coarsening[it->levels - 1]->child + 8 * (int64_t)element;
+void bwi_block_gather(const bw_grid *fine, const bw_coarsening *const *coarsening, int levels,
+                      int32_t element, bwi_fine_block *block) {
+  const int32_t *child = coarsening[levels - 1]->child + 8 * (int64_t)element;
   block->partial = false;
-  if (it->levels == 1)
-    gather_child(it->fine, child, 0, block);
-  for (int c = 0; it->levels == 2 && c < 8; c++)
-    gather_child(it->fine, child[c] < 0 ? NULL : it->coarsening[0]->child + 8 * (int64_t)child[c],
-                 8 * c, block);
+  if (levels == 1)
+    gather_child(fine, child, 0, block);
+  for (int c = 0; levels == 2 && c < 8; c++)
+    gather_child(fine, child[c] < 0 ? NULL : coarsening[0]->child + 8 * (int64_t)child[c], 8 * c,
+                 block);
 }
 
 /* Number the materials in the order of first use, and make palette, keys and the coarse grid. */
@@ -94,12 +95,8 @@ done:
   return status;
 }
 
-static bw_status check(bw_context *context, bw_coarse_method method, const bw_library *library,
-                       const bw_palette *palette, const bw_grid *fine, int levels) {
-  if ((unsigned)method > BW_COARSE_AVERAGE)
-    return bw_fail(context, BW_INVALID, "there is no method of coarsening %d", (int)method);
-  if (levels < 1 || levels > 2)
-    return bw_fail(context, BW_INVALID, "coarsening by %d levels; 1 or 2", levels);
+static bw_status check_materials(bw_context *context, const bw_palette *palette,
+                                 const bw_grid *fine) {
   for (int32_t i = 1; i < palette->count; i++)
     if (!palette->material[i]->uniform)
       return bw_fail(context, BW_INVALID,
@@ -111,14 +108,15 @@ static bw_status check(bw_context *context, bw_coarse_method method, const bw_li
       return bw_fail(context, BW_INVALID,
                      "element %d (cell %d) is of material %d, the palette has 1 to %d", (int)e + 1,
                      (int)fine->cell[e] + 1, (int)fine->material[e], (int)palette->count - 1);
-  if (method != BW_COARSE_LOOKUP)
-    return BW_OK;
-  if (!library)
-    return bw_fail(context, BW_INVALID, "coarsening by lookup needs a library");
-  if (levels > library->levels)
-    return bw_fail(context, BW_INVALID, "coarsening by %d levels with a library of %d", levels,
-                   library->levels);
+  return BW_OK;
+}
+
+bw_status bwi_coarse_check(bw_context *context, const bw_library *library,
+                           const bw_palette *palette, const bw_grid *fine) {
+  bw_status status = check_materials(context, palette, fine);
   const double *h = fine->spacing;
+  if (status != BW_OK)
+    return status;
   for (int d = 1; d < 3; d++)
     if (!(h[d] - h[0] <= 1e-9 * h[0] && h[0] - h[d] <= 1e-9 * h[0]))
       return bw_fail(context, BW_INVALID,
@@ -126,6 +124,22 @@ static bw_status check(bw_context *context, bw_coarse_method method, const bw_li
                      "same in all directions",
                      h[0], h[1], h[2]);
   return bwi_same_palette(context, palette, library->palette);
+}
+
+static bw_status check(bw_context *context, bw_coarse_method method, const bw_library *library,
+                       const bw_palette *palette, const bw_grid *fine, int levels) {
+  if ((unsigned)method > BW_COARSE_AVERAGE)
+    return bw_fail(context, BW_INVALID, "there is no method of coarsening %d", (int)method);
+  if (levels < 1 || levels > 2)
+    return bw_fail(context, BW_INVALID, "coarsening by %d levels; 1 or 2", levels);
+  if (method != BW_COARSE_LOOKUP)
+    return check_materials(context, palette, fine);
+  if (!library)
+    return bw_fail(context, BW_INVALID, "coarsening by lookup needs a library");
+  if (levels > library->levels)
+    return bw_fail(context, BW_INVALID, "coarsening by %d levels with a library of %d", levels,
+                   library->levels);
+  return bwi_coarse_check(context, library, palette, fine);
 }
 
 static bw_status begin(bw_context *context, bw_coarse_method method, const bw_library *library,
@@ -184,7 +198,7 @@ static bw_status assign(bw_context *context, bw_coarse *it, const bw_coarse *bef
       BW_TRY(bw_check_cancel(context));
     if (id[e])
       continue;
-    gather(it, e, &block);
+    bwi_block_gather(it->fine, it->coarsening, it->levels, e, &block);
     BW_TRY(bwi_rows_of(&list, &block, &id[e]));
     it->looked_up++;
   }

@@ -25,6 +25,11 @@ typedef struct bwi_fine_block {
 
 /* Mean over the block, void counted as nothing; 0 where that of an element is not known. */
 double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *block);
+/* The mean part of cell c's elements that is inside, at level 2. */
+double bwi_block_part(const bwi_fine_block *block, int c);
+/* The fine elements of a coarse one, through one or two coarsenings. */
+void bwi_block_gather(const bw_grid *fine, const bw_coarsening *const *coarsening, int levels,
+                      int32_t element, bwi_fine_block *block);
 bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *maker,
                                 const bwi_fine_block *block, bw_solid_material **material);
 bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker,
@@ -33,6 +38,9 @@ bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker
 bw_status bwi_level2_material(bw_context *context, const bw_library *library,
                               const bwi_fine_block *block, double density, int32_t *fit,
                               bw_solid_material **material);
+/* Whether a grid's blocks can be looked up: uniform materials of the library's palette, cubes. */
+bw_status bwi_coarse_check(bw_context *context, const bw_library *library,
+                           const bw_palette *palette, const bw_grid *fine);
 /* Materials, laws and constants of the two must be the same, row by row. */
 bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
                            const bw_palette *of_library);

@@ -105,8 +105,7 @@ static double whole_ratio(const cell own[8], const cell its[8]) {
   return same ? 1 : ratio(sum_own, sum_its);
 }
 
-/* The mean part of a cell's elements that is inside. */
-static double part_of(const bwi_fine_block *block, int c) {
+double bwi_block_part(const bwi_fine_block *block, int c) {
   double sum = 0;
   int count = 0;
   for (int p = 8 * c; p < 8 * c + 8; p++)
@@ -133,7 +132,7 @@ bw_status bwi_level2_material(bw_context *context, const bw_library *library,
   double whole = whole_ratio(own, it.cell);
   for (int c = 0; c < 8; c++) {
     const cell *its = &it.cell[c];
-    double part = part_of(block, c), by_mu = whole, by_lambda = whole, by_fibre;
+    double part = bwi_block_part(block, c), by_mu = whole, by_lambda = whole, by_fibre;
     if (own[c].empty != its->empty) {
       it.mu[c] = (own[c].empty ? BWI_VOID_PART * it.mean_mu : it.factor_mu * own[c].mu);
       it.lambda[c] =

@@ -29,13 +29,17 @@ static void destroy(void *object) {
   bw_library *it = (bw_library *)object;
   bwi_library *inner = it->inner;
   bw_release(it->palette);
-  for (int l = 0; inner && l < 2; l++) {
+  for (int l = 0; inner && l < 2; l++)
+    bwi_grown_clear(&inner->grown[l]);
+  for (int l = 0; inner && !inner->of && l < 2; l++) {
     for (int32_t f = 0; inner->fit[l] && f < it->fit_count[l]; f++)
       bw_release(inner->fit[l][f]);
     bw_free(inner->fit[l]);
     bw_free(inner->error[l]);
   }
-  if (inner) {
+  if (inner && inner->of) {
+    bw_release(inner->of);
+  } else if (inner) {
     bwi_keys_free(inner->keys);
     bwi_levels_free(inner->levels);
   }
@@ -46,9 +50,13 @@ static void destroy(void *object) {
 static size_t bytes(const void *object) {
   const bw_library *it = (const bw_library *)object;
   size_t sum = sizeof *it + sizeof *it->inner;
-  for (int l = 0; l < 2; l++)
+  for (int l = 0; l < 2; l++) {
+    const bwi_grown *grown = &it->inner->grown[l];
     for (int32_t f = 0; f < it->fit_count[l]; f++)
       sum += bw_bytes(it->inner->fit[l][f]) + sizeof(bw_fit_error) + sizeof(void *);
+    for (int32_t f = 0; f < grown->count; f++)
+      sum += bw_bytes(grown->fit[f]) + sizeof(bw_fit_error) + sizeof(void *) + (size_t)grown->width;
+  }
   sum += (size_t)it->inner->keys->code_count * 5 + (size_t)it->inner->keys->orbit_count * 4;
   if (it->inner->levels)
     for (int s = 0; s < 3; s++)
@@ -68,7 +76,7 @@ static bw_status check_count(bw_context *context, const char *name, int value, i
 
 bw_status bwi_check_options(bw_context *context, const bw_library_options *o) {
   bw_status status = BW_OK;
-  BW_TRY(check_count(context, "levels", o->levels, 1, 2));
+  BW_TRY(check_count(context, "levels", o->levels, 0, 2));
   BW_TRY(check_count(context, "directions", o->directions, 1, MOST_SAMPLES));
   BW_TRY(check_count(context, "magnitudes", o->magnitudes, 1, 1000));
   BW_TRY(check_count(context, "stretches", o->stretches, 0, MOST_SAMPLES));
@@ -108,12 +116,51 @@ bw_status bwi_library_begin(bw_context *context, const bw_palette *palette,
     goto done;
   }
   BW_TRY(bwi_keys_create(context, palette->count, options->voids, &it->inner->keys));
-  BW_TRY(bwi_library_room(context, it, 1, it->inner->keys->orbit_count));
+  BW_TRY(bwi_library_room(context, it, 1, it->levels > 0 ? it->inner->keys->orbit_count : 0));
+  bwi_library_show(it);
   *out = it;
   it = NULL;
 done:
   bw_release(it);
   return status;
+}
+
+void bwi_library_show(bw_library *it) {
+  for (int l = 0; l < 2; l++) {
+    it->inner->grown[l].width = l == 0 ? 8 : 64;
+    it->grown_count[l] = it->inner->grown[l].count;
+    it->grown_error[l] = it->inner->grown[l].error;
+    if (it->grown_count[l] > 0 && it->levels <= l)
+      it->levels = l + 1;
+  }
+}
+
+bw_status bwi_library_with(bw_context *context, const bw_library *of, bwi_grown grown[2],
+                           bw_library **out) {
+  const bw_library *owner = of->inner->of ? of->inner->of : of;
+  bw_library *it = BW_NEW0(context, bw_library, 1);
+  bwi_library *inner = BW_NEW0(context, bwi_library, 1);
+  if (!it || !inner) {
+    bw_free(it);
+    bw_free(inner);
+    return BW_MEMORY;
+  }
+  bw_object_init(it, &library_kind);
+  it->palette = (const bw_palette *)bw_retain(of->palette);
+  it->options = of->options;
+  it->levels = owner->levels;
+  it->inner = inner;
+  *inner = *owner->inner;
+  inner->of = (const bw_library *)bw_retain(owner);
+  for (int l = 0; l < 2; l++) {
+    it->fit_count[l] = owner->fit_count[l];
+    it->error[l] = owner->error[l];
+    inner->grown[l] = grown[l];
+    memset(&grown[l], 0, sizeof grown[l]);
+  }
+  bwi_library_show(it);
+  *out = it;
+  return BW_OK;
 }
 
 bw_status bwi_library_room(bw_context *context, bw_library *it, int level, int32_t count) {
@@ -145,9 +192,73 @@ bw_status bwi_level2_block(bw_context *context, const bw_library *it, int32_t fi
 
 /* ---- materials by key ----------------------------------------------------------------------- */
 
+static int first_of(int width, const int32_t *key, uint8_t first[64]) {
+  uint8_t bytes_of[64];
+  for (int p = 0; p < width; p++)
+    bytes_of[p] = (uint8_t)key[p];
+  return bwi_key_first(width, bytes_of, first);
+}
+
+/* The grown fit of a block, or -1. */
+static int32_t find_grown(const bw_library *it, int level, const int32_t *key, int *symmetry) {
+  const bwi_grown *grown = &it->inner->grown[level - 1];
+  uint8_t first[64];
+  if (grown->count == 0)
+    return -1;
+  *symmetry = first_of(grown->width, key, first);
+  return bwi_grown_find(grown, first);
+}
+
+const bw_solid_material *bwi_library_cell(const bw_library *it, const int32_t key[8],
+                                          int *symmetry) {
+  const bwi_keys *keys = it->inner->keys;
+  int32_t code = bwi_key_code(keys->base, key), grown;
+  if (it->fit_count[0] > 0 && keys->orbit[code] >= 0) {
+    *symmetry = keys->symmetry[code];
+    return it->inner->fit[0][keys->orbit[code]];
+  }
+  grown = find_grown(it, 1, key, symmetry);
+  return grown < 0 ? NULL : it->inner->grown[0].fit[grown];
+}
+
+bool bwi_library_has_block(const bw_library *it, const int32_t key[64]) {
+  const bwi_library *inner = it->inner;
+  int symmetry;
+  int32_t before[8];
+  bool empty = false;
+  if (find_grown(it, 2, key, &symmetry) >= 0)
+    return true;
+  for (int p = 0; p < 64; p++)
+    empty = empty || key[p] == 0;
+  if (!inner->levels || (empty && !it->options.voids))
+    return false;
+  bwi_level2 found = bwi_levels_find(inner->levels, inner->keys, key);
+  bwi_levels_block(inner->levels, found.fit, before);
+  for (int c = 0; c < 8; c++) {
+    int to = bwi_symmetry_octant(bwi_symmetry_of(found.symmetry), c);
+    int32_t turned = inner->levels->turned[before[c] * BWI_SYMMETRIES + found.symmetry];
+    if (inner->levels->code[0][turned] != bwi_key_code(inner->keys->base, key + 8 * to))
+      return false;
+  }
+  return true;
+}
+
+static uint64_t mix(uint64_t h, uint64_t value) {
+  h = (h ^ value) * 0xff51afd7ed558ccdu;
+  return h ^ h >> 33;
+}
+
+uint64_t bwi_fit_seed(const bw_library *library, int level, const int32_t *code) {
+  uint64_t h = mix(library->options.seed, (uint64_t)level);
+  for (int c = 0; c < (level == 1 ? 1 : 8); c++)
+    h = mix(h, (uint64_t)code[c]);
+  return h;
+}
+
 /* A fit turned, its constants multiplied by the parts of cells, with a density of its own. */
 static bw_status made_of(bw_context *context, const bw_solid_material *fit, int symmetry,
-                         const bwi_fine_block *block, double density, bw_solid_material **out) {
+                         const bwi_fine_block *block, int level, double density,
+                         bw_solid_material **out) {
   bw_status status = BW_OK;
   bw_solid_material *turned = NULL;
   double mu[8], lambda[8], stiffness[24];
@@ -158,7 +269,9 @@ static bw_status made_of(bw_context *context, const bw_solid_material *fit, int 
     return BW_OK;
   }
   for (size_t p = 0; p < (size_t)turned->rule->count; p++) {
-    double part = block->key[p] ? fmax(block->fraction[p], BWI_LEAST_FRACTION) : 1;
+    double part = level == 2      ? bwi_block_part(block, (int)p)
+                  : block->key[p] ? fmax(block->fraction[p], BWI_LEAST_FRACTION)
+                                  : 1;
     mu[p] = part * turned->mu[p];
     lambda[p] = part * turned->lambda[p];
     for (size_t f = 0; f < fibres; f++)
@@ -183,14 +296,22 @@ static bw_status look_up(bw_context *context, const bwi_coarse_maker *maker,
                          const bwi_fine_block *block, bw_solid_material **material, int32_t *fit) {
   const bw_library *it = maker->library;
   const bwi_library *inner = it->inner;
+  const int level = maker->levels;
   double density = bwi_block_density(maker, block);
+  int symmetry = 0;
+  int32_t grown = find_grown(it, level, block->key, &symmetry);
   *fit = -1;
-  if (refused_void(it, maker->rule->count, block->key))
+  if (grown >= 0) {
+    *fit = it->fit_count[level - 1] + grown;
+    return made_of(context, inner->grown[level - 1].fit[grown], symmetry, block, level, density,
+                   material);
+  }
+  if (it->fit_count[level - 1] == 0 || refused_void(it, maker->rule->count, block->key))
     return bwi_baseline_material(context, maker, block, material);
-  if (maker->levels == 1) {
+  if (level == 1) {
     int32_t code = bwi_key_code(inner->keys->base, block->key);
     *fit = inner->keys->orbit[code];
-    return made_of(context, inner->fit[0][*fit], inner->keys->symmetry[code], block, density,
+    return made_of(context, inner->fit[0][*fit], inner->keys->symmetry[code], block, 1, density,
                    material);
   }
   return bwi_level2_material(context, it, block, density, fit, material);

@@ -3,15 +3,18 @@
 #ifndef BWI_METAMATERIAL_LIBRARY_H
 #define BWI_METAMATERIAL_LIBRARY_H
 
+#include "metamaterial/grown.h"
 #include "metamaterial/internal.h"
 #include "metamaterial/keys.h"
 #include "metamaterial/levels.h"
 
 typedef struct bwi_library {
-  bwi_keys *keys;             /* of level 1; fit f of level 1 is orbit f */
+  bwi_keys *keys;             /* of level 1; fit f of level 1 is orbit f, where there are any */
   bw_solid_material **fit[2]; /* fit_count; entries may be NULL while building */
   bw_fit_error *error[2];     /* fit_count */
-  bwi_levels *levels;         /* NULL: level 1 only */
+  bwi_levels *levels;         /* NULL: built of one level at most */
+  bwi_grown grown[2];         /* of level 1 and 2 */
+  const bw_library *of;       /* NULL, or retained: whose keys, fits, errors and levels these are */
 } bwi_library;
 
 /* A library without fits, its keys numbered. Palette, options and key limits are checked. */
@@ -19,6 +22,18 @@ bw_status bwi_library_begin(bw_context *context, const bw_palette *palette,
                             const bw_library_options *options, bw_library **library);
 /* Room for `count` fits of a level, all NULL. */
 bw_status bwi_library_room(bw_context *context, bw_library *library, int level, int32_t count);
+/* A library with the fits of another, and `grown` beside, which it takes over. */
+bw_status bwi_library_with(bw_context *context, const bw_library *of, bwi_grown grown[2],
+                           bw_library **library);
+/* After `grown` was set: what the public fields say of it. */
+void bwi_library_show(bw_library *library);
+/* The fit of level 1 of a key, and the symmetry that turns it there; NULL where there is none. */
+const bw_solid_material *bwi_library_cell(const bw_library *library, const int32_t key[8],
+                                          int *symmetry);
+/* A block of 64 is one of those that were fitted, as built or grown. */
+bool bwi_library_has_block(const bw_library *library, const int32_t key[64]);
+/* What the random loads on a block are drawn from: `code` of its one or eight cells. */
+uint64_t bwi_fit_seed(const bw_library *library, int level, const int32_t *code);
 bw_status bwi_check_options(bw_context *context, const bw_library_options *options);
 /* The block that fit f of level 2 is of: eight turned fits of level 1, NULL for void; release. */
 bw_status bwi_level2_block(bw_context *context, const bw_library *library, int32_t fit,
@@ -79,23 +94,25 @@ bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_m
  * A head with palette and options, then finished fits in any order, each with a checksum. What
  * follows the last sound record is cut off on opening: a kill may leave part of one. */
 typedef struct bwi_checkpoint bwi_checkpoint;
-typedef bw_status bwi_checkpoint_fit(void *data, int level, int32_t fit,
+typedef bw_status bwi_checkpoint_fit(void *data, int level, int32_t fit, const uint8_t *key,
                                      bw_solid_material *material,
                                      const bw_fit_error *error); /* takes the material over */
 /* `fit` is called for each record; `seconds`: what earlier runs took. */
 bw_status bwi_checkpoint_open(bw_context *context, const char *path, const bw_palette *palette,
                               const bw_library_options *options, bwi_checkpoint_fit *fit,
                               void *data, double *seconds, bwi_checkpoint **checkpoint);
-/* From any thread. `packed` is what bwi_pack_fit made. */
+/* From any thread. `packed` is what bwi_pack_fit made. Grown fits have a key, the others a number.
+ */
 bw_status bwi_checkpoint_add(bw_context *context, bwi_checkpoint *checkpoint, int level,
-                             int32_t fit, double seconds, const bwi_pack *packed);
+                             int32_t fit, const uint8_t *key, double seconds,
+                             const bwi_pack *packed);
 void bwi_checkpoint_close(bwi_checkpoint *checkpoint); /* flushed to the disk */
 
 /* ---- files
  * ---------------------------------------------------------------------------------------
  *
- * The contents of the four sections, unpacked; for the fuzzer too. */
-enum { BWI_SECTIONS = 4 };
+ * The contents of the sections, unpacked; for the fuzzer too. */
+enum { BWI_SECTIONS = 5 };
 typedef struct bwi_section {
   const unsigned char *bytes;
   size_t count;

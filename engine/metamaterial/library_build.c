@@ -21,21 +21,15 @@ typedef struct builder {
 
 /* ---- one fit -------------------------------------------------------------------------------- */
 
-static uint64_t mix(uint64_t h, uint64_t value) {
-  h = (h ^ value) * 0xff51afd7ed558ccdu;
-  return h ^ h >> 33;
-}
-
 static uint64_t seed_of(const bw_library *library, int level, int32_t fit) {
-  uint64_t h = mix(library->options.seed, (uint64_t)level);
   if (level == 1)
-    return mix(h, (uint64_t)library->inner->keys->first[fit]);
-  int32_t cell[8];
+    return bwi_fit_seed(library, 1, &library->inner->keys->first[fit]);
+  int32_t cell[8], code[8];
   const bwi_levels *levels = library->inner->levels;
   bwi_levels_block(levels, fit, cell);
   for (int c = 0; c < 8; c++)
-    h = mix(h, (uint64_t)levels->code[0][cell[c]]);
-  return h;
+    code[c] = levels->code[0][cell[c]];
+  return bwi_fit_seed(library, 2, code);
 }
 
 static bw_status make_block(builder *it, int32_t fit, bwi_block *block,
@@ -78,7 +72,7 @@ static bw_status fit_one(builder *it, int32_t fit, bwi_fit_workspace *workspace)
   BW_TRY(packed.status);
   BW_TRY(keep(it, fit, &packed));
   if (it->checkpoint)
-    BW_TRY(bwi_checkpoint_add(it->context, it->checkpoint, it->level, fit,
+    BW_TRY(bwi_checkpoint_add(it->context, it->checkpoint, it->level, fit, NULL,
                               it->before + bw_seconds() - it->start, &packed));
 done:
   bwi_pack_clear(&packed);
@@ -138,12 +132,17 @@ typedef struct taker {
   later second;
 } taker;
 
-static bw_status take(void *data, int level, int32_t fit, bw_solid_material *material,
-                      const bw_fit_error *error) {
+static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
+                      bw_solid_material *material, const bw_fit_error *error) {
   taker *to = (taker *)data;
   bw_library *library = to->it->library;
   bw_context *context = to->it->context;
   later *second = &to->second;
+  if (key) {
+    bw_release(material);
+    return bw_fail(context, BW_INVALID,
+                   "the checkpoint is of a library that was grown for a grid: name another file");
+  }
   if (level == 1) {
     if (fit >= library->fit_count[0]) {
       bw_release(material);
@@ -217,7 +216,8 @@ bw_status bw_library_build(bw_context *context, const bw_palette *palette,
   if (checkpoint)
     BW_TRY(bwi_checkpoint_open(context, checkpoint, palette, &options, take, &to, &it.before,
                                &it.checkpoint));
-  BW_TRY(fit_level(&it, 1));
+  if (options.levels > 0)
+    BW_TRY(fit_level(&it, 1));
   if (options.levels == 2) {
     BW_TRY(begin_level2(&it, &to.second));
     BW_TRY(fit_level(&it, 2));

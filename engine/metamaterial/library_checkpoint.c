@@ -2,7 +2,9 @@
 /* Checkpoints of a library that is being built.
  *
  *   "BWMCKPT2", u32 length of the head, head, u32 checksum of the head
- *   records: u32 length n, n bytes (u8 level, u32 fit, f64 seconds so far, the fit), u32 checksum
+ *   records: u32 length n, n bytes (u8 level, u32 fit, f64 seconds so far, the fit), u32 checksum;
+ *            of a fit that was grown the level has bit 7 set, and the key (8 or 64 bytes) comes
+ * before the fit
  *
  * Records are appended by one write each, so that a kill leaves at most one that is cut short; the
  * disk is asked to keep them every few seconds, which is what a power cut may cost. Who opens a
@@ -134,11 +136,15 @@ static bw_status take_records(bw_context *context, const char *path, const unsig
     bwi_unpack record = {context, path, "records", its, its + length, false};
     bw_solid_material *material = NULL;
     bw_fit_error error;
-    int level = (int)bwi_unpack_u8(&record);
+    unsigned kind = bwi_unpack_u8(&record);
+    int level = (int)(kind & 127u);
     int32_t number = (int32_t)bwi_unpack_u32(&record);
     double so_far = bwi_unpack_f64(&record);
     if (level < 1 || level > 2 || number < 0)
       return bwi_unpack_fail(&record, "a record of fit %d of level %d", (int)number, level);
+    const uint8_t *key = kind & 128u ? bwi_unpack_bytes(&record, level == 1 ? 8 : 64) : NULL;
+    if (record.short_of)
+      return bwi_unpack_end(&record);
     bw_status status = bwi_unpack_fit(&record, level, number, &material, &error);
     if (status == BW_OK)
       status = bwi_unpack_end(&record);
@@ -146,7 +152,7 @@ static bw_status take_records(bw_context *context, const char *path, const unsig
       bw_release(material);
       return status;
     }
-    status = fit(data, level, number, material, &error);
+    status = fit(data, level, number, key, material, &error);
     if (status != BW_OK)
       return status;
     *seconds = so_far > *seconds ? so_far : *seconds;
@@ -219,13 +225,16 @@ done:
 }
 
 bw_status bwi_checkpoint_add(bw_context *context, bwi_checkpoint *it, int level, int32_t fit,
-                             double seconds, const bwi_pack *packed) {
+                             const uint8_t *key, double seconds, const bwi_pack *packed) {
   bwi_pack record;
   bwi_pack_begin(&record, context);
-  bwi_pack_u32(&record, (uint32_t)(RECORD_HEAD + packed->count));
-  bwi_pack_u8(&record, (unsigned)level);
+  size_t width = !key ? 0 : level == 1 ? 8 : 64;
+  bwi_pack_u32(&record, (uint32_t)(RECORD_HEAD + width + packed->count));
+  bwi_pack_u8(&record, (unsigned)level | (key ? 128u : 0));
   bwi_pack_u32(&record, (uint32_t)fit);
   bwi_pack_f64(&record, seconds);
+  if (key)
+    bwi_pack_bytes(&record, key, width);
   bwi_pack_bytes(&record, packed->bytes, packed->count);
   if (record.status == BW_OK)
     bwi_pack_u32(&record, sum_of(record.bytes + 4, record.count - 4));

@@ -91,9 +91,17 @@ static void errors_of(bwi_pack *text, const char *name, const bw_fit_error *erro
        result[2], result[1], result[3], result[4], result[5]);
 }
 
-static bw_status describe_level(bwi_pack *text, const bw_library *it, int level) {
+static void key_of_grown(const bwi_grown *grown, int32_t fit, int32_t key[64]) {
+  for (int32_t p = 0; p < grown->width; p++)
+    key[p] = grown->key[(size_t)grown->width * (size_t)fit + (size_t)p];
+}
+
+/* Fits as it was built, or those that were grown. */
+static bw_status describe_level(bwi_pack *text, const bw_library *it, int level, bool grown) {
   bw_status status = BW_OK;
-  int32_t count = it->fit_count[level - 1], key[64];
+  int32_t count = grown ? it->grown_count[level - 1] : it->fit_count[level - 1], key[64];
+  if (count == 0)
+    return BW_OK;
   double *value = BW_NEW(text->context, double, count);
   class_of *of = BW_NEW(text->context, class_of, count);
   int32_t *member = BW_NEW(text->context, int32_t, count);
@@ -102,14 +110,16 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level)
     goto done;
   }
   for (int32_t f = 0; f < count; f++) {
-    if (level == 1)
+    if (grown)
+      key_of_grown(&it->inner->grown[level - 1], f, key);
+    else if (level == 1)
       bwi_key_of(it->inner->keys->base, it->inner->keys->first[f], key);
     else
       key_of_level2(it, f, key);
     of[f] = classify(it, level == 1 ? 8 : 64, key);
   }
-  line(text, "level %d: %d fits; medians over fits, in %%; in each column fitted, then naive\n",
-       level, (int)count);
+  line(text, "level %d: %d fits%s; medians over fits, in %%; in each column fitted, then naive\n",
+       level, (int)count, grown ? " of blocks of grids it was grown for" : "");
   line(text, "  %-34s %6s  %15s  %15s  %15s\n", "blocks of", "fits", "energy, median",
        "energy, 95 %", "force, median");
   for (int empty = 0; empty < 2; empty++)
@@ -125,7 +135,8 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level)
           continue;
         snprintf(name, sizeof name, "%d material%s%s, contrast 1e%d", materials,
                  materials > 1 ? "s" : "", empty ? " and void" : "", decades);
-        errors_of(text, name, it->error[level - 1], member, members, value);
+        errors_of(text, name, (grown ? it->grown_error : it->error)[level - 1], member, members,
+                  value);
       }
 done:
   bw_free(value);
@@ -162,10 +173,11 @@ bw_status bw_library_describe(bw_context *context, const bw_library *it, char **
        o->directions, o->magnitudes, o->stretches, o->fibres, o->strain, o->ridge,
        (unsigned long long)o->seed);
   if (it->seconds > 0)
-    line(&text, "built in %.4g s; ", it->seconds);
+    line(&text, "%s in %.4g s; ", it->inner->of ? "grown" : "built", it->seconds);
   line(&text, "%.3g MB in memory\n", 1e-6 * (double)bw_bytes(it));
   for (int level = 1; level <= it->levels; level++)
-    BW_TRY(describe_level(&text, it, level));
+    for (int grown = 0; grown < 2; grown++)
+      BW_TRY(describe_level(&text, it, level, grown == 1));
   if (it->inner->levels)
     describe_stages(&text, it->inner->levels);
   bwi_pack_u8(&text, 0);

@@ -10,7 +10,9 @@
  *
  * Sections: HEAD (palette, options), FIT1 and FIT2 (fits with their errors, one after the other),
  * TAB2 (what was chosen for level 2, and the tables of pairs); the last two are empty in a library
- * of one level. Keys and symmetries follow from the palette and are not stored.
+ * of one level, FIT1 too in one of none. Keys and symmetries follow from the palette and are not
+ * stored. A library that was grown is of version 2 and has a fifth section, GROW: for each of two
+ * levels u32 number, keys (8 or 64 bytes each, ascending), fits.
  *
  * A file that came from anywhere is read with care: lengths are compared with what is there and
  * with what they can be before memory is taken. */
@@ -21,9 +23,16 @@
 #include "barwright/io.h"
 #include "metamaterial/library.h"
 
-enum { MARK_BYTES = 8, VERSION = 1, FILE_HEAD = 16, SECTION_HEAD = 24, MOST_HEAD = 4096 };
+enum {
+  MARK_BYTES = 8,
+  VERSION = 1,
+  VERSION_GROWN = 2,
+  FILE_HEAD = 16,
+  SECTION_HEAD = 24,
+  MOST_HEAD = 4096
+};
 static const unsigned char mark[MARK_BYTES] = {0x89, 'B', 'W', 'M', '\r', '\n', 0x1a, '\n'};
-static const char tag[BWI_SECTIONS][5] = {"HEAD", "FIT1", "FIT2", "TAB2"};
+static const char tag[BWI_SECTIONS][5] = {"HEAD", "FIT1", "FIT2", "TAB2", "GROW"};
 
 static uint32_t sum_of(uint32_t sum, const unsigned char *bytes, size_t count) {
   return (uint32_t)crc32_z(sum, bytes, count);
@@ -64,9 +73,23 @@ done:
   return status;
 }
 
+static void pack_grown(bwi_pack *pack, const bwi_grown *it) {
+  bwi_pack_u32(pack, (uint32_t)it->count);
+  bwi_pack_bytes(pack, it->key, (size_t)it->width * (size_t)it->count);
+  for (int32_t f = 0; f < it->count; f++)
+    bwi_pack_fit(pack, it->fit[f], &it->error[f]);
+}
+
+static bool is_grown(const bw_library *it) {
+  return it->grown_count[0] + it->grown_count[1] > 0;
+}
+
 static bw_status pack_section(bwi_pack *pack, const bw_library *it, int section) {
   const bwi_library *inner = it->inner;
-  if (section == 0)
+  if (section == 4)
+    for (int l = 0; l < 2; l++)
+      pack_grown(pack, &inner->grown[l]);
+  else if (section == 0)
     bwi_pack_head(pack, it->palette, &it->options);
   else if (section < 3)
     for (int32_t f = 0; f < it->fit_count[section - 1]; f++)
@@ -102,9 +125,10 @@ bw_status bw_library_write(bw_context *context, const bw_library *library, const
   bwi_pack_begin(&file, context);
   bwi_pack_begin(&raw, context);
   bwi_pack_bytes(&file, mark, MARK_BYTES);
-  bwi_pack_u32(&file, VERSION);
-  bwi_pack_u32(&file, BWI_SECTIONS);
-  for (int s = 0; s < BWI_SECTIONS; s++) {
+  int sections = is_grown(library) ? BWI_SECTIONS : BWI_SECTIONS - 1;
+  bwi_pack_u32(&file, is_grown(library) ? VERSION_GROWN : VERSION);
+  bwi_pack_u32(&file, (uint32_t)sections);
+  for (int s = 0; s < sections; s++) {
     raw.count = 0;
     BW_TRY(pack_section(&raw, library, s));
     BW_TRY(raw.status);
@@ -235,6 +259,53 @@ done:
   return status;
 }
 
+/* Keys are of blocks that hold something, turned first, one behind the other. */
+static bw_status check_grown_key(bwi_unpack *from, const bw_library *it, const bwi_grown *grown,
+                                 int32_t entry) {
+  size_t w = (size_t)grown->width;
+  const uint8_t *key = grown->key + w * (size_t)entry;
+  uint8_t first[64];
+  int32_t solid = 0;
+  for (size_t p = 0; p < w; p++) {
+    if (key[p] >= it->palette->count)
+      return bwi_unpack_fail(from, "block %d has a material %d; there are 1 to %d", (int)entry + 1,
+                             (int)key[p], (int)it->palette->count - 1);
+    solid += key[p] > 0;
+  }
+  bwi_key_first(grown->width, key, first);
+  if (solid == 0 || memcmp(first, key, w) != 0 ||
+      (entry > 0 && bwi_key_compare(grown->width, key - w, key) >= 0))
+    return bwi_unpack_fail(from, "block %d is void, turned, or not in order", (int)entry + 1);
+  return BW_OK;
+}
+
+static bw_status unpack_grown(bw_context *context, const char *name, const bwi_section *section,
+                              bw_library *it) {
+  bw_status status = BW_OK;
+  bwi_unpack from = {context, name, "grown fits", section->bytes, section->bytes + section->count,
+                     false};
+  for (int level = 1; level <= 2 && section->count > 0; level++) {
+    bwi_grown *grown = &it->inner->grown[level - 1];
+    int32_t width = grown->width;
+    uint32_t count = bwi_unpack_u32(&from);
+    BW_TRY(check_room(&from, count, width + BWI_FIT_LEAST_BYTES, "fits"));
+    BW_TRY(bwi_grown_room(context, width, (int32_t)count, grown));
+    const unsigned char *keys = bwi_unpack_bytes(&from, (size_t)width * count);
+    if (count > 0 && keys)
+      memcpy(grown->key, keys, (size_t)width * count);
+    for (int32_t f = 0; f < grown->count; f++) {
+      if (f % 1024 == 0)
+        BW_TRY(bw_check_cancel(context));
+      BW_TRY(check_grown_key(&from, it, grown, f));
+      BW_TRY(bwi_unpack_fit(&from, level, f, &grown->fit[f], &grown->error[f]));
+    }
+  }
+  BW_TRY(bwi_unpack_end(&from));
+  bwi_library_show(it);
+done:
+  return status;
+}
+
 /* How many orbits there can be at least: 48 keys each at most. Not to number the keys of seven
  * materials for a file of some bytes. */
 static bw_status check_orbits(bw_context *context, const char *name, const bwi_section *section,
@@ -258,7 +329,8 @@ bw_status bwi_library_of_sections(bw_context *context, const char *name,
   bwi_unpack from = {context, name, "head", section[0].bytes, section[0].bytes + section[0].count,
                      false};
   BW_TRY(bwi_unpack_head(&from, &palette, &options));
-  BW_TRY(check_orbits(context, name, &section[1], palette->count, options.voids));
+  if (options.levels > 0)
+    BW_TRY(check_orbits(context, name, &section[1], palette->count, options.voids));
   BW_TRY(bwi_library_begin(context, palette, &options, &it));
   BW_TRY(unpack_fits(context, name, &section[1], it, 1));
   if (options.levels == 2) {
@@ -269,6 +341,7 @@ bw_status bwi_library_of_sections(bw_context *context, const char *name,
     status = bwi_unpack_fail(&from, "one level, but data of a second");
     goto done;
   }
+  BW_TRY(unpack_grown(context, name, &section[4], it));
   *out = it;
   it = NULL;
 done:
@@ -301,15 +374,18 @@ static bw_status find_sections(bw_context *context, const char *name, const unsi
     return fail(context, name, 0, "this is no library file of barwright (.bwm)");
   bwi_unpack_bytes(&from, MARK_BYTES);
   uint32_t version = bwi_unpack_u32(&from), sections = bwi_unpack_u32(&from);
-  if (!from.short_of && version != VERSION) {
+  if (!from.short_of && version != VERSION && version != VERSION_GROWN) {
     char text[128];
-    snprintf(text, sizeof text, "library file of version %u; this barwright reads version %d",
-             version, VERSION);
+    snprintf(text, sizeof text,
+             "library file of version %u; this barwright reads versions %d and %d", version,
+             VERSION, VERSION_GROWN);
     return fail(context, name, MARK_BYTES, text);
   }
-  if (!from.short_of && sections != BWI_SECTIONS)
+  uint32_t there = version == VERSION_GROWN ? BWI_SECTIONS : BWI_SECTIONS - 1;
+  if (!from.short_of && sections != there)
     return fail(context, name, MARK_BYTES + 4, "the number of sections is wrong: damaged");
-  for (int s = 0; s < BWI_SECTIONS; s++) {
+  memset(section, 0, BWI_SECTIONS * sizeof *section);
+  for (uint32_t s = 0; s < there; s++) {
     int64_t at = (int64_t)(from.at - bytes);
     const unsigned char *its = bwi_unpack_bytes(&from, 4);
     section[s].raw = bwi_unpack_u64(&from);
@@ -344,7 +420,8 @@ bw_status bw_library_parse(bw_context *context, const char *name, const unsigned
   bw_status status = find_sections(context, name, bytes, count, packed);
   if (status != BW_OK)
     return status;
-  for (int s = 0; s < BWI_SECTIONS; s++) {
+  memset(section, 0, sizeof section);
+  for (int s = 0; s < BWI_SECTIONS && packed[s].bytes; s++) {
     uLongf size = (uLongf)packed[s].raw;
     uLong used = (uLong)packed[s].packed;
     raw[s] = BW_NEW(context, unsigned char, packed[s].raw);

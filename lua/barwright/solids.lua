@@ -27,14 +27,14 @@ local function check_self(where, self)
   end
 end
 
-local function make(grid, palette, acts, previous, coarse)
+local function make(grid, palette, acts, previous, coarse, fine_palette)
   local body, message, details = core.solid.create(grid, palette, previous)
   if not body then return nil, message, details end
   local newton
   newton, message, details = core.solid.newton()
   if not newton then return nil, message, details end
   return setmetatable({grid = grid, palette = body.palette, body = body, acts = acts, coarse = coarse or false,
-    newton = newton}, solid)
+    fine_palette = fine_palette or false, newton = newton}, solid)
 end
 
 --- A solid: {grid =, palette = {material 1, material 2, ...}}.
@@ -373,25 +373,42 @@ local function coarse_of(given)
   return {{given.coarse:coarsening(1), given.body}}
 end
 
--- Beyond so many nodes a factor costs more than conjugate gradients over a coarse solid, which need the
--- fewer iterations the better that is (docs/theory/data_driven.md, "Equilibrium").
-local MOST_NODES = 20000
+-- Beyond so many nodes a factor costs more than conjugate gradients over coarse solids, which need the
+-- fewer iterations the better these are (docs/theory/data_driven.md, "Equilibrium"). A fine solid may be
+-- of sheets and rods a cell thick, of which nothing is left in a coarse one; one that was made coarse has
+-- been through that. The last coarse solid's tangent is factored; it gets few enough nodes for it.
+local MOST_NODES = {[0] = 20000, [1] = 2500}
+local MOST_FACTORED = 5000
+local MOST_LEVELS = 2
 
--- A coarse solid to precondition with where none is given, kept; nil where a factor does.
+-- Pairs of a coarsening and a solid on its coarse grid to precondition with where none are given, kept;
+-- nil where a factor does. The naive materials below a looked-up one are too stiff, which costs few
+-- iterations more; those of blocks' representatives may be too soft, which costs many.
 local function own_coarse(self, wanted)
-  if self.coarse and wanted then
-    raise 'solve: linear = "coarse": this solid is coarse itself, and has no coarser one'
+  local level = self.levels
+  if level == MOST_LEVELS then
+    if wanted then raise 'solve: linear = "coarse": this solid is coarse itself, and has no coarser one' end
+    return nil
   end
-  if self.coarse or not (wanted or self.node_count > MOST_NODES) then return nil end
+  if not (wanted or self.node_count > MOST_NODES[level]) then return nil end
   if rawget(self, "under") == nil then
-    rawset(self, "under", self:coarsen("naive", 1) or false)
+    local grid, palette, list = self.grid, self.palette, {}
+    if self.coarse then grid, palette = self.coarse.fine, self.fine_palette end
+    repeat
+      level = level + 1
+      local coarse = core.metamaterial.coarsen(grid, palette, "naive", level)
+      local body = coarse and core.solid.create(coarse.grid, coarse.palette)
+      if not body then break end
+      list[#list + 1] = {coarse:coarsening(level), body}
+    until level == MOST_LEVELS or coarse.grid.node_count <= MOST_FACTORED
+    rawset(self, "under", #list > 0 and list or false)
   end
   return rawget(self, "under") or nil
 end
 
 --- Equilibrium: {tolerance =, iterations =, steps = load steps to begin with, path = parts of the path
---- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (direct up to 20,000 nodes),
---- coarse = a coarse solid, start = displacements, allow_inverted =}. Returns the result; or nil,
+--- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (direct up to 20,000 nodes,
+--- on a grid made coarse once up to 2,500), coarse = a coarse solid, start = displacements, allow_inverted =}. Returns the result; or nil,
 --- message, details, where details.reached is the last equilibrium on the way.
 function solid:solve(given)
   check_self("solve", self)
@@ -401,11 +418,11 @@ function solid:solve(given)
   for key, value in pairs(wish) do
     if key ~= "path" and key ~= "start" then newton[key] = value end
   end
-  local under = wish.coarse
+  local under = wish.coarse and coarse_of(wish.coarse)
   if under == nil and (wish.linear == nil or wish.linear == "coarse") then
     under = own_coarse(self, wish.linear == "coarse")
   end
-  newton.coarse = under and coarse_of(under)
+  newton.coarse = under
   if newton.linear == nil then newton.linear = under and "coarse" or "direct" end
   local start, all = wish.start, {}
   for part = 1, parts do
@@ -450,7 +467,7 @@ function solid:with(grid)
   if not self.coarse then return make(grid, self.palette, self.acts, self.body) end
   local coarse, message, details = self.coarse:follow(grid)
   if not coarse then return nil, message, details end
-  return make(coarse.grid, coarse.palette, self.acts, self.body, coarse)
+  return make(coarse.grid, coarse.palette, self.acts, self.body, coarse, self.fine_palette)
 end
 
 --- The solid on a grid made coarse: by a library, or "naive" or "average"; `levels` times (1).
@@ -459,7 +476,7 @@ function solid:coarsen(by, levels)
   if self.coarse then raise "coarsen: this solid is coarse; give the levels where the fine one is coarsened" end
   local coarse, message, details = core.metamaterial.coarsen(self.grid, self.palette, by, levels or 1)
   if not coarse then return nil, message, details end
-  return make(coarse.grid, coarse.palette, self.acts, nil, coarse)
+  return make(coarse.grid, coarse.palette, self.acts, nil, coarse, self.palette)
 end
 
 function solid:__tostring()

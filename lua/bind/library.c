@@ -23,22 +23,60 @@ static const lbw_option library_options[] = {
     {"checkpoint", LBW_OTHER, 0},
     {NULL, LBW_OTHER, 0}};
 
+/* The path stays on the stack. */
+static const char *checkpoint_of(lua_State *L, int arg, const char *function) {
+  int type = lbw_option_get(L, arg, "checkpoint");
+  if (type != LUA_TNIL && type != LUA_TSTRING)
+    lbw_option_error(L, function, "checkpoint", "a path expected");
+  return type == LUA_TNIL ? NULL : lua_tostring(L, -1);
+}
+
 /* metamaterial.build(palette, options) */
 static int library_build(lua_State *L) {
   lua_settop(L, 2);
   bw_library_options options;
-  const char *checkpoint = NULL;
   bw_library_options_default(&options);
   lbw_options(L, 2, "metamaterial.build", library_options, &options);
-  int type = lbw_option_get(L, 2, "checkpoint");
-  if (type == LUA_TSTRING)
-    checkpoint = lua_tostring(L, -1);
-  else if (type != LUA_TNIL)
-    return lbw_option_error(L, "metamaterial.build", "checkpoint", "a path expected");
+  const char *checkpoint = checkpoint_of(L, 2, "metamaterial.build");
   const bw_palette *palette = lbw_check_palette(L, 1, "metamaterial.build");
   lbw_box *box = lbw_box_new(L, &lbw_library_class);
   bw_library *library = NULL;
   bw_status status = bw_library_build(lbw_enter(L), palette, &options, checkpoint, &library);
+  lbw_box_fill(L, box, library);
+  return lbw_leave(L, status, 1);
+}
+
+static const lbw_option grow_options[] = {
+    {"levels", LBW_INT, 0}, {"checkpoint", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+
+/* metamaterial.grow(library | palette, grid, options): of a palette, with the options of a library
+ * too, nothing but the grid's blocks. */
+static int library_grow(lua_State *L) {
+  static const char function[] = "metamaterial.grow";
+  lua_settop(L, 3);
+  const bw_grid *grid = (const bw_grid *)lbw_check(L, 2, &lbw_grid_class);
+  const bw_library *of = (const bw_library *)lbw_test(L, 1, &lbw_library_class);
+  bw_library_options options;
+  int levels = 1;
+  bw_library_options_default(&options);
+  if (of) {
+    lbw_options(L, 3, function, grow_options, &levels);
+  } else {
+    lbw_options(L, 3, function, library_options, &options);
+    levels = options.levels;
+  }
+  if (levels < 1 || levels > 2)
+    return lbw_option_error(L, function, "levels", "1 or 2 expected");
+  options.levels = 0;
+  const char *checkpoint = checkpoint_of(L, 3, function);
+  const bw_palette *palette = of ? of->palette : lbw_check_palette(L, 1, function);
+  lbw_box *box = lbw_box_new(L, &lbw_library_class);
+  bw_library *library = NULL, *empty = NULL;
+  bw_context *context = lbw_enter(L);
+  bw_status status = of ? BW_OK : bw_library_build(context, palette, &options, NULL, &empty);
+  if (status == BW_OK)
+    status = bw_library_grow(context, of ? of : empty, palette, grid, levels, checkpoint, &library);
+  bw_release(empty);
   lbw_box_fill(L, box, library);
   return lbw_leave(L, status, 1);
 }
@@ -112,6 +150,16 @@ static int library_seconds(lua_State *L) {
   return 1;
 }
 
+/* grown: how many blocks of each level were fitted for grids */
+static int library_grown(lua_State *L) {
+  lua_createtable(L, 2, 0);
+  for (int l = 0; l < 2; l++) {
+    lua_pushinteger(L, self(L)->grown_count[l]);
+    lua_rawseti(L, -2, l + 1);
+  }
+  return 1;
+}
+
 static int library_palette(lua_State *L) {
   lbw_push(L, &lbw_palette_class, self(L)->palette);
   return 1;
@@ -147,11 +195,9 @@ static int library_errors(lua_State *L) {
 
 static const luaL_Reg methods[] = {
     {"write", library_write}, {"material", library_material}, {NULL, NULL}};
-static const luaL_Reg properties[] = {{"levels", library_levels},
-                                      {"seconds", library_seconds},
-                                      {"palette", library_palette},
-                                      {"errors", library_errors},
-                                      {NULL, NULL}};
+static const luaL_Reg properties[] = {{"levels", library_levels},   {"seconds", library_seconds},
+                                      {"palette", library_palette}, {"errors", library_errors},
+                                      {"grown", library_grown},     {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", library_tostring}, {NULL, NULL}};
 const lbw_class lbw_library_class = {"library", methods, properties, meta, NULL};
 
@@ -274,8 +320,11 @@ static const luaL_Reg none[] = {{NULL, NULL}};
 const lbw_class lbw_coarsening_class = {"coarsening", none, none, none, NULL};
 
 void lbw_open_library(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"build", library_build}, {"read", library_read}, {"coarsen", coarse_create}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"build", library_build},
+                                       {"grow", library_grow},
+                                       {"read", library_read},
+                                       {"coarsen", coarse_create},
+                                       {NULL, NULL}};
   lbw_class_register(L, &lbw_library_class);
   lbw_class_register(L, &lbw_coarse_class);
   lbw_class_register(L, &lbw_coarsening_class);

@@ -3130,8 +3130,8 @@ function Solid:floor(options) end
 
 ---Equilibrium by Newton's method, from rest. `path`: parts of the way that are solved one after the
 ---other (turns: of at most 30 degrees); `steps`: load steps to begin with; `linear`: "direct" (by
----default up to 20,000 nodes), "jacobi", or "coarse": conjugate gradients over a coarse solid, `coarse`
----or one that is made. On failure details.reached is the last
+---default up to 20,000 nodes, for solids coarsened once up to 2,500), "jacobi", or "coarse": conjugate
+---gradients over a coarse solid, `coarse` or those that are made. On failure details.reached is the last
 ---equilibrium on the way.
 ---@param options? {tolerance?: number, iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array}
 ---@return bw.SolidResult?
@@ -3252,6 +3252,18 @@ local metamaterial_module = {}
 ---@return table? details
 function metamaterial_module.build(palette, options) end
 
+---A library with fits of its own for the blocks of a grid that have none: of 4 x 4 x 4 cells, with
+---`levels` 2, and of 2 x 2 x 2 that were left out. Of a palette, with the options of `build`: a library of
+---nothing but this grid's blocks, the others being coarsened naively. Grown for several grids one after the
+---other, it serves all. `checkpoint`: a file that keeps finished fits, for any grid.
+---@param of bw.Library|bw.Hyperelastic[]|bw.Palette
+---@param grid bw.Grid
+---@param options? {levels?: integer, checkpoint?: string, voids?: boolean, directions?: integer, magnitudes?: integer, stretches?: integer, fibres?: integer, strain?: number, ridge?: number, seed?: integer}
+---@return bw.Library?
+---@return string? message
+---@return table? details
+function metamaterial_module.grow(of, grid, options) end
+
 ---@param path string .bwm
 ---@return bw.Library?
 ---@return string? message
@@ -3263,6 +3275,7 @@ function metamaterial_module.read(path) end
 ---@field palette bw.Palette
 ---@field seconds number that building took
 ---@field errors table[][] for each level and fit: median, worst, naive_median, naive_worst, force, naive_force, samples
+---@field grown integer[] for each of two levels, how many blocks were fitted for grids
 local Library = {}
 
 ---@param path string .bwm

@@ -65,6 +65,35 @@ describe("a library", function()
     assert.equal(0, assert(followed:solve()):error(assert(scratch:solve())))
   end)
 
+  it("is grown for a grid: of a palette, and further", function()
+    local fine = layered()
+    local grown = assert(bw.metamaterial.grow(palette(), fine.grid, {levels = 2, directions = 40,
+      magnitudes = 2, seed = 3}))
+    assert.equal(2, grown.levels)
+    assert.same({1, 1}, grown.grown)
+    local reference = assert(fine:solve())
+    for level = 1, 2 do
+      local error = assert(assert(fine:coarsen(grown, level)):solve()):error(reference)
+      local naive = assert(assert(fine:coarsen("naive", level)):solve()):error(reference)
+      assert.is_true(error < naive / 3, error .. " against " .. naive)
+    end
+    local path = check.folder() .. "/grown.bwm"
+    assert(grown:write(path))
+    assert.same({1, 1}, assert(bw.metamaterial.read(path)).grown)
+    assert.is_truthy(tostring(grown):find("1 fits of blocks of grids it was grown for", 1, true))
+    -- an edit brings blocks that are naive until they are grown
+    local grid = assert(fine.grid:set({high = {0.08, 0.02, 0.08}}, 2))
+    local key = {2, 2, 2, 2, 2, 2, 2, 2}
+    assert.equal(0, select(2, grown:material(key)))
+    local further = assert(bw.metamaterial.grow(grown, grid))
+    assert.same({2, 1}, further.grown)
+    assert.is_true(select(2, further:material(key)) > 0)
+    assert.is_true(assert(bw.metamaterial.grow(small(), fine.grid)).grown[1] == 0)
+    check.raises("1 or 2", bw.metamaterial.grow, palette(), grid, {levels = 3})
+    check.raises("did you mean 'levels'", bw.metamaterial.grow, grown, grid, {level = 3})
+    check.raises("grid", bw.metamaterial.grow, grown, 3)
+  end)
+
   it("refuses another palette", function()
     local grid = assert(bw.grid.box {size = 1, cells = 4})
     local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 3, poisson = 0.1}}})

@@ -146,7 +146,15 @@ describe("a solid", function()
       assert.is_true(other:error(direct) < 1e-8)
     end
     check.raises("coarsened once from this one", function() solid:solve {coarse = solid} end)
-    check.raises("coarse itself", function() solid:coarsen("naive"):solve {linear = "coarse"} end)
+    check.raises("coarse itself", function() solid:coarsen("naive", 2):solve {linear = "coarse"} end)
+    -- a coarse solid too, over one that is coarser still; also after an edit
+    local coarse = assert(solid:coarsen "naive")
+    coarse = assert(coarse:with(assert(solid.grid:set({high = {0.05, 1, 1}}, 0))))
+    local by_factor = assert(coarse:solve {tolerance = 1e-9})
+    local by_gradients = assert(coarse:solve {linear = "coarse", tolerance = 1e-9})
+    assert.equal(0, by_factor.report.cg_iterations)
+    assert.is_true(by_gradients.report.cg_iterations > 0)
+    assert.is_true(by_gradients:error(by_factor) < 1e-8)
     -- cells need not be cubes
     local flat = assert(bw.solid {grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1}, cells = {4, 4, 8}}),
       palette = {rubber()}})

@@ -16,7 +16,8 @@ extern "C" {
  * for every key which fit and which symmetry; from level 2 on, blocks of coarse materials are
  * looked up direction by direction (x, y, z) in tables of pairs of representatives. */
 typedef struct bw_library_options {
-  int levels;          /* 1 (default) or 2 */
+  int levels;          /* 1 (default) or 2; 0: no block is fitted beforehand, the library is to be
+                          grown */
   bool voids;          /* blocks with void too; default true. Without, they are coarsened naively */
   int directions;      /* of force, for each block; default 500 */
   int magnitudes;      /* along each; default 5 */
@@ -45,10 +46,12 @@ typedef struct bw_library {
   bw_object object;
   const bw_palette *palette; /* retained: the base materials, uniform, of level 0 */
   bw_library_options options;
-  int levels;
-  int32_t fit_count[2];         /* of level 1 and 2 */
+  int levels;                   /* that something can be looked up at */
+  int32_t fit_count[2];         /* of level 1 and 2, as it was built */
   const bw_fit_error *error[2]; /* fit_count: of each */
-  double seconds;               /* that building took, over all runs; 0 when read from a file */
+  int32_t grown_count[2];       /* blocks that were fitted beside, for the grids they occur in */
+  const bw_fit_error *grown_error[2];
+  double seconds; /* that building took, over all runs; 0 when read from a file */
   struct bwi_library *inner;
 } bw_library;
 
@@ -60,6 +63,15 @@ typedef struct bw_library {
 bw_status bw_library_build(bw_context *context, const bw_palette *palette,
                            const bw_library_options *options, const char *checkpoint,
                            bw_library **library);
+/* The library with fits of its own for all blocks of a grid that have none: keys of level 1 that
+ * were left out, and with `levels` 2 each block of 64 for which a representative would stand. They
+ * are fitted as those of the library are, with its options, and are found before anything else.
+ * `palette` as for bw_coarsen. Runs on all threads, with progress; `checkpoint` (may be NULL) keeps
+ * what is done, for any grid that the library is grown for. The result depends on the library and
+ * the set of blocks alone. */
+bw_status bw_library_grow(bw_context *context, const bw_library *library, const bw_palette *palette,
+                          const bw_grid *fine, int levels, const char *checkpoint,
+                          bw_library **grown);
 /* One file (.bwm): version, palette, options, fits, errors, tables; zlib, with a checksum. A file
  * that is damaged, foreign or of another version is BW_FORMAT with the reason. */
 bw_status bw_library_write(bw_context *context, const bw_library *library, const char *path);

@@ -116,27 +116,41 @@ static inline bw_library *fixture_library(bw_context *context, int materials, bo
   return library;
 }
 
+static inline void fixture_same_fits(int32_t count, bw_solid_material *const *a,
+                                     bw_solid_material *const *b, const bw_fit_error *a_error,
+                                     const bw_fit_error *b_error) {
+  for (int32_t f = 0; f < count; f++) {
+    const bw_solid_material *m = a[f], *n = b[f];
+    size_t points = (size_t)m->rule->count, fibres = points * (size_t)m->fibre_count;
+    assert_int_equal(m->fibre_count, n->fibre_count);
+    assert_memory_equal(m->rule->spread, n->rule->spread, sizeof m->rule->spread);
+    assert_memory_equal(m->law, n->law, points);
+    assert_memory_equal(m->mu, n->mu, points * sizeof(double));
+    assert_memory_equal(m->lambda, n->lambda, points * sizeof(double));
+    assert_memory_equal(m->fibre_stiffness, n->fibre_stiffness, fibres * sizeof(double));
+    assert_memory_equal(m->fibre, n->fibre, 3 * fibres * sizeof(double));
+    const bw_fit_error *x = &a_error[f], *y = &b_error[f];
+    assert_true(x->median == y->median && x->worst == y->worst && x->force == y->force &&
+                x->naive_median == y->naive_median && x->naive_worst == y->naive_worst &&
+                x->naive_force == y->naive_force && x->samples == y->samples);
+  }
+}
+
 static inline void fixture_same(const bw_library *a, const bw_library *b) {
   assert_int_equal(a->palette->count, b->palette->count);
   assert_int_equal(a->levels, b->levels);
-  for (int l = 0; l < a->levels; l++) {
+  for (int l = 0; l < 2; l++) {
+    const bwi_grown *g = &a->inner->grown[l], *h = &b->inner->grown[l];
     assert_int_equal(a->fit_count[l], b->fit_count[l]);
-    for (int32_t f = 0; f < a->fit_count[l]; f++) {
-      const bw_solid_material *m = a->inner->fit[l][f], *n = b->inner->fit[l][f];
-      size_t points = (size_t)m->rule->count, fibres = points * (size_t)m->fibre_count;
-      assert_string_equal(m->name, n->name);
-      assert_int_equal(m->fibre_count, n->fibre_count);
-      assert_memory_equal(m->rule->spread, n->rule->spread, sizeof m->rule->spread);
-      assert_memory_equal(m->law, n->law, points);
-      assert_memory_equal(m->mu, n->mu, points * sizeof(double));
-      assert_memory_equal(m->lambda, n->lambda, points * sizeof(double));
-      assert_memory_equal(m->fibre_stiffness, n->fibre_stiffness, fibres * sizeof(double));
-      assert_memory_equal(m->fibre, n->fibre, 3 * fibres * sizeof(double));
-      const bw_fit_error *x = &a->error[l][f], *y = &b->error[l][f];
-      assert_true(x->median == y->median && x->worst == y->worst && x->force == y->force &&
-                  x->naive_median == y->naive_median && x->naive_worst == y->naive_worst &&
-                  x->naive_force == y->naive_force && x->samples == y->samples);
-    }
+    fixture_same_fits(a->fit_count[l], a->inner->fit[l], b->inner->fit[l], a->error[l],
+                      b->error[l]);
+    for (int32_t f = 0; f < a->fit_count[l]; f++)
+      assert_string_equal(a->inner->fit[l][f]->name, b->inner->fit[l][f]->name);
+    assert_int_equal(a->grown_count[l], b->grown_count[l]);
+    assert_int_equal(g->count, h->count);
+    if (g->count > 0)
+      assert_memory_equal(g->key, h->key, (size_t)g->width * (size_t)g->count);
+    fixture_same_fits(g->count, g->fit, h->fit, g->error, h->error);
   }
   const bwi_levels *p = a->inner->levels, *q = b->inner->levels;
   assert_int_equal(p == NULL, q == NULL);

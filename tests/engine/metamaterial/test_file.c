@@ -99,9 +99,9 @@ static void test_claims(void **state) {
   check_fails(context, BW_FORMAT, "no library file",
               parse(context, (const unsigned char *)"solid cube\n", 11));
   check_fails(context, BW_FORMAT, "no library file", parse(context, bytes, 0));
-  bytes[8] = 2;
+  bytes[8] = 3;
   sign(bytes, count);
-  check_fails(context, BW_FORMAT, "version 2; this barwright reads version 1",
+  check_fails(context, BW_FORMAT, "version 3; this barwright reads versions 1 and 2",
               parse(context, bytes, count));
   bytes[8] = 1;
   /* The head, unpacked, would take a terabyte; then just more than a head can. */
