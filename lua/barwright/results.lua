@@ -71,8 +71,29 @@ local function make_folder(path)
     why and why:match ": ([^:]+)$" or "mkdir failed")
 end
 
+--- What a run depends on besides its script and its inputs.
+function results.surroundings()
+  return {
+    program = "barwright",
+    version = core.version,
+    commit = core.commit ~= "" and core.commit or json.null,
+    libraries = library_versions(),
+    threads = core.threads(),
+    machine = machine(),
+  }
+end
+
+-- The words behind the program's name that this run was started by: script or command, its arguments.
+local function started_by()
+  local words = json.list {}
+  if type(arg) ~= "table" or type(arg[0]) ~= "string" or arg[-1] == nil then return words end
+  for i = 0, #arg do words[i + 1] = tostring(arg[i]) end
+  return words
+end
+
 --- A folder for results; made when it is missing.
---- inputs: files to be named with their SHA-256; options: what the script was asked for; seed.
+--- inputs: files to be named with their SHA-256; options: what the script was asked for; seed; script: its
+--- name, where it is not the file that runs.
 function results.open(folder, about)
   about = about or {}
   local fine, message = make_folder(folder)
@@ -88,19 +109,15 @@ function results.open(folder, about)
     if not digest then return nil, message_of, details_of end
     files[#files + 1] = {file = path, sha256 = digest}
   end
-  local commit = core.commit
-  self.manifest = {
-    program = "barwright",
-    version = core.version,
-    commit = commit ~= "" and commit or json.null,
-    libraries = library_versions(),
-    script = about.script,
-    inputs = files,
-    options = about.options or {},
-    seed = about.seed or json.null,
-    threads = core.threads(),
-    machine = machine(),
-  }
+  local words = started_by()
+  self.manifest = results.surroundings()
+  self.manifest.started_by = words -- what `barwright rerun` runs again
+  self.manifest.script = about.script or words[1]
+  self.manifest.script_sha256 = words[1] and core.sha256(words[1]) or json.null
+  self.manifest.folder = folder
+  self.manifest.inputs = files
+  self.manifest.options = about.options or {}
+  self.manifest.seed = about.seed or json.null
   return self
 end
 

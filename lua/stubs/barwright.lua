@@ -2232,6 +2232,10 @@ function results_module.open(folder, about) end
 ---@return integer?
 function results_module.peak_memory() end
 
+---What a run depends on besides its script and inputs: version, commit, libraries, threads, machine.
+---@return table
+function results_module.surroundings() end
+
 ---@class bw.Results
 ---@field folder string
 ---@field manifest table

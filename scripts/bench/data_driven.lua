@@ -6,7 +6,7 @@
 -- preconditioner. All in one run, seconds of the processor (all threads together), which is what to trust
 -- on a busy machine.
 --   build/barwright scripts/bench/data_driven.lua --library FILE.bwm [--scene NAME[,NAME...]|all]
---       [--out FILE.json]
+--       [--out DIR]
 --       [--only scenes|coarsening|gradients|library]
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../data_driven/?.lua;" .. package.path
@@ -27,6 +27,8 @@ if not wish.library then stop "--library FILE.bwm expected: scripts/data_driven/
 local library, why = bw.metamaterial.read(wish.library)
 if not library then stop(why) end
 local out = {threads = bw.threads(), levels = library.levels}
+local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/data_driven.lua",
+  inputs = {wish.library}, options = {scene = wish.scene, only = wish.only}}))
 
 local function wanted(part) return not wish.only or wish.only == part end
 
@@ -149,7 +151,4 @@ if wanted "library" then
   end
 end
 
-if wish.out then
-  local text = bw.json.encode(out, "  ") .. "\n"
-  assert(require "barwright.core".write_file(wish.out, text))
-end
+if results then assert(results:write(out)) end

@@ -4,7 +4,8 @@
 -- how often each level of reuse ran, what a frame of each costs and in which part, frames per second with
 -- reuse and without (everything made anew in every frame), median and slowest hundredth. Seconds of the
 -- clock, and of the processor (all threads), which is what to trust on a busy machine.
---   build/barwright scripts/bench/responsive.lua [--out FILE.json] [--frames N] [--only NAME]
+--   build/barwright scripts/bench/responsive.lua [--out DIR] [--frames N] [--only NAME] [--paper]
+-- --paper: with the paper's numbers of elements alone.
 local bw = require "barwright"
 
 local paper = {
@@ -16,12 +17,15 @@ local paper = {
 }
 
 package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
-local wish = require "arguments" {out = "value", frames = "value", only = "value"}
+local wish = require "arguments" {out = "value", frames = "value", only = "value", paper = true}
 local frames = math.tointeger(tonumber(wish.frames or 159))
 if not frames or frames < 1 then
   io.stderr:write("responsive: option --frames: a whole number above 0 expected, got '", wish.frames, "'\n")
   os.exit(2, true)
 end
+
+local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/responsive.lua",
+  options = {frames = frames, only = wish.only, paper = wish.paper}}))
 
 local rubber = bw.material.isotropic {name = "rubber", young = 5e6, poisson = 0.3, density = 1000}
 
@@ -101,10 +105,10 @@ local function replay(name, elements, anew)
   local total = 0
   for _, t in ipairs(processor) do total = total + t end
   local out = {application = name, elements = made, anew = anew or false, frames = count,
-    frames_per_second = 1 / quantile(clock, 0.5), slowest_hundredth = 1 / quantile(clock, 0.99),
+    frames_per_second = 1 / quantile(clock, 0.5), slowest_hundredth_per_second = 1 / quantile(clock, 0.99),
     frames_per_second_processor = 1 / quantile(processor, 0.5),
-    slowest_hundredth_processor = 1 / quantile(processor, 0.99),
-    mean_processor = count / total, iterations_per_frame = iterations / count, factorisations = factors,
+    slowest_hundredth_per_second_processor = 1 / quantile(processor, 0.99),
+    mean_per_second_processor = count / total, iterations_per_frame = iterations / count, factorisations = factors,
     levels = {}}
   for level, seen in pairs(levels) do
     local row = {count = #seen.clock, seconds = quantile(seen.clock, 0.5),
@@ -120,7 +124,8 @@ local runs = {{"vibration", 1962}, {"cantilever", 990}, {"flow", 1971}, {"therma
 local rows = bw.json.list {}
 for _, run in ipairs(runs) do
   local name, elements = run[1], run[2]
-  if not wish.only or wish.only == name then
+  local as_printed = paper[name] and paper[name].elements == elements
+  if (not wish.only or wish.only == name) and (as_printed or not wish.paper) then
     local reuse, anew = replay(name, elements), replay(name, elements, true)
     rows[#rows + 1] = reuse
     rows[#rows + 1] = anew
@@ -137,21 +142,17 @@ for _, run in ipairs(runs) do
     end
     local function say(what, row, published)
       print(("  %-8s %7.1f frames/s, slowest hundredth %7.1f; processor %7.1f, %7.1f, mean %.1f%s"):format(what,
-        row.frames_per_second, row.slowest_hundredth, row.frames_per_second_processor,
-        row.slowest_hundredth_processor, row.mean_processor,
+        row.frames_per_second, row.slowest_hundredth_per_second, row.frames_per_second_processor,
+        row.slowest_hundredth_per_second_processor, row.mean_per_second_processor,
         published and (" (paper: %.1f)"):format(published) or ""))
     end
-    local published = paper[name] and paper[name].elements == elements and paper[name] or {}
+    local published = as_printed and paper[name] or {}
     say("reuse", reuse, published.reuse)
     say("anew", anew, published.anew)
     print(("  gain of reuse %.1f%s; %.1f iterations and %.2f factorisations a frame"):format(
-      reuse.mean_processor / anew.mean_processor,
+      reuse.mean_per_second_processor / anew.mean_per_second_processor,
       published.anew and (" (paper: %.1f)"):format(published.reuse / published.anew) or "",
       reuse.iterations_per_frame, reuse.factorisations / frames))
   end
 end
-if wish.out then
-  local file = assert(io.open(wish.out, "w"))
-  file:write(bw.json.encode(rows), "\n")
-  file:close()
-end
+if results then assert(results:write {frames = frames, runs = rows}) end

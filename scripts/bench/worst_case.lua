@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The worst-case analysis by stage, at the sizes of the paper's table of timings, beside the paper's
 -- minutes. Filling is shown on its own.
---   build/barwright scripts/bench/worst_case.lua [MODEL] [--out FILE.json] [--sizes 2723,42900,...]
+--   build/barwright scripts/bench/worst_case.lua [MODEL] [--out DIR] [--sizes 2723,42900,...]
 -- Without a MODEL the toy foal of the demonstration is used.
 local bw = require "barwright"
 
@@ -15,12 +15,18 @@ while arg[i] do
   if arg[i] == "--out" then
     out, i = arg[i + 1], i + 2
   elseif arg[i] == "--sizes" then
-    sizes, i = {}, i + 2
-    for n in arg[i - 1]:gmatch "%d+" do sizes[tonumber(n)] = true end
+    sizes, i = {list = {}}, i + 2
+    for n in arg[i - 1]:gmatch "%d+" do
+      sizes[tonumber(n)] = true
+      table.insert(sizes.list, tonumber(n))
+    end
   else
     model, i = arg[i], i + 1
   end
 end
+
+local results = out and assert(bw.results.open(out, {script = "scripts/bench/worst_case.lua",
+  inputs = {model}, options = {sizes = sizes and bw.json.list(sizes.list)}}))
 
 local surface
 if model then
@@ -56,18 +62,13 @@ for _, line in ipairs(paper) do
     print(("%10d | %6.1f s | %6.2f s %6.2f %7.2f %7.2f | %6.2f s | %5.1f s | %5.1f | %.2f"):format(
       mesh.element_count, filling, s.system, s.modes, s.regions, s.programmes, total, 60 * minutes,
       60 * minutes / total, peak_gb()))
-    rows[#rows + 1] = {elements = mesh.element_count, seconds_filling = filling,
+    rows[#rows + 1] = {wanted = wanted, elements = mesh.element_count, seconds_filling = filling,
       seconds_system = s.system, seconds_modes = s.modes, seconds_regions = s.regions,
       seconds_loads = s.programmes, seconds_total = total, seconds_paper = 60 * minutes,
-      times_faster = 60 * minutes / total, peak_gb = peak_gb(), regions = #worst.regions}
+      times_faster = 60 * minutes / total, peak_memory_gb = peak_gb(), regions = #worst.regions}
     worst:close()
     mesh:close()
     collectgarbage()
   end
 end
-local text = bw.json.encode {benchmark = "worst_case", rows = rows}
-if out then
-  local file = assert(io.open(out, "w"))
-  file:write(text, "\n")
-  file:close()
-end
+if results then assert(results:write {benchmark = "worst_case", rows = bw.json.list(rows)}) end

@@ -66,7 +66,7 @@ describe("the stubs", function()
     same(keys(bw.edit), "bw.EditModule")
     same(keys(bw.metamaterial), "bw.MetamaterialModule")
     same(keys(bw.plot), "bw.PlotModule")
-    same({open = true, peak_memory = true}, "bw.ResultsModule")
+    same({open = true, peak_memory = true, surroundings = true}, "bw.ResultsModule")
     same(keys(bw.scenario), "bw.ScenarioModule")
     local library = {}
     for _, name in ipairs(bw.material.names()) do library[name] = true end
@@ -109,7 +109,7 @@ describe("the stubs", function()
       height = true}), "bw.Figure")
     local results = assert(bw.results.open(check.folder()))
     local bound = keys(results, getmetatable(results))
-    bound.open, bound.peak_memory = nil, nil
+    bound.open, bound.peak_memory, bound.surroundings = nil, nil, nil
     same(bound, "bw.Results")
   end)
 
