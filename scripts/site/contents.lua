@@ -6,6 +6,7 @@ return {
     {"gallery", "Gallery"}, {"lessons", "Lessons"},
   }},
   {title = "How to", pages = {
+    {"docs/howto_scenarios.md", "Test a requirement"},
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
     {"docs/howto_scenarios.md", "Requirements as scenarios"},
   }},
