@@ -169,6 +169,7 @@ for source in pairs(shown) do
   local file = io.open(root .. "/" .. source, "rb")
   local text = file and file:read "a"
   if file then file:close() end
+  if file and not text then text = table.concat(list(quoted(source)), "\n") end -- a folder
   if text then
     local page = add(source, source, "source/" .. source:gsub("/", "_") .. ".html")
     page.there = true
