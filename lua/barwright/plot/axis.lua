@@ -108,6 +108,25 @@ function axis.names(label, names)
     name = label or ""}, Axis)
 end
 
+--- The label within a width: the name is shortened, its unit is not.
+function Axis:fitted(s, size, width, bold)
+  if s:text_width(self.label, size, bold) <= width then return self.label end
+  local behind = self.label:sub(#self.name + 1)
+  local room = width - s:text_width(behind, size, bold)
+  if room < 3 * size then return s:shortened(self.label, size, width, bold, true) end
+  return s:shortened(self.name, size, room, bold, true) .. behind
+end
+
+--- The label in lines: in two, or the name in two and its unit below.
+function Axis:wrapped(s, size, width, bold)
+  local lines = s:wrapped(self.label, size, width, 2, bold)
+  if not lines[#lines] or not lines[#lines]:find("…$") then return lines end
+  lines = s:wrapped(self.name, size, width, 2, bold)
+  local unit = self.label:sub(#self.name + 1):gsub("^,? *", "")
+  if unit ~= "" then lines[#lines + 1] = unit end
+  return lines
+end
+
 --- The place of a value, from 0 to 1 within the range; nil where it has none.
 function Axis:at(value)
   if value ~= value then return nil end

@@ -7,7 +7,7 @@ local raise = core.raise
 local data = {}
 
 -- Beyond these a difference of two values is no number any more.
-local largest, smallest = 1e300, 1e-300
+local largest, smallest = 1e307, 1e-300
 
 --- Whether a value can have a place on an axis.
 function data.finite(value)

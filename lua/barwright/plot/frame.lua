@@ -82,7 +82,10 @@ function frame.new(s, box, x, y, with)
   local width = math.max(10, box[3] - (with.left or left) - 10)
   local marks_x = x_marks(s, x, width)
   local out_left, out_right = overhang(s, marks_x, width)
-  if with.quiet_x or turn > 0 then out_left, out_right = 0, 0 end
+  if with.quiet_x then out_left, out_right = 0, 0 end
+  if turn > 0 and not with.quiet_x then -- the first name begins left of the frame
+    out_left, out_right = most_name * math.cos(math.rad(turn)) - marks_x[1].at * width, 0
+  end
   left = with.left or math.max(left, out_left)
   if with.left then out_right = 0 end
   self.left, self.top = half(box[1] + left), half(box[2] + top)
@@ -91,7 +94,7 @@ function frame.new(s, box, x, y, with)
   self.right = math.max(self.right, self.left + 10)
   self.width, self.height = self.right - self.left, self.bottom - self.top
   self:draw_grid(marks_x, marks_y, with)
-  if not with.quiet_x then self:draw_x(marks_x, turn, below, most_name) end
+  if not with.quiet_x then self:draw_x(marks_x, turn, below, most_name, with.left) end
   if not with.quiet_y then self:draw_y(marks_y, texts, box[1]) end
   return self
 end
@@ -132,43 +135,48 @@ function Frame:draw_grid(marks_x, marks_y, with)
     {stroke = palette.line, width = 1})
 end
 
-function Frame:draw_x(marks, turn, below, most_name)
+-- `close`: another frame is beside this one, so that texts stay within.
+function Frame:draw_x(marks, turn, below, most_name, close)
   local s, y = self.sketch, self.bottom
   for _, mark in ipairs(marks) do
     if within(mark.at) then
       local x = self.left + mark.at * self.width
       s:line({x, y, x, y + (mark.text and 4 or 2.5)}, {stroke = palette.line, width = 1})
       if mark.text and turn > 0 then
-        s:text(mark.text, x + 4, y + 14, {size = small, align = 1, angle = turn, most = most_name,
+        s:text(mark.text, x + 4, y + 14, {size = small, align = 1, angle = turn, most = most_name, midst = true,
           colour = palette.soft})
       elseif mark.text then
-        s:text(mark.text, x, y + 17, {size = small, align = 0.5, most = most_name, colour = palette.soft})
+        local own = s:text_width(mark.text, small) / 2
+        if close then x = math.max(self.left - 5 + own, math.min(self.right + 5 - own, x)) end
+        s:text(mark.text, x, y + 17, {size = small, align = 0.5, most = most_name, midst = true,
+          colour = palette.soft})
       end
     end
   end
   if self.x.label ~= "" then
-    s:text(self.x.label, (self.left + self.right) / 2, y + below + 15, {size = normal, align = 0.5,
-      most = math.max(self.width, 60)})
+    s:text(self.x:fitted(s, normal, math.max(self.width, 60)), (self.left + self.right) / 2, y + below + 15,
+      {size = normal, align = 0.5})
   end
 end
 
 function Frame:draw_y(marks, texts, edge)
-  local s, x = self.sketch, self.left
+  local s, x, last = self.sketch, self.left, nil
   for _, mark in ipairs(marks) do
     if within(mark.at) then
       local y = self.bottom - mark.at * self.height
       if not self.y.names then
         s:line({x - (mark.text and 4 or 2.5), y, x, y}, {stroke = palette.line, width = 1})
       end
-      if mark.text then
-        s:text(mark.text, x - 7, y, {size = small, align = 1, middle = true, most = texts + 1,
+      if mark.text and (not last or last - y >= 11.5) then -- in a low frame not every one
+        last = y
+        s:text(mark.text, x - 7, y, {size = small, align = 1, middle = true, midst = true, most = texts + 1,
           colour = palette.soft})
       end
     end
   end
   if self.y.label ~= "" then
-    s:text(self.y.label, edge + 10, (self.top + self.bottom) / 2, {size = normal, align = 0.5,
-      angle = 90, middle = true, most = math.max(self.height, 60)})
+    s:text(self.y:fitted(s, normal, math.max(self.height, 60)), edge + 10, (self.top + self.bottom) / 2,
+      {size = normal, align = 0.5, angle = 90, middle = true})
   end
 end
 
@@ -208,7 +216,7 @@ local function draw_legend(s, x, y, width, entries)
   local most = math.max(80, math.min(260, width * 0.45))
   local at = x
   for _, entry in ipairs(entries) do
-    local name = s:shortened(entry.name, small, most)
+    local name = s:shortened(entry.name, small, most, false, true)
     local wide = 28 + s:text_width(name, small) + 18
     if at > x and at + wide - 18 > x + width then at, y = x, y + 19 end
     draw_key(s, at, y + 9, entry)
@@ -260,8 +268,8 @@ function frame.colour_bar(s, box, axis)
     end
   end
   if label > 0 then
-    s:text(axis.label, box[1] + box[3] - 8, top + height / 2, {size = normal, align = 0.5, angle = 90,
-      middle = true, most = height + 30})
+    s:text(axis:fitted(s, normal, height + 30), box[1] + box[3] - 8, top + height / 2, {size = normal,
+      align = 0.5, angle = 90, middle = true})
   end
   return {box[1], box[2], x - box[1] - 8, box[4]}
 end

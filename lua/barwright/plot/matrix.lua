@@ -116,8 +116,8 @@ local function draw_shares(s, box, one, made)
     end
   end
   s:line({box[1], box[2] + box[4], box[1] + box[3], box[2] + box[4]}, {stroke = palette.line, width = 1})
-  s:text(made.label, box[1] + box[3] / 2, box[2] + 13, {size = 12, bold = true, align = 0.5,
-    most = box[3] + 6})
+  s:text(made:fitted(s, 12, box[3] + 6, true), box[1] + box[3] / 2, box[2] + 13, {size = 12, bold = true,
+    align = 0.5})
 end
 
 -- The rank correlation as a number whose size and shade say how strong it is.
@@ -191,7 +191,7 @@ local function draw_upright(s, x, top, bottom, made, room)
         most = room * 0.62})
     end
   end
-  local lines = s:wrapped(made.label, 12, room - 10, 2, true)
+  local lines = made:wrapped(s, 12, room - 10, true)
   for i, line in ipairs(lines) do
     s:text(line, x, top - 10 - 15 * (#lines - i), {size = 12, bold = true, align = 0.5})
   end
@@ -216,8 +216,9 @@ function matrix.parallel_coordinates(given)
       local first = box[1] + math.min(70, room * 0.66)
       local name = s:text_width(axes[n].label, 12, true) / 2 + 8
       local last = box[1] + box[3] - math.max(math.min(52, room * 0.5), math.min(name, room * 0.6))
-      local top, bottom = box[2] + 46, box[2] + box[4] - 14
-      local step = (last - first) / (n - 1)
+      local step, lines = (last - first) / (n - 1), 1
+      for k = 1, n do lines = math.max(lines, #axes[k]:wrapped(s, 12, step - 10, true)) end
+      local top, bottom = box[2] + 16 + 15 * lines, box[2] + box[4] - 14
       local alpha = count < 60 and "e0" or count < 400 and "a0" or count < 2000 and "60" or "38"
       for _, run in ipairs(runs(rows)) do
         local points = {}

@@ -277,7 +277,7 @@ local function make(where, given, lines)
       local box = frame.around(s, {title = wish.title, legend = legend_of(all, wish, lines), notes = notes})
       if bar then box = frame.colour_bar(s, box, bar) end
       local f = frame.new(s, box, x, y)
-      if x.empty then f:say "no data" end
+      if x.empty or y.empty then f:say "no data" end
       f:enter(5)
       if wish.diagonal then
         local ax, ay = f:place(math.max(x.low, y.low), math.max(x.low, y.low))
@@ -383,8 +383,10 @@ function series.bars(given)
     for i = 1, #names do listed[i] = names[#names + 1 - i] end
   end
   local across = axis.names(wish.label, #listed > 0 and listed or {""})
-  return figure.new {kind = where, name = wish.title or values.label, width = wish.width,
-    height = wish.height,
+  local room = #names * math.max(17, 9 * #all) + 90 -- for every name its line
+  return figure.new {kind = where, name = wish.title or values.label,
+    width = given.width or not flat and math.min(6000, math.max(wish.width, room)) or wish.width,
+    height = given.height or flat and math.min(6000, math.max(wish.height, room)) or wish.height,
     draw = function(s)
       local box = frame.around(s, {title = wish.title, legend = wish.legend and legend, notes = wish.notes})
       local f = flat and frame.new(s, box, values, across) or frame.new(s, box, across, values)

@@ -57,16 +57,23 @@ local function first(text, n)
   return at and text:sub(1, at - 1) or text
 end
 
---- The text, or as much of it as fits with an ellipsis behind.
-function Sketch:shortened(text, size, width, bold)
+-- k characters with an ellipsis behind them, or in their midst.
+local function cut(text, k, midst)
+  if not midst or k < 4 then return (first(text, k):gsub("%s+$", "")) .. "…" end
+  local length, behind = utf8.len(text) or #text, k // 2
+  return first(text, k - behind) .. "…" .. text:sub(#first(text, length - behind) + 1)
+end
+
+--- The text, or as much of it as fits with an ellipsis. `midst`: names that may differ at their end.
+function Sketch:shortened(text, size, width, bold, midst)
   if self:text_width(text, size, bold) <= width then return text end
   local low, high = 0, utf8.len(text) or #text
   while low < high do
     local middle = (low + high + 1) // 2
-    if self:text_width(first(text, middle) .. "…", size, bold) <= width then low = middle
+    if self:text_width(cut(text, middle, midst), size, bold) <= width then low = middle
     else high = middle - 1 end
   end
-  return first(text, low):gsub("%s+$", "") .. "…"
+  return cut(text, low, midst)
 end
 
 --- Lines of at most `width`, `most` of them, the last one shortened.
@@ -89,7 +96,7 @@ end
 function Sketch:text(text, x, y, style)
   style = style or {}
   local size = style.size or 12
-  if style.most then text = self:shortened(text, size, style.most, style.bold) end
+  if style.most then text = self:shortened(text, size, style.most, style.bold, style.midst) end
   if style.middle then
     local angle = math.rad(style.angle or 0)
     x, y = x + 0.36 * size * math.sin(angle), y + 0.36 * size * math.cos(angle)

@@ -223,6 +223,16 @@ static void broken_images_are_refused(void **state) {
       assert_int_equal(status, BW_FORMAT);
     assert_true(status != BW_OK || length > count / 2);
   }
+  for (size_t at = 8; at < count; at += 3) { /* files with a wrong byte */
+    cairo_surface_t *image = NULL;
+    bytes[at] ^= 0x5A;
+    bw_status status = bwi_png_decode(context, "wrong", bytes, count, &image);
+    bytes[at] ^= 0x5A;
+    if (status == BW_OK)
+      cairo_surface_destroy(image);
+    else
+      assert_true(status == BW_FORMAT || status == BW_LIMIT);
+  }
   bytes[16] = 1; /* 16777266 pixels wide */
   cairo_surface_t *image = NULL;
   check_fails(context, BW_LIMIT, "at most", bwi_png_decode(context, "wide", bytes, count, &image));
