@@ -74,6 +74,11 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
       (double)columns * rows > most_area) /* before memory is asked for */
     return bw_fail(context, BW_LIMIT, "%s: %u x %u pixels: at most %d x %d and %g in all are read",
                    name, (unsigned)columns, (unsigned)rows, MOST_PIXELS, MOST_PIXELS, most_area);
+  /* Cairo calls a damaged file a lack of memory, so that is found out here */
+  void *room = bw_alloc(context, (size_t)columns * rows, 4);
+  bw_free(room);
+  if (!room)
+    return BW_MEMORY;
   memory m = {.bytes = (unsigned char *)(uintptr_t)png, .count = length};
   cairo_surface_t *out = cairo_image_surface_create_from_png_stream(get_bytes, &m);
   cairo_status_t status = cairo_surface_status(out);
@@ -82,9 +87,7 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
     return BW_OK;
   }
   cairo_surface_destroy(out);
-  return status == CAIRO_STATUS_NO_MEMORY
-             ? bw_fail(context, BW_MEMORY, "%s: no memory for the picture", name)
-             : bw_fail(context, BW_FORMAT, "%s: the PNG file is damaged or ends early", name);
+  return bw_fail(context, BW_FORMAT, "%s: the PNG file is damaged or ends early", name);
 }
 
 /* ---- fonts ----------------------------------------------------------------------------------- */
