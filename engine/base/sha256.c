@@ -25,6 +25,11 @@ static const uint32_t round_constant[64] = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
+static const sha256 beginning = {{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f,
+                                  0x9b05688c, 0x1f83d9ab, 0x5be0cd19},
+                                 0,
+                                 {0}};
+
 static uint32_t rotate_right(uint32_t x, int k) {
   return (x >> k) | (x << (32 - k));
 }
@@ -97,10 +102,7 @@ bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65])
   FILE *file = fdopen(descriptor, "rb");
   if (!file)
     return refuse(context, path, descriptor, strerror(errno));
-  sha256 sha = {{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab,
-                 0x5be0cd19},
-                0,
-                {0}};
+  sha256 sha = beginning;
   unsigned char buffer[65536];
   size_t got;
   while ((got = fread(buffer, 1, sizeof buffer, file)) > 0)
@@ -111,4 +113,10 @@ bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65])
     return bw_fail(context, BW_IO, "%s: cannot be read: reading failed", path);
   finish(&sha, digest);
   return BW_OK;
+}
+
+void bw_sha256_bytes(const void *bytes, size_t count, char digest[65]) {
+  sha256 sha = beginning;
+  add(&sha, (const unsigned char *)bytes, count);
+  finish(&sha, digest);
 }

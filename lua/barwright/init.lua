@@ -51,6 +51,7 @@ local bw = {
     read = core.metamaterial.read},
   edit = require "barwright.edit",
   live = require("barwright.live").run,
+  study = require("barwright.study").module,
   von_mises_gradient = core.von_mises_gradient,
   von_mises_slopes = core.von_mises_slopes,
   quadratic_programme = core.quadratic_programme,

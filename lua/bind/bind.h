@@ -32,8 +32,8 @@ typedef struct lbw_state {
   bw_progress_function *progress; /* what shows progress when the script sets no function */
   void *progress_data;
   bw_status last_failure; /* that lbw_leave told */
-  size_t external;       /* bytes held by open boxes */
-  size_t external_after; /* the same after the last full collection */
+  size_t external;        /* bytes held by open boxes */
+  size_t external_after;  /* the same after the last full collection */
 } lbw_state;
 
 /* Makes the state on first use. Raises when there is no memory. */
@@ -110,7 +110,8 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_flow_state_class, lbw_plate_class,
-    lbw_grid_class, lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class;
+    lbw_grid_class, lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class,
+    lbw_lock_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -270,6 +271,7 @@ void lbw_open_job(lua_State *L);
 void lbw_open_database(lua_State *L);
 void lbw_open_sobol(lua_State *L);
 void lbw_open_minimise(lua_State *L);
+void lbw_open_files(lua_State *L);
 
 int luaopen_barwright_core(lua_State *L);
 

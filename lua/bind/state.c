@@ -392,5 +392,6 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_solid(L);
   lbw_open_motion(L);
   lbw_open_library(L);
+  lbw_open_files(L);
   return 1;
 }

@@ -204,6 +204,25 @@ double bw_von_mises(const double stress[6]);
 
 /* SHA-256 of a file as 64 hexadecimal digits and a final 0. */
 bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65]);
+void bw_sha256_bytes(const void *bytes, size_t count, char digest[65]);
+
+/* ---- folders, locks ---------------------------------------------------------------------- */
+
+/* Makes a folder and those above it; one that is there is fine. */
+bw_status bw_folder_make(bw_context *context, const char *path);
+/* What is in a folder, in no order: bytes of a file, time of its last change in seconds. */
+typedef bw_status bw_folder_entry(void *data, const char *name, bool folder, int64_t bytes,
+                                  double changed);
+bw_status bw_folder_visit(bw_context *context, const char *path, bw_folder_entry *entry,
+                          void *data);
+/* Sets the time of a file's last change to now. */
+bw_status bw_file_touch(bw_context *context, const char *path);
+
+/* A lock between processes on the file `path`, which is made for it and removed with it. Waits up
+ * to `seconds` for whoever has it; then BW_LIMIT with the details limit = "lock" and holder. It
+ * ends with bw_release, or with the process; a forked child does not have it. */
+typedef struct bw_lock bw_lock;
+bw_status bw_lock_take(bw_context *context, const char *path, double seconds, bw_lock **lock);
 
 /* Deterministic random numbers (splitmix64 / xoshiro256**). */
 typedef struct bw_random {

@@ -1,0 +1,156 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- bw.study{...}: variables, what is measured, a function, a design and a file. docs/theory/studies.md
+-- says what the words mean; docs/howto_study.md begins at the beginning.
+local cache = require "barwright.study.cache"
+local core = require "barwright.core"
+local csv = require "barwright.study.csv"
+local designs = require "barwright.study.designs"
+local front = require "barwright.study.front"
+local json = require "barwright.json"
+local options = require "barwright.options"
+local problem = require "barwright.study.problem"
+local rerun = require "barwright.study.rerun"
+local run = require "barwright.study.run"
+local merge = require "barwright.study.merge"
+local status = require "barwright.study.status"
+local store = require "barwright.study.store"
+local trials = require "barwright.study.trials"
+
+local raise = core.raise
+
+local study = {}
+local methods = {}
+local meta = {__name = "study", __index = methods}
+study.class = methods
+
+local rules = {
+  name = {type = "string", needed = true},
+  seed = {type = "integer", default = 1},
+  file = {type = "string"},
+  variables = {type = "table", needed = true},
+  measures = {type = "table", needed = true},
+  objectives = {type = "table"},
+  constraints = {type = "table"},
+  design = {type = "any", needed = true},
+  run = {type = "any", needed = true},
+  cache = {type = "table"},
+  what = {type = "string"},
+}
+
+-- The text that the function stands in: the script, or what the prompt was told.
+local function script_of(f)
+  local source = debug.getinfo(f, "S").source
+  local path = source:match "^@(.*)"
+  if not path then return {text = source} end
+  local file = io.open(path, "rb")
+  if not file then return {path = path, text = ""} end
+  local text = file:read "a"
+  file:close()
+  return {path = path, text = text or ""}
+end
+
+--- A study of the given options; raises where they are not one.
+function study.create(given)
+  local where = "study"
+  if type(given) == "table" and type(given.name) == "string" then where = "study " .. given.name end
+  local wish = options.read(where, given, rules)
+  if wish.name == "" or wish.name:find "[%c/]" then
+    raise("study: name: a name without slashes and control characters expected")
+  end
+  if type(wish.run) ~= "function" then raise(where .. ": run: a function (point, trial) expected") end
+  local self = {name = wish.name, seed = wish.seed, run_function = wish.run, what = wish.what}
+  self.file = wish.file or wish.name:gsub("%s+", "_") .. ".study"
+  self.problem = problem.read(where, wish)
+  self.design = designs.read(where, wish.design, self.problem, wish.seed)
+  self.script = script_of(wish.run)
+  self.cache_options = cache.check(where, wish.cache)
+  setmetatable(self, meta)
+  return self:use_file(self.file)
+end
+
+--- Another file for the same study.
+function methods:use_file(path)
+  self.file = path
+  self.trial_folder = path:gsub("%.study$", "") .. ".trials"
+  return self
+end
+
+--- What made the results, for the file.
+function methods:manifest()
+  local libraries = json.list {}
+  for line in (core.library_versions() or ""):gmatch "[^\n]+" do libraries[#libraries + 1] = line end
+  return {program = "barwright", version = core.version, commit = core.commit ~= "" and core.commit or json.null,
+    libraries = libraries, script = self.script.path, processors = core.processors()}
+end
+
+--- Runs what is missing; see run.lua.
+function methods:run(wish)
+  return run.run(self, wish)
+end
+
+--- The trials of the file that have ended, by number.
+function methods:trials()
+  local file <close>, message, details = store.open(self, self.file, {read_only = true})
+  if not file then return nil, message, details end
+  local list, why, more = file:load()
+  if not list then return nil, why, more end
+  local out = {}
+  for _, record in ipairs(list) do
+    if record.status ~= "asked" then out[#out + 1] = trials.present(record, self.problem, self) end
+  end
+  return trials.new(self, out)
+end
+
+--- How far it is, read from the file (also while it is being run).
+function methods:status()
+  return status.of(self)
+end
+
+--- All trials of the file as a table for other programs.
+function methods:csv(path)
+  local list, message, details = self:trials()
+  if not list then return nil, message, details end
+  return csv.write(path, list, self.problem)
+end
+
+--- Takes over what other files of the same study have; see merge.lua.
+function methods:merge(files, wish)
+  return merge.into(self, files, wish)
+end
+
+--- Runs one trial again and compares; see rerun.lua.
+function methods:trial(which, wish)
+  return rerun.trial(self, which, wish)
+end
+
+--- What `make` returns, from the cache where it is there; see cache.lua.
+function methods:cached(what, make, wish)
+  return cache.get(self.cache_options, what, make, wish)
+end
+
+--- The points that the design will ask for with their keys; nil where they depend on results.
+function methods:planned()
+  return run.planned(self)
+end
+
+function meta.__tostring(self)
+  local p = self.problem
+  local names, measures = {}, {}
+  for i, v in ipairs(p.variables) do names[i] = tostring(v) end
+  for i, m in ipairs(p.measures) do measures[i] = m.name end
+  return ("study %s: %s\n  %s\nmeasures %s; file %s"):format(self.name, self.design.name,
+    table.concat(names, "\n  "), table.concat(measures, ", "), self.file)
+end
+
+--- What bw.study is: called, it makes a study.
+study.module = setmetatable({
+  salvage = merge.salvage,
+  designs = designs.names,
+  hypervolume = front.hypervolume,
+}, {__call = function(_, given) return study.create(given) end,
+  __index = function(_, name)
+    raise(("bw.study has no '%s': did you mean '%s'?"):format(tostring(name),
+      core.nearest(tostring(name), {"salvage", "designs", "hypervolume"})))
+  end})
+
+return study

@@ -1,0 +1,167 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What a study asks: variables, measures, objectives and constraints, checked; points made of places in
+-- the unit cube; which results are feasible and which of two are better.
+local core = require "barwright.core"
+local options = require "barwright.options"
+local variables = require "barwright.study.variables"
+
+local raise = core.raise
+
+local problem = {}
+problem.__index = problem
+problem.__name = "problem"
+
+local measure_rules = {
+  name = {type = "string", needed = true},
+  unit = {type = "string"},
+  what = {type = "string"},
+  optional = {type = "boolean", default = false}, -- may be absent from a trial's results
+}
+local objective_rules = {
+  name = {type = "string", needed = true},
+  goal = {type = "string", one_of = {"least", "most"}, default = "least"},
+}
+local constraint_rules = {
+  name = {type = "string", needed = true},
+  least = {type = "number"},
+  most = {type = "number"},
+}
+
+local function read_list(where, what, list, rules)
+  if type(list) ~= "table" then raise(("%s: %ss = {...} expected, got %s"):format(where, what, type(list))) end
+  local out, named = {}, {}
+  for i, given in ipairs(list) do
+    if type(given) == "string" then given = {name = given} end
+    local item = options.read(("%s: %s %d"):format(where, what, i), given, rules)
+    out[i] = item
+    named[item.name] = item
+  end
+  for key in pairs(list) do
+    if math.type(key) ~= "integer" then
+      raise(("%s: %ss is a list: {{name = ...}, ...}, found '%s'"):format(where, what, tostring(key)))
+    end
+  end
+  return out, named
+end
+
+local function names_of(list)
+  local names = {}
+  for i, item in ipairs(list) do names[i] = item.name end
+  return names
+end
+
+local function known_measure(self, where, what, name)
+  if self.measure[name] then return end
+  raise(("%s: %s '%s' is no measure: did you mean '%s'?"):format(where, what, name,
+    core.nearest(name, names_of(self.measures))))
+end
+
+--- From the options of bw.study.
+function problem.read(where, given)
+  local self = setmetatable({}, problem)
+  self.variables = variables.read(where, given.variables)
+  self.variable = {}
+  for _, v in ipairs(self.variables) do self.variable[v.name] = v end
+  self.sorted = names_of(self.variables)
+  table.sort(self.sorted)
+  self.measures, self.measure = read_list(where, "measure", given.measures, measure_rules)
+  if #self.measures == 0 then raise(where .. ": measures = {{name = ...}, ...} expected: what run returns") end
+  local seen = {}
+  for _, item in ipairs(self.measures) do
+    if seen[item.name] then raise(("%s: measure '%s' is there twice"):format(where, item.name)) end
+    seen[item.name] = true
+  end
+  self.objectives = read_list(where, "objective", given.objectives or {}, objective_rules)
+  self.constraints = read_list(where, "constraint", given.constraints or {}, constraint_rules)
+  for _, item in ipairs(self.objectives) do known_measure(self, where, "objective", item.name) end
+  for _, item in ipairs(self.constraints) do
+    known_measure(self, where, "constraint", item.name)
+    if not item.least and not item.most then
+      raise(("%s: constraint '%s': least or most expected"):format(where, item.name))
+    end
+  end
+  return self
+end
+
+--- A point from places in the unit cube, one for each variable in order.
+function problem:point(place)
+  local point = {}
+  for k, v in ipairs(self.variables) do point[v.name] = v:value(place[k]) end
+  return point
+end
+
+--- The places of a point.
+function problem:place(point)
+  local place = {}
+  for k, v in ipairs(self.variables) do place[k] = v:place(point[v.name]) end
+  return place
+end
+
+--- A copy of the point with checked values; missing ones are the variables' defaults where these have one.
+function problem:check(point, where)
+  if type(point) ~= "table" then raise(("%s: a point {name = value, ...} expected"):format(where)) end
+  local out = {}
+  for name in pairs(point) do
+    if not self.variable[name] then
+      raise(("%s: '%s' is no variable: did you mean '%s'?"):format(where, tostring(name),
+        core.nearest(tostring(name), self.sorted)))
+    end
+  end
+  for _, v in ipairs(self.variables) do
+    local value = point[v.name]
+    if value == nil then value = v.default end
+    if value == nil then raise(("%s: '%s' is missing"):format(where, v.name)) end
+    out[v.name] = v:check(value, ("%s: '%s'"):format(where, v.name))
+  end
+  return out
+end
+
+--- Where a study begins: defaults, else middles.
+function problem:middle()
+  local point = {}
+  for _, v in ipairs(self.variables) do point[v.name] = v:middle() end
+  return point
+end
+
+-- ---- results ---------------------------------------------------------------------------------------
+
+--- By how much results miss the constraints: 0 where they hold, parts of the bound summed else; infinite
+--- where there are no results.
+function problem:violation(results)
+  if not results then return math.huge end
+  local sum = 0.0
+  for _, c in ipairs(self.constraints) do
+    local value = results[c.name]
+    if value == nil then return math.huge end
+    if c.most and value > c.most then sum = sum + (value - c.most) / (c.most ~= 0 and math.abs(c.most) or 1) end
+    if c.least and value < c.least then
+      sum = sum + (c.least - value) / (c.least ~= 0 and math.abs(c.least) or 1)
+    end
+  end
+  return sum
+end
+
+--- Every objective as a number that is to be small; nil where one is missing.
+function problem:costs(results)
+  if not results then return nil end
+  local costs = {}
+  for k, objective in ipairs(self.objectives) do
+    local value = results[objective.name]
+    if value == nil then return nil end
+    costs[k] = objective.goal == "most" and -value or value
+  end
+  return costs
+end
+
+--- Whether trial a is done, keeps the constraints, and has the objectives.
+function problem:feasible(trial)
+  return trial.status == "done" and self:violation(trial.results) == 0 and self:costs(trial.results) ~= nil
+end
+
+--- "mass in kg to be small"
+function problem:goal_text(objective)
+  local measure = self.measure[objective.name]
+  return ("%s%s"):format(objective.goal == "most" and "most " or "least ", variables.title(measure))
+end
+
+return problem

@@ -1,0 +1,306 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Running a study: its design asks for points; what the file knows is answered from it, the rest goes to
+-- the executor, and each result is in the file before anybody sees it. Nothing of a design's state is
+-- kept: a study that is run again asks the same points and gets the same answers.
+local core = require "barwright.core"
+local designs = require "barwright.study.designs"
+local executor = require "barwright.study.executor"
+local key = require "barwright.study.key"
+local options = require "barwright.options"
+local store = require "barwright.study.store"
+local trial = require "barwright.study.trial"
+local trials = require "barwright.study.trials"
+
+local run = {}
+
+local rules = {
+  workers = {type = "integer", least = 1, most = 4096},
+  seconds = {type = "number", above = 0}, -- of one trial, by the clock
+  bytes = {type = "number", above = 0}, -- of one trial, beyond what the study has loaded
+  stop_when = {type = "any"},
+  evaluations = {type = "integer", least = 1}, -- how many different points the design may ask for
+  seconds_total = {type = "number", above = 0},
+  retry = {type = "boolean", default = false}, -- trials that failed are run again
+  continue = {type = "boolean", default = false}, -- with a script that has changed
+  output = {type = "boolean", default = false}, -- what trials print goes to output.txt in their folder
+  executor = {type = "any"}, -- an object as in executor.lua, or a function (study, options) that makes one
+  shard = {type = "any"}, -- {2, 10}: the second of ten parts of the points, for a file of its own
+}
+
+-- Raised through the design when no more trials are wanted, and caught here alone.
+local halt = {__name = "halt", __tostring = function(self) return self.reason or self.message end}
+local function stop(reason) error(setmetatable({reason = reason}, halt), 0) end
+local function give_up(message, details) error(setmetatable({message = message, details = details}, halt), 0) end
+
+local runner = {}
+runner.__index = runner
+
+-- The trials of the file, and those that are asked for, by key.
+local function load(self)
+  local list, message, details = self.store:load()
+  if not list then return nil, message, details end
+  self.by_key, self.next = {}, 1
+  for _, record in ipairs(list) do
+    self.by_key[record.key] = trials.present(record, self.study.problem, self.study)
+    self.next = math.max(self.next, record.number + 1)
+  end
+  return true
+end
+
+-- The trial of a point, a new one where the file has none.
+local function trial_of(self, point, fresh)
+  local study = self.study
+  local name = key.of(study.name, study.seed, study.problem.sorted, point)
+  local record = self.by_key[name]
+  if not record then
+    record = trials.present({number = self.next, key = name, seed = key.seed(study.seed, name),
+      status = "asked", attempts = 0, point = point}, study.problem, study)
+    self.next = self.next + 1
+    self.by_key[name] = record
+    fresh[#fresh + 1] = record
+  end
+  return record
+end
+
+local function save(self, method, what)
+  local fine, message, details = self.store[method](self.store, what)
+  if not fine then
+    give_up(store.explain(self.store.path, message, details))
+  end
+end
+
+-- Trials that nothing is waiting for any more, in the order asked, so that what stops a study does not
+-- depend on which trial happened to end first.
+local function look_at_finished(self)
+  while true do
+    local record = self.order[self.seen + 1]
+    if not record or record.status == "asked" or self.pending[record] then return end
+    self.seen = self.seen + 1
+    self.live[self.seen] = record
+    if self.wish.stop_when and self.wish.stop_when(self.live) then stop "stop_when said so" end
+  end
+end
+
+local function show_progress(self, now)
+  if now - self.shown < 0.1 then return end
+  self.shown = now
+  local left = #self.missing - self.finished_of_batch
+  local total = self.total and self.total - self.reused or 0
+  total = math.max(total, self.finished + left)
+  core.report_progress(self.stage, total > 0 and self.finished / total or 1)
+end
+
+local function take(self, record, outcome)
+  self.running = self.running - 1
+  if outcome.status == "cancelled" then return end
+  record.seconds, record.processor_seconds = outcome.seconds, outcome.processor_seconds
+  record.peak_bytes = outcome.peak_bytes and math.floor(outcome.peak_bytes)
+  record.attempts = (record.attempts or 0) + 1
+  if outcome.text then
+    trial.read(self.study, record, outcome.text)
+  else
+    record.status, record.message, record.results = outcome.status, outcome.message, nil
+  end
+  save(self, "finish", record)
+  self.pending[record] = nil
+  self.finished, self.finished_of_batch = self.finished + 1, self.finished_of_batch + 1
+end
+
+local function out_of_time(self)
+  return self.wish.seconds_total and core.seconds() - self.began >= self.wish.seconds_total
+end
+
+local function wait_for_one(self)
+  local record, outcome = self.executor:wait(0.25)
+  if record then
+    take(self, record, outcome)
+  elseif outcome == "cancelled" or core.interrupted() then
+    give_up(("interrupted: %d trials more are in %s; run it again to go on"):format(self.finished,
+      self.store.path), {status = "cancelled"})
+  elseif outcome then
+    give_up(outcome, {status = "internal"})
+  end
+  if out_of_time(self) then stop(("%g seconds have passed"):format(self.wish.seconds_total)) end
+end
+
+-- Runs what is missing of a batch.
+local function work_off(self)
+  self.finished_of_batch = 0
+  local at = 1
+  look_at_finished(self)
+  while at <= #self.missing or self.running > 0 do
+    while at <= #self.missing and self.running < self.executor.capacity do
+      local fine, message, details = self.executor:start(self.missing[at])
+      if not fine then give_up(message, details) end
+      self.running = self.running + 1
+      at = at + 1
+    end
+    wait_for_one(self)
+    look_at_finished(self)
+    show_progress(self, core.seconds())
+  end
+end
+
+local ended_badly = {failed = true, time = true, memory = true, crashed = true}
+
+-- What of the trials has to be run, and is this process's to run.
+local function find_missing(self, asked)
+  local missing, others = {}, false
+  for _, record in ipairs(asked) do
+    local again = record.status == "asked" or self.wish.retry and ended_badly[record.status]
+      and not self.retried[record]
+    if again and not self.pending[record] then
+      if self.mine(self.place[record]) then
+        missing[#missing + 1] = record
+        self.pending[record], self.retried[record] = true, true
+      else
+        others = true
+      end
+    end
+  end
+  return missing, others
+end
+
+-- The trials of a list of points, written down; cut: the limit on evaluations was met.
+local function ask(self, points)
+  local asked, fresh, cut = {}, {}, false
+  for i, given in ipairs(points) do
+    local point = self.study.problem:check(given, ("study %s: point %d"):format(self.study.name, i))
+    local record = trial_of(self, point, fresh)
+    if not self.place[record] then
+      if self.wish.evaluations and #self.order >= self.wish.evaluations then
+        cut = true
+        if fresh[#fresh] == record then -- it was not asked for
+          fresh[#fresh], self.by_key[record.key], self.next = nil, nil, self.next - 1
+        end
+        break
+      end
+      self.order[#self.order + 1] = record
+      self.place[record] = #self.order
+      if record.status ~= "asked" then self.reused = self.reused + 1 end
+    end
+    asked[i] = record
+  end
+  if #fresh > 0 then save(self, "ask", fresh) end
+  return asked, cut
+end
+
+-- What a design calls: results of the points in their order, false where a trial has none; and the trials.
+local function evaluate(self, points)
+  local asked, cut = ask(self, points)
+  local others
+  self.missing, others = find_missing(self, asked)
+  work_off(self)
+  if others then stop "the other parts are run elsewhere" end
+  if cut then stop(("%d evaluations were made"):format(self.wish.evaluations)) end
+  local results = {}
+  for i, record in ipairs(asked) do results[i] = record.results or false end
+  return results, asked
+end
+
+local function shard_of(wish)
+  if wish == nil then return function() return true end end
+  local i, n = type(wish) == "table" and wish[1], type(wish) == "table" and wish[2]
+  if math.type(i) ~= "integer" or math.type(n) ~= "integer" or i < 1 or i > n then
+    core.raise "study:run: shard = {which, of how many} expected"
+  end
+  return function(place) return (place - 1) % n == i - 1 end
+end
+
+local function read_options(given)
+  local wish = options.read("study:run", given, rules)
+  if wish.stop_when ~= nil and type(wish.stop_when) ~= "function" then
+    core.raise "study:run: stop_when: a function of the trials so far expected"
+  end
+  return wish
+end
+
+-- The trials that have ended, in the order in which they were asked for.
+local function finished_trials(self, summary)
+  local list = {}
+  for _, record in ipairs(self.order) do
+    if record.status ~= "asked" then list[#list + 1] = record end
+  end
+  local out = trials.new(self.study, list)
+  out.summary = summary or {}
+  return out
+end
+
+local function run_design(self, design)
+  local function ask_for(points) return (evaluate(self, points)) end
+  local fine, summary = xpcall(design.run, function(message)
+    if type(message) == "string" and not core.interrupted() then
+      return debug.traceback(message, 2)
+    end
+    return message
+  end, function(points)
+    if design.name == "function" then return evaluate(self, points) end
+    return ask_for(points)
+  end, self.study.problem, design.wish)
+  if fine then
+    if type(summary) == "number" or type(summary) == "string" then summary = {value = summary} end
+    return finished_trials(self, type(summary) == "table" and summary or {})
+  end
+  if getmetatable(summary) ~= halt then error(summary, 0) end
+  if summary.reason then
+    local out = finished_trials(self)
+    out.stopped = summary.reason
+    return out
+  end
+  return nil, summary.message, summary.details
+end
+
+--- study:run. Trials, or nil and a message where the file cannot be used or Ctrl-C was pressed.
+function run.run(study, given)
+  local wish = read_options(given)
+  local mine = shard_of(wish.shard)
+  local design = study.design
+  if wish.shard and not (design.kind and design.kind.points) then
+    core.raise(("study:run: shard: the points of design '%s' depend on results; it cannot be cut into parts")
+      :format(design.name))
+  end
+  local lock <close>, message, details = core.lock(study.file .. ".lock", 0)
+  if not lock then
+    if details.limit == "lock" then
+      message = ("%s: this study is being run by %s; wait for it, or end it"):format(study.file, details.holder)
+      details.status = "busy"
+    end
+    return nil, message, details
+  end
+  local file <close>, why, more = store.open(study, study.file, {continue = wish.continue})
+  if not file then return nil, why, more end
+  local self = setmetatable({study = study, wish = wish, store = file, mine = mine,
+    order = {}, place = {}, pending = {}, retried = {}, missing = {}, seen = 0, live = trials.new(study),
+    running = 0, finished = 0, finished_of_batch = 0, reused = 0, shown = -1, began = core.seconds(),
+    total = design.total, stage = "study " .. study.name}, runner)
+  local fine
+  fine, message, details = load(self)
+  if not fine then return nil, message, details end
+  local make = wish.executor or executor.new
+  local own = make
+  if type(make) == "function" then
+    own, message, details = make(study, wish)
+    if not own then return nil, message, details end
+  end
+  self.executor = own
+  local closing <close> = setmetatable({}, {__close = function() own:close() end})
+  local out
+  out, message, details = run_design(self, design)
+  core.report_progress(self.stage, 1)
+  assert(closing)
+  return out, message, details
+end
+
+--- All points of the study's design with their keys: {{point, key}, ...}; nil where they depend on results.
+function run.planned(study)
+  local points = designs.points(study.design, study.problem)
+  if not points then return nil end
+  local out = {}
+  for i, given in ipairs(points) do
+    local point = study.problem:check(given, "point " .. i)
+    out[i] = {point = point, key = key.of(study.name, study.seed, study.problem.sorted, point)}
+  end
+  return out
+end
+
+return run

@@ -1,0 +1,135 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Designs that fill the unit cube: independent points, Latin hypercubes, Sobol's sequence.
+local core = require "barwright.core"
+local random = require "barwright.study.random"
+
+local sampling = {}
+
+local count_rule = {type = "integer", needed = true, least = 1, most = 10000000}
+local seed_rule = {type = "integer"}
+
+local function to_points(problem, places)
+  local points = {}
+  for i, place in ipairs(places) do points[i] = problem:point(place) end
+  return points
+end
+
+sampling.random = {summary = "independent points", rules = {count = count_rule, seed = seed_rule}}
+function sampling.random.points(problem, wish)
+  local source, places = random.new(wish.seed), {}
+  for i = 1, wish.count do
+    local place = {}
+    for k = 1, #problem.variables do place[k] = source:uniform() end
+    places[i] = place
+  end
+  return to_points(problem, places)
+end
+
+-- ---- Latin hypercubes --------------------------------------------------------------------------------
+
+--- `count` places in `dimensions` dimensions: of the `count` equal slices in each direction every one
+--- holds one place. jitter: anywhere in the slice, else in its middle.
+function sampling.latin(count, dimensions, source, jitter)
+  local places = {}
+  for i = 1, count do places[i] = {} end
+  for k = 1, dimensions do
+    local order = {}
+    for i = 1, count do order[i] = i end
+    source:shuffle(order)
+    for i = 1, count do
+      places[i][k] = (order[i] - 1 + (jitter and source:uniform() or 0.5)) / count
+    end
+  end
+  return places
+end
+
+local function distance2(a, b)
+  local sum = 0.0
+  for k = 1, #a do
+    local d = a[k] - b[k]
+    sum = sum + d * d
+  end
+  return sum
+end
+
+--- The square of the least distance between two places.
+function sampling.separation(places)
+  local least = math.huge
+  for i = 2, #places do
+    for j = 1, i - 1 do least = math.min(least, distance2(places[i], places[j])) end
+  end
+  return least
+end
+
+-- Morris and Mitchell's measure of how close places come: the sum of 1/d^POWER over pairs. Exchanging one
+-- coordinate of two places keeps the Latin property; exchanges that lower the sum are kept.
+local HALF_POWER = 10 -- d^20
+local PAIRS = 4000000 -- pairs looked at, for a bound on time
+
+local function nearness(d2) return 1 / math.max(d2, 1e-12) ^ HALF_POWER end
+
+local function of_place(places, i, other, k, value)
+  local sum, a = 0.0, places[i]
+  local old = a[k]
+  a[k] = value
+  for j = 1, #places do
+    if j ~= i and j ~= other then sum = sum + nearness(distance2(a, places[j])) end
+  end
+  a[k] = old
+  return sum
+end
+
+--- Spreads the places of a Latin hypercube.
+function sampling.spread(places, source)
+  local n = #places
+  if n < 3 then return places end
+  local dimensions = #places[1]
+  local tries = math.min(100 * n * dimensions, PAIRS // n)
+  for _ = 1, tries do
+    local i, k = source:integer(1, n), source:integer(1, dimensions)
+    local j = source:integer(1, n - 1)
+    if j >= i then j = j + 1 end
+    local a, b = places[i][k], places[j][k]
+    local before = of_place(places, i, j, k, a) + of_place(places, j, i, k, b)
+    local after = of_place(places, i, j, k, b) + of_place(places, j, i, k, a)
+    if after < before then places[i][k], places[j][k] = b, a end
+  end
+  return places
+end
+
+sampling.latin_hypercube = {
+  summary = "every one of `count` slices of each variable once",
+  rules = {count = count_rule, seed = seed_rule, maximin = {type = "boolean", default = false},
+    middles = {type = "boolean", default = false}},
+}
+function sampling.latin_hypercube.points(problem, wish)
+  local source = random.new(wish.seed)
+  local places = sampling.latin(wish.count, #problem.variables, source, not wish.middles)
+  if wish.maximin then sampling.spread(places, source) end
+  return to_points(problem, places)
+end
+
+-- ---- Sobol's sequence --------------------------------------------------------------------------------
+
+--- Places from `skip` on; scrambled by the seed, plain with seed nil.
+function sampling.sobol_places(count, dimensions, skip, seed)
+  local array, message = core.sobol(count, dimensions, {skip = skip, seed = seed})
+  if not array then core.raise("design sobol: " .. message) end
+  return array:totable()
+end
+
+sampling.sobol = {
+  summary = "Sobol's sequence, scrambled by the seed",
+  rules = {count = count_rule, seed = seed_rule, skip = {type = "integer", default = 0, least = 0},
+    scramble = {type = "boolean", default = true}},
+}
+function sampling.sobol.points(problem, wish)
+  local places = sampling.sobol_places(wish.count, #problem.variables, wish.skip,
+    wish.scramble and wish.seed or nil)
+  for i, place in ipairs(places) do
+    if type(place) == "number" then places[i] = {place} end -- one variable
+  end
+  return to_points(problem, places)
+end
+
+return sampling

@@ -1,0 +1,177 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The variables of a study: reals, integers, choices. Each goes between its values and the unit
+-- interval, where designs work: a real linearly or in its logarithm; the k-th of n integers or
+-- choices owns the interval from (k-1)/n to k/n, and k's own place is its middle.
+local core = require "barwright.core"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local variables = {}
+
+local rules = {
+  name = {type = "string", needed = true},
+  kind = {type = "string", one_of = {"real", "integer", "choice"}},
+  unit = {type = "string"},
+  least = {type = "number"},
+  most = {type = "number"},
+  scale = {type = "string", one_of = {"linear", "log"}, default = "linear"},
+  of = {type = "table"},
+  default = {type = "any"},
+  what = {type = "string"}, -- a sentence for people
+}
+
+local finite = function(x) return x == x and x ~= math.huge and x ~= -math.huge end
+
+--- One choice as text: distinct for distinct choices of one variable.
+function variables.choice_text(value)
+  return type(value) == "number" and ("%.17g"):format(value):gsub(",", ".") or tostring(value)
+end
+
+local function check_choices(where, v)
+  if not v.of or #v.of == 0 then raise(where .. ": of = {...} with the choices is missing") end
+  v.least, v.most, v.index = nil, nil, {}
+  for i, value in ipairs(v.of) do
+    local kind = type(value)
+    if kind ~= "string" and kind ~= "boolean" and not (kind == "number" and finite(value)) then
+      raise(("%s: choice %d is a %s: strings, numbers, true and false expected"):format(where, i, kind))
+    end
+    local text = variables.choice_text(value)
+    if v.index[text] then raise(("%s: the choice %s is there twice"):format(where, text)) end
+    v.index[text] = i
+  end
+end
+
+local function check_bounds(where, v)
+  if v.of then raise(where .. ": 'of' is for choices; a number has least and most") end
+  if not v.least or not v.most then raise(where .. ": least and most are missing") end
+  if v.kind == "integer" then
+    local least, most = math.tointeger(v.least), math.tointeger(v.most)
+    if not least or not most then raise(where .. ": least and most of an integer are whole numbers") end
+    v.least, v.most = least, most
+    if v.scale == "log" then raise(where .. ": scale 'log' is for reals") end
+  else
+    v.least, v.most = v.least + 0.0, v.most + 0.0
+    if v.scale == "log" and v.least <= 0 then
+      raise(("%s: scale 'log' wants bounds above 0, least is %.14g"):format(where, v.least))
+    end
+  end
+  if not (v.least < v.most) then
+    raise(("%s: least (%.14g) is not below most (%.14g)"):format(where, v.least, v.most))
+  end
+end
+
+local class = {}
+class.__index = class
+class.__name = "variable"
+
+local function kind_of(given)
+  return given.kind or (given.of and "choice") or "real"
+end
+
+--- The list as given, checked and completed.
+function variables.read(where, list)
+  if type(list) ~= "table" or #list == 0 then
+    raise(where .. ": variables = {{name = ..., least = ..., most = ...}, ...} expected")
+  end
+  local out, seen = {}, {}
+  for i, given in ipairs(list) do
+    local place = ("%s: variable %d"):format(where, i)
+    local v = options.read(place, given, rules)
+    place = ("%s: variable '%s'"):format(where, v.name)
+    if v.name == "" or v.name:find "[%c]" then raise(place .. ": a name without control characters expected") end
+    if seen[v.name] then raise(place .. " is there twice") end
+    seen[v.name] = true
+    v.kind = kind_of(v)
+    if v.kind == "choice" then check_choices(place, v) else check_bounds(place, v) end
+    setmetatable(v, class)
+    if v.default ~= nil then v.default = v:check(v.default, place .. ": default") end
+    out[i] = v
+  end
+  return out
+end
+
+--- How many values it can take; nil for a real.
+function class:count()
+  return self.kind == "choice" and #self.of or self.kind == "integer" and self.most - self.least + 1 or nil
+end
+
+--- The value that belongs to u from 0 to 1.
+function class:value(u)
+  local n = self:count()
+  if n then
+    local k = math.min(n - 1, math.max(0, math.floor(u * n)))
+    return self.kind == "choice" and self.of[k + 1] or self.least + k
+  end
+  if u <= 0 then return self.least end
+  if u >= 1 then return self.most end
+  local x = self.scale == "log" and self.least * (self.most / self.least) ^ u
+    or self.least + u * (self.most - self.least)
+  return math.min(self.most, math.max(self.least, x))
+end
+
+--- The place of a value between 0 and 1.
+function class:place(value)
+  local n = self:count()
+  if n then
+    local k = self.kind == "choice" and self.index[variables.choice_text(value)] - 1 or value - self.least
+    return (k + 0.5) / n
+  end
+  if self.scale == "log" then return math.log(value / self.least) / math.log(self.most / self.least) end
+  return (value - self.least) / (self.most - self.least)
+end
+
+--- d(value)/du where the value is.
+function class:slope(value)
+  if self.scale == "log" then return value * math.log(self.most / self.least) end
+  return self.most - self.least
+end
+
+--- The value in the form that trials get; raises where it is none of the variable's.
+function class:check(value, where)
+  if self.kind == "choice" then
+    local k = value ~= nil and type(value) ~= "table" and self.index[variables.choice_text(value)]
+    if k and type(self.of[k]) == type(value) then return self.of[k] end
+    local words = {}
+    for i, each in ipairs(self.of) do words[i] = variables.choice_text(each) end
+    raise(("%s: %s is none of %s"):format(where, tostring(value), table.concat(words, ", ")))
+  end
+  if type(value) ~= "number" or not finite(value) then
+    raise(("%s: a finite number expected, got %s"):format(where, tostring(value)))
+  end
+  if self.kind == "integer" then
+    local whole = math.tointeger(value)
+    if not whole then raise(("%s: a whole number expected, got %.14g"):format(where, value)) end
+    value = whole
+  else
+    value = value + 0.0
+    if value == 0 then value = 0.0 end -- of the two zeros the positive one
+  end
+  if value < self.least or value > self.most then
+    raise(("%s: %.14g lies outside of %.14g to %.14g"):format(where, value, self.least, self.most))
+  end
+  return value
+end
+
+--- Where a study begins when nothing else is said: the default, else the middle.
+function class:middle()
+  if self.default ~= nil then return self.default end
+  return self:value(0.5)
+end
+
+--- "thickness [m]", "mass"
+function variables.title(item)
+  return item.unit and item.unit ~= "" and ("%s [%s]"):format(item.name, item.unit) or item.name
+end
+
+function class:__tostring()
+  if self.kind == "choice" then
+    local words = {}
+    for i, each in ipairs(self.of) do words[i] = variables.choice_text(each) end
+    return ("%s: %s"):format(self.name, table.concat(words, " or "))
+  end
+  return ("%s: %s%.6g to %.6g%s%s"):format(self.name, self.kind == "integer" and "whole numbers " or "",
+    self.least, self.most, self.unit and " " .. self.unit or "", self.scale == "log" and " (log)" or "")
+end
+
+return variables
