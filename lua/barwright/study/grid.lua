@@ -147,7 +147,7 @@ end
 
 --- effects[measure] = {{name, least, most, range, values = {...}, results = {...}}, ...}: what each
 --- variable does alone, in the order of the variables.
-function grid.one_at_a_time.summarise(problem, wish, points, results)
+function grid.one_at_a_time.summarise(problem, _, points, results)
   local base = points[1]
   local effects = {}
   for _, measure in ipairs(problem.measures) do

@@ -50,7 +50,8 @@ local function find(study, list, which)
     for _, record in ipairs(list) do
       if record.key == name then return record end
     end
-    return {number = 0, key = name, seed = key.seed(study.seed, name), point = point, status = "asked"}
+    local seed = key.seed(study.seed, name)
+    return {number = 0, key = name, seed = seed, point = point, status = "asked"}
   end
   if math.type(which) == "integer" then
     for _, record in ipairs(list) do
@@ -66,7 +67,8 @@ local function find(study, list, which)
   for _, record in ipairs(list) do
     if record.key:sub(1, #which) == which then
       if found then
-        return nil, ("two keys of %s begin with %s: give more digits"):format(study.file, which), {status = "empty"}
+        return nil, ("two keys of %s begin with %s: give more digits"):format(study.file, which),
+          {status = "empty"}
       end
       found = record
     end

@@ -223,20 +223,19 @@ local function finished_trials(self, summary)
   end
   local out = trials.new(self.study, list)
   out.summary = summary or {}
+  local objectives = #self.study.problem.objectives
+  if objectives == 1 then out.summary.best = out:best() end
+  if objectives > 1 then out.summary.front = out:front() end
   return out
 end
 
 local function run_design(self, design)
-  local function ask_for(points) return (evaluate(self, points)) end
   local fine, summary = xpcall(design.run, function(message)
     if type(message) == "string" and not core.interrupted() then
       return debug.traceback(message, 2)
     end
     return message
-  end, function(points)
-    if design.name == "function" then return evaluate(self, points) end
-    return ask_for(points)
-  end, self.study.problem, design.wish)
+  end, function(points) return evaluate(self, points) end, self.study.problem, design.wish)
   if fine then
     if type(summary) == "number" or type(summary) == "string" then summary = {value = summary} end
     return finished_trials(self, type(summary) == "table" and summary or {})

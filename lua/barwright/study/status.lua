@@ -62,9 +62,10 @@ function status.of(study)
   local out = setmetatable({name = study.name, file = study.file, done = 0, failed = 0, time = 0, memory = 0,
     crashed = 0, asked = 0, seconds = 0.0, messages = {}}, meta)
   local there = io.open(study.file, "rb")
-  local ended, message, details = {}, nil, nil
+  local ended = {}
   if there then
     there:close()
+    local message, details
     ended, message, details = read(study, out)
     if not ended then return nil, message, details end
   end

@@ -198,7 +198,8 @@ end
 
 --- Explains a failure of the database in the words of a study.
 function store.explain(path, message, details)
-  local status = details and details.status
+  local status = details and (details.reason or details.status)
+  if details then details.status = status end
   if status == "full" then
     message = ("%s: the disk is full; what was finished before is kept. Make room, then run the study again: "
       .. "it goes on where it was"):format(path)
@@ -236,7 +237,9 @@ function store.open(study, path, wish)
     if not fine then return refuse(self, message, details) end
   end
   if not about.definition then
-    if wish.read_only then return refuse(self, path .. ": holds no study yet", {status = "format", file = path}) end
+    if wish.read_only then
+      return refuse(self, path .. ": holds no study yet", {status = "format", file = path})
+    end
     local fine
     fine, message, details = create(self, study)
     if not fine then return refuse(self, message, details) end

@@ -121,7 +121,9 @@ local function checked_gradients(problem, gradients)
   if type(gradients) ~= "table" then return nil, "run's second result: a table of gradients expected" end
   local out = {}
   for name, gradient in pairs(gradients) do
-    if not problem.measure[name] then return nil, ("a gradient of '%s', which is no measure"):format(tostring(name)) end
+    if not problem.measure[name] then
+      return nil, ("a gradient of '%s', which is no measure"):format(tostring(name))
+    end
     out[name] = {}
     for _, v in ipairs(problem.variables) do
       local value = gradient[v.name]

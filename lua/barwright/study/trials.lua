@@ -13,7 +13,7 @@ local methods = {}
 local meta = {__name = "trials"}
 trials.class, trials.meta = methods, meta
 
-function meta.__index(self, name)
+function meta.__index(_, name)
   return methods[name]
 end
 
@@ -209,7 +209,9 @@ function meta.__tostring(self)
   else
     for _, m in ipairs(problem.measures) do
       local least, most = math.huge, -math.huge
-      for _, value in ipairs(self:column(m.name)) do least, most = math.min(least, value), math.max(most, value) end
+      for _, value in ipairs(self:column(m.name)) do
+        least, most = math.min(least, value), math.max(most, value)
+      end
       if least <= most then lines[#lines + 1] = ("%s: %.6g to %.6g"):format(variables.title(m), least, most) end
     end
   end

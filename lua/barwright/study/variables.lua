@@ -56,7 +56,7 @@ local function check_bounds(where, v)
       raise(("%s: scale 'log' wants bounds above 0, least is %.14g"):format(where, v.least))
     end
   end
-  if not (v.least < v.most) then
+  if v.least >= v.most then
     raise(("%s: least (%.14g) is not below most (%.14g)"):format(where, v.least, v.most))
   end
 end

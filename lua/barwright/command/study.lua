@@ -1,0 +1,300 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright study ACTION FILE ...: what can be done with a file that returns a study.
+local core = require "barwright.core"
+local json = require "barwright.json"
+local output = require "barwright.command.output"
+local merge = require "barwright.study.merge"
+
+local actions = {}
+
+-- ---- the study of a file -------------------------------------------------------------------------------
+
+local function is_study(value)
+  local meta = getmetatable(value)
+  return type(value) == "table" and type(meta) == "table" and meta.__name == "study"
+end
+
+-- The study, or nil and the exit code of what has been said.
+local function load_study(path, wish, out)
+  local chunk, message = loadfile(path, "t")
+  if not chunk then
+    return nil, out:misuse(message)
+  end
+  local before = rawget(_G, "arg")
+  rawset(_G, "arg", {[0] = path})
+  local fine, study = xpcall(chunk, function(problem)
+    return type(problem) == "string" and not core.interrupted() and debug.traceback(problem, 2) or problem
+  end, path)
+  rawset(_G, "arg", before)
+  if not fine then
+    return nil, out:fail(study)
+  end
+  if not is_study(study) then
+    return nil, out:misuse(("%s returned %s: a file of a study ends with `return bw.study{...}`"):format(path,
+      study == nil and "nothing" or "a " .. type(study)))
+  end
+  if wish.file then study:use_file(wish.file) end
+  return study
+end
+
+local function too_many(wish, out, count)
+  if #wish.files > count then
+    return out:misuse(("'%s' is one argument too many for %s"):format(wish.files[count + 1], wish.action))
+  end
+end
+
+-- ---- trials as plain data ------------------------------------------------------------------------------
+
+local function plain(trial)
+  return {number = trial.number, key = trial.key, seed = trial.seed, status = trial.status,
+    message = trial.message, seconds = trial.seconds, peak_bytes = trial.peak_bytes, point = trial.point,
+    results = trial.results}
+end
+
+-- What of a summary JSON can hold.
+local function plain_summary(value, depth)
+  local kind = type(value)
+  if kind == "string" or kind == "number" or kind == "boolean" then return value end
+  if kind ~= "table" or depth > 6 then return nil end
+  local meta = getmetatable(value)
+  if meta and meta.__name == "trial" then return plain(value) end
+  local copy = {}
+  if meta and meta.__name == "trials" then
+    for i, trial in ipairs(value) do copy[i] = plain(trial) end
+    return json.list(copy)
+  end
+  for key, inner in pairs(value) do
+    if math.type(key) == "integer" or type(key) == "string" then copy[key] = plain_summary(inner, depth + 1) end
+  end
+  return #copy > 0 and json.list(copy) or copy
+end
+
+-- ---- actions -------------------------------------------------------------------------------------------
+
+local function shard_of(text)
+  if not text then return nil end
+  local which, count = text:match "^(%d+)/(%d+)$"
+  which, count = tonumber(which), tonumber(count)
+  if which and which >= 1 and which <= count then return {math.tointeger(which), math.tointeger(count)} end
+  return nil, ("option --shard: WHICH/COUNT expected (2/10), got '%s'"):format(text)
+end
+
+function actions.run(study, wish, out)
+  local code = too_many(wish, out, 1)
+  if code then return code end
+  local shard, fault = shard_of(wish.shard)
+  if fault then
+    return out:misuse(fault)
+  end
+  out:say("%s", tostring(study))
+  local trials, message, details = study:run {workers = wish.workers, seconds = wish.seconds,
+    bytes = wish.memory, evaluations = wish.evaluations, seconds_total = wish.seconds_total,
+    retry = wish.retry, continue = wish.continue, output = wish.output, shard = shard}
+  if not trials then
+    return out:fail(message, details)
+  end
+  out:say("%s", tostring(trials))
+  local counts = trials:counts()
+  out:json {study = study.name, file = study.file, trials = #trials, counts = counts, stopped = trials.stopped,
+    summary = plain_summary(trials.summary, 0)}
+  if counts.done < #trials then
+    for _, trial in ipairs(trials) do
+      if trial.status ~= "done" then
+        out:say("first that is not done: %s", tostring(trial))
+        break
+      end
+    end
+  end
+  return counts.done == 0 and #trials > 0 and output.FAILED or output.DONE
+end
+
+function actions.status(study, wish, out)
+  local code = too_many(wish, out, 1)
+  if code then return code end
+  local status, message, details = study:status()
+  if not status then
+    return out:fail(message, details)
+  end
+  out:say("%s", tostring(status))
+  local fields = {messages = json.list(status.messages)}
+  for key, value in pairs(status) do
+    if type(value) ~= "table" then fields[key] = value end
+  end
+  out:json(fields)
+  return output.DONE
+end
+
+-- trials of the file, or nil and the exit code
+local function read_trials(study, out)
+  local trials, message, details = study:trials()
+  if not trials then return nil, out:fail(message, details) end
+  return trials
+end
+
+function actions.csv(study, wish, out)
+  local code = too_many(wish, out, 1)
+  if code then return code end
+  local trials
+  trials, code = read_trials(study, out)
+  if not trials then return code end
+  local path = wish.out or study.file:gsub("%.study$", "") .. ".csv"
+  local fine, message, details = trials:csv(path)
+  if not fine then
+    return out:fail(message, details)
+  end
+  out:say("%s: %d trials", path, #trials)
+  out:json {out = path, trials = #trials}
+  return output.DONE
+end
+
+function actions.merge(study, wish, out)
+  local files = table.move(wish.files, 2, #wish.files, 1, {})
+  if #files == 0 then
+    return out:misuse "merge: the files to be taken in are missing"
+  end
+  local merged, message, details = study:merge(files, {continue = wish.continue})
+  if not merged then
+    return out:fail(message, details)
+  end
+  out:say("%s", tostring(merged))
+  out:json {file = study.file, taken = merged.taken, duplicates = merged.duplicates,
+    conflicts = json.list(merged.conflicts)}
+  if #merged.conflicts > 0 then
+    return out:fail(("%d trials have different numbers in two files; the ones that were there first are kept")
+      :format(#merged.conflicts))
+  end
+  return output.DONE
+end
+
+function actions.trial(study, wish, out)
+  local which = wish.files[2]
+  if not which then
+    return out:misuse "trial: the number or the key of a trial is missing"
+  end
+  local code = too_many(wish, out, 2)
+  if code then return code end
+  local number = math.tointeger(tonumber(which))
+  if number and #which < 10 then which = number end
+  if type(which) == "string" and not which:match "^%x%x%x%x%x*$" then
+    return out:misuse(("trial: a number, or four or more digits of a key expected, got '%s'"):format(which))
+  end
+  local again, message, details = study:trial(which, {inside = wish.inside, seconds = wish.seconds,
+    bytes = wish.memory})
+  if not again then
+    return out:fail(message, details)
+  end
+  out:say("%s", tostring(again))
+  out:json {trial = plain(again.trial), same = again.same, differences = json.list(again.differences),
+    before = again.before and plain(again.before)}
+  return (again.same or not again.before) and output.DONE or output.FAILED
+end
+
+function actions.plot(study, wish, out)
+  local kind = wish.files[2]
+  if not kind then
+    return out:misuse "plot: the kind of plot is missing (history, scatter_matrix, pareto, ...)"
+  end
+  local trials, code = read_trials(study, out)
+  if not trials then return code end
+  local path = wish.out or ("%s_%s.svg"):format(study.file:gsub("%.study$", ""), kind)
+  local figure, message, details = trials:plot(kind)
+  local fine
+  if figure then fine, message, details = figure:write(path) end
+  if not fine then
+    return out:fail(message, details)
+  end
+  out:say("%s", path)
+  out:json {out = path}
+  return output.DONE
+end
+
+function actions.report(study, wish, out)
+  local code = too_many(wish, out, 1)
+  if code then return code end
+  local trials
+  trials, code = read_trials(study, out)
+  if not trials then return code end
+  local path = wish.out or study.file:gsub("%.study$", "") .. ".html"
+  local fine, message, details = trials:report(path)
+  if not fine then
+    return out:fail(message, details)
+  end
+  out:say("%s", path)
+  out:json {out = path}
+  return output.DONE
+end
+
+function actions.slurm(study, wish, out)
+  return require("barwright.study.slurm").command(study, wish, out)
+end
+
+-- A damaged file needs no study.
+local function salvage(wish, out)
+  local damaged, new = wish.files[1], wish.files[2] or wish.out
+  if not new or #wish.files > 2 then
+    return out:misuse "salvage: the damaged file and the new one expected"
+  end
+  local report, message, details = merge.salvage(damaged, new)
+  if not report then
+    return out:fail(message, details)
+  end
+  out:say("%s", tostring(report))
+  out:remarks()
+  out:json {out = new, rows = report.rows, lost = report.lost, whole = report.whole}
+  return output.DONE
+end
+
+local names = {"run", "status", "csv", "merge", "trial", "plot", "report", "slurm", "salvage"}
+
+return {
+  summary = "run a study, look at it, take its results elsewhere",
+  about = [[
+A study is a script that returns bw.study{...}; its trials are kept in one file, NAME.study.
+A run that was ended at any moment goes on where it was when it is run again.
+
+  run FILE              run what is missing
+  status FILE           how far it is, also while it is being run
+  csv FILE              all trials as a table (--out)
+  merge FILE PART ...   take over the trials of other files of the same study
+  trial FILE WHICH      run one trial again, by its number or key, and compare
+  plot FILE KIND        a figure (--out x.svg or x.png)
+  report FILE           one HTML page (--out)
+  slurm FILE            a job script for Slurm
+  salvage OLD NEW       save what can be read of a damaged file]],
+  arguments = {
+    {name = "action", one_of = names, what = "what is to be done"},
+    {name = "files", many = true, what = "the study's script, and what the action takes besides"},
+  },
+  options = {
+    {name = "file", value = "PATH", type = "file", what = "the file of trials, in place of the study's own"},
+    {name = "out", value = "PATH", type = "file", what = "what is written"},
+    {name = "workers", value = "COUNT", type = "integer", least = 1,
+      what = "trials side by side (default: one for each processor)"},
+    {name = "seconds", value = "SECONDS", type = "number", above = 0, unit = "s", what = "limit of one trial"},
+    {name = "memory", value = "BYTES", type = "number", above = 0, what = "limit of one trial"},
+    {name = "evaluations", value = "COUNT", type = "integer", least = 1, what = "end after so many trials"},
+    {name = "seconds-total", value = "SECONDS", type = "number", above = 0, unit = "s",
+      what = "end after so long"},
+    {name = "retry", type = "flag", what = "run trials again that failed"},
+    {name = "continue", type = "flag", what = "go on although the script has changed"},
+    {name = "output", type = "flag", what = "keep what trials print in their folders"},
+    {name = "inside", type = "flag", what = "trial: in this process, so that what it prints is seen"},
+    {name = "shard", value = "WHICH/COUNT", what = "run: one of several parts, into a --file of its own"},
+  },
+  examples = {
+    {"barwright study run hook.lua --workers 2"},
+    {"barwright study status hook.lua"},
+    {"barwright study trial hook.lua 17 --inside"},
+    {"barwright study run hook.lua --shard 1/2 --file one.study"},
+    {"barwright study merge hook.lua one.study two.study"},
+  },
+  run = function(wish, out)
+    if #wish.files == 0 then
+      return out:misuse(("%s: a file is missing"):format(wish.action))
+    end
+    if wish.action == "salvage" then return salvage(wish, out) end
+    local study, code = load_study(wish.files[1], wish, out)
+    if not study then return code end
+    return actions[wish.action](study, wish, out)
+  end,
+}
