@@ -4,7 +4,8 @@
 
 #include <unistd.h>
 
-const lbw_class lbw_lock_class = {.name = "lock"};
+static const luaL_Reg nothing[] = {{NULL, NULL}}; /* close alone, which all classes have */
+const lbw_class lbw_lock_class = {"lock", nothing, nothing, NULL, NULL};
 
 /* sha256_of(text) */
 static int core_sha256_of(lua_State *L) {

@@ -22,7 +22,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
 
 -- Seen from scripts only through objects written in Lua.
 local inner_class = {locator = true, elastic_solid = true, loading = true, large_static = true,
-  coarse_grid = true, coarsening = true, newton = true, job = true, database = true}
+  coarse_grid = true, coarsening = true, newton = true, job = true, database = true, lock = true}
 
 local function keys(...)
   local out = {}
@@ -66,6 +66,7 @@ describe("the stubs", function()
     same(keys(bw.edit), "bw.EditModule")
     same(keys(bw.metamaterial), "bw.MetamaterialModule")
     same(keys(bw.plot), "bw.PlotModule")
+    same(keys(bw.study), "bw.StudyModule")
     same({open = true, peak_memory = true, surroundings = true}, "bw.ResultsModule")
     same(keys(bw.scenario), "bw.ScenarioModule")
     local library = {}
@@ -107,6 +108,13 @@ describe("the stubs", function()
     same(keys(bridge.class, bridge.properties), "bw.Bridge")
     same(keys(require("barwright.plot.figure").class, {kind = true, name = true, width = true,
       height = true}), "bw.Figure")
+    local one = bw.study {name = "x", variables = {{name = "a", least = 0, most = 1}}, what = "x",
+      measures = {"m"}, design = {"random", count = 1}, run = function() end}
+    same(keys(require("barwright.study").class, one), "bw.Study")
+    same(keys(require("barwright.study.trial").class, {number = 1, key = 1, seed = 1, point = 1, study = 1,
+      folder = 1}), "bw.Trial")
+    same(keys(require("barwright.study.trials").class, {problem = 1, study = 1, summary = 1, stopped = 1}),
+      "bw.Trials")
     local results = assert(bw.results.open(check.folder()))
     local bound = keys(results, getmetatable(results))
     bound.open, bound.peak_memory, bound.surroundings = nil, nil, nil

@@ -12,7 +12,8 @@ local trial = {}
 
 local methods = {}
 local getters = {}
-local meta = {__name = "trial", __methods = methods}
+local meta = {__name = "trial"}
+trial.class = methods
 
 function meta.__index(self, name)
   local method = methods[name]

@@ -90,7 +90,8 @@ function methods:column(name, wish)
     if place ~= "self" then from = trial[place] end
     local value = from and from[name]
     if all then
-      out[#out + 1] = value == nil and false or value
+      if value == nil then value = false end
+      out[#out + 1] = value
     elseif trial.status == "done" and value ~= nil then
       out[#out + 1] = value
     end

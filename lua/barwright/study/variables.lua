@@ -101,7 +101,8 @@ function class:value(u)
   local n = self:count()
   if n then
     local k = math.min(n - 1, math.max(0, math.floor(u * n)))
-    return self.kind == "choice" and self.of[k + 1] or self.least + k
+    if self.kind == "choice" then return self.of[k + 1] end -- which may be false
+    return self.least + k
   end
   if u <= 0 then return self.least end
   if u >= 1 then return self.most end

@@ -1,0 +1,350 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Studies: variables, trials with their statuses, the file, going on, one writer, trials run again, tables,
+-- files merged.
+local bw = require "barwright"
+local check = require "check"
+
+local function options(folder, more)
+  local out = {
+    name = "beam", seed = 7, file = folder .. "/beam.study",
+    variables = {
+      {name = "height", unit = "m", least = 0.01, most = 0.1, scale = "log"},
+      {name = "holes", kind = "integer", least = 0, most = 4},
+      {name = "stiff", kind = "choice", of = {true, false}},
+    },
+    measures = {{name = "mass", unit = "kg"}, {name = "sag", unit = "m"}},
+    design = {"random", count = 20},
+    run = function(point, trial)
+      return {mass = point.height * (10 - point.holes), sag = trial:random() * (point.stiff and 1 or 2)}
+    end,
+  }
+  for key, value in pairs(more or {}) do out[key] = value end
+  return out
+end
+
+local function study(more, folder)
+  return bw.study(options(folder or check.folder(), more))
+end
+
+local function numbers(trials)
+  local out = {}
+  for _, trial in ipairs(trials) do
+    out[trial.key] = {trial.number, trial.seed, trial.status, trial.results and trial.results.mass or false,
+      trial.results and trial.results.sag or false}
+  end
+  return out
+end
+
+describe("the definition of a study", function()
+  it("is checked, and says what is expected", function()
+    for _, each in ipairs {
+      {{variabels = {}}, "did you mean 'variables'"},
+      {{variables = {}}, "variables = {{name"},
+      {{variables = {{name = "a", least = 1, most = 1}}}, "variable 'a': least (1) is not below most (1)"},
+      {{variables = {{name = "a", least = -1, most = 1, scale = "log"}}}, "bounds above 0"},
+      {{variables = {{name = "a", kind = "integer", least = 0.5, most = 3}}}, "whole numbers"},
+      {{variables = {{name = "a", kind = "choice"}}}, "of = {...}"},
+      {{variables = {{name = "a", of = {"x", "x"}}}}, "the choice x is there twice"},
+      {{variables = {{name = "a", least = 0, most = 1}, {name = "a", least = 0, most = 1}}}, "'a' is there twice"},
+      {{variables = {{name = "a", least = 0, most = 1, default = 2}}}, "2 lies outside of 0 to 1"},
+      {{measures = {}}, "measures = {{name"},
+      {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
+      {{constraints = {{name = "sag"}}}, "least or most expected"},
+      {{design = {"latin", count = 3}}, "did you mean"},
+      {{design = {"random", cuont = 3}}, "did you mean 'count'"},
+      {{design = {"random"}}, "option 'count': is missing"},
+      {{run = 1}, "a function (point, trial) expected"},
+      {{name = "a/b"}, "without slashes"},
+    } do check.raises(each[2], study, each[1]) end
+  end)
+
+  it("brings the unit interval to values and back", function()
+    local variables = require "barwright.study.variables"
+    local list = variables.read("x", {{name = "r", least = -2, most = 5}, {name = "l", least = 1e-3, most = 10,
+      scale = "log"}, {name = "i", kind = "integer", least = -1, most = 2}, {name = "c", of = {"a", 2, true}}})
+    for k, v in ipairs(list) do
+      local seen, source = {}, check.random(k)
+      for _ = 1, 200 do
+        local u = source()
+        local value = v:value(u)
+        seen[value] = true
+        assert.equal(value, v:check(value, "here"))
+        local back = v:value(v:place(value))
+        if v:count() then assert.equal(value, back) else check.near(value, back, 1e-12) end
+      end
+      local count = 0
+      for _ in pairs(seen) do count = count + 1 end
+      assert.equal(v:count() or 200, count)
+    end
+    assert.equal(-2.0, list[1]:value(0))
+    assert.equal(5.0, list[1]:value(1))
+    assert.equal(10.0, list[2]:value(1))
+    check.near(0.1, list[2]:value(0.5), 1e-14)
+    assert.equal(2, list[3]:value(1))
+    check.raises("3 lies outside", list[3].check, list[3], 3, "here")
+    check.raises("none of a, 2, true", list[4].check, list[4], "2", "here")
+  end)
+
+  it("names a trial by its point, whatever the order of variables", function()
+    local key = require "barwright.study.key"
+    local a = key.of("s", 1, {"x", "y"}, {x = 0.1, y = "k"})
+    assert.equal(64, #a)
+    assert.equal(a, key.of("s", 1, {"x", "y"}, {y = "k", x = 0.1}))
+    for _, other in ipairs {key.of("s", 2, {"x", "y"}, {x = 0.1, y = "k"}), key.of("t", 1, {"x", "y"},
+      {x = 0.1, y = "k"}), key.of("s", 1, {"x", "y"}, {x = 0.1 + 2 ^ -56, y = "k"}),
+      key.of("s", 1, {"x", "y"}, {x = 0.1, y = "K"})} do assert.are_not.equal(a, other) end
+    assert.are_not.equal(key.of("s", 1, {"x"}, {x = 1}), key.of("s", 1, {"x"}, {x = 1.0}))
+    local seed = key.seed(1, a)
+    assert.is_true(seed >= 0 and seed < 2 ^ 53)
+    assert.are_not.equal(seed, key.seed(2, a))
+  end)
+end)
+
+describe("a run", function()
+  it("runs every trial once; again, it asks the file", function()
+    local folder, log = check.folder(), check.folder() .. "/log"
+    local function make(more)
+      local wish = options(folder, more)
+      local inner = wish.run
+      wish.run = function(point, trial)
+        local file = io.open(log, "a")
+        file:write(trial.number, "\n")
+        file:close()
+        return inner(point, trial)
+      end
+      return bw.study(wish)
+    end
+    local first = assert(make():run {workers = 2})
+    assert.equal(20, #first)
+    for i, trial in ipairs(first) do
+      assert.equal(i, trial.number)
+      assert.equal("done", trial.status)
+      check.near(trial.point.height * (10 - trial.point.holes), trial.results.mass, 1e-15)
+      assert.equal("boolean", type(trial.point.stiff))
+      assert.is_true(trial.seconds >= 0 and trial.peak_bytes > 1e6)
+    end
+    local again = make()
+    local second = assert(again:run {workers = 1})
+    assert.same(numbers(first), numbers(second))
+    assert.same(numbers(first), numbers(assert(again:trials())))
+    local _, runs = check.read(log):gsub("\n", "")
+    assert.equal(20, runs)
+    assert.truthy(tostring(second):find("20 trials of study beam: 20 done", 1, true))
+    assert.truthy(tostring(second[3]):find("trial 3 (height", 1, true))
+  end)
+
+  it("gives the same numbers by any number of workers, alone, and in parts that are merged", function()
+    local whole = numbers(assert(study():run {workers = 1}))
+    assert.same(whole, numbers(assert(study():run {workers = 3})))
+    local folder = check.folder()
+    for part = 1, 3 do
+      local own = bw.study(options(folder)):use_file(("%s/part%d.study"):format(folder, part))
+      local some = assert(own:run {workers = 2, shard = {part, 3}})
+      assert.equal(part == 3 and 6 or 7, #some)
+      assert.equal("the other parts are run elsewhere", some.stopped)
+    end
+    local target = bw.study(options(folder))
+    local merged = assert(target:merge {folder .. "/part1.study", folder .. "/part3.study"})
+    assert.equal(13, merged.taken)
+    assert.equal(7, target:status().missing)
+    merged = assert(target:merge {folder .. "/part2.study", folder .. "/part1.study"})
+    assert.same({7, 7, 0}, {merged.taken, merged.duplicates, #merged.conflicts})
+    assert.same(whole, numbers(assert(target:trials())))
+    assert.same(whole, numbers(assert(target:run())))
+  end)
+
+  it("records what fails, crashes, hangs and fills memory, and goes on; retry runs those again", function()
+    local folder = check.folder()
+    local function make(mended)
+      return bw.study {name = "bad", file = folder .. "/bad.study", measures = {"m", {name = "o", optional = true}},
+        variables = {{name = "k", kind = "integer", least = 1, most = 9}}, design = {"grid"},
+        run = function(point)
+          local k = mended and 1 or point.k
+          if k == 2 then error("broken " .. point.k) end
+          if k == 3 then return nil, "no convergence" end
+          if k == 4 then os.execute("kill -SEGV $PPID") end
+          if k == 5 then while true do end end
+          if k == 6 then return {m = #("x"):rep(1 << 30)} end
+          if k == 7 then return {m = 0 / 0} end
+          if k == 8 then return {mm = 1} end
+          if k == 9 then return {} end
+          return {m = point.k, o = k == 1 and 2 or nil}
+        end}
+    end
+    local trials = assert(make():run {seconds = 0.5, bytes = 3e8, workers = 2})
+    local status = {}
+    for i, trial in ipairs(trials) do status[i] = trial.status end
+    assert.same({"done", "failed", "failed", "crashed", "time", "memory", "failed", "failed", "failed"}, status)
+    for k, text in pairs {[2] = "broken 2", [3] = "no convergence", [7] = "measure 'm' is not a number",
+      [8] = "did you mean 'm'", [9] = "returned no 'm'"} do
+      assert.truthy(trials[k].message:find(text, 1, true), trials[k].message)
+    end
+    assert.same({done = 1, failed = 5, crashed = 1, time = 1, memory = 1}, trials:counts())
+    assert.same({1}, trials:column "m")
+    assert.same({1, false, false, false, false, false, false, false, false}, trials:column("m", {all = true}))
+    assert.equal(5, #trials:where "failed")
+    local state = make():status()
+    assert.equal(0, state.missing)
+    assert.equal(1, state.crashed)
+    assert.equal(1, make(true):run():counts().done)
+    local mended = assert(make(true):run {retry = true})
+    assert.equal(9, mended:counts().done)
+    assert.equal(2, mended[5].attempts)
+    assert.equal(1, mended[1].attempts)
+  end)
+
+  it("goes on with a changed script when told to, and remembers both", function()
+    local folder = check.folder()
+    local text = [[
+      local bw, file, factor = require "barwright", ...
+      return bw.study {name = "script", file = file, variables = {{name = "x", least = 0, most = 1}},
+        measures = {"y"}, design = {"random", count = 4}, run = function(point) return {y = %d * point.x} end}
+    ]]
+    local function make(factor)
+      check.write(folder .. "/s.lua", text:format(factor))
+      return assert(loadfile(folder .. "/s.lua"))(folder .. "/s.study")
+    end
+    local one = assert(make(1):run {evaluations = 2})
+    check.fails("different", "continue = true", make(2):run())
+    local both = assert(make(2):run {continue = true})
+    assert.equal(one[2].results.y, both[2].results.y)
+    check.near(2 * both[3].point.x, both[3].results.y, 1e-15)
+    assert.equal(4, #assert(make(1):run()))
+    assert.equal(4, #assert(make(2):run()))
+    local other = make(1):use_file(folder .. "/other.study")
+    assert(other:run())
+    check.fails("different", "another text", other:merge(folder .. "/s.study"))
+    assert.equal(2, #assert(other:merge(folder .. "/s.study", {continue = true})).conflicts)
+  end)
+
+  it("ends early: by evaluations, by what the trials say, by time", function()
+    local trials = assert(study():run {evaluations = 7, workers = 2})
+    assert.equal(7, #trials)
+    assert.equal("7 evaluations were made", trials.stopped)
+    local one = study()
+    local seen
+    trials = assert(one:run {workers = 2, stop_when = function(so_far)
+      seen = #so_far
+      return #so_far == 5
+    end})
+    assert.equal(5, seen)
+    assert.is_true(#trials >= 5 and #trials <= 6)
+    assert.equal(20, #assert(one:run()))
+    trials = assert(study({run = function() os.execute "sleep 0.2" return {mass = 1, sag = 1} end})
+      :run {seconds_total = 0.5, workers = 1})
+    assert.is_true(#trials >= 1 and #trials < 6)
+    assert.truthy(trials.stopped:find "seconds have passed")
+  end)
+
+  it("refuses a file of another study and a second run at the same time, with the reason", function()
+    local folder = check.folder()
+    assert(bw.study(options(folder)):run())
+    local other = options(folder)
+    other.variables[1].most = 0.2
+    check.fails("different", "variable 'height': most was 0.1, is 0.2", bw.study(other):run())
+    other = options(folder, {seed = 8})
+    check.fails("different", "its seed is 7, not 8", bw.study(other):run())
+    other = options(folder)
+    table.remove(other.variables)
+    check.fails("different", "its variable 'stiff' is gone", bw.study(other):run())
+    check.fails("different", "variable 'stiff' is gone", bw.study(other):trials())
+    check.write(folder .. "/text.study", "no database at all, but a text that is long enough to be one")
+    check.fails("foreign", "text.study", bw.study(options(folder, {file = folder .. "/text.study"})):run())
+    check.fails("io", "nowhere", bw.study(options(folder, {file = "/nowhere/x.study"})):run())
+    -- A run inside of a run of the same file, and one of another process.
+    local outer = options(folder, {file = folder .. "/lock.study"})
+    local inner
+    local design = function(evaluate, problem)
+      inner = table.pack(bw.study(options(folder, {file = folder .. "/lock.study"})):run())
+      return evaluate {problem:middle()} and {} or {}
+    end
+    outer.design = design
+    local locked = bw.study(outer)
+    assert.equal(1, #assert(locked:run()))
+    check.fails("busy", "is being run by this process", table.unpack(inner, 1, inner.n))
+  end)
+
+  it("shows trials their own folder and numbers, and never each other", function()
+    local count = 0
+    local trials = assert(study({run = function(_, trial)
+      count = count + 1
+      check.write(trial.folder .. "/note.txt", tostring(trial.number))
+      math.random()
+      return {mass = count, sag = trial:random(3, 5) + math.random() + trial:normal(0, 1)}
+    end}):run {output = true})
+    for i, trial in ipairs(trials) do
+      assert.equal(1, trial.results.mass)
+      assert.equal(tostring(i), check.read(trial.folder .. "/note.txt"))
+    end
+    assert.equal(0, count)
+    assert.same(trials:column "sag", assert(study({run = trials.study.run_function}):run()):column "sag")
+  end)
+end)
+
+describe("one trial again", function()
+  it("gives the same bits; tells what differs", function()
+    local folder = check.folder()
+    local one = bw.study(options(folder))
+    local trials = assert(one:run())
+    for _, wish in ipairs {{}, {inside = true}} do
+      local again = assert(one:trial(5, wish))
+      assert.is_true(again.same)
+      assert.same(trials[5].results, again.trial.results)
+      assert.equal(trials[5].key, again.trial.key)
+    end
+    assert.is_true(one:trial(trials[9].key:sub(1, 16)).same)
+    assert.is_true(one:trial(trials[9].point).same)
+    local wish = options(folder)
+    wish.run = function() return {mass = 1, sag = 2} end
+    local other = assert(bw.study(wish):trial(5))
+    assert.is_false(other.same)
+    assert.equal("mass", other.differences[1].name)
+    assert.truthy(tostring(other):find("in the file, 1 now", 1, true))
+    check.fails("empty", "has no trial 99", one:trial(99))
+    check.fails("empty", "no trial whose key begins with ffffffffffff", one:trial "ffffffffffff")
+    check.raises("four or more digits", one.trial, one, "x")
+    local fresh = assert(one:trial {height = 0.05, holes = 1, stiff = true})
+    assert.is_nil(fresh.before)
+    assert.equal("done", fresh.trial.status)
+  end)
+end)
+
+describe("tables and merging", function()
+  it("follow RFC 4180, with units in the head", function()
+    local folder = check.folder()
+    local one = bw.study {name = "a table", file = folder .. "/t.study", design = {"points", points = {{x = 0.1,
+      ['say "hi"'] = "a,b"}, {x = 1 / 3, ['say "hi"'] = "line\nbreak"}}}, measures = {{name = "y", unit = "Pa"}},
+      variables = {{name = "x", unit = "m", least = 0, most = 1}, {name = 'say "hi"', of = {"a,b", "line\nbreak"}}},
+      run = function(point)
+        if point.x > 0.3 then error "no, really" end
+        return {y = 3}
+      end}
+    assert(one:run())
+    assert(one:csv(folder .. "/t.csv"))
+    local text = check.read(folder .. "/t.csv")
+    local head, rest = text:match "^(.-)\r\n(.*)$"
+    assert.equal('number,key,seed,status,message,seconds [s],processor_seconds [s],peak_bytes [B],x [m],'
+      .. '"say ""hi""",y [Pa]', head)
+    assert.truthy(rest:match '^1,%x+,%d+,done,,[%d.e-]+,[%d.e-]+,%d+,0%.1,"a,b",3\r\n')
+    assert.truthy(rest:find('no, really",', 1, true))
+    assert.truthy(rest:find(',0.333333333333333', 1, true))
+    assert.equal("\r\n", text:sub(-2))
+  end)
+
+  it("keeps the first of two different numbers, and says so", function()
+    local folder = check.folder()
+    local function make(value, file)
+      local wish = options(folder, {file = folder .. "/" .. file})
+      wish.run = function(point) return {mass = point.holes == 2 and value or 0, sag = 0} end
+      return bw.study(wish)
+    end
+    local one, two = make(1, "one.study"), make(2, "two.study")
+    assert(one:run())
+    assert(two:run())
+    local merged = assert(one:merge(folder .. "/two.study"))
+    assert.is_true(#merged.conflicts > 0)
+    assert.equal(20, #merged.conflicts + merged.duplicates)
+    assert.same({1, 2}, {merged.conflicts[1].kept, merged.conflicts[1].other})
+    check.fails("io", "three.study", one:merge {folder .. "/three.study"})
+  end)
+end)
