@@ -2,10 +2,11 @@
 -- Minimisation by NLopt, from one or several starts at once, with gradients that trials return or that
 -- differences give.
 --
--- NLopt asks for one value after the other from within; trials are run in batches from without. Both fit
--- by replay: a minimiser runs on what is known until it asks for a point that is not, and is given up
+-- NLopt asks for one value after the other from within; several starts are to be one batch of trials. Both
+-- fit by replay: a minimiser runs on what is known until it asks for a point that is not, and is given up
 -- there; the points of all starts (and the neighbours that differences need) are one batch; then all begin
--- anew. A minimiser is deterministic, so it comes by where it was. Replays cost microseconds, trials do not.
+-- anew. A minimiser is deterministic, so it comes by where it was, in microseconds a point. A single start
+-- is not given up: its trials are run from within.
 local core = require "barwright.core"
 local random = require "barwright.study.random"
 local sampling = require "barwright.study.sampling"
@@ -138,15 +139,44 @@ local function gradient_of(self, measure, place, known)
   return out
 end
 
+-- Runs one batch: the places that the attempts need, and what differences want around them.
+local function find_out(search, attempts)
+  local places, points, seen = {}, {}, {}
+  local function want(place)
+    local name = name_of(place)
+    if seen[name] or search.known[name] then return end
+    seen[name] = true
+    places[#places + 1] = name
+    points[#points + 1] = search.problem:point(place)
+  end
+  for _, each in ipairs(attempts) do
+    want(each.need)
+    if each.differences then
+      for _, other in ipairs(neighbours(each, each.need)) do want(other) end
+    end
+  end
+  local results, trials = search.evaluate(points)
+  for i, name in ipairs(places) do
+    search.known[name] = {results = results[i] or nil, gradients = trials[i].gradients}
+  end
+  for _, each in ipairs(attempts) do
+    if each.differences then search.known[name_of(each.need)].around = true end
+  end
+end
+
 -- What is known of a place; where it is not, the place is noted and the minimiser given up.
 local GIVE_UP = setmetatable({}, {__tostring = function() return "a point is not known yet" end})
 local function look_up(self, x)
   local place = {}
-  for k = 1, self.search.dimensions do place[k] = x[k] end
-  local known = self.search.known[name_of(place)]
+  for k = 1, self.search.dimensions do place[k] = math.min(1, math.max(0, x[k])) end
+  local name = name_of(place)
+  local known = self.search.known[name]
   if known and (not self.differences or known.around or not known.results) then return known, place end
   self.need = place
-  error(GIVE_UP, 0)
+  if self.search.starts > 1 then error(GIVE_UP, 0) end
+  find_out(self.search, {self})
+  self.need = nil
+  return self.search.known[name], place
 end
 
 local function objective_function(self)
@@ -160,11 +190,12 @@ local function objective_function(self)
       for k = 1, #place do zeros[k] = 0.0 end
       return failed_value(self), self.gradient and zeros or nil
     end
-    value = sign * value
+    self.size = self.size or value ~= 0 and math.abs(value) or 1 -- methods like numbers near 1
+    value = sign * value / self.size
     self.worst = math.max(self.worst or value, value)
     if not self.gradient then return value end
     local gradient = gradient_of(self, objective.name, place, known)
-    for k = 1, #gradient do gradient[k] = sign * gradient[k] end
+    for k = 1, #gradient do gradient[k] = sign * gradient[k] / self.size end
     return value, gradient
   end
 end
@@ -189,23 +220,25 @@ end
 -- From the beginning as far as what is known goes. self.need is the place that is missing, or self.outcome.
 local function replay(self)
   local search = self.search
-  self.need, self.worst = nil, nil
+  self.need, self.worst, self.size = nil, nil, nil
   local low, high, constraints = {}, {}, {}
   for k = 1, search.dimensions do low[k], high[k] = 0.0, 1.0 end
   for i, side in ipairs(search.sides) do constraints[i] = constraint_function(self, side) end
   local fine, x, value, about = pcall(core.minimise, {method = search.method, start = copy(self.start),
     least = low, most = high, evaluations = search.wish.evaluations, seed = search.wish.seed,
     objective = objective_function(self), constraints = #constraints > 0 and constraints or nil,
-    relative_value = search.wish.tolerance, relative_point = search.wish.tolerance})
-  if self.need then return end
-  if not fine then error(x, 0) end
+    value_tolerance = search.wish.tolerance, tolerance = search.wish.tolerance})
+  if not fine and x ~= GIVE_UP then error(x, 0) end
+  if not fine then return end
   if x == nil then
     self.outcome = {why = value, failed = true}
     return
   end
   local place = {}
   for k = 1, search.dimensions do place[k] = x[k] end
-  self.outcome = {place = place, value = value, why = about.why, evaluations = about.evaluations}
+  local sign = search.problem.objectives[1].goal == "most" and -1 or 1
+  self.outcome = {place = place, value = sign * value * (self.size or 1), why = about.why,
+    evaluations = about.evaluations, converged = about.converged}
 end
 
 -- ---- all starts ----------------------------------------------------------------------------------------
@@ -222,37 +255,12 @@ local function starts_of(search)
   return list
 end
 
--- Runs one batch: the places that the attempts need, and what differences want around them.
-local function find_out(search, attempts)
-  local places, points, seen = {}, {}, {}
-  local function want(place)
-    local name = name_of(place)
-    if seen[name] or search.known[name] then return end
-    seen[name] = true
-    places[#places + 1] = name
-    points[#points + 1] = search.problem:point(place)
-  end
-  for _, each in ipairs(attempts) do
-    want(each.need)
-    if each.differences then
-      for _, other in ipairs(neighbours(each, each.need)) do want(other) end
-    end
-  end
-  local results, trials = search.evaluate(points)
-  for i, name in ipairs(places) do
-    search.known[name] = {results = results[i] or nil, gradients = trials and trials[i].gradients}
-  end
-  for _, each in ipairs(attempts) do
-    if each.differences then search.known[name_of(each.need)].around = true end
-  end
-end
-
 local function summary_of(search, attempts)
   local out = {starts = {}}
   for i, each in ipairs(attempts) do
     local outcome = each.outcome
     out.starts[i] = {why = outcome.why, evaluations = outcome.evaluations, value = outcome.value,
-      point = outcome.place and search.problem:point(outcome.place),
+      point = outcome.place and search.problem:point(outcome.place), converged = outcome.converged,
       start = search.problem:point(each.start)}
   end
   return out
@@ -264,7 +272,7 @@ function design.run(evaluate, problem, wish)
   local name = method_of(problem, wish)
   local gradient = methods[name].gradient
   local search = {evaluate = evaluate, problem = problem, wish = wish, method = name, known = {},
-    dimensions = #problem.variables, sides = sides_of(problem)}
+    dimensions = #problem.variables, sides = sides_of(problem), starts = wish.starts}
   local attempts = {}
   for i, start in ipairs(starts_of(search)) do
     attempts[i] = setmetatable({search = search, start = start, gradient = gradient,
