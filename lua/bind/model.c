@@ -285,20 +285,82 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
   return status;
 }
 
-/* model:solve{inertia_relief, tolerance} */
+/* Options of a solver outside of the engine, by name: `word` is its name here ("petsc"). */
+typedef struct outside_wish {
+  bool outside;
+  bw_outside_options options;
+} outside_wish;
+
+static void read_outside(lua_State *L, const char *function, const char *word, outside_wish *wish) {
+  const char *const names[] = {"factor", word, NULL};
+  static const char *const methods[] = {"auto", "cg", "cholesky", NULL};
+  wish->outside = lbw_word_option(L, 2, function, "with", names, 0) == 1;
+  wish->options.method =
+      (bw_outside_method)lbw_word_option(L, 2, function, "method", methods, BW_OUTSIDE_AUTO);
+  static const char *const own[] = {"method", "rtol", "iterations"};
+  for (int i = 0; i < 3 && !wish->outside; i++)
+    if (lbw_option_get(L, 2, own[i]) != LUA_TNIL)
+      lbw_error(L, "%s: option '%s' belongs to with = \"%s\"", function, own[i], word);
+  lua_settop(L, 2);
+}
+
+/* Loads barwright.distributed, which registers the solver. On failure nil, message, details are on
+ * the stack. */
+static bool outside_ready(lua_State *L) {
+  int top = lua_gettop(L);
+  lua_getglobal(L, "require");
+  lua_pushliteral(L, "barwright.distributed");
+  int failure = lua_pcall(L, 1, 1, 0);
+  if (failure == LUA_OK) {
+    lua_getfield(L, -1, "ready");
+    lua_call(L, 0, 3);
+    if (!lua_isnil(L, -3)) {
+      lua_settop(L, top);
+      return true;
+    }
+    lua_remove(L, top + 1);
+    return false;
+  }
+  lua_pushnil(L);
+  lua_insert(L, -2);
+  lua_createtable(L, 0, 1);
+  lua_pushstring(L, bw_status_word(BW_UNSUPPORTED));
+  lua_setfield(L, -2, "status");
+  return false;
+}
+
+/* model:solve{inertia_relief, tolerance, with = "petsc", method, rtol, iterations} */
 static int model_solve(lua_State *L) {
+  struct wish {
+    bw_statics_options options;
+    outside_wish with;
+  } wish = {.options = {.tolerance = 1e-6}};
   static const lbw_option list[] = {
-      {"inertia_relief", LBW_BOOLEAN, offsetof(bw_statics_options, inertia_relief)},
-      {"tolerance", LBW_REAL, offsetof(bw_statics_options, tolerance)},
+      {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, options.inertia_relief)},
+      {"tolerance", LBW_REAL, offsetof(struct wish, options.tolerance)},
+      {"with", LBW_OTHER, 0},
+      {"method", LBW_OTHER, 0},
+      {"rtol", LBW_REAL, offsetof(struct wish, with.options.rtol)},
+      {"iterations", LBW_INT, offsetof(struct wish, with.options.iterations)},
       {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
-  bw_statics_options options = {.tolerance = 1e-6};
-  lbw_options(L, 2, "solve", list, &options);
+  lua_settop(L, 2);
+  bw_outside_options_default(&wish.with.options);
+  lbw_options(L, 2, "solve", list, &wish);
+  read_outside(L, "solve", "petsc", &wish.with);
+  if (wish.with.outside && !outside_ready(L))
+    return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_static *result = NULL;
-  bw_status status = bw_statics(lbw_enter(L), (const bw_model *)model->object,
-                                (bw_system *)model->extra, &options, &result);
-  if (status == BW_OK && result->system != model->extra) {
+  bw_context *context = lbw_enter(L);
+  bw_status status;
+  if (wish.with.outside)
+    status = bw_statics_outside(context, (const bw_model *)model->object, &wish.options,
+                                &wish.with.options, &result);
+  else
+    status = bw_statics(context, (const bw_model *)model->object, (bw_system *)model->extra,
+                        &wish.options, &result);
+  if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(result->system);
   }
@@ -308,11 +370,13 @@ static int model_solve(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* model:modes{count, tolerance, sturm, seed, laplacian} */
+/* model:modes{count, tolerance, sturm, seed, laplacian, with = "slepc", method, rtol, iterations}
+ */
 static int model_modes(lua_State *L) {
   struct wish {
     bw_modes_options options;
     bool laplacian;
+    outside_wish with;
   } wish = {.laplacian = false};
   static const lbw_option list[] = {
       {"count", LBW_INT, offsetof(struct wish, options.count)},
@@ -320,10 +384,21 @@ static int model_modes(lua_State *L) {
       {"sturm", LBW_BOOLEAN, offsetof(struct wish, options.sturm)},
       {"seed", LBW_SEED, offsetof(struct wish, options.seed)},
       {"laplacian", LBW_BOOLEAN, offsetof(struct wish, laplacian)},
+      {"with", LBW_OTHER, 0},
+      {"method", LBW_OTHER, 0},
+      {"rtol", LBW_REAL, offsetof(struct wish, with.options.rtol)},
+      {"iterations", LBW_INT, offsetof(struct wish, with.options.iterations)},
       {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
+  lua_settop(L, 2);
   bw_modes_options_default(&wish.options);
+  bw_outside_options_default(&wish.with.options);
   lbw_options(L, 2, "modes", list, &wish);
+  read_outside(L, "modes", "slepc", &wish.with);
+  if (wish.with.outside && wish.laplacian)
+    return lbw_error(L, "modes: Laplacian modes are the engine's own: no with = \"slepc\" there");
+  if (wish.with.outside && !outside_ready(L))
+    return 3;
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
   bw_modes *modes = NULL;
   bw_system *system = NULL;
@@ -337,6 +412,9 @@ static int model_modes(lua_State *L) {
     if (status == BW_OK)
       status = bw_modes_laplacian(context, mesh, graph, &wish.options, &modes);
     bw_release(graph);
+  } else if (wish.with.outside) {
+    status = bw_modes_outside(context, (const bw_model *)model->object, &wish.options,
+                              &wish.with.options, &modes);
   } else {
     status = lbw_model_system(context, model, &system);
     if (status == BW_OK)

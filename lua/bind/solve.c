@@ -194,6 +194,38 @@ static int static_times(lua_State *L) {
   return 1;
 }
 
+/* How a solver outside of the engine did it; nil for the engine's own. */
+static int push_outside(lua_State *L, const char *with, const bw_outside_report *report) {
+  if (!report) {
+    lua_pushnil(L);
+    return 1;
+  }
+  lua_createtable(L, 0, 9);
+  lua_pushstring(L, with);
+  lua_setfield(L, -2, "with");
+  lua_pushstring(L, report->method);
+  lua_setfield(L, -2, "method");
+  lua_pushinteger(L, report->ranks);
+  lua_setfield(L, -2, "ranks");
+  lua_pushinteger(L, report->iterations);
+  lua_setfield(L, -2, "iterations");
+  lua_pushnumber(L, report->send);
+  lua_setfield(L, -2, "send_seconds");
+  lua_pushnumber(L, report->setup);
+  lua_setfield(L, -2, "setup_seconds");
+  lua_pushnumber(L, report->solve);
+  lua_setfield(L, -2, "solve_seconds");
+  lua_pushnumber(L, report->bytes);
+  lua_setfield(L, -2, "peak_bytes");
+  lua_pushnumber(L, report->largest);
+  lua_setfield(L, -2, "largest_rank_bytes");
+  return 1;
+}
+
+static int static_solver(lua_State *L) {
+  return push_outside(L, "petsc", self(L)->outside);
+}
+
 static int static_tostring(lua_State *L) {
   const bw_static *result = (const bw_static *)lbw_check(L, 1, &lbw_static_class);
   double largest = 0;
@@ -231,6 +263,7 @@ static const luaL_Reg static_properties[] = {
     {"mesh", static_mesh},
     {"material", static_material},
     {"times", static_times},
+    {"solver", static_solver},
     {NULL, NULL}};
 static const luaL_Reg static_meta[] = {{"__tostring", static_tostring}, {NULL, NULL}};
 const lbw_class lbw_static_class = {"static", static_methods, static_properties, static_meta,
@@ -290,6 +323,10 @@ static int modes_mesh(lua_State *L) {
   return 1;
 }
 
+static int modes_solver(lua_State *L) {
+  return push_outside(L, "slepc", modes_self(L)->outside);
+}
+
 static int modes_length(lua_State *L) {
   return modes_count(L);
 }
@@ -313,17 +350,13 @@ static int modes_tostring(lua_State *L) {
 }
 
 static const luaL_Reg modes_methods[] = {{"shape", modes_shape}, {NULL, NULL}};
-static const luaL_Reg modes_properties[] = {{"eigenvalues", modes_eigenvalues},
-                                            {"frequencies", modes_frequencies},
-                                            {"residuals", modes_residuals},
-                                            {"count", modes_count},
-                                            {"components", modes_components},
-                                            {"rigid_count", modes_rigid_count},
-                                            {"solves", modes_solves},
-                                            {"recovered", modes_recovered},
-                                            {"counted", modes_counted},
-                                            {"mesh", modes_mesh},
-                                            {NULL, NULL}};
+static const luaL_Reg modes_properties[] = {
+    {"eigenvalues", modes_eigenvalues}, {"frequencies", modes_frequencies},
+    {"residuals", modes_residuals},     {"count", modes_count},
+    {"components", modes_components},   {"rigid_count", modes_rigid_count},
+    {"solves", modes_solves},           {"recovered", modes_recovered},
+    {"counted", modes_counted},         {"mesh", modes_mesh},
+    {"solver", modes_solver},           {NULL, NULL}};
 static const luaL_Reg modes_meta[] = {
     {"__len", modes_length}, {"__tostring", modes_tostring}, {NULL, NULL}};
 const lbw_class lbw_modes_class = {"modes", modes_methods, modes_properties, modes_meta, NULL};

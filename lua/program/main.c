@@ -113,7 +113,7 @@ static bool readable(const char *folder, const char *file) {
 static void set_path(lua_State *L) {
   char self[PATH_MAX];
   ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
-  const char *folder = BARWRIGHT_LUA_FOLDER;
+  const char *folder = BARWRIGHT_LUA_FOLDER, *modules = BARWRIGHT_MODULE_FOLDER "/..";
   if (length > 0) {
     self[length] = 0;
     char *slash = strrchr(self, '/');
@@ -122,14 +122,20 @@ static void set_path(lua_State *L) {
     const char *build = lua_pushfstring(L, "%s/lua", self);
     const char *installed = lua_pushfstring(L, "%s/../share/lua/5.4", self);
     if (readable(build, "barwright/init.lua"))
-      folder = build;
-    else if (readable(installed, "barwright/init.lua"))
+      folder = modules = build;
+    else if (readable(installed, "barwright/init.lua")) {
       folder = installed;
+      modules = lua_pushfstring(L, "%s/" BARWRIGHT_MODULES_FROM_BIN, self);
+    }
   }
   lua_getglobal(L, "package");
   lua_getfield(L, -1, "path");
   lua_pushfstring(L, "%s/?.lua;%s/?/init.lua;%s", folder, folder, lua_tostring(L, -1));
   lua_setfield(L, -3, "path");
+  lua_pop(L, 1);
+  lua_getfield(L, -1, "cpath"); /* barwright.core is in the program; barwright.mpi is a file */
+  lua_pushfstring(L, "%s/?.so;%s", modules, lua_tostring(L, -1));
+  lua_setfield(L, -3, "cpath");
   lua_settop(L, 0);
 }
 
@@ -176,7 +182,7 @@ typedef struct command {
   const char *statements, *script;
   int script_at, count;
   char **value;
-  bool prompt, stress, version, help;
+  bool prompt, stress, mpi, version, help;
 } command;
 
 static bool read_command(int argc, char **argv, command *c) {
@@ -190,6 +196,8 @@ static bool read_command(int argc, char **argv, command *c) {
       c->prompt = true;
     else if (strcmp(argv[i], "--gc-stress") == 0)
       c->stress = true;
+    else if (strcmp(argv[i], "--mpi") == 0)
+      c->mpi = true;
     else if (strcmp(argv[i], "--version") == 0 || strcmp(argv[i], "-v") == 0)
       c->version = true;
     else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
@@ -198,9 +206,10 @@ static bool read_command(int argc, char **argv, command *c) {
       i++;
       break;
     } else {
-      static const char *const known[] = {"-e", "-i", "--gc-stress", "--version", "--help"};
+      static const char *const known[] = {"-e",    "-i",        "--gc-stress",
+                                          "--mpi", "--version", "--help"};
       fprintf(stderr, "barwright: unknown option '%s': did you mean '%s'?\n", argv[i],
-              lbw_nearest(argv[i], known, 5));
+              lbw_nearest(argv[i], known, 6));
       return false;
     }
   }
@@ -306,6 +315,18 @@ static int run_word(lua_State *L, const command *c) {
   return code;
 }
 
+/* --mpi: on rank 0 goes on; on the other ranks works for that one, and ends with it. */
+static int join_ranks(lua_State *L) {
+  lua_getglobal(L, "require");
+  lua_pushliteral(L, "barwright.distributed");
+  lua_call(L, 1, 1);
+  lua_getfield(L, -1, "start");
+  lua_call(L, 0, 2);
+  if (lua_isnil(L, -2))
+    return lua_error(L);
+  return 0;
+}
+
 /* The exit code. */
 static int run(lua_State *L, const command *c) {
   set_path(L);
@@ -322,6 +343,12 @@ static int run(lua_State *L, const command *c) {
   }
   program_catch_interrupt(L);
   bool fine = true;
+  if (c->mpi) {
+    lua_pushcfunction(L, join_ranks);
+    fine = program_call(L, 0, 0);
+    if (!fine)
+      return EXIT_FAILURE;
+  }
   if (c->statements || prompt) {
     lua_pushcfunction(L, load_module);
     fine = program_call(L, 0, 0);

@@ -977,15 +977,19 @@ function Model:force_vector() end
 function Model:free_motions() end
 
 ---Static solution. A load that is not balanced on a free body is refused, unless inertia relief is
----asked for.
----@param options? {inertia_relief: boolean, tolerance: number}
+---asked for. with "petsc": by PETSc on all processes that mpirun started (docs/howto_cluster.md), method
+---"cg" (default: conjugate gradients with multigrid) or "cholesky" (MUMPS), down to a residual of rtol
+---(1e-10) in at most that many iterations (2000).
+---@param options? {inertia_relief?: boolean, tolerance?: number, with?: "factor"|"petsc", method?: "auto"|"cg"|"cholesky", rtol?: number, iterations?: integer}
 ---@return bw.Static?
 ---@return string? message
 ---@return table? details
 function Model:solve(options) end
 
----The lowest modes, elastic or of the Laplacian.
----@param options? {count: integer, tolerance: number, sturm: boolean, seed: integer, laplacian: boolean}
+---The lowest modes, elastic or of the Laplacian. with "slepc": elastic ones by SLEPc on all processes that
+---mpirun started (docs/howto_cluster.md), method "cholesky" (default: MUMPS, and a count that none is
+---missing) or "cg" (conjugate gradients inside, no count).
+---@param options? {count?: integer, tolerance?: number, sturm?: boolean, seed?: integer, laplacian?: boolean, with?: "factor"|"slepc", method?: "auto"|"cg"|"cholesky", rtol?: number, iterations?: integer}
 ---@return bw.Modes?
 ---@return string? message
 ---@return table? details
@@ -1044,7 +1048,8 @@ function Model:close() end
 ---@field residual number |K u - f| / |f|
 ---@field mesh bw.Mesh
 ---@field material bw.Material
----@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session
+---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
+---@field solver table? of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, peak_bytes of all ranks, largest_rank_bytes; nil for the engine's own factor
 ---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
@@ -1088,6 +1093,7 @@ function Static:close() end
 ---@field recovered integer found only after the Sturm count called for them
 ---@field counted boolean the Sturm count confirmed that none is missing
 ---@field mesh bw.Mesh
+---@field solver table? of SLEPc: as bw.Static's; nil for the engine's own
 local Modes = {}
 
 ---The i-th shape, a row for every node, of unit modal mass.
@@ -4264,3 +4270,55 @@ return bw
 ---@return bw.Array|string places or a message
 ---@return table? details
 function Surface:thickness(samples) end
+
+-- ---- several processes -----------------------------------------------------------------------------
+
+---require "barwright.distributed": the processes that mpirun started. Raises where barwright was built
+---without MPI. A solve with `with = "petsc"` loads it by itself; `barwright --mpi` calls start.
+---@class bw.Distributed
+local Distributed = {}
+
+---Join the others. On rank 0 it returns the number of ranks; on the others it does not return: they work
+---for the solves of rank 0 and end with it.
+---@return integer? size
+---@return string? message
+function Distributed.start() end
+
+---Join without serving, for programs whose ranks talk by send and receive.
+---@return integer? rank from 0
+---@return integer|string size or a message
+function Distributed.join() end
+
+---A world of one where none was joined; refused under mpirun without start.
+---@return integer? rank
+---@return integer|string size or a message
+function Distributed.ready() end
+
+---@return integer rank from 0
+function Distributed.rank() end
+
+---@return integer size
+function Distributed.size() end
+
+---@param rank integer
+---@param tag integer 0 to 1000
+---@param bytes string
+---@return boolean?
+---@return string? message
+---@return table? details
+function Distributed.send(rank, tag, bytes) end
+
+---The next string from any rank; nil when none came in time (negative: wait as long as it takes).
+---@param seconds number
+---@return integer? rank
+---@return integer|string? tag or a message
+---@return string? bytes
+function Distributed.receive(seconds) end
+
+---End all ranks now, with a sentence on standard error.
+---@param message string
+function Distributed.abort(message) end
+
+---Versions of MPI, PETSc and SLEPc, a line each.
+---@return string?
+function Distributed.versions() end

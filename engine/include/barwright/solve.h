@@ -47,13 +47,14 @@ bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
 
 typedef struct bw_static {
   bw_object object;
-  const bw_model *model; /* retained */
-  bw_system *system;     /* retained; NULL: of an edit session */
-  double *displacement;  /* node_count x 3 */
-  double *force;         /* node_count x 3: applied */
-  double *reaction;      /* node_count x 3: K u - f at held components, 0 elsewhere */
-  double energy;         /* strain energy, J */
-  double residual;       /* |K u - f| at unknowns over |f| */
+  const bw_model *model;             /* retained */
+  bw_system *system;                 /* retained; NULL: of an edit session */
+  double *displacement;              /* node_count x 3 */
+  double *force;                     /* node_count x 3: applied */
+  double *reaction;                  /* node_count x 3: K u - f at held components, 0 elsewhere */
+  double energy;                     /* strain energy, J */
+  double residual;                   /* |K u - f| at unknowns over |f| */
+  struct bw_outside_report *outside; /* how a solver outside of the engine did it, or NULL */
 } bw_static;
 typedef struct bw_statics_options {
   bool
@@ -201,6 +202,7 @@ typedef struct bw_modes {
   int solves;         /* right-hand sides solved for, in blocks of eight */
   int recovered;      /* modes found only after the Sturm count called for them */
   bool counted;       /* the Sturm count confirmed that none is missing */
+  struct bw_outside_report *outside; /* how a solver outside of the engine did it, or NULL */
 } bw_modes;
 /* The lowest elastic modes K u = lambda M u (consistent mass) by block Lanczos on the inverse, with
  * the system's own factor; free rigid motions are projected out exactly. Fewer than asked for where
@@ -211,6 +213,74 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
  * worst-case. */
 bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                              const bw_modes_options *options, bw_modes **modes);
+
+/* ---- solvers outside of the engine --------------------------------------------------------- */
+
+/* Systems that are too large for a factor on one machine are given to a solver that works on
+ * several: engine/distributed, a library of its own over MPI, PETSc and SLEPc, which the engine
+ * does not link. Who loads it registers it here. Matrix, right-hand side and the check of what
+ * comes back are the engine's. */
+typedef enum bw_outside_method {
+  BW_OUTSIDE_AUTO,    /* statics: CG; modes: CHOLESKY */
+  BW_OUTSIDE_CG,      /* conjugate gradients with algebraic multigrid over the rigid motions */
+  BW_OUTSIDE_CHOLESKY /* a factor, spread over the processes */
+} bw_outside_method;
+typedef struct bw_outside_options {
+  bw_outside_method method;
+  double rtol;    /* |K u - f| / |f| to be reached; default 1e-10 */
+  int iterations; /* of conjugate gradients, at most; default 2000 */
+} bw_outside_options;
+void bw_outside_options_default(bw_outside_options *options);
+
+typedef struct bw_outside_report {
+  char method[96];           /* "conjugate gradients, GAMG" */
+  int ranks;                 /* processes */
+  int iterations;            /* of conjugate gradients, in all solves */
+  double send, setup, solve; /* s: matrix to the ranks; multigrid or factor; solves */
+  double bytes, largest;     /* memory of all processes at their peaks, of the largest of them */
+} bw_outside_report;
+
+/* The equations at hand. K and M have the pattern of the graph; which components are unknowns, held
+ * or pinned, and in which frames, is the numbering's. */
+typedef struct bw_outside_matrix {
+  const bw_numbering *numbering;
+  const bw_graph *graph;
+  const double *stiffness; /* 9 per pair */
+  const double *mass;      /* 1 per pair, or NULL: no modes wanted */
+} bw_outside_matrix;
+
+/* What it finds; the lists are allocated with bw_alloc for the caller. */
+typedef struct bw_outside_modes {
+  int count;
+  double *value;  /* ascending */
+  double *vector; /* count x node_count x 3, global directions, M-norm 1, without rigid motion */
+  int solves, recovered;
+  bool counted;
+} bw_outside_modes;
+
+/* One system is open at a time. After a failure of any of these the system is closed. */
+typedef struct bw_outside {
+  bw_status (*open)(bw_context *context, const bw_outside_matrix *matrix,
+                    const bw_outside_options *options);
+  /* Fields as those of bw_system_solve, the force balanced already; displacement up to a rigid
+   * motion. */
+  bw_status (*solve)(bw_context *context, const double *force, double *displacement);
+  bw_status (*modes)(bw_context *context, const bw_modes_options *options, bw_outside_modes *modes);
+  void (*close)(bw_context *context, bw_outside_report *report);
+} bw_outside;
+/* One for the process; NULL takes it away. Not copied. */
+void bw_outside_register(const bw_outside *outside);
+const bw_outside *bw_outside_registered(void);
+
+/* As bw_statics and bw_modes_elastic: BW_UNSUPPORTED when none is registered, BW_CONVERGENCE when
+ * the residual, computed with the engine's own K, is above what was asked for. result->system is
+ * NULL. */
+bw_status bw_statics_outside(bw_context *context, const bw_model *model,
+                             const bw_statics_options *statics, const bw_outside_options *options,
+                             bw_static **result);
+bw_status bw_modes_outside(bw_context *context, const bw_model *model,
+                           const bw_modes_options *options, const bw_outside_options *outside,
+                           bw_modes **modes);
 
 /* Name and version of the BLAS in use, the thread libraries, CHOLMOD, METIS, GLPK...: one line
  * each. A BLAS known to be slow here (OpenMP variant) is said. Release with bw_free. */

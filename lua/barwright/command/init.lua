@@ -19,6 +19,8 @@ commands.program_options = {
   {name = "i", short = true, type = "flag", what = "open the prompt after the script or the statements"},
   {name = "gc-stress", type = "flag",
     what = "run the whole collector at every allocation (slow; for tests)"},
+  {name = "mpi", type = "flag",
+    what = "under mpirun: rank 0 runs the script, the other ranks work for its solves"},
   {name = "version", type = "flag", what = "versions of barwright and of the libraries it stands on"},
   {name = "help", type = "flag", what = "this text; `barwright NAME --help` tells about a command"},
 }

@@ -1,0 +1,336 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* K u = f: conjugate gradients preconditioned by algebraic multigrid (PETSc's GAMG), or a Cholesky
+ * factor spread over the ranks (MUMPS).
+ *
+ * Multigrid by smoothed aggregation needs to know what elements cannot feel: the six rigid motions
+ * at all nodes, zero at held components. A body that moves freely is solved as it is, without pins:
+ * K is singular, its null space is told, the force is balanced, and conjugate gradients stay in the
+ * complement. (With pins the matrix is regular, but the pins make one to six eigenvalues very
+ * small, and each costs iterations.) A factor needs the pins. */
+#include <math.h>
+#include <string.h>
+
+#include "distributed/internal.h"
+
+enum { CANCEL_EVERY = 8 };
+
+/* The rigid motions of the whole about the origin, as six fields of rank 0, for the multigrid. */
+static void rigid_field(const bwd_system *system, int which, double *field) {
+  const bw_mesh *mesh = system->matrix->numbering->mesh;
+  double middle[3] = {0, 0, 0}, axis[3] = {0, 0, 0};
+  for (int64_t i = 0; i < mesh->node_count; i++)
+    for (int c = 0; c < 3; c++)
+      middle[c] += mesh->node[3 * i + c] / mesh->node_count;
+  axis[which % 3] = 1;
+  for (int64_t i = 0; i < mesh->node_count; i++) {
+    double *at = field + 3 * i, arm[3];
+    if (which < 3)
+      memcpy(at, axis, sizeof axis);
+    else {
+      for (int c = 0; c < 3; c++)
+        arm[c] = mesh->node[3 * i + c] - middle[c];
+      bw_cross(axis, arm, at);
+    }
+  }
+}
+
+static bw_status near_null_space(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  enum { RIGID = 6 };
+  Vec *rigid = NULL;
+  MatNullSpace space = NULL;
+  double *field = NULL;
+  if (system->rank == 0) {
+    field = BW_NEW(context, double, 3 * (int64_t)system->nodes);
+    if (!field)
+      status = BW_MEMORY;
+  }
+  BW_TRY(bwd_agree(context, status));
+  BWD_TRY(VecDuplicateVecs(system->force, RIGID, &rigid));
+  for (int k = 0; k < RIGID; k++) {
+    if (system->rank == 0)
+      rigid_field(system, k, field);
+    BW_TRY(bwd_scatter(context, system, field, rigid[k]));
+    BWD_TRY(VecPointwiseMult(rigid[k], rigid[k], system->mask));
+    for (int j = 0; j < k; j++) {
+      PetscScalar dot;
+      BWD_TRY(VecDot(rigid[k], rigid[j], &dot));
+      BWD_TRY(VecAXPY(rigid[k], -dot, rigid[j]));
+    }
+    BWD_TRY(VecNormalize(rigid[k], NULL));
+  }
+  BWD_TRY(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, RIGID, rigid, &space));
+  BWD_TRY(MatSetNearNullSpace(system->K, space));
+done:
+  MatNullSpaceDestroy(&space);
+  VecDestroyVecs(RIGID, &rigid);
+  bw_free(field);
+  return status;
+}
+
+/* The free motions, orthonormal as PETSc wants them. */
+static bw_status null_space(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  Vec *basis = NULL;
+  MatNullSpace space = NULL;
+  BWD_TRY(VecDuplicateVecs(system->force, system->motions, &basis));
+  for (int k = 0; k < system->motions; k++) {
+    BWD_TRY(VecCopy(system->motion[k], basis[k]));
+    for (int pass = 0; pass < 2; pass++)
+      for (int j = 0; j < k; j++) {
+        PetscScalar dot;
+        BWD_TRY(VecDot(basis[k], basis[j], &dot));
+        BWD_TRY(VecAXPY(basis[k], -dot, basis[j]));
+      }
+    BWD_TRY(VecNormalize(basis[k], NULL));
+  }
+  BWD_TRY(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, system->motions, basis, &space));
+  BWD_TRY(MatSetNullSpace(system->K, space));
+done:
+  MatNullSpaceDestroy(&space);
+  VecDestroyVecs(system->motions, &basis);
+  return status;
+}
+
+/* K with the pinned components decoupled. */
+static bw_status pin(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  PetscInt *row = BW_NEW(context, PetscInt, 3 * (int64_t)system->local);
+  PetscInt count = 0;
+  const double *mask = NULL, *diagonal = NULL;
+  Vec main = NULL;
+  BW_TRY(bwd_agree(context, row ? BW_OK : BW_MEMORY));
+  BWD_TRY(VecDuplicate(system->force, &main));
+  BWD_TRY(MatGetDiagonal(system->K, main));
+  PetscReal size;
+  BWD_TRY(VecNorm(main, NORM_INFINITY, &size));
+  BWD_TRY(VecGetArrayRead(system->mask, &mask));
+  for (PetscInt i = 0; i < 3 * system->local; i++)
+    if (mask[i] == 0)
+      row[count++] = 3 * system->first + i;
+  BWD_TRY(VecRestoreArrayRead(system->mask, &mask));
+  BWD_TRY(MatDuplicate(system->K, MAT_COPY_VALUES, &system->pinned));
+  BWD_TRY(MatZeroRowsColumns(system->pinned, count, row, size, NULL, NULL));
+done:
+  (void)diagonal;
+  VecDestroy(&main);
+  bw_free(row);
+  return status;
+}
+
+/* ---- stopping ----------------------------------------------------------------------------------
+ */
+
+typedef struct watch {
+  bw_context *context;
+  bwd_system *system;
+  PetscReal first;
+  void *test; /* PETSc's own data */
+} watch;
+
+static PetscErrorCode watch_destroy(void *data) {
+  watch *w = data;
+  PetscErrorCode code = KSPConvergedDefaultDestroy(w->test);
+  bw_free(w);
+  return code;
+}
+
+/* PETSc's own test; now and then a look whether somebody wants to stop, and a word of progress. */
+static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
+                                KSPConvergedReason *reason, void *data) {
+  watch *w = data;
+  PetscErrorCode code = KSPConvergedDefault(solver, iteration, norm, reason, w->test);
+  if (code != 0)
+    return code;
+  if (iteration == 0)
+    w->first = norm;
+  if (*reason == KSP_CONVERGED_ITERATING && iteration % CANCEL_EVERY == 0 && iteration > 0) {
+    if (bwd_cancelled(w->context))
+      *reason = KSP_DIVERGED_BREAKDOWN; /* told apart by the flag */
+    PetscReal wanted = -log(w->system->options.rtol);
+    if (w->system->rank == 0 && w->first > 0 && norm > 0 && wanted > 0)
+      bw_progress(w->context, "conjugate gradients",
+                  fmin(0.99, fmax(0, log(w->first / norm) / wanted)));
+  }
+  return 0;
+}
+
+/* ---- making ------------------------------------------------------------------------------------
+ */
+
+/* Aggregates of neighbours, weak ties left out: half to a third of the iterations of PETSc's own
+ * default, which aggregates neighbours of neighbours, for twice the setup (24,843 unknowns, 1e-8:
+ * 25 for 61 with tet4, 33 for 95 with tet10). Who sets these options in PETSC_OPTIONS is obeyed. */
+static bw_status multigrid_defaults(bw_context *context) {
+  bw_status status = BW_OK;
+  static const char *const list[][2] = {
+      {"-barwright_pc_gamg_threshold", "0.01"},
+      {"-barwright_pc_gamg_square_graph", "0"},         /* up to PETSc 3.18 */
+      {"-barwright_pc_gamg_aggressive_coarsening", "0"} /* the same, later */
+  };
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+    PetscBool set;
+    BWD_TRY(PetscOptionsHasName(NULL, NULL, list[k][0], &set));
+    if (!set)
+      BWD_TRY(PetscOptionsSetValue(NULL, list[k][0], list[k][1]));
+  }
+done:
+  return status;
+}
+
+static bw_status with_multigrid(bw_context *context, bwd_system *system, double rtol) {
+  bw_status status = BW_OK;
+  PC pc;
+  watch *w = BW_NEW0(context, watch, 1);
+  BW_TRY(bwd_agree(context, w ? BW_OK : BW_MEMORY));
+  *w = (watch){.context = context, .system = system};
+  BW_TRY(near_null_space(context, system));
+  if (system->motions > 0)
+    BW_TRY(null_space(context, system));
+  else
+    BWD_TRY(MatSetOption(system->K, MAT_SPD, PETSC_TRUE));
+  BWD_TRY(KSPSetOperators(system->solver, system->K, system->K));
+  BWD_TRY(KSPSetType(system->solver, KSPCG));
+  BWD_TRY(KSPSetNormType(system->solver, KSP_NORM_UNPRECONDITIONED));
+  BWD_TRY(KSPSetTolerances(system->solver, rtol, 0, 1e10, system->options.iterations));
+  BWD_TRY(KSPConvergedDefaultCreate(&w->test));
+  BWD_TRY(KSPSetConvergenceTest(system->solver, converged, w, watch_destroy));
+  w = NULL;
+  BWD_TRY(KSPGetPC(system->solver, &pc));
+  BWD_TRY(PCSetType(pc, PCGAMG));
+  BW_TRY(multigrid_defaults(context));
+done:
+  bw_free(w);
+  return status;
+}
+
+static bw_status with_factor(bw_context *context, bwd_system *system) {
+  bw_status status = BW_OK;
+  PC pc;
+  if (system->motions > 0)
+    BW_TRY(pin(context, system));
+  Mat matrix = system->pinned ? system->pinned : system->K;
+  BWD_TRY(MatSetOption(matrix, MAT_SPD, PETSC_TRUE));
+  BWD_TRY(KSPSetOperators(system->solver, matrix, matrix));
+  BWD_TRY(KSPSetType(system->solver, KSPPREONLY));
+  BWD_TRY(KSPGetPC(system->solver, &pc));
+  BWD_TRY(PCSetType(pc, PCCHOLESKY));
+  BWD_TRY(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+done:
+  return status;
+}
+
+/* What PETSc keeps as the reason of a factor that could not be made. */
+static bw_status factor_failed(bw_context *context, const bwd_system *system) {
+  PC pc;
+  PCFailedReason reason = PC_NOERROR;
+  KSPGetPC(system->solver, &pc);
+  PCGetFailedReason(pc, &reason);
+  if (reason == PC_FACTOR_OUTMEMORY)
+    return bw_fail(context, BW_MEMORY, "memory ran out in the factorisation on %d ranks",
+                   system->ranks);
+  if (reason == PC_NOERROR)
+    return BW_OK;
+  return bw_fail(
+      context, BW_SINGULAR,
+      "the stiffness is singular, or so nearly that double precision cannot tell, "
+      "although the body cannot move freely: parts that touch only in a node or an edge "
+      "turn there. Join the parts properly, or mesh again; the engine's own solver names "
+      "the node");
+}
+
+bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol) {
+  bw_status status = BW_OK;
+  double begin = bw_seconds();
+  if (system->rank == 0)
+    bw_progress(context, system->direct ? "factor" : "multigrid", 0);
+  BWD_TRY(KSPCreate(PETSC_COMM_WORLD, &system->solver));
+  BWD_TRY(KSPSetOptionsPrefix(system->solver, "barwright_"));
+  if (system->direct)
+    BW_TRY(with_factor(context, system));
+  else
+    BW_TRY(with_multigrid(context, system, rtol));
+  BWD_TRY(KSPSetFromOptions(system->solver)); /* PETSC_OPTIONS="-barwright_..." for who knows */
+  BWD_TRY(KSPSetUp(system->solver));
+  BW_TRY(factor_failed(context, system));
+done:
+  system->seconds_setup += bw_seconds() - begin;
+  return status;
+}
+
+/* ---- solving -----------------------------------------------------------------------------------
+ */
+
+bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, Vec displacement) {
+  bw_status status = BW_OK;
+  KSPConvergedReason reason;
+  PetscInt iterations = 0;
+  double begin = bw_seconds();
+  BWD_TRY(VecPointwiseMult(force, force, system->mask));
+  if (!system->direct && system->motions > 0) {
+    MatNullSpace space;
+    BWD_TRY(MatGetNullSpace(system->K, &space));
+    BWD_TRY(MatNullSpaceRemove(space, force));
+  }
+  BWD_TRY(KSPSolve(system->solver, force, displacement));
+  BWD_TRY(KSPGetConvergedReason(system->solver, &reason));
+  BWD_TRY(KSPGetIterationNumber(system->solver, &iterations));
+  if (!system->direct)
+    system->iterations += (int)iterations;
+  if (reason > 0)
+    goto done;
+  if (bwd_cancelled(context)) {
+    bw_check_cancel(context);
+    status = bw_fail(context, BW_CANCELLED, "cancelled");
+  } else if (reason == KSP_DIVERGED_ITS) {
+    status =
+        bw_fail(context, BW_CONVERGENCE,
+                "conjugate gradients have not converged in %d iterations. Thin parts and poor "
+                "elements make it slow: allow more by iterations, ask for less by rtol, or for "
+                "method = \"cholesky\"",
+                (int)iterations);
+    bw_detail_number(context, "iterations", (double)iterations);
+  } else {
+    BW_TRY(factor_failed(context, system));
+    status = bw_fail(context, BW_CONVERGENCE, "PETSc's solver stopped after %d iterations: %s",
+                     (int)iterations, KSPConvergedReasons[reason]);
+    bw_detail_number(context, "iterations", (double)iterations);
+  }
+done:
+  system->seconds_solve += bw_seconds() - begin;
+  return status;
+}
+
+/* ---- counting ----------------------------------------------------------------------------------
+ */
+
+bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma, int64_t *count,
+                          bool *trusted) {
+  bw_status status = BW_OK;
+  Mat shifted = NULL, factor = NULL;
+  MatFactorInfo info;
+  PetscInt negative = 0, zero = 0, positive = 0;
+  *trusted = false;
+  BWD_TRY(MatDuplicate(system->K, MAT_COPY_VALUES, &shifted));
+  BWD_TRY(MatAXPY(shifted, -sigma, system->M, SUBSET_NONZERO_PATTERN));
+  BWD_TRY(MatSetOption(shifted, MAT_SPD, PETSC_FALSE));
+  BWD_TRY(MatSetOption(shifted, MAT_SYMMETRIC, PETSC_TRUE));
+  BWD_TRY(MatGetFactor(shifted, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &factor));
+  BWD_TRY(
+      MatMumpsSetIcntl(factor, 13, 1)); /* the root on one rank: else its pivots are not counted */
+  BWD_TRY(MatMumpsSetIcntl(factor, 24, 1)); /* pivots near zero are told */
+  BWD_TRY(MatFactorInfoInitialize(&info));
+  BWD_TRY(MatCholeskyFactorSymbolic(factor, shifted, NULL, &info));
+  BWD_TRY(MatCholeskyFactorNumeric(factor, shifted, &info));
+  MatFactorError error;
+  BWD_TRY(MatFactorGetError(factor, &error));
+  if (error == MAT_FACTOR_NOERROR) {
+    BWD_TRY(MatGetInertia(factor, &negative, &zero, &positive));
+    *trusted = zero == 0;
+  }
+  *count = negative - system->motions;
+done:
+  MatDestroy(&factor);
+  MatDestroy(&shifted);
+  return status;
+}

@@ -1,0 +1,125 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The solver that the engine sees (bw_outside): each operation begins on rank 0 with a command to
+ * the others, runs on all, and ends with an agreement. */
+#include <string.h>
+#include <sys/resource.h>
+
+#include "distributed/internal.h"
+
+static bwd_system *current;
+
+static void destroy(bwd_system *system) {
+  if (!system)
+    return;
+  KSPDestroy(&system->solver);
+  MatDestroy(&system->K);
+  MatDestroy(&system->M);
+  MatDestroy(&system->pinned);
+  VecDestroy(&system->force);
+  VecDestroy(&system->displacement);
+  VecDestroy(&system->mask);
+  VecDestroyVecs(system->motions, &system->motion);
+  VecDestroyVecs(system->motions, &system->weighted);
+  bw_free(system->place);
+  bw_free(system->start);
+  bw_free(system->counts);
+  bw_free(system->where);
+  bw_free(system->field);
+  bw_free(system);
+}
+
+static bw_status ended(bw_context *context, bw_status status) {
+  status = bwd_agree(context, status);
+  if (status != BW_OK) {
+    destroy(current);
+    current = NULL;
+  }
+  return status;
+}
+
+bw_status bwd_run_open(bw_context *context, const bw_outside_matrix *matrix,
+                       const bw_outside_options *options) {
+  bw_status status = BW_OK;
+  destroy(current);
+  current = BW_NEW0(context, bwd_system, 1);
+  BW_TRY(bwd_agree(context, current ? BW_OK : BW_MEMORY));
+  BW_TRY(bwd_libraries(context));
+  current->rank = bw_world_rank();
+  current->ranks = bw_world_size();
+  current->matrix = matrix;
+  if (options)
+    current->options = *options;
+  BW_TRY(bwd_share(context, current));
+done:
+  return ended(context, status);
+}
+
+/* The solver is made at the first solve: modes want a tolerance of their own. */
+bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement) {
+  bw_status status = BW_OK;
+  if (!current->solver)
+    BW_TRY(bwd_solver_create(context, current, 0.5 * current->options.rtol));
+  BW_TRY(bwd_scatter(context, current, force, current->force));
+  BW_TRY(bwd_solver_apply(context, current, current->force, current->displacement));
+  BW_TRY(bwd_gather(context, current, current->displacement, displacement));
+done:
+  return ended(context, status);
+}
+
+bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
+                        bw_outside_modes *modes) {
+  return ended(context, bwd_modes(context, current, options, modes));
+}
+
+static const char *method_name(const bwd_system *system) {
+  return system->direct ? "Cholesky factor, MUMPS" : "conjugate gradients, GAMG";
+}
+
+void bwd_run_close(bw_context *context, bw_outside_report *report) {
+  (void)context;
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  double own = 1024.0 * (double)usage.ru_maxrss, sum = 0, most = 0;
+  MPI_Reduce(&own, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, bwd_comm());
+  MPI_Reduce(&own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
+  if (report && current) {
+    *report = (bw_outside_report){.ranks = current->ranks,
+                                  .iterations = current->iterations,
+                                  .send = current->seconds_send,
+                                  .setup = current->seconds_setup,
+                                  .solve = current->seconds_solve,
+                                  .bytes = sum,
+                                  .largest = most};
+    strncpy(report->method, method_name(current), sizeof report->method - 1);
+  }
+  destroy(current);
+  current = NULL;
+}
+
+/* ---- on rank 0 ---------------------------------------------------------------------------------
+ */
+
+static bw_status outside_open(bw_context *context, const bw_outside_matrix *matrix,
+                              const bw_outside_options *options) {
+  bw_status status = bwd_command(context, BWD_OPEN);
+  return status == BW_OK ? bwd_run_open(context, matrix, options) : status;
+}
+
+static bw_status outside_solve(bw_context *context, const double *force, double *displacement) {
+  bw_status status = bwd_command(context, BWD_SOLVE);
+  return status == BW_OK ? bwd_run_solve(context, force, displacement) : status;
+}
+
+static bw_status outside_modes(bw_context *context, const bw_modes_options *options,
+                               bw_outside_modes *modes) {
+  bw_status status = bwd_command(context, BWD_MODES);
+  return status == BW_OK ? bwd_run_modes(context, options, modes) : status;
+}
+
+static void outside_close(bw_context *context, bw_outside_report *report) {
+  if (bwd_command(context, BWD_CLOSE) == BW_OK)
+    bwd_run_close(context, report);
+}
+
+const bw_outside bwd_outside = {
+    .open = outside_open, .solve = outside_solve, .modes = outside_modes, .close = outside_close};

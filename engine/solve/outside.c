@@ -1,0 +1,228 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions and modes by a solver outside of the engine. The engine assembles, hands over,
+ * and judges: residuals are computed here, with its own matrices, whatever the solver says. */
+#include <math.h>
+
+#include "solve/internal.h"
+#include "solve/modes.h"
+
+static const bw_outside *registered;
+
+void bw_outside_register(const bw_outside *outside) {
+  registered = outside;
+}
+
+const bw_outside *bw_outside_registered(void) {
+  return registered;
+}
+
+void bw_outside_options_default(bw_outside_options *options) {
+  *options = (bw_outside_options){.method = BW_OUTSIDE_AUTO, .rtol = 1e-10, .iterations = 2000};
+}
+
+static bw_status check_options(bw_context *context, const bw_outside_options *given,
+                               bw_outside_method otherwise, bw_outside_options *options) {
+  bw_outside_options_default(options);
+  if (given)
+    *options = *given;
+  if (options->method == BW_OUTSIDE_AUTO)
+    options->method = otherwise;
+  if (!(options->rtol > 0 && options->rtol < 1))
+    return bw_fail(context, BW_INVALID, "rtol is %g; it must lie between 0 and 1", options->rtol);
+  if (options->iterations < 1)
+    return bw_fail(context, BW_INVALID, "%d iterations are allowed; at least 1",
+                   options->iterations);
+  if (!registered)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "no solver outside of the engine is loaded: require \"barwright.distributed\"");
+  return BW_OK;
+}
+
+/* What is assembled for one call. */
+typedef struct equations {
+  bw_outside_matrix matrix;
+  bw_numbering *numbering;
+  bw_graph *graph;
+  double *stiffness, *mass;
+  bool open;
+} equations;
+
+static bw_status assemble(bw_context *context, const bw_model *model, bool mass, equations *e) {
+  bw_status status = BW_OK;
+  bw_progress(context, "assemble", 0);
+  BW_TRY(bw_graph_create(context, model->mesh, &e->graph));
+  int64_t pairs = e->graph->pair_count;
+  e->stiffness = BW_NEW(context, double, 9 * pairs);
+  if (!e->stiffness)
+    return BW_MEMORY;
+  BW_TRY(bw_stiffness(context, e->graph, model->mesh, model->material, e->stiffness));
+  if (mass) {
+    e->mass = BW_NEW(context, double, pairs);
+    if (!e->mass)
+      return BW_MEMORY;
+    BW_TRY(bw_mass(context, e->graph, model->mesh, e->mass));
+    double density = model->material->density > 0 ? model->material->density : 1;
+    for (int64_t k = 0; k < pairs; k++)
+      e->mass[k] *= density;
+  }
+  e->matrix = (bw_outside_matrix){
+      .numbering = e->numbering, .graph = e->graph, .stiffness = e->stiffness, .mass = e->mass};
+done:
+  return status;
+}
+
+static bw_status open_system(bw_context *context, const bw_outside_options *options, equations *e) {
+  bw_status status = registered->open(context, &e->matrix, options);
+  e->open = status == BW_OK;
+  return status;
+}
+
+static void clear(bw_context *context, equations *e, bw_outside_report *report) {
+  if (e->open)
+    registered->close(context, report);
+  e->open = false;
+  bw_release(e->numbering);
+  bw_release(e->graph);
+  bw_free(e->stiffness);
+  bw_free(e->mass);
+}
+
+/* ---- statics --------------------------------------------------------------------------------- */
+
+typedef struct outside_solve {
+  equations *equations;
+  bool failed; /* the solver has closed the system */
+} outside_solve;
+
+static bw_status solve(bw_context *context, void *data, const double *force, double *displacement) {
+  outside_solve *s = data;
+  bw_status status = registered->solve(context, force, displacement);
+  if (status != BW_OK)
+    s->equations->open = false;
+  return status;
+}
+
+bw_status bw_statics_outside(bw_context *context, const bw_model *model,
+                             const bw_statics_options *statics, const bw_outside_options *given,
+                             bw_static **out) {
+  bw_status status = BW_OK;
+  bw_outside_options options;
+  equations e = {0};
+  bw_static *result = NULL;
+  BW_TRY(check_options(context, given, BW_OUTSIDE_CG, &options));
+  BW_TRY(bw_numbering_create(context, model, &e.numbering));
+  BW_TRY(bwi_static_begin(context, model, statics, e.numbering, &result));
+  result->outside = BW_NEW0(context, bw_outside_report, 1);
+  if (!result->outside) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(assemble(context, model, false, &e));
+  BW_TRY(open_system(context, &options, &e));
+  outside_solve data = {.equations = &e};
+  bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
+  BW_TRY(bwi_static_solve(context, e.numbering, e.graph, e.stiffness, &solver, result));
+  if (result->residual > options.rtol) {
+    /* Where rounding alone leaves more than was asked for, the engine's own factor would too. */
+    double force = 0;
+    for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
+      force += result->force[i] * result->force[i];
+    double noise = bwi_residual_noise(e.graph, e.stiffness, result->displacement);
+    if (result->residual > 1e-6 || result->residual * sqrt(force) > 10 * noise) {
+      status = bw_fail(context, BW_CONVERGENCE,
+                       "the solution's residual is %.2e of the load; %.2e was asked for. Ask for "
+                       "less by rtol, or for method = \"cholesky\"",
+                       result->residual, options.rtol);
+      bw_detail_number(context, "residual", result->residual);
+      goto done;
+    }
+  }
+done:
+  clear(context, &e, result ? result->outside : NULL);
+  if (status == BW_OK)
+    *out = result;
+  else
+    bw_release(result);
+  return status;
+}
+
+/* ---- modes ----------------------------------------------------------------------------------- */
+
+/* |K x - lambda M x| / |lambda M x| at the unknowns. */
+static bw_status residuals(bw_context *context, const equations *e, int count, const double *value,
+                           const double *vector, double *residual) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)e->graph->node_count;
+  double *kx = BW_NEW(context, double, size);
+  double *mx = BW_NEW(context, double, size);
+  if (!kx || !mx) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int k = 0; k < count; k++) {
+    const double *x = vector + k * size;
+    BW_TRY(bw_graph_multiply(context, e->graph, e->stiffness, 9, 3, 1, x, kx));
+    BW_TRY(bw_graph_multiply(context, e->graph, e->mass, 1, 3, 1, x, mx));
+    bwi_keep_states(e->numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, kx);
+    bwi_keep_states(e->numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, mx);
+    double difference = 0, whole = 0;
+    for (int64_t i = 0; i < size; i++) {
+      double m = value[k] * mx[i], d = kx[i] - m;
+      difference += d * d;
+      whole += m * m;
+    }
+    residual[k] = whole > 0 ? sqrt(difference / whole) : 0;
+  }
+done:
+  bw_free(kx);
+  bw_free(mx);
+  return status;
+}
+
+bw_status bw_modes_outside(bw_context *context, const bw_model *model,
+                           const bw_modes_options *options, const bw_outside_options *given,
+                           bw_modes **modes) {
+  bw_status status = BW_OK;
+  bw_modes_options wish;
+  bw_outside_options outside;
+  equations e = {0};
+  bw_outside_modes found = {0};
+  bwi_eigen_result result = {0};
+  bw_outside_report *report = NULL;
+  BW_TRY(bwi_modes_options_check(context, options, &wish));
+  BW_TRY(check_options(context, given, BW_OUTSIDE_CHOLESKY, &outside));
+  report = BW_NEW0(context, bw_outside_report, 1);
+  if (!report) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_numbering_create(context, model, &e.numbering));
+  BW_TRY(assemble(context, model, true, &e));
+  BW_TRY(open_system(context, &outside, &e));
+  status = registered->modes(context, &wish, &found);
+  e.open = status == BW_OK;
+  result = (bwi_eigen_result){.count = found.count,
+                              .value = found.value,
+                              .vector = found.vector,
+                              .solves = found.solves,
+                              .recovered = found.recovered,
+                              .counted = found.counted};
+  if (status != BW_OK)
+    goto done;
+  result.residual = BW_NEW(context, double, found.count);
+  if (!result.residual) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(residuals(context, &e, result.count, result.value, result.vector, result.residual));
+  BW_TRY(bwi_modes_from(context, model->mesh, 3, e.numbering->motion_count,
+                        model->material->density > 0, &result, modes));
+done:
+  clear(context, &e, report);
+  bwi_eigen_result_clear(&result);
+  if (status == BW_OK)
+    (*modes)->outside = report;
+  else
+    bw_free(report);
+  return status;
+}

@@ -1,0 +1,174 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Run as `mpirun -n 2 barwright --mpi tests/lua/distributed/cases.lua` by distributed_spec.lua: each case is
+-- a line "case NAME: fine" or what was wrong. The oracle is the engine's own factor, which the C tests
+-- compare with CHOLMOD.
+local bw = require "barwright"
+local check = require "check"
+
+local ranks = require("barwright.distributed").size()
+local steel = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 8000}
+
+local function case(name, run)
+  local fine, message = xpcall(run, debug.traceback)
+  print(("case %s: %s"):format(name, fine and "fine" or message))
+end
+
+local function largest(array) return math.max(array:max(), -array:min()) end
+
+local function same_field(expected, field, tolerance, what)
+  local difference = largest(field - expected) / largest(expected)
+  assert(difference < tolerance, ("%s differ by %.2g"):format(what, difference))
+end
+
+local function same_static(part, options, tolerance)
+  local own = assert(part:solve {inertia_relief = options.inertia_relief})
+  local other = assert(part:solve(options))
+  same_field(own.displacement, other.displacement, tolerance, "displacements")
+  if largest(own.reaction) > 0 then
+    same_field(own.reaction, other.reaction, tolerance, "reactions")
+  end
+  same_field(own.von_mises, other.von_mises, tolerance, "stresses")
+  check.near(own.energy, other.energy, tolerance)
+  assert(other.residual <= options.rtol, other.residual)
+  assert(other.solver.ranks == ranks and other.solver.with == "petsc")
+  assert((other.solver.iterations > 0) == (options.method == "cg"))
+  assert(own.solver == nil and other.times == nil)
+end
+
+local function held(order)
+  local mesh = check.beam({8, 2, 2}, order)
+  local part = bw.model {mesh = mesh, material = steel}
+  part:fix(mesh.boundary:below(1, 0))
+  return part:load {on = mesh.boundary:above(1, 1), force = {1e3, 2e3, -500}}, mesh
+end
+
+for _, method in ipairs {"cg", "cholesky"} do
+  local options = {with = "petsc", method = method, rtol = 1e-9}
+  for order = 1, 2 do
+    case(("static tet%d %s"):format(order == 1 and 4 or 10, method), function()
+      same_static(held(order), options, 1e-8)
+    end)
+    case(("turned supports tet%d %s"):format(order == 1 and 4 or 10, method), function()
+      local mesh = check.beam({8, 2, 2}, order)
+      local part = bw.model {mesh = mesh, material = steel}
+      part:slide(mesh.boundary:below(1, 0), {1, 0.4, 0.2}):slide(mesh.boundary:below(2, 0), {0, 1, 0})
+      part:prescribe(mesh.boundary:above(1, 1), {1e-5, false, 2e-5})
+      part:load {on = mesh.boundary:above(3, 0.1), pressure = 1e5}
+      same_static(part, options, 1e-8)
+    end)
+    case(("free tet%d %s"):format(order == 1 and 4 or 10, method), function()
+      local mesh = check.beam({8, 2, 2}, order)
+      local part = bw.model {mesh = mesh, material = steel}
+      part:load {on = mesh.boundary:above(1, 1), force = {1e3, 2e3, 0}}
+      same_static(part, {with = "petsc", method = method, rtol = 1e-9, inertia_relief = true}, 1e-8)
+    end)
+  end
+end
+
+local function same_modes(part, options)
+  local own = assert(part:modes {count = options.count})
+  local other = assert(part:modes(options))
+  assert(#own == #other and own.rigid_count == other.rigid_count)
+  for i = 1, #own do check.near(own.eigenvalues[i], other.eigenvalues[i], 1e-8) end
+  assert(other.residuals:max() < 1e-7, other.residuals:max())
+  assert(other.counted == (options.method ~= "cg"))
+  -- Single eigenvalues have the same shapes; a pair of the square section may lie turned.
+  for i = 1, #own do
+    local low, high = i > 1 and own.eigenvalues[i - 1] or 0, i < #own and own.eigenvalues[i + 1] or math.huge
+    local value = own.eigenvalues[i]
+    if i < #own and value - low > 1e-2 * value and high - value > 1e-2 * value then
+      same_field(own:shape(i), other:shape(i), 1e-5, "shapes " .. i)
+    end
+  end
+  assert(other.solver.ranks == ranks and other.solver.with == "slepc")
+end
+
+for order = 1, 2 do
+  local name = order == 1 and "tet4" or "tet10"
+  case("modes " .. name, function() same_modes(held(order), {with = "slepc", count = 6}) end)
+  case("free modes " .. name, function()
+    local mesh = check.beam({8, 2, 2}, order)
+    same_modes(bw.model {mesh = mesh, material = steel}, {with = "slepc", count = 6})
+  end)
+end
+case("modes by conjugate gradients", function()
+  same_modes(held(1), {with = "slepc", method = "cg", count = 4})
+end)
+case("turned modes", function()
+  local mesh = check.beam({8, 2, 2}, 1)
+  local part = bw.model {mesh = mesh, material = steel}
+  part:slide(mesh.boundary:below(1, 0), {1, 0.4, 0.2})
+  same_modes(part, {with = "slepc", count = 5})
+end)
+
+case("failures come back, and work goes on", function()
+  local part = held(1)
+  check.fails("convergence", "3 iterations", part:solve {with = "petsc", iterations = 3})
+  assert(part:solve {with = "petsc"})
+  local mesh = check.beam({2, 1, 1})
+  local free = bw.model {mesh = mesh, material = steel}
+  free:load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
+  check.fails("free", "not balanced", free:solve {with = "petsc"})
+  assert(part:modes {with = "slepc", count = 2})
+end)
+
+case("a body that is nearly a mechanism is refused", function()
+  -- Two cubes that share an edge: the second one turns about it.
+  local a = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}})
+  local nodes, elements, at = {}, {}, {}
+  local function add(mesh, shift)
+    local place = {}
+    for i = 1, mesh.node_count do
+      local row = {mesh.nodes(i, 1) + shift, mesh.nodes(i, 2) + shift, mesh.nodes(i, 3)}
+      local key = table.concat(row, " ")
+      if not at[key] then
+        nodes[#nodes + 1] = row
+        at[key] = #nodes
+      end
+      place[i] = at[key]
+    end
+    for e = 1, mesh.element_count do
+      local row = {}
+      for k = 1, 4 do row[k] = place[mesh.elements(e, k)] end
+      elements[#elements + 1] = row
+    end
+  end
+  add(a, 0)
+  add(a, 1)
+  local mesh = assert(bw.mesh.new {nodes = nodes, elements = elements})
+  local part = bw.model {mesh = mesh, material = steel}
+  part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 2), force = {0, 1, 0}}
+  local own, _, why = part:solve()
+  assert(not own and why.status == "singular")
+  for _, method in ipairs {"cholesky", "cg"} do
+    local static, message, details = part:solve {with = "petsc", method = method}
+    assert(not static and (details.status == "singular" or details.status == "convergence"), message)
+  end
+end)
+
+case("misuse", function()
+  local part = held(1)
+  check.raises("belongs to with = \"petsc\"", part.solve, part, {rtol = 1e-3})
+  check.raises("slepc", part.modes, part, {with = "petsc"})
+  check.raises("rtol is 2", part.solve, part, {with = "petsc", rtol = 2})
+end)
+
+case("a forked job has no ranks", function()
+  local core = require "barwright.core"
+  local job = core.job(function()
+    local part = held(1)
+    local static, message, details = part:solve {with = "petsc"}
+    return tostring(static) .. " " .. details.status .. " " .. message
+  end, {seconds = 60})
+  core.wait({job}, 60)
+  local text = assert(job:result())
+  assert(text:find "^nil unsupported a forked job cannot use MPI", text)
+end)
+
+case("the same numbers again", function()
+  local part = held(2)
+  local a = assert(part:solve {with = "petsc"}).displacement
+  local b = assert(part:solve {with = "petsc"}).displacement
+  assert(largest(a - b) == 0)
+end)
+print "end"

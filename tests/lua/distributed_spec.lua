@@ -1,0 +1,133 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Several processes, started by mpirun. Skipped where barwright was built without MPI.
+local check = require "check"
+
+-- Open MPI refuses to run as root and to start more ranks than processors unless told so.
+local MPIRUN = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 BARWRIGHT_QUIET=1 BARWRIGHT_THREADS=1 "
+  .. "LUA_PATH='" .. check.root .. "/tests/lua/?.lua;;' timeout %d mpirun --oversubscribe --bind-to none -n %d "
+
+local built = io.open(check.root .. "/build/lua/barwright/mpi.so", "rb")
+local mpirun = os.execute "command -v mpirun >/dev/null 2>&1"
+local missing = not built and "barwright was built without MPI (scripts/setup --mpi)"
+  or not mpirun and "there is no mpirun"
+if built then built:close() end
+
+-- Exit status and output, both streams.
+local function run(ranks, seconds, command)
+  local pipe = assert(io.popen(MPIRUN:format(seconds, ranks) .. command .. " 2>&1"))
+  local text = pipe:read "a"
+  local _, _, status = pipe:close()
+  return status, text
+end
+
+local function script(text)
+  local path = check.folder() .. "/script.lua"
+  check.write(path, text)
+  return path
+end
+
+if missing then
+  describe("several ranks", function() pending(missing) end)
+  return
+end
+
+local CASES = {"static tet4 cg", "static tet10 cg", "static tet4 cholesky", "static tet10 cholesky",
+  "turned supports tet4 cg", "turned supports tet10 cg", "turned supports tet4 cholesky",
+  "turned supports tet10 cholesky", "free tet4 cg", "free tet10 cg", "free tet4 cholesky", "free tet10 cholesky",
+  "modes tet4", "modes tet10", "free modes tet4", "free modes tet10", "modes by conjugate gradients",
+  "turned modes", "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
+  "misuse", "a forked job has no ranks", "the same numbers again"}
+
+for _, ranks in ipairs {2, 1} do
+  describe(("%d rank%s"):format(ranks, ranks > 1 and "s" or ""), function()
+    local text
+    setup(function()
+      local _
+      _, text = run(ranks, 300, ("%s --mpi %s/tests/lua/distributed/cases.lua"):format(check.program, check.root))
+    end)
+    for _, name in ipairs(CASES) do
+      it("agree with the engine: " .. name, function()
+        local said = text:match("case " .. name:gsub("%p", "%%%0") .. ": ([^\n]*)")
+        if said ~= "fine" then error(said or text) end
+      end)
+    end
+  end)
+end
+
+describe("ranks", function()
+  it("run the script once, and end with it", function()
+    local status, text = run(3, 60, check.program .. " --mpi "
+      .. script "print(require('barwright.distributed').size()) os.exit(3)")
+    assert.equal(3, status)
+    assert.equal("3\n", text:match "^[^\n]*\n")
+  end)
+
+  it("are refused without --mpi", function()
+    local _, text = run(2, 60, check.program .. " " .. script [[
+      local bw = require "barwright"
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}}
+      local part = bw.model {mesh = mesh, material = bw.material.steel}
+      print(select(2, part:fix(mesh.boundary:below(1, 0)):solve {with = "petsc"}))]])
+    local count = select(2, text:gsub("mpirun started 2 processes, and each runs this script by itself", ""))
+    assert.equal(2, count)
+  end)
+
+  it("end when one of them dies", function()
+    local started = os.time()
+    local status = run(2, 60, check.program .. " " .. script [[
+      local d = require "barwright.distributed"
+      local rank = d.join()
+      if rank == 1 then os.execute "kill -9 $PPID" end
+      d.receive(50)]])
+    assert.truthy(status ~= 0)
+    assert.truthy(os.difftime(os.time(), started) < 30)
+  end)
+
+  it("send each other strings of bytes", function()
+    local _, text = run(3, 60, check.program .. " " .. script [[
+      local d = require "barwright.distributed"
+      local rank = d.join()
+      if rank == 0 then
+        for r = 1, 2 do d.send(r, 7, ("x"):rep(r * 100000) .. "\0end") end
+        for _ = 1, 2 do
+          local from, tag, bytes = d.receive(30)
+          print(from, tag, bytes)
+        end
+        print(d.receive(0.01))
+        print((select(2, d.send(3, 1, ""))))
+      else
+        local from, tag, bytes = d.receive(30)
+        if rank == 2 then d.receive(0.2) end
+        d.send(0, rank, from .. " " .. tag .. " " .. #bytes .. " " .. bytes:sub(-3))
+      end]])
+    assert.equal("1\t1\t0 7 100004 end\n2\t2\t0 7 200004 end\nnil\nthere is no other rank 3; there are 3, "
+      .. "from 0\n",
+      text)
+  end)
+
+  it("work with the stock interpreter", function()
+    local _, text = run(2, 60, ("env LUA_PATH='%s/build/lua/?.lua;%s/build/lua/?/init.lua;;' "
+      .. "LUA_CPATH='%s/build/lua/?.so;;' lua5.4 "):format(check.root, check.root, check.root) .. script [[
+      print(require("barwright.distributed").start())
+      local bw = require "barwright"
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}}
+      local part = bw.model {mesh = mesh, material = bw.material.steel}
+      part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
+      print(assert(part:solve {with = "petsc"}).solver.ranks)]])
+    assert.equal("2\n2\n", text)
+  end)
+end)
+
+describe("MPI", function()
+  it("is loaded only when asked for", function()
+    local _, out = check.run(script [[
+      local bw = require "barwright"
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}}
+      local part = bw.model {mesh = mesh, material = bw.material.steel}
+      assert(part:fix(mesh.boundary:below(1, 0)):solve())
+      for line in io.lines "/proc/self/maps" do
+        if line:find "libmpi" or line:find "petsc" then print(line) end
+      end]])
+    assert.equal("", out)
+  end)
+end)
