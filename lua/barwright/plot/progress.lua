@@ -245,10 +245,13 @@ local function draw_front(s, f, a, b, rows, two)
   f:leave()
 end
 
-local function pareto_legend(rows, count)
-  local front, able, rest = 0, 0, 0
+local function pareto_legend(objectives, rows, count)
+  local front, able, rest, none = 0, 0, 0, 0
   for i = 1, count do
+    local whole = true
+    for _, one in ipairs(objectives) do whole = whole and one.numbers[i] == one.numbers[i] end
     if rows.front[i] then front = front + 1
+    elseif not whole then none = none + 1
     elseif rows.able[i] then able = able + 1
     else rest = rest + 1 end
   end
@@ -260,7 +263,7 @@ local function pareto_legend(rows, count)
     out[#out + 1] = {name = ("%s (%d)"):format(looks.infeasible.name, rest), marker = "diamond",
       pen = looks.infeasible.pen}
   end
-  return out
+  return out, none > 0 and {("%d trial%s without a result"):format(none, none == 1 and "" or "s")} or nil
 end
 
 --- The front of two objectives, with what it beats; of three to six the same for each pair. objectives:
@@ -291,7 +294,8 @@ function progress.pareto(given)
   return figure.new {kind = where, name = wish.title or table.concat(names, ", "), width = width,
     height = height,
     draw = function(s)
-      local box = frame.around(s, {title = wish.title, legend = pareto_legend(rows, count)})
+      local legend, foot = pareto_legend(objectives, rows, count)
+      local box = frame.around(s, {title = wish.title, legend = legend, notes = foot})
       if n == 2 then
         local f = frame.new(s, box, axes[1], axes[2])
         if count == 0 then f:say "no trials" end

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- trials:plot(kind, options): plots of bw.plot with a study's names, units, goals and constraints.
 local core = require "barwright.core"
+local data = require "barwright.plot.data"
 local numbers = require "barwright.plot.numbers"
 local options = require "barwright.options"
 local plot = require "barwright.plot"
@@ -73,6 +74,12 @@ local function goal_of(problem, name)
   return objective and (objective.goal or "least")
 end
 
+-- A measure over two decades or more is shown by its logarithm where it can be.
+local function scale_of(values)
+  local least, most = data.range {values}
+  return least and least > 0 and most >= 100 * least and "log" or nil
+end
+
 -- A column of bw.plot for a variable or a measure.
 local function column(trials, where, name)
   local item, of_point = known(trials, where, name)
@@ -87,6 +94,8 @@ local function column(trials, where, name)
     out.whole = item.kind == "integer" or nil
     out.scale = item.scale
     for i = 1, #trials do out.values[i] = out.values[i] or 0 / 0 end
+  else
+    out.scale = scale_of(out.values)
   end
   return out
 end
@@ -179,10 +188,10 @@ kinds.history = {
     scale = {type = "string", one_of = {"linear", "log"}}},
   make = function(trials, where, wish)
     local item = measure_of(trials, where, wish.measure)
-    local order = {}
+    local order, values = {}, values_of(trials, item.name)
     for i = 1, #trials do order[i] = trials[i].number or i end
-    return plot.history {values = values_of(trials, item.name), numbers = order, label = item.name,
-      unit = item.unit, goal = wish.goal or goal_of(trials.problem, item.name), scale = wish.scale,
+    return plot.history {values = values, numbers = order, label = item.name, unit = item.unit,
+      goal = wish.goal or goal_of(trials.problem, item.name), scale = wish.scale or scale_of(values),
       failed = failed(trials), feasible = feasible(trials), notes = notes_of(trials), title = wish.title,
       width = wish.width, height = wish.height}
   end,
@@ -239,7 +248,8 @@ local function coloured(trials, where, wish)
   if not name then return nil end
   local item, of_point = known(trials, where, name)
   if of_point and item.kind == "choice" then raise(("%s: colour: '%s' is no number"):format(where, name)) end
-  return values_of(trials, name, of_point), {label = name, unit = item.unit, scale = item.scale},
+  local values = values_of(trials, name, of_point)
+  return values, {label = name, unit = item.unit, scale = of_point and item.scale or scale_of(values)},
     goal_of(trials.problem, name)
 end
 
@@ -255,8 +265,9 @@ for kind, most in pairs {scatter_matrix = 8, parallel_coordinates = 24} do
     make = function(trials, where, wish)
       local values, value, goal = coloured(trials, where, wish)
       local chosen = plots.chosen(trials)
+      if #chosen > (kind == "scatter_matrix" and 60 or 12) then chosen = nil end -- many are no choice
       return plot[kind] {columns = columns_of(trials, where, wish.columns, most), values = values,
-        value = value, goal = goal, chosen = #chosen <= 60 and chosen or nil, faint = stood_back(trials),
+        value = value, goal = goal, chosen = chosen, faint = stood_back(trials),
         notes = kind == "scatter_matrix" and #trials <= 300 and notes_of(trials) or nil,
         title = wish.title, width = wish.width, height = wish.height}
     end,

@@ -123,19 +123,40 @@ end
 
 -- ---- trials ------------------------------------------------------------------------------------
 
-local function head_of(problem)
-  local head = {"trial"}
-  for _, list in ipairs {problem.variables, problem.measures} do
-    for _, item in ipairs(list) do head[#head + 1] = item.name end
+-- The columns of a table of trials: where values are, and the unit that all of a column have.
+local function columns_of(trials)
+  local out = {}
+  for k, list in ipairs {trials.problem.variables, trials.problem.measures} do
+    for _, item in ipairs(list) do
+      local one = {name = item.name, from = k == 1 and "point" or "results", factor = 1, head = item.name}
+      local size = 0
+      for i = 1, #trials do
+        local value = trials[i][one.from] and trials[i][one.from][item.name]
+        if math.type(value) then size = math.max(size, math.abs(value)) end
+      end
+      if item.unit and item.unit ~= "" and item.kind ~= "choice" then
+        local unit
+        one.factor, unit = numbers.unit(item.unit, size)
+        one.head = item.name .. ", " .. unit
+      end
+      out[#out + 1] = one
+    end
   end
+  return out
+end
+
+local function head_of(columns)
+  local head = {"trial"}
+  for k, one in ipairs(columns) do head[k + 1] = one.head end
   return head
 end
 
-local function row_of(problem, trial)
+local function row_of(columns, trial)
   local row = {cell(trial.number)}
-  for _, v in ipairs(problem.variables) do row[#row + 1] = cell(trial.point and trial.point[v.name], v.unit) end
-  for _, m in ipairs(problem.measures) do
-    row[#row + 1] = cell(trial.results and trial.results[m.name], m.unit)
+  for k, one in ipairs(columns) do
+    local value = trial[one.from] and trial[one.from][one.name]
+    row[k + 1] = cell(value)
+    if math.type(value) then row[k + 1][1] = numbers.short(value * one.factor) end
   end
   return row
 end
@@ -144,15 +165,15 @@ local words = {done = "done", failed = "failed", time = "out of time", memory = 
   crashed = "crashed"}
 
 local function all_trials(trials, most)
-  local problem = trials.problem
-  local head, rows = head_of(problem), {}
+  local problem, columns = trials.problem, columns_of(trials)
+  local head, rows = head_of(columns), {}
   head[#head + 1] = "status"
   head[#head + 1] = "seconds"
   local chosen = {}
   for _, i in ipairs(plots.chosen(trials)) do chosen[i] = true end
   for i = 1, math.min(#trials, most) do
     local trial = trials[i]
-    local row = row_of(problem, trial)
+    local row = row_of(columns, trial)
     local keeps = plots.keeps(problem, trial)
     local status = words[trial.status] or tostring(trial.status)
     if trial.status == "done" and not keeps then status = "misses a constraint" end
@@ -188,14 +209,20 @@ local function found(trials)
     return "<h3>Measures</h3>\n" .. html_table({"measure", "least", "median", "most"}, rows)
   end
   if #chosen == 0 then return "<p>No trial keeps the constraints.</p>\n" end
-  local rows = {}
+  local rows, columns = {}, columns_of(trials)
+  local name, sign = objectives[1].name, objectives[1].goal == "most" and -1 or 1
+  table.sort(chosen, function(a, b)
+    local u, v = trials[a].results[name], trials[b].results[name]
+    if u ~= v then return sign * u < sign * v end
+    return a < b
+  end)
   for k, i in ipairs(chosen) do
-    if k <= 200 then rows[k] = row_of(problem, trials[i]) end
+    if k <= 200 then rows[k] = row_of(columns, trials[i]) end
   end
   local text = #objectives == 1 and "<h3>Best</h3>\n"
-    or ("<h3>Front</h3>\n<p>%d trial%s that no other beats in every objective:</p>\n"):format(#chosen,
+    or ("<h3>Front</h3>\n<p>%d trial%s that no other beats:</p>\n"):format(#chosen,
       #chosen == 1 and "" or "s")
-  return text .. html_table(head_of(problem), rows, #chosen > 1 and "sortable" or nil)
+  return text .. html_table(head_of(columns), rows, #chosen > 1 and "sortable" or nil)
 end
 
 local function join_numbers(list)
