@@ -69,4 +69,5 @@ end
 
 scenario("Equations kept through 30 sequences", function() sequences(10) end)
 
-scenario("Equations kept through 510 sequences", {tags = {"slow", "long"}, seconds = 7200}, function() sequences(170) end)
+scenario("Equations kept through 510 sequences", {tags = {"slow", "long"}, seconds = 7200},
+  function() sequences(170) end)

@@ -105,7 +105,7 @@ end
 -- In an endless plate an ellipse with its axes in the ratio of the stresses has the same stress all around,
 -- sx + sy, which no hole can be below (Inglis 1913, Cherepanov 1974). With a limit of 1.08 times that, axes
 -- a / b = (1 + e) sx / sy, whose end has the stress sy (1 + 2 a / b) - sx, may be off by |e| <= 0.08 (sx + sy)
--- / (2 sx), at most 8 %.
+-- / (2 sx), at most 8 %, and by a little more where the hole is stressed above the limit by the error of the mesh.
 for _, case in ipairs {{1e6, 1e6}, {3e6, 2e6}, {2e6, 1e6}} do
   local sx, sy = case[1], case[2]
   scenario(("The largest hole in a plate pulled by stresses in the ratio %g is an ellipse"):format(sx / sy),
@@ -122,7 +122,8 @@ for _, case in ipairs {{1e6, 1e6}, {3e6, 2e6}, {2e6, 1e6}} do
         least, most = math.min(least, mises[i]), math.max(most, mises[i])
       end
     end
-    expect(wide / high, "ratio of its axes"):near(sx / sy, {relative = 0.06, source = "Cherepanov 1974"})
+    expect(wide / high, "ratio of its axes"):near(sx / sy, {relative = 0.08, source = "Cherepanov 1974",
+      how = "what the limit leaves open"})
     expect(least / most, "least stress at its edge over the largest"):above(0.8)
     expect(most / problem.limit, "largest stress at its edge over the limit"):near(1, {relative = 0.04})
   end)

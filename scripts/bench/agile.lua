@@ -5,7 +5,7 @@
 -- order and in the one that METIS gives for a single solution. The paper's seconds are those of its own
 -- machine (4 cores, MKL).
 --   build/barwright scripts/bench/agile.lua [--out DIR] [--scenes opener,horse] [--bones N]
---       [--no-optimise]
+--       [--elements N] [--no-optimise]
 local root = arg[0]:match "^(.*)/bench/[^/]*$" or "scripts"
 package.path = root .. "/agile/?.lua;" .. package.path
 local bw = require "barwright"
@@ -26,7 +26,8 @@ while arg[i] do
     wish.optimise = false
   else
     local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
-    wish[name] = name == "bones" and assert(math.tointeger(tonumber(arg[i + 1]))) or arg[i + 1]
+    local counted = name == "bones" or name == "elements"
+    wish[name] = counted and assert(math.tointeger(tonumber(arg[i + 1]))) or arg[i + 1]
     i = i + 1
   end
   i = i + 1
@@ -69,7 +70,7 @@ print [[
                          | direct  all  local (paper) | ours  METIS  (paper) | median ours METIS | factor updates]]
 local ratios, own_ratios = {}, {}
 for name in wish.scenes:gmatch "[^,]+" do
-  local scene = scenes.make(name)
+  local scene = scenes.make(name, {elements = wish.elements})
   local session = assert(bw.edit(scene.part, scene.session))
   local row = {scene = name, elements = scene.mesh.element_count, nodes = scene.mesh.node_count,
     domains = session.domains.count}
@@ -160,6 +161,8 @@ for name in wish.scenes:gmatch "[^,]+" do
     row.seconds_optimise_processor = os.clock() - processor
     report = report or details and details.best
     row.optimise_steps = report and report.iterations
+    row.optimise_unknowns = report and report.unknowns
+    row.optimise_constrained = report and report.constrained
     row.optimise_factorisations = report and report.factorisations
     row.optimise_max_von_mises_pa = report and report.von_mises
     print(("          optimised in %.2f s (paper %.2f s, %.1f times), %.2f to %.2f MPa%s"):format(

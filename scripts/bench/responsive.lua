@@ -102,13 +102,14 @@ local function replay(name, elements, anew)
     end
     iterations, factors = iterations + reused.iterations, factors + reused.factorisations
   end
-  local total = 0
-  for _, t in ipairs(processor) do total = total + t end
+  local total, passed = 0, 0
+  for i, t in ipairs(processor) do total, passed = total + t, passed + clock[i] end
   local out = {application = name, elements = made, anew = anew or false, frames = count,
     frames_per_second = 1 / quantile(clock, 0.5), slowest_hundredth_per_second = 1 / quantile(clock, 0.99),
     frames_per_second_processor = 1 / quantile(processor, 0.5),
     slowest_hundredth_per_second_processor = 1 / quantile(processor, 0.99),
-    mean_per_second_processor = count / total, iterations_per_frame = iterations / count, factorisations = factors,
+    mean_per_second = count / passed, mean_per_second_processor = count / total,
+    iterations_per_frame = iterations / count, factorisations = factors,
     levels = {}}
   for level, seen in pairs(levels) do
     local row = {count = #seen.clock, seconds = quantile(seen.clock, 0.5),

@@ -21,6 +21,7 @@ summary { cursor: pointer } .passed { color: var(--good) } .skipped { color: var
 .failed, .error, .time, .memory, .crashed { color: var(--bad) } small, .soft { color: var(--soft) }
 .status { display: inline-block; min-width: 5.2rem; font-weight: 600 }
 .scroll { overflow-x: auto } table { border-collapse: collapse; margin: .5rem 0 1rem; width: 100% }
+td:first-child { white-space: nowrap }
 th, td { text-align: left; padding: .2rem .7rem .2rem 0; border-bottom: 1px solid var(--line); vertical-align: top;
   font-variant-numeric: tabular-nums } pre { overflow-x: auto; font-size: .85rem; border: 1px solid var(--line);
   padding: .5rem; border-radius: 6px; white-space: pre-wrap } figure { margin: 1rem 0 }
@@ -70,7 +71,9 @@ local function faults(result, out)
     end
   end
   if result.message and result.status ~= "skipped" then
-    list[#list + 1] = ("<li>%s <small>%s</small></li>"):format(escape(result.message), escape(tap.place(result)))
+    local placed = tap.placed(result, result.message) == result.message
+    list[#list + 1] = ("<li>%s <small>%s</small></li>"):format(escape(result.message),
+      placed and "" or escape(tap.place(result)))
   end
   if #list > 0 then out[#out + 1] = "<ul>" .. table.concat(list) .. "</ul>" end
   if result.trace then out[#out + 1] = "<pre>" .. escape(result.trace) .. "</pre>" end
