@@ -57,6 +57,11 @@ static const char script[] =
     "grid = assert(grid:set({side = 'low x'}, 0)):set(function(x) return x > 0.2 end, 3)\n"
     "assert(grid:coarse():nodes{side = 'high x', where = 'y > 0'})\n"
     "assert(grid:embed(ball, {reach = 9}):moved(grid.points))\n"
+    "local canvas = assert(bw.canvas(60, 40, {name = 'x'}))\n"
+    "canvas:markers('disc', 5, {{1, 2}, {3, 4}}, {fill = '#ff0000'}, {'a', false}):text('b', 5, "
+    "5)\n"
+    "canvas:line({1, 2, 3, 4}, {stroke = '#000000', dash = {2, 2}}):text_width('b', 9)\n"
+    "assert(#canvas:svg{outlines = true} > 100)\n"
     "return #a:totable()\n";
 
 static int work(lua_State *L) {
