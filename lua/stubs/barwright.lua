@@ -4243,7 +4243,11 @@ function Trials:counts() end
 ---@return table? details
 function Trials:csv(path) end
 
----A figure: history, scatter_matrix, parallel_coordinates, pareto, sensitivity, convergence, contact_sheet.
+---A figure with the study's names, units, goals and constraints: history (measure, goal, scale), convergence
+---(how the search came closer to the best, or its front to the last one), pareto (objectives: names), scatter
+---(x, y, colour: names), scatter_matrix and parallel_coordinates (columns: names, colour), sensitivity
+---(measure; of the designs sobol_indices, morris, one_at_a_time), contact_sheet (picture: the file's name,
+---most, columns, cell). All take title, width, height.
 ---@param kind string
 ---@param options? table
 ---@return bw.Figure?
@@ -4251,9 +4255,10 @@ function Trials:csv(path) end
 ---@return table? details
 function Trials:plot(kind, options) end
 
----One HTML file that needs no network.
+---One HTML file that needs no network: what was asked and found, failures, plots, pictures of the trials'
+---folders (`picture`: the file's name, else picture.png or the first PNG), all trials.
 ---@param path string
----@param options? table
+---@param options? {title?: string, text?: string, picture?: string, pictures?: integer, rows?: integer, manifest?: table}
 ---@return boolean?
 ---@return string? message
 ---@return table? details

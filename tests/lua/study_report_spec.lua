@@ -5,6 +5,7 @@ local check = require "check"
 local make = require "study_trials"
 local plots = require "barwright.study.plots"
 local report = require "barwright.study.report"
+local says = require "barwright.study.plot_data"
 
 local least_mass = {{name = "mass", goal = "least"}}
 local two_goals = {{name = "mass", goal = "least"}, {name = "stiffness", goal = "most"}}
@@ -27,7 +28,7 @@ describe("trials:plot", function()
   it("knows names, units and goals", function()
     local trials = make(least_mass, 60)
     local best = best_of(trials)
-    assert.same({best.number}, plots.chosen(trials))
+    assert.same({best.number}, says.chosen(trials))
     local svg = assert(plots.plot(trials, "history"):svg())
     assert.truthy(svg:find("mass, g", 1, true))
     assert.truthy(svg:find("no result (4)", 1, true))
@@ -45,12 +46,12 @@ describe("trials:plot", function()
 
   it("finds the front of several goals", function()
     local trials = make(two_goals, 80)
-    local front = plots.chosen(trials)
+    local front = says.chosen(trials)
     assert.truthy(#front > 2)
     for _, i in ipairs(front) do
       local a = trials[i].results
       for _, other in ipairs(trials) do
-        local b = plots.keeps(trials.problem, other) and other.results
+        local b = says.keeps(trials.problem, other) and other.results
         assert.falsy(b and b.mass < a.mass and b.stiffness > a.stiffness)
       end
     end
@@ -77,6 +78,33 @@ describe("trials:plot", function()
     check.raises("sobol_indices, morris or one_at_a_time", plots.plot, trials, "sensitivity")
   end)
 
+  it("shows how a search came closer", function()
+    local y = {5, 3, 4, 1, 2}
+    local function trials_of(goals)
+      local trials = make(goals, 5)
+      for i = 1, 5 do
+        trials[i].results = {mass = y[i], stiffness = i, stress = i == 2 and 9e9 or 1}
+      end
+      return trials
+    end
+    -- 5, then 1 (3 misses the constraint): a gap of 4, and none
+    local svg = plots.plot(trials_of(least_mass), "convergence"):svg()
+    assert.truthy(svg:find("mass: best so far, from the best, kg", 1, true))
+    assert.truthy(svg:find("best: 1 kg", 1, true))
+    -- costs (5, -1), (4, -3), (1, -4), (2, -5) below the worst (5, -1): 0, 2, 12, 15
+    local figure = plots.plot(trials_of(two_goals), "convergence")
+    svg = figure:svg()
+    for i, volume in pairs {[1] = 0, [3] = 2 / 15, [4] = 12 / 15, [5] = 1} do
+      local px, py = figure:place(i, volume)
+      local found = false
+      for x, v in svg:gmatch '<circle cx="([%d.]+)" cy="([%d.]+)"' do
+        found = found or math.abs(tonumber(x) - px) < 0.02 and math.abs(tonumber(v) - py) < 0.02
+      end
+      assert.truthy(found, ("trial %d"):format(i))
+    end
+    check.raises("one to three objectives", plots.plot, make({}, 3), "convergence")
+  end)
+
   it("names what it does not know", function()
     local trials = make(least_mass, 3)
     check.raises("no kind 'pareto_front': did you mean 'pareto'", plots.plot, trials, "pareto_front")
@@ -98,6 +126,7 @@ describe("trials:plot", function()
         for _, kind in ipairs {"history", "scatter_matrix", "parallel_coordinates", "contact_sheet"} do
           assert(plots.plot(trials, kind):svg())
         end
+        if #goals > 0 then assert(plots.plot(trials, "convergence"):svg()) end
         if #goals == 2 then assert(plots.plot(trials, "pareto"):svg()) end
       end
     end

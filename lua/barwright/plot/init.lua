@@ -8,7 +8,7 @@ local series = require "barwright.plot.series"
 return {
   lines = series.lines,
   scatter = series.scatter,
-  bars = series.bars,
+  bars = require "barwright.plot.bars",
   history = progress.history,
   pareto = progress.pareto,
   scatter_matrix = matrix.scatter_matrix,

@@ -3,6 +3,7 @@
 -- spans around a base.
 local core = require "barwright.core"
 local axis = require "barwright.plot.axis"
+local bars = require "barwright.plot.bars"
 local data = require "barwright.plot.data"
 local figure = require "barwright.plot.figure"
 local frame = require "barwright.plot.frame"
@@ -61,7 +62,7 @@ local function sobol(wish, given)
         high = taken(wish[key .. "_high"], order)}
     end
   end
-  return series.bars {names = taken(wish.names, order), series = list, horizontal = true,
+  return bars {names = taken(wish.names, order), series = list, horizontal = true,
     value = {label = "share of the variance" .. (wish.label and " of " .. wish.label or "")},
     title = wish.title, width = wish.width,
     height = given.height or math.max(180, 90 + #order * (24 + 16 * #list))}

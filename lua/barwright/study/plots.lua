@@ -1,165 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- trials:plot(kind, options): plots of bw.plot with a study's names, units, goals and constraints.
 local core = require "barwright.core"
-local data = require "barwright.plot.data"
 local numbers = require "barwright.plot.numbers"
 local options = require "barwright.options"
+local pictures = require "barwright.study.pictures"
 local plot = require "barwright.plot"
-local progress = require "barwright.plot.progress"
+local says = require "barwright.study.plot_data"
+local search = require "barwright.study.plot_search"
 
 local raise = core.raise
 local plots = {}
-
--- ---- what the trials say -----------------------------------------------------------------------
-
-local function find(list, name)
-  for _, item in ipairs(list) do
-    if item.name == name then return item end
-  end
-end
-
-local function names_of(problem)
-  local out = {}
-  for _, list in ipairs {problem.variables, problem.measures} do
-    for _, item in ipairs(list) do out[#out + 1] = item.name end
-  end
-  return out
-end
-
---- The item of a name, and whether it is a variable. Raises for unknown ones.
-local function known(trials, where, name)
-  local problem = trials.problem
-  local item = find(problem.variables, name)
-  if item then return item, true end
-  item = find(problem.measures, name)
-  if item then return item, false end
-  raise(("%s: '%s' is no variable and no measure: did you mean '%s'?"):format(where, tostring(name),
-    core.nearest(tostring(name), names_of(problem))))
-end
-
---- Whether results are there and keep the constraints.
-function plots.keeps(problem, trial)
-  if trial.status ~= "done" or not trial.results then return false end
-  for _, c in ipairs(problem.constraints or {}) do
-    local value = trial.results[c.name]
-    if value == nil or c.least and value < c.least or c.most and value > c.most then return false end
-  end
-  return true
-end
-
-local function feasible(trials)
-  local out = {}
-  for i = 1, #trials do out[i] = plots.keeps(trials.problem, trials[i]) end
-  return out
-end
-
-local function failed(trials)
-  local out = {}
-  for i = 1, #trials do out[i] = trials[i].status ~= "done" end
-  return out
-end
-
-local function values_of(trials, name, of_point)
-  local out = {}
-  for i = 1, #trials do
-    local from = of_point and trials[i].point or trials[i].results
-    local value = from and from[name]
-    if value == nil then out[i] = not of_point and 0 / 0 or false else out[i] = value end
-  end
-  return out
-end
-
-local function goal_of(problem, name)
-  local objective = find(problem.objectives or {}, name)
-  return objective and (objective.goal or "least")
-end
-
--- A measure over two decades or more is shown by its logarithm where it can be.
-local function scale_of(values)
-  local least, most = data.range {values}
-  return least and least > 0 and most >= 100 * least and "log" or nil
-end
-
--- A column of bw.plot for a variable or a measure.
-local function column(trials, where, name)
-  local item, of_point = known(trials, where, name)
-  local out = {name = name, unit = item.unit, values = values_of(trials, name, of_point),
-    goal = not of_point and goal_of(trials.problem, name) or nil}
-  if of_point and item.kind == "choice" then
-    out.of = {}
-    for i, choice in ipairs(item.of) do out.of[i] = tostring(choice) end
-    for i = 1, #trials do out.values[i] = tostring(out.values[i]) end
-    out.unit = nil
-  elseif of_point then
-    out.whole = item.kind == "integer" or nil
-    out.scale = item.scale
-    for i = 1, #trials do out.values[i] = out.values[i] or 0 / 0 end
-  else
-    out.scale = scale_of(out.values)
-  end
-  return out
-end
-
---- "trial 7: thickness 2 mm, holes 3; mass 12 g"
-function plots.note(problem, trial)
-  local parts = {{}, {}}
-  for k, list in ipairs {problem.variables, problem.measures} do
-    for _, item in ipairs(list) do
-      local from = k == 1 and trial.point or trial.results
-      local value = from and from[item.name]
-      if value ~= nil then
-        parts[k][#parts[k] + 1] = ("%s %s"):format(item.name, numbers.quantity(value, item.unit))
-      end
-    end
-  end
-  local text = ("trial %s: %s"):format(tostring(trial.number), table.concat(parts[1], ", "))
-  if #parts[2] > 0 then return text .. "; " .. table.concat(parts[2], ", ") end
-  return text .. "; " .. tostring(trial.status) .. (trial.message and ": " .. trial.message or "")
-end
-
-local function notes_of(trials)
-  if #trials > 3000 then return nil end -- a page of them would be slow
-  local out = {}
-  for i = 1, #trials do out[i] = plots.note(trials.problem, trials[i]) end
-  return out
-end
-
---- The places of the best trial (one objective) or of the front (several).
-function plots.chosen(trials)
-  local problem = trials.problem
-  local objectives = problem.objectives or {}
-  if #objectives == 0 then return {} end
-  local able, list = feasible(trials), {}
-  for k, objective in ipairs(objectives) do
-    list[k] = {numbers = values_of(trials, objective.name), goal = objective.goal or "least"}
-  end
-  local out = {}
-  for i in pairs(progress.find_front(list, able)) do out[#out + 1] = i end
-  table.sort(out)
-  if #objectives == 1 then return {out[1]} end
-  return out
-end
-
---- What the design says of the results: that of the run, or summed up from the trials that there are.
-function plots.summary(trials)
-  local summary, study = trials.summary or {}, trials.study
-  if summary.indices or summary.effects or summary.ranges then return summary end
-  local design = type(study) == "table" and rawget(study, "design")
-  local kind = design and design.kind
-  if not kind or not kind.summarise or not study.planned then return summary end
-  local planned = study:planned()
-  if not planned then return summary end
-  local by_key, points, results = {}, {}, {}
-  for _, trial in ipairs(trials) do by_key[trial.key] = trial end
-  for i, one in ipairs(planned) do
-    local trial = by_key[one.key]
-    points[i] = one.point
-    results[i] = trial and trial.status == "done" and trial.results or false
-  end
-  return kind.summarise(trials.problem, design.wish, points, results)
-end
-
--- ---- kinds -------------------------------------------------------------------------------------
 
 local function rules(own)
   own.title = {type = "string"}
@@ -178,7 +28,7 @@ local function measure_of(trials, where, name)
     if not first then raise(where .. ": the study measures nothing") end
     name = first.name
   end
-  local item, of_point = known(trials, where, name)
+  local item, of_point = says.known(trials, where, name)
   if of_point then raise(("%s: '%s' is a variable: a measure expected"):format(where, name)) end
   return item
 end
@@ -188,12 +38,12 @@ kinds.history = {
     scale = {type = "string", one_of = {"linear", "log"}}},
   make = function(trials, where, wish)
     local item = measure_of(trials, where, wish.measure)
-    local order, values = {}, values_of(trials, item.name)
+    local order, values = {}, says.values_of(trials, item.name)
     for i = 1, #trials do order[i] = trials[i].number or i end
     return plot.history {values = values, numbers = order, label = item.name, unit = item.unit,
-      goal = wish.goal or goal_of(trials.problem, item.name), scale = wish.scale or scale_of(values),
-      failed = failed(trials), feasible = feasible(trials), notes = notes_of(trials), title = wish.title,
-      width = wish.width, height = wish.height}
+      goal = wish.goal or says.goal_of(trials.problem, item.name), scale = wish.scale or says.scale_of(values),
+      failed = says.failed(trials), feasible = says.feasible(trials), notes = says.notes_of(trials),
+      title = wish.title, width = wish.width, height = wish.height}
   end,
 }
 
@@ -207,8 +57,8 @@ kinds.pareto = {
     end
     if #names < 2 then raise(where .. ": a study of two or more objectives, or objectives = {names}, expected") end
     local list = {}
-    for i, name in ipairs(names) do list[i] = column(trials, where, name) end
-    return plot.pareto {objectives = list, feasible = feasible(trials), notes = notes_of(trials),
+    for i, name in ipairs(names) do list[i] = says.column(trials, where, name) end
+    return plot.pareto {objectives = list, feasible = says.feasible(trials), notes = says.notes_of(trials),
       title = wish.title, width = wish.width, height = wish.height}
   end,
 }
@@ -218,7 +68,7 @@ kinds.pareto = {
 local function columns_of(trials, where, names, most)
   local problem, list = trials.problem, {}
   if not names then
-    names = names_of(problem)
+    names = says.names_of(problem)
     if #names > most then
       names = {}
       local taken = {}
@@ -235,7 +85,7 @@ local function columns_of(trials, where, names, most)
       take(problem.measures, most)
     end
   end
-  for i, name in ipairs(names) do list[i] = column(trials, where, name) end
+  for i, name in ipairs(names) do list[i] = says.column(trials, where, name) end
   return list
 end
 
@@ -246,15 +96,15 @@ local function coloured(trials, where, wish)
     name = first and first.name
   end
   if not name then return nil end
-  local item, of_point = known(trials, where, name)
+  local item, of_point = says.known(trials, where, name)
   if of_point and item.kind == "choice" then raise(("%s: colour: '%s' is no number"):format(where, name)) end
-  local values = values_of(trials, name, of_point)
-  return values, {label = name, unit = item.unit, scale = of_point and item.scale or scale_of(values)},
-    goal_of(trials.problem, name)
+  local values = says.values_of(trials, name, of_point)
+  return values, {label = name, unit = item.unit, scale = of_point and item.scale or says.scale_of(values)},
+    says.goal_of(trials.problem, name)
 end
 
 local function stood_back(trials)
-  local out = feasible(trials)
+  local out = says.feasible(trials)
   for i = 1, #out do out[i] = not out[i] end
   return out
 end
@@ -264,11 +114,11 @@ for kind, most in pairs {scatter_matrix = 8, parallel_coordinates = 24} do
     rules = rules {columns = {type = "table"}, colour = {type = "string"}},
     make = function(trials, where, wish)
       local values, value, goal = coloured(trials, where, wish)
-      local chosen = plots.chosen(trials)
+      local chosen = says.chosen(trials)
       if #chosen > (kind == "scatter_matrix" and 60 or 12) then chosen = nil end -- many are no choice
       return plot[kind] {columns = columns_of(trials, where, wish.columns, most), values = values,
         value = value, goal = goal, chosen = chosen, faint = stood_back(trials),
-        notes = kind == "scatter_matrix" and #trials <= 300 and notes_of(trials) or nil,
+        notes = kind == "scatter_matrix" and #trials <= 300 and says.notes_of(trials) or nil,
         title = wish.title, width = wish.width, height = wish.height}
     end,
   }
@@ -278,11 +128,11 @@ kinds.scatter = {
   rules = rules {x = {type = "string", needed = true}, y = {type = "string", needed = true},
     colour = {type = "string"}, scale = {type = "string", one_of = {"linear", "log"}}},
   make = function(trials, where, wish)
-    local x, y = column(trials, where, wish.x), column(trials, where, wish.y)
+    local x, y = says.column(trials, where, wish.x), says.column(trials, where, wish.y)
     if x.of or y.of then
       raise(("%s: '%s' is a choice: take scatter_matrix"):format(where, x.of and wish.x or wish.y))
     end
-    local series = {x = x.values, y = y.values, notes = notes_of(trials)}
+    local series = {x = x.values, y = y.values, notes = says.notes_of(trials)}
     local value
     if wish.colour then series.values, value = coloured(trials, where, wish) end
     return plot.scatter {series = {series}, values = value, title = wish.title, width = wish.width,
@@ -326,7 +176,7 @@ kinds.sensitivity = {
   rules = rules {measure = {type = "string"}},
   make = function(trials, where, wish)
     local item = measure_of(trials, where, wish.measure)
-    local summary = plots.summary(trials)
+    local summary = says.summary(trials)
     local given = {label = item.name, title = wish.title, width = wish.width, height = wish.height}
     local list = (summary.indices or summary.effects or summary.ranges or {})[item.name]
     if not list then
@@ -356,89 +206,46 @@ kinds.sensitivity = {
   end,
 }
 
--- ---- pictures ----------------------------------------------------------------------------------
-
-local function exists(path)
-  local file = io.open(path, "rb")
-  if file then file:close() end
-  return file ~= nil
-end
-
--- The PNG files of a folder, by name.
-local function pictures_in(folder)
-  local out = {}
-  for _, part in ipairs(core.list_folder and core.list_folder(folder) or {}) do
-    if not part.folder and part.name:lower():match "%.png$" then out[#out + 1] = part.name end
-  end
-  table.sort(out)
-  return out
-end
-
---- The picture of a trial: of the name given, else picture.png, else the first PNG file of its folder; nil.
-function plots.picture(trial, name)
-  local folder = trial.folder
-  if type(folder) ~= "string" then return nil end
-  if name then return exists(folder .. "/" .. name) and folder .. "/" .. name or nil end
-  if exists(folder .. "/picture.png") then return folder .. "/picture.png" end
-  local first = pictures_in(folder)[1]
-  return first and folder .. "/" .. first
-end
-
--- The point and the first objective in two lines.
-local function caption_of(problem, trial)
-  local point = {}
-  for _, v in ipairs(problem.variables) do
-    local value = trial.point and trial.point[v.name]
-    if value ~= nil then -- a name stays with its value
-      local text = ("%s %s"):format(v.name, numbers.quantity(value, v.unit))
-      point[#point + 1] = (text:gsub(" ", "\u{a0}"))
+kinds.convergence = {
+  rules = rules {},
+  make = function(trials, where, wish)
+    local objectives = trials.problem.objectives or {}
+    if #objectives == 0 or #objectives > 3 then
+      raise(where .. ": a study of one to three objectives expected")
     end
-  end
-  local found = {}
-  for _, list in ipairs {problem.objectives or {}, problem.measures} do
-    for _, item in ipairs(list) do
-      local measure = find(problem.measures, item.name)
-      local value = trial.results and trial.results[item.name]
-      if value and not found[item.name] and #found < 2 then
-        found[item.name] = true
-        found[#found + 1] = ("%s %s"):format(item.name, numbers.quantity(value, measure and measure.unit))
+    local x, y, label
+    local marks, at = {}, nil
+    if #objectives == 1 then
+      local best
+      local unit = says.find(trials.problem.measures, objectives[1].name).unit
+      x, y, at, best = search.gaps(trials, objectives[1])
+      if at then
+        marks[1] = {x = at, name = "best: " .. numbers.quantity(best, unit)}
+        if #x > 0 then x[#x + 1], y[#y + 1] = at, y[#y] end -- the last step ends there
       end
+      label = {label = objectives[1].name .. ": best so far, from the best", unit = unit,
+        scale = says.scale_of(y) or "linear"}
+    else
+      x, y = search.volumes(trials, objectives)
+      label = {label = "hypervolume of the front so far, of that at the end", least = 0, most = 1.04}
     end
-  end
-  return ("%s: %s\n%s"):format(tostring(trial.number), #found > 0 and table.concat(found, ", ")
-    or tostring(trial.status), table.concat(point, ", "))
-end
-
---- Pictures for a contact sheet: those of the best or the front first, `most` of them.
-function plots.pictures(trials, name, most)
-  local chosen, order, seen = {}, {}, {}
-  for _, i in ipairs(plots.chosen(trials)) do
-    chosen[i] = true
-    order[#order + 1] = i
-  end
-  for i = 1, #trials do
-    if not chosen[i] then order[#order + 1] = i end
-  end
-  for _, i in ipairs(order) do
-    local path = #seen < most and plots.picture(trials[i], name)
-    if path then
-      seen[#seen + 1] = {path = path, caption = caption_of(trials.problem, trials[i]), chosen = chosen[i]}
-    end
-  end
-  return seen
-end
+    return plot.lines {series = {{x = x, y = y, steps = true, markers = not at and #x <= 60}}, y = label,
+      marks = marks, x = {label = "trial", whole = true}, title = wish.title, width = wish.width,
+      height = wish.height}
+  end,
+}
 
 kinds.contact_sheet = {
   rules = rules {picture = {type = "string"}, most = {type = "integer", least = 1, most = 400, default = 40},
     columns = {type = "integer"}, cell = {type = "number"}},
   make = function(trials, _, wish)
-    return plot.contact_sheet {pictures = plots.pictures(trials, wish.picture, wish.most), title = wish.title,
+    return plot.contact_sheet {pictures = pictures.of(trials, wish.picture, wish.most), title = wish.title,
       columns = wish.columns, cell = wish.cell, lines = 3}
   end,
 }
 
---- A figure of the trials. kind: history, pareto, scatter, scatter_matrix, parallel_coordinates,
---- sensitivity, contact_sheet.
+--- A figure of the trials. kind: history, convergence, pareto, scatter, scatter_matrix,
+--- parallel_coordinates, sensitivity, contact_sheet.
 function plots.plot(trials, kind, given)
   local one = kinds[kind]
   if not one then

@@ -7,7 +7,9 @@ local json = require "barwright.json"
 local numbers = require "barwright.plot.numbers"
 local options = require "barwright.options"
 local page = require "barwright.report"
+local pictures = require "barwright.study.pictures"
 local plots = require "barwright.study.plots"
+local says = require "barwright.study.plot_data"
 
 local escape = page.escape
 local report = {}
@@ -170,11 +172,11 @@ local function all_trials(trials, most)
   head[#head + 1] = "status"
   head[#head + 1] = "seconds"
   local chosen = {}
-  for _, i in ipairs(plots.chosen(trials)) do chosen[i] = true end
+  for _, i in ipairs(says.chosen(trials)) do chosen[i] = true end
   for i = 1, math.min(#trials, most) do
     local trial = trials[i]
     local row = row_of(columns, trial)
-    local keeps = plots.keeps(problem, trial)
+    local keeps = says.keeps(problem, trial)
     local status = words[trial.status] or tostring(trial.status)
     if trial.status == "done" and not keeps then status = "misses a constraint" end
     row[#row + 1] = {status .. (trial.message and ": " .. trial.message or ""), status}
@@ -194,7 +196,7 @@ local function found(trials)
   local problem = trials.problem
   local objectives = problem.objectives or {}
   if #trials == 0 then return "<p>There are no trials yet.</p>\n" end
-  local chosen = plots.chosen(trials)
+  local chosen = says.chosen(trials)
   if #objectives == 0 then
     local rows = {}
     for i, m in ipairs(problem.measures) do
@@ -237,7 +239,7 @@ local function statuses(trials)
   for i = 1, #trials do
     local trial = trials[i]
     local status = trial.status or "?"
-    if status == "done" and not plots.keeps(trials.problem, trial) then status = "infeasible" end
+    if status == "done" and not says.keeps(trials.problem, trial) then status = "infeasible" end
     counts[status] = (counts[status] or 0) + 1
   end
   local out = {'<ul class="counts">\n'}
@@ -289,7 +291,10 @@ local function fitting(trials)
   for _, objective in ipairs(objectives) do
     add(("History of %s"):format(objective.name), "history", {measure = objective.name})
   end
-  local summary = plots.summary(trials)
+  local design = type(trials.study) == "table" and trials.study.design
+  local grows = type(design) == "table" and design.kind and not design.kind.points
+  if grows and #objectives >= 1 and #objectives <= 3 then add("How the search came closer", "convergence") end
+  local summary = says.summary(trials)
   local by_measure = summary.indices or summary.effects or summary.ranges
   for _, m in ipairs(problem.measures) do
     if by_measure and by_measure[m.name] and #by_measure[m.name] > 0 then
@@ -324,7 +329,7 @@ end
 
 local function all_pictures(trials, wish)
   if wish.pictures == 0 then return "" end
-  local list = plots.pictures(trials, wish.picture, wish.pictures)
+  local list = pictures.of(trials, wish.picture, wish.pictures)
   if #list == 0 then return "" end
   local made = require("barwright.plot").contact_sheet {pictures = list, lines = 3}
   return '<h2 id="pictures">Pictures</h2>\n' .. figure_html("The best first", made)
@@ -335,12 +340,12 @@ end
 -- One sentence above all.
 local function answer(trials)
   local problem = trials.problem
-  local objectives, chosen = problem.objectives or {}, plots.chosen(trials)
+  local objectives, chosen = problem.objectives or {}, says.chosen(trials)
   local done = 0
   for i = 1, #trials do done = done + (trials[i].status == "done" and 1 or 0) end
   local text = ("%d trial%s, %d done."):format(#trials, #trials == 1 and "" or "s", done)
   if #objectives == 1 and chosen[1] then
-    return text .. " Best: " .. plots.note(problem, trials[chosen[1]]) .. "."
+    return text .. " Best: " .. says.note(problem, trials[chosen[1]]) .. "."
   elseif #objectives > 1 and #chosen > 0 then
     return text .. (" %d on the front."):format(#chosen)
   elseif #objectives > 0 and #trials > 0 then
