@@ -137,6 +137,16 @@ describe("a plot", function()
     svg_of(bw.plot.lines {series = {{name = "bad \xff \1 bytes", y = {1, 2}}}})
   end)
 
+  it("of very many series keeps room for them", function()
+    local series = {}
+    for i = 1, 200 do series[i] = {name = "series " .. i, y = {i, 2 * i}} end
+    local figure = bw.plot.lines {series = series}
+    assert.truthy(svg_of(figure):find("and %d+ more"))
+    local _, low = figure:place(1, 1)
+    local _, high = figure:place(1, 400)
+    assert.truthy(low - high > 200 and high > 0 and low < 440)
+  end)
+
   it("of very many points is small", function()
     local x, y = {}, {}
     local random = check.random(5)

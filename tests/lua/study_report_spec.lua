@@ -103,6 +103,10 @@ describe("trials:plot", function()
       assert.truthy(found, ("trial %d"):format(i))
     end
     check.raises("one to three objectives", plots.plot, make({}, 3), "convergence")
+    local holes = trials_of(two_goals)
+    for i = 1, 5 do holes[i].results[i % 2 == 0 and "mass" or "stiffness"] = nil end
+    assert(plots.plot(holes, "convergence"):svg())
+    assert(plots.plot(holes, "pareto"):svg())
   end)
 
   it("names what it does not know", function()

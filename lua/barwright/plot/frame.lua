@@ -211,14 +211,22 @@ local function draw_key(s, x, y, entry)
   end
 end
 
--- Rows of keys and names as wide as the sketch; returns where they end.
+-- Rows of keys and names as wide as the sketch, at most a third of its height; returns where they end.
 local function draw_legend(s, x, y, width, entries)
   local most = math.max(80, math.min(260, width * 0.45))
-  local at = x
-  for _, entry in ipairs(entries) do
+  local at, rows = x, math.max(1, math.floor(s.height / 3 / 19))
+  for i, entry in ipairs(entries) do
     local name = s:shortened(entry.name, small, most, false, true)
     local wide = 28 + s:text_width(name, small) + 18
-    if at > x and at + wide - 18 > x + width then at, y = x, y + 19 end
+    local rest = #entries - i + 1
+    local more = rest > 1 and rows == 1 and 90 or 0
+    if at > x and at + wide - 18 > x + width - more then
+      if rows == 1 then
+        s:text(("and %d more"):format(rest), at, y + 9, {size = small, middle = true, colour = palette.soft})
+        break
+      end
+      at, y, rows = x, y + 19, rows - 1
+    end
     draw_key(s, at, y + 9, entry)
     s:text(name, at + 28, y + 9, {size = small, middle = true})
     at = at + wide

@@ -27,12 +27,13 @@ function search.volumes(trials, objectives)
   local costs, order, worst = {}, {}, {}
   for i = 1, #trials do
     if says.keeps(trials.problem, trials[i]) then
-      local row = {}
+      local row, whole = {}, true -- measures may be optional
       for k, objective in ipairs(objectives) do
         local value = trials[i].results[objective.name]
         row[k] = value and (objective.goal == "most" and -value or value)
+        whole = whole and value ~= nil
       end
-      if #row == #objectives then -- measures may be optional
+      if whole then
         for k = 1, #row do worst[k] = math.max(worst[k] or row[k], row[k]) end
         costs[#costs + 1], order[#order + 1] = row, trials[i].number or i
       end
