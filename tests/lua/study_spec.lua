@@ -156,7 +156,8 @@ describe("a run", function()
   it("records what fails, crashes, hangs and fills memory, and goes on; retry runs those again", function()
     local folder = check.folder()
     local function make(mended)
-      return bw.study {name = "bad", file = folder .. "/bad.study", measures = {"m", {name = "o", optional = true}},
+      return bw.study {name = "bad", file = folder .. "/bad.study",
+        measures = {"m", {name = "o", optional = true}},
         variables = {{name = "k", kind = "integer", least = 1, most = 9}}, design = {"grid"},
         run = function(point)
           local k = mended and 1 or point.k
@@ -314,7 +315,8 @@ describe("tables and merging", function()
     local folder = check.folder()
     local one = bw.study {name = "a table", file = folder .. "/t.study", design = {"points", points = {{x = 0.1,
       ['say "hi"'] = "a,b"}, {x = 1 / 3, ['say "hi"'] = "line\nbreak"}}}, measures = {{name = "y", unit = "Pa"}},
-      variables = {{name = "x", unit = "m", least = 0, most = 1}, {name = 'say "hi"', of = {"a,b", "line\nbreak"}}},
+      variables = {{name = "x", unit = "m", least = 0, most = 1},
+        {name = 'say "hi"', of = {"a,b", "line\nbreak"}}},
       run = function(point)
         if point.x > 0.3 then error "no, really" end
         return {y = 3}

@@ -6,10 +6,10 @@ local core = require "barwright.core"
 local csv = require "barwright.study.csv"
 local designs = require "barwright.study.designs"
 local front = require "barwright.study.front"
-local json = require "barwright.json"
 local options = require "barwright.options"
 local problem = require "barwright.study.problem"
 local rerun = require "barwright.study.rerun"
+local results = require "barwright.results"
 local run = require "barwright.study.run"
 local merge = require "barwright.study.merge"
 local status = require "barwright.study.status"
@@ -77,10 +77,10 @@ end
 
 --- What made the results, for the file.
 function methods:manifest()
-  local libraries = json.list {}
-  for line in (core.library_versions() or ""):gmatch "[^\n]+" do libraries[#libraries + 1] = line end
-  return {program = "barwright", version = core.version, commit = core.commit ~= "" and core.commit or json.null,
-    libraries = libraries, script = self.script.path, processors = core.processors()}
+  local out = results.surroundings()
+  out.threads = nil -- a trial has one, whoever runs it
+  out.script = self.script.path
+  return out
 end
 
 --- Runs what is missing; see run.lua.

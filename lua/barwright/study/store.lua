@@ -136,7 +136,7 @@ local function transaction(db, f)
   fine, message, details = f()
   if fine then fine, message, details = db:execute "COMMIT" end
   if not fine then
-    db:execute "ROLLBACK"
+    if db.inside_transaction then db:execute "ROLLBACK" end -- a full disk has done so
     return nil, message, details
   end
   return true

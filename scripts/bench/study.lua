@@ -1,0 +1,86 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What a study costs beside its trials: seconds for each of many trials that do nothing, what of them is
+-- the fork, the file, the key; two workers beside one on trials that compute for some 20 ms; memory of the
+-- process that runs it; going on with a file that has everything.
+--   build/barwright scripts/bench/study.lua [--out FILE.json] [--trials N] [--ms 20] [--work N]
+local bw = require "barwright"
+local core = require "barwright.core"
+
+local wish, i = {trials = 2000, ms = 20, work = 200}, 1
+while arg[i] do
+  local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
+  wish[name] = name == "out" and arg[i + 1] or assert(tonumber(arg[i + 1]), "a number expected")
+  i = i + 2
+end
+
+local folder = os.tmpname()
+os.remove(folder)
+assert(core.make_folder(folder))
+
+local function study(name, count, run)
+  return bw.study {name = name, file = ("%s/%s.study"):format(folder, name), measures = {"y"},
+    variables = {{name = "x", least = 0, most = 1}, {name = "n", kind = "integer", least = 0, most = 9}},
+    design = {"random", count = count}, run = run}
+end
+
+local function timed(f)
+  local start, processor = core.seconds(), os.clock()
+  f()
+  return core.seconds() - start, os.clock() - processor
+end
+
+local function nothing(point) return {y = point.x} end
+
+local result = {trials = wish.trials, processors = core.processors()}
+
+-- ---- overhead ------------------------------------------------------------------------------------------
+
+local empty = study("empty", wish.trials, nothing)
+local peak = bw.results.peak_memory()
+local one, own = timed(function() assert(empty:run {workers = 1}) end)
+result.overhead = {seconds_of_trial_one_worker = one / wish.trials, processor_seconds_of_trial = own / wish.trials,
+  memory_bytes_before = peak, memory_bytes_after = bw.results.peak_memory()}
+local again = timed(function() assert(empty:run()) end)
+result.overhead.seconds_of_trial_that_is_there = again / wish.trials
+os.remove(empty.file)
+local two = timed(function() assert(empty:run {workers = 2}) end)
+result.overhead.seconds_of_trial_two_workers = two / wish.trials
+local fork = timed(function()
+  for _ = 1, 500 do
+    local job = assert(core.job(function() return "" end, {}))
+    core.wait({job}, 60)
+    job:close()
+  end
+end)
+result.overhead.seconds_of_fork = fork / 500
+local file = assert(io.open(empty.file, "rb"))
+result.overhead.file_bytes_of_trial = file:seek "end" / wish.trials
+file:close()
+
+-- ---- two workers beside one ----------------------------------------------------------------------------
+
+-- So many turns as take the wanted time here and now.
+local function turns(count)
+  local x = 0.5
+  for _ = 1, count do x = 3.9 * x * (1 - x) end
+  return x
+end
+local rate = 2000000 / select(2, timed(function() turns(2000000) end))
+local count = math.floor(rate * wish.ms / 1000)
+local function work() return {y = turns(count)} end
+
+local seconds = {}
+for round = 1, 3 do -- the best of three: the machine has other things to do
+  for workers = 1, 2 do
+    local own_study = study(("work_%d_%d"):format(round, workers), wish.work, work)
+    local took = timed(function() assert(own_study:run {workers = workers}) end)
+    seconds[workers] = math.min(seconds[workers] or took, took)
+  end
+end
+result.throughput = {trial_seconds = wish.ms / 1000, trials = wish.work, seconds_one_worker = seconds[1],
+  seconds_two_workers = seconds[2], gain = seconds[1] / seconds[2]}
+
+os.execute("rm -rf '" .. folder .. "'")
+local text = bw.json.encode(result, "  ")
+print(text)
+if wish.out then assert(core.write_file(wish.out, text .. "\n")) end

@@ -1,0 +1,124 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What the file of a study lives through: SIGKILL at any moment, a full disk, damage; Ctrl-C.
+local bw = require "barwright"
+local core = require "barwright.core"
+local check = require "check"
+
+local script = check.root .. "/tests/lua/study/killed.lua"
+local full = os.getenv "BARWRIGHT_FULL" == "1"
+
+local function rows(path)
+  local db <close> = assert(core.database(path, {read_only = true}))
+  return assert(db:rows("SELECT t.number, t.key, t.status, t.attempts, p.x, p.k, r.y, r.r FROM trials t"
+    .. " JOIN points p ON p.number = t.number LEFT JOIN results r ON r.number = t.number ORDER BY t.number"))
+end
+
+local function count_done(path)
+  local there = io.open(path, "rb")
+  if not there then return 0 end
+  there:close()
+  local db <close> = core.database(path, {read_only = true})
+  local list = db and db:rows "SELECT count(*) AS n FROM trials WHERE status = 'done'"
+  return list and list[1].n or 0
+end
+
+describe("a study that is killed", function()
+  it("ends with every trial once and the numbers of an undisturbed run", function()
+    local count, kills = full and 10000 or 500, full and 50 or 8
+    local folder = check.folder()
+    local start = core.seconds()
+    assert.equal(0, (check.run(("%s %s/whole.study %d"):format(script, folder, count))))
+    local whole = core.seconds() - start
+    local random = check.random(11)
+    local path, progress = folder .. "/killed.study", {}
+    for i = 1, kills do
+      local delay = (0.2 + 1.6 * random()) * whole / kills
+      os.execute(("BARWRIGHT_QUIET=1 '%s' '%s' '%s' %d >/dev/null 2>%s/err & p=$!; sleep %.4f; kill -9 $p; "
+        .. "wait $p 2>/dev/null; true"):format(check.program, script, path, count, folder, delay))
+      assert.equal("", check.read(folder .. "/err"))
+      progress[i] = count_done(path)
+      assert.is_true(progress[i] >= (progress[i - 1] or 0)) -- nothing that was there is gone
+    end
+    assert.is_true(progress[kills] > 0)
+    local status, said, complaint = check.run(("%s %s %d"):format(script, path, count))
+    assert.equal("", complaint)
+    assert.equal(0, status)
+    assert.equal(count .. "\n", said)
+    local expected, found = rows(folder .. "/whole.study"), rows(path)
+    assert.equal(count, #found)
+    for i, row in ipairs(found) do
+      assert.equal(1, row.attempts)
+      assert.same(expected[i], row)
+    end
+    if full then print(("# done after each kill: %s"):format(table.concat(progress, " "))) end
+  end)
+
+  it("goes on after Ctrl-C, which ends it with status 130 and what is done kept", function()
+    local folder = check.folder()
+    local path = folder .. "/x.study"
+    os.execute(("BARWRIGHT_QUIET=1 '%s' '%s' '%s' 5000 >/dev/null 2>%s/err & p=$!; sleep 1.2; kill -INT $p; "
+      .. "wait $p; echo $? >%s/code"):format(check.program, script, path, folder, folder))
+    assert.equal("130\n", check.read(folder .. "/code"))
+    local done = count_done(path)
+    assert.is_true(done > 0 and done < 5000, done)
+    assert.truthy(check.read(folder .. "/err"):find("interrupted", 1, true))
+    local lock = io.open(path .. ".lock")
+    assert.is_nil(lock)
+  end)
+end)
+
+describe("a second process", function()
+  it("is refused while the first one runs, and the file can be read meanwhile", function()
+    local folder = check.folder()
+    local path = folder .. "/x.study"
+    os.execute(("BARWRIGHT_QUIET=1 '%s' '%s' '%s' 5000 >/dev/null 2>&1 & echo $! >%s/pid; sleep 1.2"):format(
+      check.program, script, path, folder))
+    local status, _, complaint = check.run(("%s %s 5000"):format(script, path))
+    local done = count_done(path)
+    os.execute(("kill -9 %d"):format(tonumber(check.read(folder .. "/pid"))))
+    assert.equal(1, status)
+    assert.truthy(complaint:find("this study is being run by process " .. check.read(folder .. "/pid"):match "%d+",
+      1, true), complaint)
+    assert.is_true(done > 0)
+  end)
+end)
+
+local function study(path, count, more)
+  local wish = {name = "full", file = path, variables = {{name = "x", least = 0, most = 1}}, measures = {"y"},
+    design = {"random", count = count}, run = function(point) return {y = point.x} end}
+  for key, value in pairs(more or {}) do wish[key] = value end
+  return bw.study(wish)
+end
+
+describe("a file", function()
+  -- As root on a file system of its own that is small; else by the limit on the size of files.
+  it("on a full disk keeps what was finished, says so, and goes on when there is room", function()
+    local folder = check.folder()
+    local is_root = io.popen("id -u"):read "l" == "0"
+    local mounted = is_root and os.execute(("mount -t tmpfs -o size=300k none '%s' 2>/dev/null"):format(folder))
+    if not mounted then return end
+    local path = folder .. "/full.study"
+    local fine, message, details = study(path, 3000):run()
+    local done = count_done(path)
+    os.execute(("cp '%s' '%s.copy' 2>/dev/null; umount -l '%s' 2>/dev/null"):format(path, os.tmpname(), folder))
+    check.fails("full", "the disk is full; what was finished before is kept", fine, message, details)
+    assert.is_true(done > 20 or done == 0, done)
+  end)
+
+  it("that is damaged is refused with the reason, and what can be read is saved", function()
+    local folder = check.folder()
+    local path = folder .. "/full.study"
+    local whole = assert(study(path, 300):run())
+    local text = check.read(path)
+    local middle = #text // 2 // 4096 * 4096
+    check.write(path, text:sub(1, middle) .. ("\xff"):rep(8192) .. text:sub(middle + 8193))
+    local fine, message, details = study(path, 300):run()
+    if not fine then check.fails("damaged", "salvage", fine, message, details) end
+    local report = assert(bw.study.salvage(path, folder .. "/saved.study"))
+    assert.is_true(report.rows > 100)
+    local saved = study(folder .. "/saved.study", 300)
+    local trials = assert(saved:run())
+    assert.equal(300, #trials)
+    assert.same(whole:column "y", trials:column "y")
+  end)
+end)
