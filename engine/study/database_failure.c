@@ -4,6 +4,8 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 
 #include "study/internal.h"
@@ -42,6 +44,26 @@ static bw_status full_disk(bw_context *context, const char *path, int error) {
   return status;
 }
 
+/* SQLite does not always keep what the system said: whether the file, or what stands beside it, has
+ * no room to grow. */
+static int why_not_written(const char *path) {
+  enum { LITTLE = 1 << 16 };
+  struct rlimit sizes;
+  struct stat about;
+  char name[BWI_LONGEST_PATH + 8];
+  static const char *const ending[] = {"", "-wal", "-shm"};
+  if (getrlimit(RLIMIT_FSIZE, &sizes) == 0 && sizes.rlim_cur != RLIM_INFINITY)
+    for (int i = 0; i < 3; i++) {
+      snprintf(name, sizeof name, "%s%s", path, ending[i]);
+      if (stat(name, &about) == 0 && (rlim_t)about.st_size + LITTLE > sizes.rlim_cur)
+        return EFBIG;
+    }
+  struct statvfs disk;
+  if (statvfs(path, &disk) == 0 && (double)disk.f_bavail * (double)disk.f_frsize < LITTLE)
+    return ENOSPC;
+  return 0;
+}
+
 static bw_status refused(bw_context *context, const char *path, const char *words, int error) {
   return bwi_database_say(context, BW_IO, NULL, path, "%s%s%s", words, error ? ": " : "",
                           error ? strerror(error) : "");
@@ -74,6 +96,9 @@ static bw_status describe(bw_context *context, sqlite3 *connection, int code, co
   case SQLITE_TOOBIG:
     return bwi_database_say(context, BW_LIMIT, "size", path, "%s", words);
   case SQLITE_IOERR:
+    if (error == 0 && (code == SQLITE_IOERR_WRITE || code == SQLITE_IOERR_SHMSIZE ||
+                       code == SQLITE_IOERR_TRUNCATE))
+      error = why_not_written(path);
     if (error == ENOSPC || error == EFBIG || error == EDQUOT)
       return full_disk(context, path, error);
     return refused(context, path, words, error);

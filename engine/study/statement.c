@@ -190,36 +190,46 @@ bw_status bw_statement_value(bw_context *context, bw_statement *s, int column,
 
 /* ---- SQLite's own check ---------------------------------------------------------------------- */
 
+typedef struct text {
+  char *bytes;
+  size_t length, capacity;
+} text;
+
+static bw_status add_line(bw_context *context, text *list, const char *line, size_t length) {
+  if (!bw_grow(context, (void **)&list->bytes, &list->capacity, list->length, length + 2, 1))
+    return BW_MEMORY;
+  memcpy(list->bytes + list->length, line, length);
+  list->length += length;
+  list->bytes[list->length++] = '\n';
+  list->bytes[list->length] = 0;
+  return BW_OK;
+}
+
 bw_status bw_database_check(bw_context *context, bw_database *d, int most, char **problems) {
-  char sql[64], *list = NULL;
-  size_t length = 0, capacity = 0;
+  char sql[64];
+  text list = {NULL, 0, 0};
   bw_statement *s = NULL;
   bw_sql_value value;
-  bw_status status;
   bool row = true;
   snprintf(sql, sizeof sql, "PRAGMA quick_check(%d)", most);
-  BW_TRY(bw_database_prepare(context, d, sql, &s));
-  for (;;) {
-    BW_TRY(bw_statement_step(context, s, &row));
-    if (!row)
+  bw_status status = bw_database_prepare(context, d, sql, &s);
+  while (status == BW_OK) {
+    status = bw_statement_step(context, s, &row);
+    if (status != BW_OK || !row)
       break;
-    BW_TRY(bw_statement_value(context, s, 0, &value));
-    if (value.type != BW_SQL_TEXT || (value.length == 2 && memcmp(value.text, "ok", 2) == 0))
-      continue;
-    if (!bw_grow(context, (void **)&list, &capacity, length, value.length + 2, 1)) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    memcpy(list + length, value.text, value.length);
-    length += value.length;
-    list[length++] = '\n';
-    list[length] = 0;
+    status = bw_statement_value(context, s, 0, &value);
+    bool fine = value.length == 2 && memcmp(value.text, "ok", 2) == 0;
+    if (status == BW_OK && value.type == BW_SQL_TEXT && !fine)
+      status = add_line(context, &list, value.text, value.length);
   }
-  *problems = list;
-  list = NULL;
-done:
   if (row)
     bw_statement_put_back(s);
-  bw_free(list);
+  /* Damage that stops the check is what it was looking for. */
+  if (status == BW_FORMAT)
+    status = add_line(context, &list, bw_message(context), strlen(bw_message(context)));
+  if (status == BW_OK)
+    *problems = list.bytes;
+  else
+    bw_free(list.bytes);
   return status;
 }

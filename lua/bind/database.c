@@ -193,6 +193,35 @@ static int database_change(lua_State *L) {
   return run(L, change);
 }
 
+/* salvage(damaged, to): {tables, rows, lost, whole, log} */
+static int core_salvage(lua_State *L) {
+  const char *damaged = lbw_check_text(L, 1, NULL), *to = lbw_check_text(L, 2, NULL);
+  bw_salvage_report report = {0};
+  bw_context *context = lbw_enter(L);
+  int remarks = 0;
+  while (bw_remark_at(context, remarks))
+    remarks++;
+  int failed = leave(L, bw_database_salvage(context, damaged, to, &report), 0);
+  if (failed)
+    return failed;
+  lua_createtable(L, 0, 5);
+  lua_pushinteger(L, report.tables);
+  lua_setfield(L, -2, "tables");
+  lua_pushinteger(L, report.rows);
+  lua_setfield(L, -2, "rows");
+  lua_pushinteger(L, report.lost);
+  lua_setfield(L, -2, "lost");
+  lua_pushboolean(L, report.whole);
+  lua_setfield(L, -2, "whole");
+  lua_newtable(L);
+  for (int i = remarks; bw_remark_at(context, i); i++) {
+    lua_pushstring(L, bw_remark_at(context, i));
+    lua_rawseti(L, -2, i - remarks + 1);
+  }
+  lua_setfield(L, -2, "log");
+  return 1;
+}
+
 /* ---- the rest -------------------------------------------------------------------------------- */
 
 /* database:check(): true, or false and what is wrong with the file */
@@ -240,7 +269,8 @@ static const luaL_Reg meta[] = {{"__tostring", database_tostring}, {NULL, NULL}}
 const lbw_class lbw_database_class = {"database", methods, properties, meta, NULL};
 
 void lbw_open_database(lua_State *L) {
-  static const luaL_Reg functions[] = {{"database", core_database}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"database", core_database}, {"salvage", core_salvage}, {NULL, NULL}};
   lbw_class_register(L, &lbw_database_class);
   luaL_setfuncs(L, functions, 0);
 }

@@ -121,4 +121,52 @@ describe("a database", function()
     assert(db:execute "COMMIT")
     assert.equal(5, other:change "DELETE FROM trial")
   end)
+
+  it("that is damaged is told, and what is readable is saved", function()
+    local folder = check.folder()
+    local path = folder .. "/a.study"
+    filled(path, 2000):close()
+    local bytes = check.read(path)
+    local page = 30 * 4096
+    check.write(path, bytes:sub(1, page) .. ("\0"):rep(3 * 4096) .. bytes:sub(page + 3 * 4096 + 1))
+    local db = assert(core.database(path))
+    local rows, message, details = db:rows "SELECT * FROM trial NOT INDEXED"
+    check.fails("damaged", "salvage", rows, message, details)
+    local sound, problems = db:check()
+    assert.is_false(sound)
+    assert.truthy(#problems > 0)
+    db:close()
+    local saved = assert(core.salvage(path, folder .. "/saved.study"))
+    assert.equal(1, saved.tables)
+    assert.equal(2000, saved.rows + saved.lost)
+    assert.truthy(saved.lost > 0 and saved.lost < 200)
+    assert.is_false(saved.whole)
+    assert.truthy(saved.log[1]:find("could not be read", 1, true))
+    local new <close> = assert(core.database(folder .. "/saved.study"))
+    assert.equal(saved.rows, new:rows "SELECT count(*) AS n FROM trial"[1].n)
+    assert.equal(0, new:rows "SELECT count(*) AS n FROM trial WHERE mass <> number / 3.0"[1].n)
+    check.fails("io", "already", core.salvage(path, folder .. "/saved.study"))
+    check.fails("io", "No such file", core.salvage(folder .. "/none", folder .. "/other"))
+  end)
+
+  it("says that the disk is full", function()
+    local folder = check.folder()
+    local path = folder .. "/a.study"
+    check.write(folder .. "/s.lua", [[
+      local core = require "barwright.core"
+      local db = assert(core.database(arg[1]))
+      assert(db:execute "CREATE TABLE t (a)")
+      local _, message, details
+      for i = 1, 100000 do
+        _, message, details = db:change("INSERT INTO t VALUES (?)", ("x"):rep(500))
+        if not _ then break end
+      end
+      print(details.status, #db:rows "SELECT a FROM t" > 10)
+    ]])
+    local pipe <close> = assert(io.popen(("trap '' XFSZ; ulimit -f 300; '%s' %s/s.lua %s"):format(
+      check.program, folder, path)))
+    assert.equal("full\ttrue\n", pipe:read "a")
+    local db <close> = assert(core.database(path))
+    assert.is_true(db:check())
+  end)
 end)

@@ -75,6 +75,17 @@ const char *bw_statement_column_name(const bw_statement *statement, int column);
 bw_status bw_statement_value(bw_context *context, bw_statement *statement, int column,
                              bw_sql_value *value);
 
+/* Copy what can be read of a damaged file into a new one: tables row by row, past what is
+ * unreadable, then indices and views. The damaged file is not touched. What was saved and what was
+ * lost, table by table, are remarks of the context. */
+typedef struct bw_salvage_report {
+  int64_t tables, rows;
+  int64_t lost; /* rows that there were, at most: places in the tables that could not be read */
+  bool whole;   /* nothing was in the way */
+} bw_salvage_report;
+bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
+                              bw_salvage_report *report);
+
 /* ---- points that fill a cube evenly ---------------------------------------------------------- */
 
 enum { BW_SOBOL_DIMENSIONS = 1111 };
