@@ -408,8 +408,9 @@ end
 
 --- Equilibrium: {tolerance =, iterations =, steps = load steps to begin with, path = parts of the path
 --- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (direct up to 20,000 nodes,
---- on a grid made coarse once up to 2,500), coarse = a coarse solid, start = displacements, allow_inverted =}. Returns the result; or nil,
---- message, details, where details.reached is the last equilibrium on the way.
+--- on a grid made coarse once up to 2,500), coarse = a coarse solid, start = displacements,
+--- allow_inverted =}. Returns the result; or nil, message, details, where details.reached is the last
+--- equilibrium on the way.
 function solid:solve(given)
   check_self("solve", self)
   local wish = options.read("solve", given, solve_rules)

@@ -38,7 +38,7 @@ local function one_scene(name)
   local scene = scenes[name]
   local fine = assert(scenes.solid(scene, scenes.palette()))
   local paper = library_of.paper(name) or {}
-  local rows = assert(compare.scene(scene, fine, library, {"lookup"}, function(row)
+  local rows = assert(compare.scene(scene, fine, {lookup = library}, {"lookup"}, function(row)
     local p = paper["level_" .. row.level]
     row.paper = p
     if row.failed then return print(("  %-12s %d  %s"):format(name, row.level, row.failed)) end

@@ -43,11 +43,18 @@ function compare.movement(solution)
   return solution.grid:difference(u, bw.array.zeros(#u, 3))
 end
 
---- Rows of a scene: the fine solution, then by each of the methods ("lookup" with a library that has the
---- level, "naive", "average") at each level. `each(row, solution)` is called as they are done. Returns the
---- rows and the fine solution; a coarse solid that has no solution is a row with `failed`. nil, message,
+-- What a method coarsens by at a level; nil where that is nothing, or nothing of its own.
+local function at_level(by, method, level)
+  if type(by) ~= "userdata" then return by end
+  if by.levels < level or (method == "grown" and by.grown[level] == 0) then return nil end
+  return by
+end
+
+--- Rows of a scene: the fine solution, then by each of the methods at each level: `by[method]` is a
+--- library ("lookup", "grown"), "naive" or "average". `each(row, solution)` is called as they are done.
+--- Returns the rows and the fine solution; a coarse solid that has no solution is a row with `failed`. nil, message,
 --- details, rows so far when the fine one has none or the run is interrupted.
-function compare.scene(scene, fine, library, methods, each)
+function compare.scene(scene, fine, by, methods, each)
   local rows = bw.json.list {}
   local spent, reference, message, details = compare.timed(compare.solve_fine, fine, scene.solve)
   if not reference then return nil, message, details, rows end
@@ -57,10 +64,10 @@ function compare.scene(scene, fine, library, methods, each)
   each(row, reference)
   for level = 1, scene.levels do
     for _, method in ipairs(methods) do
-      if method ~= "lookup" or (library and library.levels >= level) then
+      local of = at_level(by[method], method, level)
+      if of then
         local made, coarse
-        made, coarse, message, details = compare.timed(fine.coarsen, fine,
-          method == "lookup" and library or method, level)
+        made, coarse, message, details = compare.timed(fine.coarsen, fine, of, level)
         if not coarse then return nil, message, details, rows end
         local solution
         spent, solution, message = compare.timed(coarse.solve, coarse, scene.solve)

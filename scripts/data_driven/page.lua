@@ -80,9 +80,10 @@ local function table_1(results)
   for _, result in ipairs(results) do
     local paper = result.paper or {}
     for i, row in ipairs(result.rows) do
-      local published = (row.method == "fine" or row.method == "lookup")
+      local fitted = row.method == "lookup" or row.method == "grown"
+      local published = (row.method == "fine" or fitted)
         and paper["level_" .. row.level] or nil
-      local naive = row.method == "lookup" and find(result.rows, "naive", row.level)
+      local naive = fitted and find(result.rows, "naive", row.level)
       local cells = {first = i == 1, ("%s, %s%s"):format(result.scene, row.method,
         row.level > 0 and (" %d"):format(row.level) or ""), tostring(row.elements)}
       if row.failed then
@@ -173,7 +174,7 @@ function page.pictures(out, scene, fine, solutions)
   local fine_, message, details = fine.grid:picture(out .. "/rest.png", view)
   if not fine_ then return nil, message, details end
   local panels = {}
-  for _, method in ipairs {"fine", "lookup", "naive", "average"} do
+  for _, method in ipairs {"fine", "lookup", "grown", "naive", "average"} do
     for _, done in ipairs(solutions) do
       local row = done.row
       if done.solution and row.method == method then
@@ -193,6 +194,10 @@ end
 local function scene_part(folder, result)
   local parts = {("<p>%s.%s</p>"):format(escape(result.words),
     result.finished and "" or " <b>Not finished: " .. escape(result.message or "interrupted") .. "</b>")}
+  if result.growing then
+    parts[#parts + 1] = ("<p>The library was grown for this grid: %d blocks, %.1f s of the processor.</p>")
+      :format(result.growing.blocks, result.growing.seconds)
+  end
   parts[#parts + 1] = image(folder .. "/rest.png", "at rest, by material")
   parts[#parts + 1] = image(folder .. "/shapes.png",
     "deformed, by how far each place went; outline: at rest")

@@ -1,13 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The experiments of the paper data-driven: each solved on its fine grid, and coarse by lookup, naively
--- and by averages, beside the numbers of its table 1.
+-- The experiments of the paper data-driven: each solved on its fine grid, and coarse by lookup, by lookup
+-- in the library grown for the grid, naively and by averages, beside the numbers of its table 1.
 --   build/barwright scripts/data_driven/run.lua --scene NAME[,NAME...]|all --out DIR
---       [--library FILE.bwm] [--methods lookup,naive,average] [--levels N] [--threads N] [--no-motion]
+--       [--library FILE.bwm] [--methods lookup,grown,naive,average] [--levels N] [--threads N] [--no-motion]
 -- Scenes: pushing bending twisting buckling fibers bridge bridge_arch george george_bone sole. The
 -- library is built into DIR/three.bwm when none is given; a build that was interrupted carries on.
--- Without lookup among the methods none is needed. DIR gets a folder for each scene with result.json,
--- manifest.json, report.html and pictures, and a report over all scenes that were run into it. Exit
--- status 0: all solved. 1: something did not solve. 2: refused. 130: interrupted; what is done is kept.
+-- Without lookup among the methods none is built: grown then begins from nothing. DIR gets a folder for
+-- each scene with result.json, manifest.json, report.html and pictures, and a report over all scenes that
+-- were run into it. Exit status 0: all solved. 1: something did not solve. 2: refused. 130: interrupted;
+-- what is done is kept.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
@@ -42,7 +43,7 @@ local function keys(of)
 end
 
 local function read_arguments()
-  local wish, i = {methods = "lookup,naive,average"}, 1
+  local wish, i = {methods = "lookup,grown,naive,average"}, 1
   while arg[i] do
     local name = arg[i]:match "^%-%-(.+)$"
     if not name or known[name] == nil then
@@ -71,7 +72,7 @@ local function read_arguments()
   end
   each_of(wish.scene, scenes.order, "scene")
   wish.methods = split(wish.methods)
-  each_of(wish.methods, {"lookup", "naive", "average"}, "method")
+  each_of(wish.methods, {"lookup", "grown", "naive", "average"}, "method")
   for name, most in pairs {levels = 2, threads = 1024} do
     if wish[name] then
       local number = math.tointeger(tonumber(wish[name]))
@@ -141,13 +142,12 @@ local function edit(scene, fine, library, result, out)
   return true
 end
 
-local function move(scene, fine, library, solutions, result, out)
+local function move(scene, fine, by, solutions, result, out)
   local list = {}
   for _, done in ipairs(solutions) do
     local method, level = done.row.method, done.row.level
-    local by = method == "lookup" and library or method == "naive" and "naive" or nil
-    if done.solution and level == 1 and by then
-      list[#list + 1] = {title = method .. ", level 1", by = by, solution = done.solution}
+    if done.solution and level == 1 and by[method] and method ~= "average" then
+      list[#list + 1] = {title = method .. ", level 1", by = by[method], solution = done.solution}
     elseif method == "fine" and scene.motion.fine then
       list[#list + 1] = {title = "fine", solution = done.solution}
     end
@@ -165,6 +165,23 @@ local function move(scene, fine, library, solutions, result, out)
   return true
 end
 
+-- The library with fits for the blocks of the scene's own grid, when that is wished.
+local function grow(scene, fine, wish, library, result)
+  local wanted = false
+  for _, method in ipairs(wish.methods) do wanted = wanted or method == "grown" end
+  if not wanted then return nil end
+  local spent, grown, message, details = compare.timed(bw.metamaterial.grow, library or scenes.palette(),
+    fine.grid, {levels = scene.levels})
+  if not grown then return nil, message, details end
+  local blocks = 0
+  for level = 1, 2 do
+    blocks = blocks + grown.grown[level] - (library and library.grown[level] or 0)
+  end
+  result.growing = {blocks = blocks, seconds = spent.processor, seconds_clock = spent.clock}
+  print(("   grown for its grid: %d blocks, %.1f s"):format(blocks, spent.processor))
+  return grown
+end
+
 -- Everything about one scene, into its folder; true when all of it solved.
 local function run(name, wish, library)
   local scene = {}
@@ -179,8 +196,10 @@ local function run(name, wish, library)
   local result = {scene = name, words = scene.words, paper = library_of.paper(name), finished = false,
     rows = bw.json.list {}}
   local solutions, solved = {}, true
-  if fine then
-    rows, reference, _, partial = compare.scene(scene, fine, library, wish.methods,
+  local by = {lookup = library, naive = "naive", average = "average"}
+  if fine then by.grown, message = grow(scene, fine, wish, library, result) end
+  if fine and not message then
+    rows, reference, _, partial = compare.scene(scene, fine, by, wish.methods,
       function(row, solution)
         say(name, row)
         if row.failed then solved = false end
@@ -194,7 +213,7 @@ local function run(name, wish, library)
     drawn, message = page.pictures(out, scene, fine, solutions)
     if drawn and scene.edits then drawn, message = edit(scene, fine, library, result, out) end
     if drawn and scene.motion and not wish["no-motion"] then
-      drawn, message = move(scene, fine, library, solutions, result, out)
+      drawn, message = move(scene, fine, by, solutions, result, out)
     end
   end
   result.finished = drawn and true or false
@@ -212,7 +231,7 @@ local wish = read_arguments()
 if wish.threads then bw.threads(wish.threads) end
 local library
 for _, method in ipairs(wish.methods) do
-  if method == "lookup" then
+  if not library and (method == "lookup" or (method == "grown" and wish.library)) then
     local levels = 1
     for _, name in ipairs(wish.scene) do
       levels = math.max(levels, math.min(scenes[name].levels, wish.levels or 2))

@@ -49,6 +49,33 @@ describe("the experiments of data-driven", function()
     assert.is_falsy(page:find "https?://")
   end)
 
+  it("grow a library for a scene of their own", function()
+    local code, said, complaint = check.run(("%s --scene bending --out %s/grown --library %s "
+      .. "--methods grown,naive"):format(script, folder, library))
+    assert.message(complaint).are.equal(0, code)
+    assert.is_truthy(said:find("grown for its grid: 3 blocks", 1, true))
+    local result = assert(bw.json.decode(check.read(folder .. "/grown/bending/result.json")))
+    assert.equal(3, result.growing.blocks) -- layers of three materials; level 1 is in the library
+    local grown, naive = row_of(result, "grown", 2), row_of(result, "naive", 2)
+    assert.is_true(3 * grown.error <= naive.error, grown.error)
+    assert.is_nil(row_of(result, "grown", 1))
+    assert.is_truthy(check.read(folder .. "/grown/report.html"):find("bending, grown 2", 1, true))
+  end)
+
+  it("tell of bodies that nobody chose", function()
+    local code, said, complaint = check.run(("scripts/data_driven/blind.lua --bodies 1 --directions 4 "
+      .. "--json %s/blind.json"):format(folder))
+    assert.message(complaint).are.equal(0, code)
+    assert.is_truthy(said:find("of grown, level 2: median", 1, true))
+    local told = assert(bw.json.decode(check.read(folder .. "/blind.json")))
+    assert.equal(2, #told.rows)
+    assert.is_true(told.rows[1].grown < told.rows[1].naive)
+    code, said, complaint = check.run "scripts/data_driven/blind.lua --bodies many"
+    assert.equal(2, code)
+    assert.equal("", said)
+    assert.is_truthy(complaint:find("--bodies many", 1, true))
+  end)
+
   it("refuse what they do not know", function()
     for _, each in ipairs {
       {"--scene bendin --out x", "did you mean 'bending'"},
