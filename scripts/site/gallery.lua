@@ -30,12 +30,13 @@ end
 -- Runs a lesson in a folder of its own; its pictures and pages go to examples/.
 local function run(root, out, lesson, pictures)
   local name = lesson.path:match "([^/]*)%.lua$"
+  local words = lesson.number and "" or " --quick"
   local folder = out .. "/run/" .. name
   os.execute("mkdir -p " .. quoted(folder))
-  local command = ("%s/build/barwright %s %s >%s 2>&1"):format(quoted(root), quoted(lesson.path), quoted(folder),
-    quoted(folder .. "/said.txt"))
+  local command = ("%s/build/barwright %s %s%s >%s 2>&1"):format(quoted(root), quoted(lesson.path), quoted(folder),
+    words, quoted(folder .. "/said.txt"))
   if not os.execute(command) then
-    io.stderr:write(("site: lesson %d failed; see %s/said.txt\n"):format(lesson.number, folder))
+    io.stderr:write(("site: %s failed; see %s/said.txt\n"):format(lesson.path, folder))
     return
   end
   for _, file in ipairs(files(folder)) do
@@ -66,7 +67,7 @@ function gallery.make(root, out, run_lessons, all_lessons)
     for k, lesson in ipairs(all_lessons) do
       local start = bw.seconds()
       run(root, out, lesson, pictures)
-      print(("lesson %d, %d of %d: %.0f s"):format(lesson.number, k, #all_lessons, bw.seconds() - start))
+      print(("%s, %d of %d: %.0f s"):format(lesson.path, k, #all_lessons, bw.seconds() - start))
     end
     os.execute("rm -rf " .. quoted(out .. "/run"))
   end
@@ -79,7 +80,8 @@ function gallery.html(pictures)
     '<div class="tiles">'}
   for _, picture in ipairs(pictures) do
     local source = picture.lesson
-      and ('<a href="%s">lesson %d</a>'):format(picture.lesson.page.address, picture.lesson.number)
+      and ('<a href="%s">%s</a>'):format(picture.lesson.page.address,
+        picture.lesson.number and "lesson " .. picture.lesson.number or "study")
       or "<code>" .. picture.made .. "</code>"
     if not picture.page then
       out[#out + 1] = ('<figure><a href="%s"><img src="%s" alt="%s" loading="lazy"></a><figcaption>%s (%s)'

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Each lesson of examples/ as a page: what its head says, how to run it, the whole program.
+-- Each lesson and design study of examples/ as a page: what its head says, how to run it, the whole program.
 local markdown = require "markdown"
 
 local lessons = {}
@@ -10,13 +10,14 @@ function lessons.read(path)
   local source = file:read "a"
   file:close()
   local number, title = source:match "\n%-%- Lesson (%d+): ([^\n]*)\n"
-  if not number then return nil, path .. ": its head has no line '-- Lesson N: title'" end
+  title = title or source:match "\n%-%- Study: ([^\n]*)\n"
+  if not title then return nil, path .. ": its head has no line '-- Lesson N: title' or '-- Study: title'" end
   local head, words, run = source:match "^(.-)\n[^-]", {}, nil
   for line in head:gmatch "[^\n]+" do
     local text = line:match "^%-%- ?(.*)$" or ""
     if text:match "^  build/barwright" then
       run = run or text:match "^%s*(.*)"
-    elseif not text:match "^SPDX" and not text:match "^Lesson" then
+    elseif not text:match "^SPDX" and not text:match "^Lesson" and not text:match "^Study:" then
       words[#words + 1] = text
     end
   end
@@ -27,13 +28,15 @@ end
 
 --- Its page as HTML.
 function lessons.html(lesson, pictures)
-  local out = {("<h1>%d. %s</h1>"):format(lesson.number, markdown.escape(lesson.title))}
+  local out = {("<h1>%s%s</h1>"):format(lesson.number and lesson.number .. ". " or "",
+    markdown.escape(lesson.title))}
   out[#out + 1] = (markdown.html(lesson.text, function(target) return target end))
   if lesson.run then
     out[#out + 1] = ("<pre><code>%s</code></pre>"):format(markdown.escape(lesson.run))
   end
+  local up = ("../"):rep(select(2, lesson.page.address:gsub("/", "")))
   for _, picture in ipairs(pictures or {}) do
-    out[#out + 1] = ('<p><img src="../%s" alt="%s" loading="lazy"></p>'):format(picture.file,
+    out[#out + 1] = ('<p><img src="%s%s" alt="%s" loading="lazy"></p>'):format(up, picture.file,
       markdown.escape(picture.caption))
   end
   out[#out + 1] = ('<pre class="lua"><code>%s</code></pre>'):format(markdown.lua(lesson.source))

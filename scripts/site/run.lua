@@ -50,7 +50,7 @@ local function list(pattern)
 end
 
 assert(os.execute("mkdir -p " .. quoted(wish.out)))
-assert(os.execute(("cd %s && mkdir -p docs/theory docs/images examples source"):format(quoted(wish.out))))
+assert(os.execute(("cd %s && mkdir -p docs/theory docs/images examples/studies source"):format(quoted(wish.out))))
 local problems = {}
 
 -- ---- which pages there are ---------------------------------------------------------------------
@@ -74,7 +74,7 @@ for _, source in ipairs(list "docs/*.md docs/theory/*.md") do
   end
 end
 local all_lessons = {}
-for _, source in ipairs(list "examples/*.lua") do
+for _, source in ipairs(list "examples/*.lua examples/studies/*.lua") do
   local lesson, message = lessons.read(root .. "/" .. source)
   if lesson then
     lesson.page = add(source, lesson.title, (source:gsub("%.lua$", ".html")))
@@ -84,7 +84,12 @@ for _, source in ipairs(list "examples/*.lua") do
     problems[#problems + 1] = message
   end
 end
-table.sort(all_lessons, function(a, b) return a.number < b.number end)
+-- Lessons by their numbers, then studies by their titles.
+table.sort(all_lessons, function(a, b)
+  if a.number and b.number then return a.number < b.number end
+  if a.number or b.number then return a.number ~= nil end
+  return a.title < b.title
+end)
 
 -- ---- what each page says -----------------------------------------------------------------------
 local pictures = gallery.make(root, wish.out, wish.gallery, all_lessons)
@@ -151,11 +156,15 @@ for _, page in ipairs(pages) do
     page.there, page.html = true, gallery.html(pictures, by_source)
   elseif page.source == "lessons" then
     local rows = {"<h1>Lessons</h1><p>Each is one short program that the tests run.</p><ol>"}
+    local studies = {'</ol><h2 id="studies">Design studies</h2><p>Each is complete, under 120 lines, and '
+      .. "ends in a report.</p><ul>"}
     for _, lesson in ipairs(all_lessons) do
-      rows[#rows + 1] = ('<li value="%d"><a href="%s">%s</a></li>'):format(lesson.number, lesson.page.address,
+      local to = lesson.number and rows or studies
+      to[#to + 1] = ('<li%s><a href="%s">%s</a></li>'):format(
+        lesson.number and (' value="%d"'):format(lesson.number) or "", lesson.page.address,
         markdown.escape(lesson.title))
     end
-    page.there, page.html = true, table.concat(rows, "\n") .. "</ol>"
+    page.there, page.html = true, table.concat(rows, "\n") .. table.concat(studies, "\n") .. "</ul>"
   elseif page.source:match "%.md$" then
     problems[#problems + 1] = page.source .. ": named in scripts/site/contents.lua, but not there"
   end

@@ -1,13 +1,13 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Every lesson runs, is under 60 lines, and carries its own run line.
+-- Every lesson runs, is short, and carries its own run line.
 local check = require "check"
 
-describe("the lesson", function()
-  local list = assert(io.popen "ls examples/*.lua")
+local function lessons(pattern, most, arguments)
+  local list = assert(io.popen("ls " .. pattern))
   for path in list:lines() do
     it(path .. " runs", function()
       local folder = check.folder()
-      local code, _, complaint = check.run(path .. " " .. folder)
+      local code, _, complaint = check.run(path .. " " .. folder .. arguments)
       assert.message(complaint).are.equal(0, code)
     end)
     it(path .. " is short and says how it is run", function()
@@ -16,9 +16,12 @@ describe("the lesson", function()
         lines = lines + 1
         run = run or line:find("build/barwright " .. path, 1, true) ~= nil
       end
-      assert.is_true(lines < 60)
+      assert.is_true(lines < most)
       assert.is_true(run)
     end)
   end
   list:close()
-end)
+end
+
+describe("the lesson", function() lessons("examples/*.lua", 60, "") end)
+describe("the design study", function() lessons("examples/studies/*.lua", 120, " --quick") end)

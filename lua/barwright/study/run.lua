@@ -14,6 +14,7 @@ local trials = require "barwright.study.trials"
 local run = {}
 
 local rules = {
+  design = {type = "table"}, -- another one than the study's own, on the same file
   workers = {type = "integer", least = 1, most = 4096},
   seconds = {type = "number", above = 0}, -- of one trial, by the clock
   bytes = {type = "number", above = 0}, -- of one trial, beyond what the study has loaded
@@ -253,7 +254,7 @@ end
 function run.run(study, given)
   local wish = read_options(given)
   local mine = shard_of(wish.shard)
-  local design = study.design
+  local design = wish.design and designs.read("study:run", wish.design, study.problem, study.seed) or study.design
   if wish.shard and not (design.kind and design.kind.points) then
     core.raise(("study:run: shard: the points of design '%s' depend on results; it cannot be cut into parts")
       :format(design.name))
