@@ -231,11 +231,6 @@ function store.open(study, path, wish)
   local about
   about, message, details = header(db, path)
   if not about then return refuse(self, message, details) end
-  if not wish.read_only then
-    local fine
-    fine, message, details = all(db, {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = NORMAL"})
-    if not fine then return refuse(self, message, details) end
-  end
   if not about.definition then
     if wish.read_only then
       return refuse(self, path .. ": holds no study yet", {status = "format", file = path})
@@ -392,7 +387,9 @@ function store:load()
   return list
 end
 
+--- One file is left, without those beside it that writing ahead makes, so that it can be copied.
 function store:close()
+  if self.db and self.script then self.db:execute "PRAGMA journal_mode = DELETE" end
   if self.db then self.db:close() end
   self.db = nil
 end

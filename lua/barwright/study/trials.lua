@@ -4,6 +4,7 @@
 local core = require "barwright.core"
 local csv = require "barwright.study.csv"
 local front = require "barwright.study.front"
+local numbers = require "barwright.plot.numbers"
 local variables = require "barwright.study.variables"
 
 local raise = core.raise
@@ -23,16 +24,13 @@ local record = {__name = "trial"}
 record.__index = record
 trials.record = record
 
-local function number_text(value)
-  return math.type(value) == "float" and ("%.6g"):format(value) or tostring(value)
-end
-
 local function values_text(items, values)
   local parts = {}
   for _, item in ipairs(items) do
     local value = values[item.name]
     if value ~= nil then
-      parts[#parts + 1] = ("%s %s%s"):format(item.name, number_text(value), item.unit and " " .. item.unit or "")
+      parts[#parts + 1] = ("%s %s"):format(item.name, type(value) == "number"
+        and numbers.quantity(value, item.unit) or tostring(value))
     end
   end
   return table.concat(parts, ", ")
