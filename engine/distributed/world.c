@@ -314,6 +314,15 @@ bw_status bw_world_send(bw_context *context, int rank, int tag, const void *byte
   return BW_OK;
 }
 
+/* Who waits for strings must not wait for ever when rank 0 ends before its time: it says so to all.
+ */
+static bool rank_0_left(void) {
+  int there = 0;
+  if (world.rank > 0)
+    MPI_Iprobe(0, COMMAND_TAG, world.work, &there, MPI_STATUS_IGNORE);
+  return there;
+}
+
 bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *tag,
                            unsigned char **bytes, size_t *count) {
   bw_status status = need_world(context);
@@ -330,6 +339,8 @@ bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *
       break;
     if (seconds >= 0 && bw_seconds() >= until)
       return BW_OK;
+    if (rank_0_left())
+      return bw_fail(context, BW_IO, "rank 0 has left");
     if ((status = bw_check_cancel(context)) != BW_OK)
       return status;
     bwd_pause(&patience);

@@ -31,7 +31,7 @@ bw_status bw_world_serve(bw_context *context);
  * the order sent. Sending may wait until the other rank receives. */
 bw_status bw_world_send(bw_context *context, int rank, int tag, const void *bytes, size_t count);
 /* The next string from any rank. *bytes is NULL when none came within `seconds` (0: look once;
- * negative: wait as long as it takes); release with bw_free. */
+ * negative: wait as long as it takes); release with bw_free. BW_IO when rank 0 has left. */
 bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *tag,
                            unsigned char **bytes, size_t *count);
 

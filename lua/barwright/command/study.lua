@@ -86,10 +86,17 @@ function actions.run(study, wish, out)
   if fault then
     return out:misuse(fault)
   end
-  out:say("%s", tostring(study))
-  local trials, message, details = study:run {workers = wish.workers, seconds = wish.seconds,
+  if not wish.mpi then out:say("%s", tostring(study)) end -- rank 0 alone tells
+  local options = {workers = wish.workers, seconds = wish.seconds,
     bytes = wish.memory, evaluations = wish.evaluations, seconds_total = wish.seconds_total,
     retry = wish.retry, continue = wish.continue, output = wish.output, shard = shard}
+  local trials, message, details
+  if wish.mpi then
+    trials, message, details = require("barwright.study.mpi").run(study, options)
+  else
+    trials, message, details = study:run(options)
+  end
+  if trials == true then return output.DONE end -- a rank that ran trials for rank 0
   if not trials then
     return out:fail(message, details)
   end
@@ -279,6 +286,15 @@ A run that was ended at any moment goes on where it was when it is run again.
     {name = "continue", type = "flag", what = "go on although the script has changed"},
     {name = "output", type = "flag", what = "keep what trials print in their folders"},
     {name = "inside", type = "flag", what = "trial: in this process, so that what it prints is seen"},
+    {name = "mpi", type = "flag", what = "run, under mpirun: rank 0 hands out trials, the other ranks run them"},
+    {name = "jobs", value = "COUNT", type = "integer", least = 1, most = 100000,
+      what = "slurm: jobs of the array (10)"},
+    {name = "time", value = "LIMIT", what = "slurm: of one job, as sbatch takes it (2:00:00)"},
+    {name = "partition", value = "NAME", what = "slurm: where the jobs run"},
+    {name = "mem", value = "SIZE", what = "slurm: memory of one job (8G)"},
+    {name = "cpus", value = "COUNT", type = "integer", least = 1,
+      what = "slurm: processors of one job, a trial on each (1)"},
+    {name = "account", value = "NAME", what = "slurm: whom the time is charged to"},
     {name = "shard", value = "WHICH/COUNT", what = "run: one of several parts, into a --file of its own"},
   },
   examples = {
@@ -287,6 +303,8 @@ A run that was ended at any moment goes on where it was when it is run again.
     {"barwright study trial hook.lua 17 --inside"},
     {"barwright study run hook.lua --shard 1/2 --file one.study"},
     {"barwright study merge hook.lua one.study two.study"},
+    {"mpirun -n 9 barwright study run hook.lua --mpi"},
+    {"barwright study slurm hook.lua --jobs 50 --time 2:00:00 --mem 4G"},
   },
   run = function(wish, out)
     if #wish.files == 0 then
