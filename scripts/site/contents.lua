@@ -9,6 +9,7 @@ return {
     {"docs/howto_scenarios.md", "Test a requirement"},
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
     {"docs/howto_scenarios.md", "Requirements as scenarios"},
+    {"docs/howto_experiments.md", "Experiments to repeat"},
   }},
   {title = "Tutorials", pages = {
     {"docs/tutorial_edit.md", "Edit sessions"}, {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"},

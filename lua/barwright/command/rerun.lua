@@ -185,9 +185,9 @@ local function work(wish, out)
     return (a:gsub(old, new)) == b
   end})
   out:say("it took %.1f s; %d values compared", core.seconds() - start, found.count)
-  tell(out, ("%d times and sizes of memory are others, which they may be:"):format(#found.timings), found.timings,
+  tell(out, ("different as the clock and the machine decide: %d"):format(#found.timings), found.timings,
     wish.verbose and math.huge or 5)
-  tell(out, ("%d values are others:"):format(#found.differences), found.differences,
+  tell(out, ("different: %d"):format(#found.differences), found.differences,
     wish.verbose and math.huge or most_listed)
   out:say(#found.differences == 0 and "the same" or "not the same")
   out:json {same = #found.differences == 0, compared = found.count, folder = folder, exit_status = status,
