@@ -78,11 +78,19 @@ typedef struct bwd_system {
 bw_status bwd_partition(bw_context *context, const bw_graph *graph, int ranks, int32_t *place,
                         int32_t *start);
 
-/* share.c: K, M, mask, motions, to all ranks. Collective, as all below. */
+/* share.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
 bw_status bwd_share(bw_context *context, bwd_system *system);
-/* A field in global directions of rank 0 to a vector, and back. */
+/* rows.c: the entries of K and M; `most` is the largest number of blocks in a row. */
+bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t most);
+
+/* fields.c: a field in global directions of rank 0 to a vector, and back. */
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector);
 bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double *field);
+/* The numbers in `system->field` of rank 0, by place and in frames, to a vector. */
+bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector);
+/* A node's frame, rows are directions; NULL: the global one. */
+const double *bwd_frame_at(const bw_numbering *numbering, int64_t node);
+void bwd_into_frame(const double *frame, const double *global, double *own);
 
 /* linear.c */
 bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol);

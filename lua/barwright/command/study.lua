@@ -298,13 +298,13 @@ A run that was ended at any moment goes on where it was when it is run again.
     {name = "shard", value = "WHICH/COUNT", what = "run: one of several parts, into a --file of its own"},
   },
   examples = {
-    {"barwright study run hook.lua --workers 2"},
-    {"barwright study status hook.lua"},
-    {"barwright study trial hook.lua 17 --inside"},
-    {"barwright study run hook.lua --shard 1/2 --file one.study"},
-    {"barwright study merge hook.lua one.study two.study"},
-    {"mpirun -n 9 barwright study run hook.lua --mpi"},
-    {"barwright study slurm hook.lua --jobs 50 --time 2:00:00 --mem 4G"},
+    "barwright study run hook.lua --workers 2",
+    "barwright study status hook.lua",
+    "barwright study trial hook.lua 17 --inside",
+    "barwright study run hook.lua --shard 1/2 --file one.study",
+    "barwright study merge hook.lua one.study two.study",
+    "mpirun -n 9 barwright study run hook.lua --mpi",
+    "barwright study slurm hook.lua --jobs 50 --time 2:00:00 --mem 4G",
   },
   run = function(wish, out)
     if #wish.files == 0 then
