@@ -69,6 +69,8 @@ describe("the stubs", function()
     same(keys(bw.study), "bw.StudyModule")
     same({open = true, peak_memory = true, surroundings = true}, "bw.ResultsModule")
     same(keys(bw.scenario), "bw.ScenarioModule")
+    same(keys(require("barwright.scenario.expect").methods), "bw.Expectation")
+    same(keys(require("barwright.scenario.record").methods, {folder = true}), "bw.Test")
     local library = {}
     for _, name in ipairs(bw.material.names()) do library[name] = true end
     same(keys(bw.material, library), "bw.MaterialModule")

@@ -121,7 +121,13 @@ local function open(wish, paths)
   if not wish.out then return nil end
   local opened, message = results.open(wish.out, {inputs = paths, options = options_of(wish)})
   if not opened then return nil, message end
-  files.remove_folder(opened:path "pictures")
+  -- pictures of the run before, and nothing else
+  local before = files.read(opened:path "result.json")
+  for _, result in ipairs(before and (json.decode(before) or {}).scenarios or {}) do
+    for _, entry in ipairs(result.entries) do
+      if entry.kind == "picture" then os.remove(opened:path("pictures/" .. entry.file)) end
+    end
+  end
   local fine
   fine, message = files.make_folder(opened:path "pictures")
   if not fine then return nil, message end

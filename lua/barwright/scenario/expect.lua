@@ -11,6 +11,7 @@ local raise, show, plain = core.raise, numbers.show, numbers.plain
 
 local expect = {}
 local methods = {}
+expect.methods = methods
 local fields = {value = true, what = true, unit = true, failure = true}
 local Expectation = {__name = "barwright.expectation"}
 

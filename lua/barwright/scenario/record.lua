@@ -44,6 +44,7 @@ end
 -- ---- what a scenario's function is given -----------------------------------------------------------------
 
 local methods = {}
+record.methods = methods
 
 -- Raised to leave a scenario; anything else that is raised is an error of it.
 local Stop = {__tostring = function(self) return self.message end}

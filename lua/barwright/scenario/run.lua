@@ -16,7 +16,14 @@ local most_output = 65536 -- bytes of what a scenario printed that are kept
 
 -- How a task ended: {text = what it returned} or {message =, status =, limit =, signal =}.
 local function here(task)
+  -- what a file's modules are called, others' may be called, too
+  local path, loaded = package.path, {}
+  for name in pairs(package.loaded) do loaded[name] = true end
   local fine, answer, message = pcall(task.work)
+  package.path = path
+  for name in pairs(package.loaded) do
+    if not loaded[name] and not name:find "^barwright" then package.loaded[name] = nil end
+  end
   if fine and answer then return {text = answer} end
   return {status = core.interrupted() and "cancelled" or "failed", message = tostring(fine and message or answer)}
 end
