@@ -166,12 +166,17 @@ static int core_wait(lua_State *L) {
     lua_pop(L, 1);
   }
   int which = -1;
-  bw_status status = bw_jobs_wait(lbw_enter(L), (int)count, jobs, seconds, &which);
-  if (which >= 0)
-    lua_pushinteger(L, which + 1);
-  else
+  int failed = lbw_leave(L, bw_jobs_wait(lbw_enter(L), (int)count, jobs, seconds, &which), 0);
+  if (failed)
+    return failed;
+  if (which < 0) {
     lua_pushnil(L);
-  return lbw_leave(L, status, 1);
+    return 1;
+  }
+  lua_rawgeti(L, 1, which + 1);
+  lbw_box_account(L, lbw_check_box(L, -1, &lbw_job_class)); /* its result has come */
+  lua_pushinteger(L, which + 1);
+  return 1;
 }
 
 /* ---- the class ------------------------------------------------------------------------------- */

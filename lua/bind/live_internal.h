@@ -5,6 +5,7 @@
 
 #include <civetweb.h>
 #include <pthread.h>
+#include <sys/types.h>
 
 #include "live_server.h"
 
@@ -26,6 +27,7 @@ struct lbw_live_server {
   lbw_live_options options;
   int port;
   char token[LIVE_TOKEN_DIGITS + 1];
+  pid_t owner;  /* a child that was forked has none of its threads */
   bool library; /* mg_init_library was called */
   bool stopped; /* CivetWeb has ended (atomic) */
   struct mg_context *web;

@@ -246,6 +246,8 @@ static void stop_web(lbw_live_server *server) {
 
 static void destroy_server(void *object) {
   lbw_live_server *server = (lbw_live_server *)object;
+  if (server->owner != getpid())
+    return; /* nobody would answer; the child's memory goes with it */
   if (server->web)
     stop_web(server);
   if (server->library)
@@ -349,6 +351,7 @@ bw_status lbw_live_create(bw_context *context, const lbw_live_options *options,
   if (!server)
     return BW_MEMORY;
   bw_object_init(server, &server_kind);
+  server->owner = getpid();
   server->options = *options;
   pthread_mutex_init(&server->lock, NULL);
   pthread_condattr_t clock;

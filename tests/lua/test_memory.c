@@ -5,6 +5,7 @@
 
 #include <lauxlib.h>
 #include <lualib.h>
+#include <unistd.h>
 
 #include "bind.h"
 
@@ -62,6 +63,16 @@ static const char script[] =
     "5)\n"
     "canvas:line({1, 2, 3, 4}, {stroke = '#000000', dash = {2, 2}}):text_width('b', 9)\n"
     "assert(#canvas:svg{outlines = true} > 100)\n"
+    "local file <close> = assert(bw.database(os.getenv 'MEMORY_FILE'))\n"
+    "assert(file:execute 'CREATE TABLE IF NOT EXISTS t (a, b); DELETE FROM t')\n"
+    "assert(file:change('INSERT INTO t VALUES (?, ?)', 'one', 2.5) == 1)\n"
+    "assert(file:rows('SELECT * FROM t WHERE b > ?', 1)[1].a == 'one')\n"
+    "assert(#bw.sobol(8, 3, {seed = 1}) == 8)\n"
+    "assert(bw.minimise{start = {1}, objective = function(x) return x[1]^2 end,\n"
+    "  constraints = {function(x) return -x[1] end}, evaluations = 9})\n"
+    "local job <close> = assert(bw.job(function() return 'done' end, {name = 'j'}))\n"
+    "assert(bw.wait{job} == 1)\n"
+    "assert(job:result())\n"
     "return #a:totable()\n";
 
 static int work(lua_State *L) {
@@ -96,11 +107,17 @@ static bool attempt(long allocations) {
 
 static void test_every_allocation_may_fail(void **state) {
   (void)state;
+  char folder[] = "/tmp/barwright_memory_XXXXXX", path[64];
+  assert_non_null(mkdtemp(folder));
+  snprintf(path, sizeof path, "%s/file", folder);
+  setenv("MEMORY_FILE", path, 1);
   assert_true(attempt(1L << 40));
   long n = 0;
   while (!attempt(n))
     n++;
   assert_true(n > 1000);
+  unlink(path);
+  rmdir(folder);
 }
 
 int main(void) {
