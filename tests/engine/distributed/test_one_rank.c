@@ -1,0 +1,152 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* PETSc and SLEPc on one rank, in this process: allocation failures and cancelling, which are hard
+ * to aim from outside. Several ranks are tests/lua/distributed_spec.lua. */
+#include "../solve/bodies.h"
+#include "barwright/distributed.h"
+
+static bw_model *body(bw_context *context, int order, bool held) {
+  bw_mesh *mesh = body_box(context, 1, 0.2, 0.1, 4, 2, 1, order);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_selection *right = NULL;
+  const double from[3] = {1 - 1e-9, -1, -1}, to[3] = {2, 1, 1};
+  check_ok(context, bw_select_box(context, mesh, from, to, &right));
+  check_ok(context, bw_model_force(context, model, right, (double[3]){100, 20, -9}));
+  bw_release(right);
+  if (held) {
+    bw_selection *left = NULL;
+    const double low[3] = {-1, -1, -1}, high[3] = {1e-9, 1, 1};
+    check_ok(context, bw_select_box(context, mesh, low, high, &left));
+    check_ok(context, bw_model_slide(context, model, left, (double[3]){1, 0.2, 0}));
+    bw_release(left);
+  }
+  bw_release(mesh);
+  bw_release(material);
+  return model;
+}
+
+static bw_status statics(bw_context *context, const bw_model *model, bw_outside_method method,
+                         bw_static **result) {
+  bw_outside_options options;
+  bw_outside_options_default(&options);
+  options.method = method;
+  const bw_statics_options wish = {.inertia_relief = true};
+  return bw_statics_outside(context, model, &wish, &options, result);
+}
+
+static bw_status modes_of(bw_context *context, const bw_model *model, bw_outside_method method,
+                          bw_modes **modes) {
+  bw_outside_options options;
+  bw_outside_options_default(&options);
+  options.method = method;
+  const bw_modes_options wish = {.count = 2, .tolerance = 1e-8, .sturm = true, .seed = 1};
+  return bw_modes_outside(context, model, &wish, &options, modes);
+}
+
+/* Each allocation fails once with all that follow: the message comes back, nothing stays behind,
+ * and the next call works. */
+static void test_memory(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_world_start(context, false));
+  for (int kind = 0; kind < 8; kind++) {
+    bw_outside_method method = kind & 1 ? BW_OUTSIDE_CHOLESKY : BW_OUTSIDE_CG;
+    bw_model *model = body(context, 1, kind & 2);
+    bw_status status = BW_MEMORY;
+    int64_t n = 1;
+    for (; status == BW_MEMORY; n++) {
+      bw_static *result = NULL;
+      bw_modes *modes = NULL;
+      bw_fail_allocation(n, true);
+      status = kind & 4 ? modes_of(context, model, method, &modes)
+                        : statics(context, model, method, &result);
+      bw_fail_allocation(0, false);
+      if (status != BW_MEMORY)
+        check_ok(context, status);
+      bw_release(result);
+      bw_release(modes);
+    }
+    assert_true(n > 30);
+    bw_release(model);
+  }
+}
+
+static void stop(void *data, const char *stage, double fraction) {
+  (void)fraction;
+  if (strcmp(stage, "modes") == 0 || strcmp(stage, "conjugate gradients") == 0)
+    bw_cancel(data);
+}
+
+static void test_cancel(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_world_start(context, false));
+  bw_model *model = body(context, 2, false);
+  bw_static *result = NULL;
+  bw_modes *modes = NULL;
+  bw_set_progress(context, stop, context);
+  check_fails(context, BW_CANCELLED, "cancel", statics(context, model, BW_OUTSIDE_CG, &result));
+  bw_clear_cancel(context);
+  check_fails(context, BW_CANCELLED, "cancel",
+              modes_of(context, model, BW_OUTSIDE_CHOLESKY, &modes));
+  bw_clear_cancel(context);
+  bw_set_progress(context, NULL, NULL);
+  check_ok(context, statics(context, model, BW_OUTSIDE_CG, &result));
+  check_ok(context, modes_of(context, model, BW_OUTSIDE_CHOLESKY, &modes));
+  assert_true(modes->counted);
+  assert_int_equal(modes->rigid_count, 6);
+  bw_release(result);
+  bw_release(modes);
+  bw_release(model);
+}
+
+/* A body that falls: inertia balances the load to rounding, and there is nothing to solve. */
+static void test_fall(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_world_start(context, false));
+  bw_model *model = body(context, 1, false);
+  bw_static *result = NULL;
+  bw_model_clear_loads(model);
+  check_ok(context, bw_model_gravity(context, model, (double[3]){1, 2, 9.81}));
+  for (int method = BW_OUTSIDE_CG; method <= BW_OUTSIDE_CHOLESKY; method++) {
+    check_ok(context, statics(context, model, (bw_outside_method)method, &result));
+    for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
+      check_near(result->displacement[i], 0, 1e-18);
+    bw_release(result);
+    result = NULL;
+  }
+  bw_release(model);
+}
+
+/* More modes than there are: all of them, and no more. */
+static void test_small(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_world_start(context, false));
+  bw_mesh *mesh = body_box(context, 1, 1, 1, 1, 1, 1, 1);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_modes *own = NULL, *other = NULL;
+  bw_numbering *numbering = NULL;
+  bw_system *system = NULL;
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &system));
+  const bw_modes_options wish = {.count = 100, .tolerance = 1e-8, .sturm = true, .seed = 1};
+  check_ok(context, bw_modes_elastic(context, system, &wish, &own));
+  check_ok(context, bw_modes_outside(context, model, &wish, NULL, &other));
+  assert_int_equal(other->count, own->count);
+  for (int k = 0; k < own->count; k++)
+    check_near(other->eigenvalue[k] / own->eigenvalue[k], 1, 1e-8);
+  bw_release(own);
+  bw_release(other);
+  bw_release(system);
+  bw_release(numbering);
+  bw_release(model);
+  bw_release(mesh);
+  bw_release(material);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(test_memory), check_test(test_cancel),
+                                     check_test(test_fall), check_test(test_small)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

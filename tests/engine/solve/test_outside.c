@@ -1,0 +1,232 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Solvers outside of the engine, seen from the engine: one that is the engine's own in disguise
+ * gives the engine's answers; one that fails, lies or runs out of memory is found out. What MPI
+ * does with it is tests/lua/distributed_spec.lua. */
+#include "bodies.h"
+
+static struct fake {
+  bw_system *system;
+  double scale;     /* what it gives over what is right */
+  bw_status status; /* of a solve */
+  int opened, closed, solves;
+} fake;
+
+static bw_status fake_open(bw_context *context, const bw_outside_matrix *matrix,
+                           const bw_outside_options *options) {
+  (void)options;
+  fake.opened++;
+  bw_material *material = NULL;
+  const bw_isotropic constants = {
+      .name = "test", .young = 200e9, .poisson = 0.3, .density = 7800, .strength = 4e8};
+  bw_status status = bw_material_isotropic(context, &constants, &material);
+  if (status == BW_OK)
+    status = bw_system_create(context, matrix->numbering->mesh, material, matrix->numbering, NULL,
+                              &fake.system);
+  bw_release(material);
+  return status;
+}
+
+static bw_status forget(bw_status status) {
+  if (status != BW_OK) {
+    bw_release(fake.system);
+    fake.system = NULL;
+  }
+  return status;
+}
+
+static bw_status fake_solve(bw_context *context, const double *force, double *displacement) {
+  fake.solves++;
+  if (fake.status != BW_OK)
+    return forget(bw_fail(context, fake.status, "the fake has failed"));
+  bw_status status = bw_system_solve(context, fake.system, 1, force, displacement);
+  for (int64_t i = 0; status == BW_OK && i < 3 * (int64_t)fake.system->mesh->node_count; i++)
+    displacement[i] *= fake.scale;
+  return forget(status);
+}
+
+static bw_status fake_modes(bw_context *context, const bw_modes_options *options,
+                            bw_outside_modes *out) {
+  bw_modes *modes = NULL;
+  bw_status status = bw_modes_elastic(context, fake.system, options, &modes);
+  if (status != BW_OK)
+    return forget(status);
+  size_t size = 3 * (size_t)modes->count * (size_t)modes->mesh->node_count;
+  out->value = BW_NEW(context, double, modes->count);
+  out->vector = BW_NEW(context, double, size);
+  if (out->value && out->vector) {
+    memcpy(out->value, modes->eigenvalue, (size_t)modes->count * sizeof(double));
+    memcpy(out->vector, modes->shape, size * sizeof(double));
+    out->count = modes->count;
+  } else {
+    status = BW_MEMORY;
+    bw_free(out->value);
+    bw_free(out->vector);
+    out->value = out->vector = NULL;
+  }
+  bw_release(modes);
+  return forget(status);
+}
+
+static void fake_close(bw_context *context, bw_outside_report *report) {
+  (void)context;
+  fake.closed++;
+  bw_release(fake.system);
+  fake.system = NULL;
+  if (report)
+    *report = (bw_outside_report){.method = "fake", .ranks = 1};
+}
+
+static const bw_outside outside = {fake_open, fake_solve, fake_modes, fake_close};
+
+static bw_model *cantilever(bw_context *context, bool held) {
+  bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 6, 2, 2, 1);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_array *force = NULL;
+  check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &force));
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (mesh->node[3 * i] > 1 - 1e-9)
+      ((double *)force->data)[3 * i + 2] = 10;
+  check_ok(context, bw_model_nodal_forces(context, model, force));
+  if (held) {
+    bw_selection *left = NULL;
+    const double low[3] = {-1, -1, -1}, high[3] = {1e-9, 1, 1};
+    check_ok(context, bw_select_box(context, mesh, low, high, &left));
+    check_ok(context, bw_model_fix(context, model, left));
+    bw_release(left);
+  }
+  bw_release(force);
+  bw_release(mesh);
+  bw_release(material);
+  return model;
+}
+
+static void begin(void) {
+  memset(&fake, 0, sizeof fake);
+  fake.scale = 1;
+  bw_outside_register(&outside);
+}
+
+static void test_same_answers(void **state) {
+  bw_context *context = check_context(state);
+  begin();
+  for (int held = 0; held < 2; held++) {
+    bw_model *model = cantilever(context, held);
+    bw_static *own = NULL, *other = NULL;
+    bw_modes *modes = NULL, *others = NULL;
+    const bw_statics_options options = {.inertia_relief = !held};
+    const bw_modes_options wish = {.count = 4, .tolerance = 1e-8, .seed = 1};
+    check_ok(context, bw_statics(context, model, NULL, &options, &own));
+    check_ok(context, bw_statics_outside(context, model, &options, NULL, &other));
+    for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++) {
+      check_near(other->displacement[i], own->displacement[i], 1e-14);
+      check_near(other->reaction[i], own->reaction[i], 1e-6);
+    }
+    assert_null(other->system);
+    assert_null(own->outside);
+    assert_string_equal(other->outside->method, "fake");
+    check_ok(context, bw_modes_elastic(context, own->system, &wish, &modes));
+    check_ok(context, bw_modes_outside(context, model, &wish, NULL, &others));
+    assert_int_equal(others->count, 4);
+    assert_int_equal(others->rigid_count, held ? 0 : 6);
+    for (int k = 0; k < 4; k++) {
+      check_near(others->frequency[k], modes->frequency[k], 0);
+      check_near(others->residual[k], modes->residual[k], 1e-9);
+    }
+    bw_release(own);
+    bw_release(other);
+    bw_release(modes);
+    bw_release(others);
+    bw_release(model);
+  }
+  assert_int_equal(fake.opened, fake.closed);
+  bw_outside_register(NULL);
+}
+
+/* The engine refines what it is given, with its own residuals, and does not believe the rest. */
+static void test_lies(void **state) {
+  bw_context *context = check_context(state);
+  begin();
+  bw_model *model = cantilever(context, true);
+  bw_static *result = NULL;
+  fake.scale = 1 - 1e-4; /* two more passes leave 1e-12 */
+  check_ok(context, bw_statics_outside(context, model, NULL, NULL, &result));
+  assert_true(result->residual < 1e-10);
+  assert_int_equal(fake.solves, 3);
+  bw_release(result);
+  result = NULL;
+  fake.scale = 0.5;
+  check_fails(context, BW_CONVERGENCE, "residual is",
+              bw_statics_outside(context, model, NULL, NULL, &result));
+  assert_null(result);
+  fake.scale = NAN;
+  check_fails(context, BW_SINGULAR, "not finite",
+              bw_statics_outside(context, model, NULL, NULL, &result));
+  assert_int_equal(fake.opened, fake.closed);
+  fake.scale = 1;
+  fake.status = BW_LIMIT;
+  check_fails(context, BW_LIMIT, "the fake has failed",
+              bw_statics_outside(context, model, NULL, NULL, &result));
+  assert_int_equal(fake.opened, fake.closed + 1); /* it has closed itself */
+  bw_release(model);
+  bw_outside_register(NULL);
+}
+
+static void test_misuse(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = cantilever(context, true);
+  bw_static *result = NULL;
+  bw_modes *modes = NULL;
+  check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
+              bw_statics_outside(context, model, NULL, NULL, &result));
+  check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
+              bw_modes_outside(context, model, NULL, NULL, &modes));
+  begin();
+  bw_outside_options options;
+  bw_outside_options_default(&options);
+  options.rtol = 0;
+  check_fails(context, BW_INVALID, "rtol is 0",
+              bw_statics_outside(context, model, NULL, &options, &result));
+  options.rtol = 1e-8;
+  options.iterations = 0;
+  check_fails(context, BW_INVALID, "at least 1",
+              bw_statics_outside(context, model, NULL, &options, &result));
+  assert_int_equal(fake.opened, 0);
+  bw_release(model);
+  bw_model *free_model = cantilever(context, false);
+  check_fails(context, BW_FREE, "not balanced",
+              bw_statics_outside(context, free_model, NULL, NULL, &result));
+  bw_release(free_model);
+  bw_outside_register(NULL);
+}
+
+static void test_memory(void **state) {
+  bw_context *context = check_context(state);
+  begin();
+  bw_model *model = cantilever(context, true);
+  const bw_modes_options wish = {.count = 2, .tolerance = 1e-8, .seed = 1};
+  for (int what = 0; what < 2; what++) {
+    bw_status status = BW_MEMORY;
+    for (int64_t n = 1; status == BW_MEMORY; n++) {
+      bw_static *result = NULL;
+      bw_modes *modes = NULL;
+      bw_fail_allocation(n, true);
+      status = what == 0 ? bw_statics_outside(context, model, NULL, NULL, &result)
+                         : bw_modes_outside(context, model, &wish, NULL, &modes);
+      bw_fail_allocation(0, false);
+      if (status != BW_MEMORY)
+        check_ok(context, status);
+      bw_release(result);
+      bw_release(modes);
+    }
+  }
+  bw_release(model);
+  bw_outside_register(NULL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(test_same_answers), check_test(test_lies),
+                                     check_test(test_misuse), check_test(test_memory)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
