@@ -32,6 +32,7 @@ typedef struct gradient_data {
   const bw_mesh *mesh;
   const bw_material *material;
   const double *u;
+  const uint8_t *wanted; /* node_count: corners whose part is asked for; NULL: all */
   bwi_incidence incidence;
   bwi_rule rule;
   double at_node[10][10][4]; /* dN_a/dL_k at each node of an element */
@@ -221,12 +222,20 @@ static void inertia_part(const inertia *r, const bwi_element_state *s, const dou
       corner[k][c] -= s->volume / r->volume * value * s->g[k][c];
 }
 
+/* Whether one of the corners of an element is asked for. */
+static bool asked_for(const gradient_data *d, const int32_t *node) {
+  return !d->wanted || d->wanted[node[0]] || d->wanted[node[1]] || d->wanted[node[2]] ||
+         d->wanted[node[3]];
+}
+
 static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker) {
   const gradient_data *d = (const gradient_data *)data;
   size_t size = 3 * (size_t)d->mesh->node_count;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
     const int32_t *node = d->mesh->element + e * d->mesh->nodes_per_element;
+    if (!asked_for(d, node))
+      continue;
     bwi_element_state state;
     double grad_u[BW_QUADRATURE_POINTS][9], tau[BW_QUADRATURE_POINTS][9], strain[6], stress[6];
     bwi_element_state_load(d->mesh, d->u, e, &state);
@@ -278,7 +287,7 @@ static bw_status gather_pass(void *data, int64_t begin, int64_t end, int worker)
   for (int64_t i = begin; i < end; i++) {
     double sum[3 * BATCH] = {0};
     for (int64_t k = d->incidence.start[i]; k < d->incidence.start[i + 1]; k++) {
-      if (d->incidence.local[k] >= 4)
+      if (d->incidence.local[k] >= 4 || (d->wanted && !d->wanted[i]))
         continue;
       int64_t place = 4 * (int64_t)d->incidence.element[k] + d->incidence.local[k];
       for (int c = 0; c < 3 * d->count; c++)
@@ -423,12 +432,14 @@ static bool on_facets(bw_load_kind kind) {
 bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const bw_numbering *numbering, const double *displacement,
                                 bw_solve_function *solve, void *data, int64_t count,
-                                const int32_t *node, double *von_mises, double *gradient) {
+                                const int32_t *node, const uint8_t *wanted, double *von_mises,
+                                double *gradient) {
   const bw_mesh *mesh = model->mesh;
   size_t size = 3 * (size_t)mesh->node_count;
   bw_status status;
   double *lambda = NULL;
-  gradient_data d = {.mesh = mesh, .material = model->material, .u = displacement};
+  gradient_data d = {
+      .mesh = mesh, .material = model->material, .u = displacement, .wanted = wanted};
   nodal_state *state = NULL;
   BW_TRY(check_input(context, model, numbering, displacement, count, node));
   BW_TRY(take_loads(context, model, &d));

@@ -164,6 +164,8 @@ bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
     if (rest->load[k] > 0)
       most = fmax(most, norm(numbering, rest->force + k * size, work) / rest->load[k]);
   }
+  if (options->energy)
+    most = fmin(most, 1); /* it is the best combination in energy, 0 among them */
   rest->tolerance = most > 2 * options->tolerance ? fmin(options->tolerance / most, 0.5) : 0.5;
 done:
   bw_free(work);

@@ -344,6 +344,7 @@ typedef struct bwi_static_solver {
   bw_status (*solve)(bw_context *context, void *data, const double *force, double *displacement);
   void *data;
   double refine_to;
+  bool once; /* not refined: its residual is no measure of what is asked for */
 } bwi_static_solver;
 /* A static solution with its load vector, checked for balance; nothing solved yet. */
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,

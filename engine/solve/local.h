@@ -103,7 +103,8 @@ typedef struct bwi_conjugate {
   /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every
      right-hand side, which the tolerance is relative to. Or NULL. */
   const double *load, *energy;
-  int limit; /* on iterations */
+  bool energy_alone; /* the tolerance is on the error in energy alone */
+  int limit;         /* on iterations */
   /* Give up as soon as more iterations than this are foreseen to be left; 0: never. */
   double patience;
   /* out */

@@ -85,7 +85,9 @@ static bw_status solve_directly(bw_context *context, bw_local_system *local,
   const bw_numbering *numbering = local->system->numbering;
   bool solved = false;
   if (inner->factor->kernels->bits == 32) {
-    bwi_conjugate problem = {.tolerance = options->tolerance, .limit = MOST_REFINEMENTS};
+    bwi_conjugate problem = {.tolerance = options->tolerance,
+                             .energy_alone = options->energy,
+                             .limit = MOST_REFINEMENTS};
     if (!left->force)
       BW_TRY(bwi_rest_make(context, local, options, count, displacement, left));
     BW_TRY(conjugate(context, local, left, count, &problem, displacement));
@@ -94,7 +96,7 @@ static bw_status solve_directly(bw_context *context, bw_local_system *local,
       reuse->refinements += problem.iterations;
     if (!solved)
       BW_TRY(bwi_local_lose_single(context, local, reuse));
-    else if (problem.iterations > 0 && !left->force) /* a guess tells nothing of others */
+    else if (problem.iterations > 0 && !left->force && !options->energy) /* else it tells nothing */
       inner->refinements = problem.iterations * log(1e-10) / log(options->tolerance);
   }
   if (!solved)
@@ -106,12 +108,16 @@ done:
 
 /* With the factor of a former shape. *converged is false when the limit was reached;
  * `displacement` then still is the force. */
-static bw_status iterate(bw_context *context, bw_local_system *local, double tolerance, int limit,
-                         double patience, const bwi_local_cost *cost, const bwi_rest *left,
-                         int64_t count, double *displacement, int *iterations, bool *converged) {
+static bw_status iterate(bw_context *context, bw_local_system *local,
+                         const bw_local_options *options, int limit, double patience,
+                         const bwi_local_cost *cost, const bwi_rest *left, int64_t count,
+                         double *displacement, int *iterations, bool *converged) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  bwi_conjugate problem = {.tolerance = tolerance, .limit = limit, .patience = patience};
+  bwi_conjugate problem = {.tolerance = options->tolerance,
+                           .energy_alone = options->energy,
+                           .limit = limit,
+                           .patience = patience};
   BW_TRY(conjugate(context, local, left, count, &problem, displacement));
   *iterations = problem.iterations;
   *converged = problem.converged;
@@ -187,7 +193,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
     }
     int limit = iterations_worth(local, options.method, &cost);
     if (limit > 0)
-      BW_TRY(iterate(context, local, options.tolerance, limit,
+      BW_TRY(iterate(context, local, &options, limit,
                      options.method == BW_LOCAL_AUTO ? cost.refactor / cost.one_iteration : 0,
                      &cost, &left, count, displacement, &iterations, &solved));
     if (limit > 0 && !solved && options.method == BW_LOCAL_ITERATE) {
@@ -279,8 +285,10 @@ bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw
   const bw_system *system = local->system;
   BW_TRY(bwi_static_begin(context, model, statics, system->numbering, &result));
   static_data data = {local, options, reuse};
-  bwi_static_solver solver = {
-      .solve = solve_one, .data = &data, .refine_to = fmax(bwi_refine_to, options.tolerance)};
+  bwi_static_solver solver = {.solve = solve_one,
+                              .data = &data,
+                              .refine_to = fmax(bwi_refine_to, options.tolerance),
+                              .once = options.energy};
   BW_TRY(bwi_static_solve(context, system->numbering, system->graph, system->stiffness, &solver,
                           result));
 done:

@@ -160,8 +160,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
   bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
   double scale = norm(work, size);
   result->residual = scale > 0 ? 1 : 0;
-  for (int pass = 0; scale > 0 && pass <= REFINEMENTS && result->residual > solver->refine_to;
-       pass++) {
+  int most = solver->once ? 0 : REFINEMENTS;
+  for (int pass = 0; scale > 0 && pass <= most && result->residual > solver->refine_to; pass++) {
     BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
       step[i] += u[i];

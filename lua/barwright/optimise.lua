@@ -75,6 +75,15 @@ local function refill(self)
   return false
 end
 
+-- Whether no node is above the limit at a point, now that it comes to that: nil, message, details where
+-- that cannot be said.
+local function holds(self, point, entry)
+  local fine, message, details = self.stage:sharpen(point)
+  if not fine then return nil, message, details end
+  entry.max, entry.node, entry.case = point.max, point.node, point.case
+  return point.max <= self.wish.von_mises
+end
+
 -- From `point` at self.t until no node is above the limit. Returns "met", "infeasible", "stuck", or
 -- "slow" when there were too many steps.
 local function descend(self, point)
@@ -86,22 +95,24 @@ local function descend(self, point)
     if point.current and #self.groups > 0 then models.watch(self, point) end
     local entry = note(self, point, self.t)
     self.point = point
-    local met = point.max <= self.wish.von_mises
-    if met and (#self.constraints == 0 or not new and last
-      and math.abs(entry.change - last) <= self.wish.tolerance * entry.change) then
-      return "met"
+    local met, over = point.max <= self.wish.von_mises, #self.history > self.wish.iterations
+    local ends, taken = met and (over or #self.constraints == 0 or not new and last
+      and math.abs(entry.change - last) <= self.wish.tolerance * entry.change), nil
+    if over and not met then return "slow" end
+    if not ends then
+      if #self.groups == 0 then return "infeasible" end
+      last = entry.change
+      local known
+      known, message, details = models.update(self, point)
+      if not known then return nil, message, details end
+      taken, message, details = steps.take(self, point, self.t, known, met and not new)
+      if not taken then return nil, message, details end
     end
-    if #self.history > self.wish.iterations then return met and "met" or "slow" end
-    if #self.groups == 0 then return "infeasible" end
-    last = entry.change
-    local known
-    known, message, details = models.update(self, point)
-    if not known then return nil, message, details end
-    local taken
-    taken, message, details = steps.take(self, point, self.t, known, met and not new)
-    if not taken then return nil, message, details end
-    if taken.still and met then return "met" end
-    if taken.still and not taken.step and #self.blocked > 0 and self.refills < self.wish.refills then
+    if ends or taken.still and met then
+      met, message, details = holds(self, point, entry)
+      if met == nil then return nil, message, details end
+      if met then return "met" end -- else this point again, above the limit now
+    elseif taken.still and not taken.step and #self.blocked > 0 and self.refills < self.wish.refills then
       local other
       other, message, details = refill(self)
       if other == nil then return nil, message, details end
@@ -136,6 +147,8 @@ local function descend_with_worst(self)
     worst:close()
     self.rounds[round] = entry
     point, message, details = self.stage:at(unknowns.scales(self, self.t))
+    if not point then return nil, message, details end
+    point, message, details = self.stage:sharpen(point)
     if not point then return nil, message, details end
     entry.max = point.cases[#point.cases].von_mises:max()
     if entry.max <= self.wish.von_mises and round > 1 then

@@ -185,6 +185,7 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
       {"guess", LBW_OTHER, 0},
       {"further", LBW_INT, offsetof(struct wish, local.further)},
       {"hope", LBW_REAL, offsetof(struct wish, local.hope)},
+      {"energy", LBW_BOOLEAN, offsetof(struct wish, local.energy)},
       {"precision", LBW_INT, offsetof(struct wish, local.precision)},
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
       {"balance_tolerance", LBW_REAL, offsetof(struct wish, statics.tolerance)},

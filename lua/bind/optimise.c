@@ -45,6 +45,7 @@ static request check_request(lua_State *L, int options) {
                                     {"method", LBW_OTHER, 0},
                                     {"guess", LBW_OTHER, 0},
                                     {"hope", LBW_REAL, offsetof(bw_local_options, hope)},
+                                    {"energy", LBW_BOOLEAN, offsetof(bw_local_options, energy)},
                                     {NULL, LBW_OTHER, 0}};
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
   bw_local_options_default(&r.solver.options);
@@ -82,7 +83,7 @@ static int core_gradient(lua_State *L) {
   double *gradient = (double *)lbw_push_array(L, BW_F64, r.count * all, 3)->data;
   return lbw_leave(L,
                    bw_von_mises_gradient(lbw_enter(L), r.model, r.numbering, r.displacement, solve,
-                                         &r.solver, r.count, r.node, value, gradient),
+                                         &r.solver, r.count, r.node, NULL, value, gradient),
                    2);
 }
 
@@ -112,21 +113,27 @@ static int core_slopes(lua_State *L) {
   bw_status status = BW_OK;
   bw_context *context = lbw_enter(L);
   double *gradient = BW_NEW(context, double, all *(r.count < AT_ONCE ? r.count : AT_ONCE));
-  if (!gradient)
+  uint8_t *wanted = BW_NEW0(context, uint8_t, all / 3);
+  if (!gradient || !wanted)
     status = BW_MEMORY;
+  for (int m = 0; m < motions && status == BW_OK; m++)
+    for (int64_t j = 0; j < all; j++)
+      wanted[j / 3] |= motion[m][j] != 0;
   for (int64_t i = 0; i < r.count && status == BW_OK; i += AT_ONCE) {
     int64_t count = r.count - i < AT_ONCE ? r.count - i : AT_ONCE;
     status = bw_von_mises_gradient(context, r.model, r.numbering, r.displacement, solve, &r.solver,
-                                   count, r.node + i, value + i, gradient);
+                                   count, r.node + i, wanted, value + i, gradient);
     for (int64_t k = 0; k < count && status == BW_OK; k++)
       for (int m = 0; m < motions; m++) {
         double sum = 0;
         for (int64_t j = 0; j < all; j++)
-          sum += gradient[all * k + j] * motion[m][j];
+          if (wanted[j / 3])
+            sum += gradient[all * k + j] * motion[m][j];
         slope[(i + k) * motions + m] = sum;
       }
   }
   bw_free(gradient);
+  bw_free(wanted);
   return lbw_leave(L, status, 3);
 }
 

@@ -140,7 +140,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@param system bw.System|bw.LocalSystem of the part
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, guess: bw.Array[], hope: number} where a local system iterates: relative residual; fields to begin with; iterations hoped for over predicted
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, energy: boolean, guess: bw.Array[], hope: number} where a local system iterates: relative residual, or (energy) error in energy; fields to begin with; iterations hoped for over predicted
 ---@return bw.Array? von_mises
 ---@return bw.Array|string gradient or a message
 ---@return table? details
@@ -152,7 +152,7 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
 ---@param motions bw.Array[] a row for every node of the mesh each
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, guess: bw.Array[], hope: number}
+---@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, energy: boolean, guess: bw.Array[], hope: number}
 ---@return bw.Array? von_mises
 ---@return bw.Array|string slopes or a message
 ---@return bw.Array|table adjoint displacements, a block of a row for every node of the mesh for each of the nodes; or details

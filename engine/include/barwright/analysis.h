@@ -52,13 +52,15 @@ typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t cou
  * each: d sigma = gradient : d x along any change of shape that keeps edges straight. What middle
  * nodes contribute is folded into their edge's ends. Loads count too: those on areas, and gravity,
  * change with the shape. For a free body the balance by inertia is part of it. Where the stress is
- * zero, so is what stands for its gradient. Prescribed displacements do not change. Straight
- * elements only. BW_UNSUPPORTED: a slide along the surface's own normals, and a body held in part
- * that turns freely under its load. */
+ * zero, so is what stands for its gradient. Prescribed displacements do not change. wanted
+ * (node_count, may be NULL): which nodes will move; elsewhere the gradient is of no meaning.
+ * Straight elements only. BW_UNSUPPORTED: a slide along the surface's own normals, and a body held
+ * in part that turns freely under its load. */
 bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const bw_numbering *numbering, const double *displacement,
                                 bw_solve_function *solve, void *data, int64_t count,
-                                const int32_t *node, double *von_mises, double *gradient);
+                                const int32_t *node, const uint8_t *wanted, double *von_mises,
+                                double *gradient);
 
 /* A convex quadratic programme: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
  * NLopt's SLSQP. H n x n positive definite, A m x n; bounds may be infinite. Where no x fulfils

@@ -117,6 +117,10 @@ typedef struct bw_local_options {
      needed over predicted that may be hoped for (0: as experienced). */
   int further;
   double hope;
+  /* Iterations end when the error in energy alone is below the tolerance, relative to the
+     solution's: for values that are means over many elements. Residuals, which single elements may
+     rule, are not looked at. */
+  bool energy;
 } bw_local_options;
 void bw_local_options_default(bw_local_options *options);
 

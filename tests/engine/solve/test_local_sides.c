@@ -53,6 +53,60 @@ static void many_sides(void **state) {
   }
 }
 
+/* The tolerance on the error in energy: met by |error|_K, computed from the exact solution, in both
+ * precisions, for loads spread and at a point. */
+static void energy_alone(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIDES = 3 };
+  for (int run = 0; run < 4; run++) {
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, 0);
+    bw_local_system *local = local_of(context, &b);
+    int64_t size = 3 * (int64_t)b.mesh->node_count;
+    double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
+    double *product = numbers(size);
+    memset(force, 0, (size_t)(SIDES * size) * sizeof *force);
+    for (int64_t i = 0; i < b.mesh->node_count; i++)
+      force[3 * i + 2] = 1;
+    force[size + size - 2] = force[2 * size + size / 2] = 1;
+    bw_local_options options;
+    bw_local_options_default(&options);
+    options.precision = run % 2 ? 32 : 64;
+    check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, NULL));
+    b.now.scale[2][2] = run < 2 ? 1.03 : 1.4;
+    bw_model *model = posed(context, &b);
+    check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
+    options.method = BW_LOCAL_ITERATE;
+    options.tolerance = 1e-5;
+    options.energy = true;
+    check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, NULL));
+    options = (bw_local_options){.method = BW_LOCAL_ITERATE, .tolerance = 1e-12};
+    options.precision = run % 2 ? 32 : 64;
+    check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, v, NULL));
+    for (int k = 0; k < SIDES; k++) {
+      double error = 0, energy = 0;
+      for (int64_t i = 0; i < size; i++)
+        u[k * size + i] -= v[k * size + i];
+      check_ok(context, bw_graph_multiply(context, local->system->graph, local->system->stiffness,
+                                          9, 3, 1, u + k * size, product));
+      for (int64_t i = 0; i < size; i++) {
+        error += u[k * size + i] * product[i];
+        energy += v[k * size + i] * force[k * size + i];
+      }
+      if (!(error <= 1e-10 * energy))
+        fail_msg("run %d, side %d: %g of the solution in energy", run, k, sqrt(error / energy));
+    }
+    bw_release(model);
+    bw_release(local);
+    free(force);
+    free(u);
+    free(v);
+    free(product);
+    bar_clear(&b);
+  }
+}
+
 /* Fields to begin with: the same solution whatever they are; fewer iterations where they are near,
  * hardly any where the solutions are combinations of them. */
 static void guesses(void **state) {
@@ -160,6 +214,7 @@ static void view_serves_modes(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(many_sides),
+      check_test(energy_alone),
       check_test(guesses),
       check_test(view_serves_modes),
   };

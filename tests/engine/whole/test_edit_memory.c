@@ -102,7 +102,7 @@ static bw_status follow_and_solve(bw_context *context, const bw_model *model,
   }
   const int32_t nodes[SLOPES] = {0, mesh->node_count / 2};
   BW_TRY(bw_von_mises_gradient(context, moved, local->system->numbering, result->displacement,
-                               solve_local, local, SLOPES, nodes, von_mises, gradient));
+                               solve_local, local, SLOPES, nodes, NULL, von_mises, gradient));
   *most = von_mises[0];
 done:
   bw_free(gradient);
