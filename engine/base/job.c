@@ -1,4 +1,5 @@
-/* The starter's side of jobs. See barwright/job.h; the child's side is job_child.c.
+/* The starter's side of jobs. See barwright/job.h; the child's side is job_child.c,
+ * what came of it job_result.c.
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
@@ -23,35 +24,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CHUNK = 1 << 15, DETAILS = 12, POLL_MILLISECONDS = 50, PATIENCE_WITH_WORDS = 100 };
-
-struct bw_job {
-  bw_object object;
-  char name[128];
-  double seconds_limit, processor_limit, bytes_limit;
-  bool show;
-  pid_t starter, child;
-  int pipe; /* to read from; -1 once the job has ended */
-  double start;
-  bw_job_usage usage;
-  char stage[64];
-  bool silent_death; /* the process is gone, the pipe may hold its last words */
-
-  unsigned char *bytes; /* DATA payloads so far */
-  size_t count, capacity;
-  bwi_frame head;
-  size_t head_held; /* bytes of the head that have come */
-  uint64_t left;    /* bytes of the payload still to come */
-  char payload[BWI_JOB_TEXT];
-  size_t payload_held;
-  bool last_frame;   /* DONE or FAILED has come */
-  bw_status failure; /* of FAILED, or BW_MEMORY here */
-  int exit_code;     /* of a process that was left early; -1: a signal */
-  int detail_count;
-  bwi_detail_line detail[DETAILS];
-
-  bw_job *previous, *next; /* in the list */
-};
+enum { CHUNK = 1 << 15, POLL_MILLISECONDS = 50, PATIENCE_WITH_WORDS = 100 };
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static bw_job *living;
@@ -257,7 +230,7 @@ static void finish_frame(bw_context *context, bw_job *job) {
     break;
   }
   case BWI_DETAIL:
-    if (job->detail_count < DETAILS)
+    if (job->detail_count < BWI_JOB_DETAILS)
       memcpy(&job->detail[job->detail_count++], job->payload, sizeof(bwi_detail_line));
     break;
   case BWI_FAILED:
@@ -394,103 +367,4 @@ bw_status bw_jobs_wait(bw_context *context, int count, bw_job *const *jobs, doub
 done:
   bw_free(ready);
   return status;
-}
-
-/* ---- what came of it ------------------------------------------------------------------------- */
-
-void bw_job_read_usage(const bw_job *job, bw_job_usage *usage) {
-  *usage = job->usage;
-  if (usage->state == BW_JOB_RUNNING)
-    usage->seconds = bw_seconds() - job->start;
-}
-
-const char *bw_job_name(const bw_job *job) {
-  return job->name;
-}
-
-static bw_status out_of_time(bw_context *context, const bw_job *job) {
-  bool computing = job->usage.signal == SIGPROF;
-  double limit = computing ? job->processor_limit : job->seconds_limit;
-  bw_status status = bw_fail(context, BW_LIMIT, "%s took more than the %.4g seconds%s it may use",
-                             job->name, limit, computing ? " of computing" : "");
-  bw_detail_text(context, "limit", "time");
-  bw_detail_number(context, "seconds", limit);
-  return status;
-}
-
-static bw_status out_of_memory(bw_context *context, const bw_job *job) {
-  bool large = job->bytes_limit >= 1e9;
-  bw_status status =
-      bw_fail(context, BW_LIMIT, "%s needs more than the %.3g %s of memory it may use", job->name,
-              job->bytes_limit / (large ? 1e9 : 1e6), large ? "GB" : "MB");
-  bw_detail_text(context, "limit", "memory");
-  bw_detail_number(context, "bytes", job->bytes_limit);
-  return status;
-}
-
-/* The work ended by itself in a failure: say it in the caller's context. */
-static bw_status failed(bw_context *context, const bw_job *job) {
-  bw_status status = job->failure;
-  if (job->payload_held)
-    bw_fail(context, status, "%s", job->payload);
-  else
-    bw_fail(context, status, "%s failed (%s)", job->name, bw_status_word(status));
-  for (int i = 0; i < job->detail_count; i++)
-    if (job->detail[i].is_text)
-      bw_detail_text(context, job->detail[i].key, job->detail[i].text);
-    else
-      bw_detail_number(context, job->detail[i].key, job->detail[i].number);
-  return status;
-}
-
-static bw_status crashed(bw_context *context, const bw_job *job) {
-  bw_status status;
-  int number = job->usage.signal;
-  if (number == SIGKILL)
-    status = bw_fail(context, BW_INTERNAL,
-                     "%s was killed (signal 9) from outside: by somebody, or by the system "
-                     "because its memory ran out",
-                     job->name);
-  else if (number)
-    status = bw_fail(context, BW_INTERNAL, "%s crashed with signal %d (%s)", job->name, number,
-                     strsignal(number));
-  else
-    status = bw_fail(context, BW_INTERNAL, "%s left its process with exit code %d before its end",
-                     job->name, job->exit_code);
-  if (number)
-    bw_detail_number(context, "signal", number);
-  else
-    bw_detail_number(context, "exit", job->exit_code);
-  return status;
-}
-
-bw_status bw_job_result(bw_context *context, const bw_job *job, const unsigned char **bytes,
-                        size_t *count) {
-  static const unsigned char nothing[1];
-  switch (job->usage.state) {
-  case BW_JOB_RUNNING:
-    return bw_fail(context, BW_INVALID, "%s is running: wait for it first", job->name);
-  case BW_JOB_DONE:
-    *bytes = job->bytes ? job->bytes : nothing;
-    *count = job->count;
-    return BW_OK;
-  case BW_JOB_FAILED:
-    return failed(context, job);
-  case BW_JOB_CRASHED:
-    return crashed(context, job);
-  case BW_JOB_OUT_OF_TIME:
-    return out_of_time(context, job);
-  case BW_JOB_OUT_OF_MEMORY:
-    return out_of_memory(context, job);
-  case BW_JOB_CANCELLED:
-    break;
-  }
-  return bw_fail(context, BW_CANCELLED, "%s was cancelled", job->name);
-}
-
-unsigned char *bwi_job_take(bw_job *job) {
-  unsigned char *bytes = job->bytes;
-  job->bytes = NULL;
-  job->count = job->capacity = 0;
-  return bytes;
 }

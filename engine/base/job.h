@@ -3,6 +3,8 @@
 #ifndef BARWRIGHT_BASE_JOB_H
 #define BARWRIGHT_BASE_JOB_H
 
+#include <sys/types.h>
+
 #include "barwright/job.h"
 
 /* What travels from the child: a head and a payload. */
@@ -26,7 +28,35 @@ typedef struct bwi_detail_line {
   char text[256];
 } bwi_detail_line;
 
-enum { BWI_JOB_TEXT = 2048 }; /* longest payload that is no DATA */
+enum { BWI_JOB_TEXT = 2048, BWI_JOB_DETAILS = 12 }; /* longest payload that is no DATA; details */
+
+struct bw_job {
+  bw_object object;
+  char name[128];
+  double seconds_limit, processor_limit, bytes_limit;
+  bool show;
+  pid_t starter, child;
+  int pipe; /* to read from; -1 once the job has ended */
+  double start;
+  bw_job_usage usage;
+  char stage[64];
+  bool silent_death; /* the process is gone, the pipe may hold its last words */
+
+  unsigned char *bytes; /* DATA payloads so far */
+  size_t count, capacity;
+  bwi_frame head;
+  size_t head_held; /* bytes of the head that have come */
+  uint64_t left;    /* bytes of the payload still to come */
+  char payload[BWI_JOB_TEXT];
+  size_t payload_held;
+  bool last_frame;   /* DONE or FAILED has come */
+  bw_status failure; /* of FAILED, or BW_MEMORY here */
+  int exit_code;     /* of a process that was left early; -1: a signal */
+  int detail_count;
+  bwi_detail_line detail[BWI_JOB_DETAILS];
+
+  bw_job *previous, *next; /* in the list */
+};
 
 /* The child's whole life from the fork on: `pipe` is its end, `output` a file or -1. */
 _Noreturn void bwi_job_child(bw_context *context, const bw_job_options *options, bw_job_work *work,
