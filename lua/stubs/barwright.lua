@@ -4104,8 +4104,9 @@ local Study = {}
 ---early by stop_when(trials so far, in order), after `evaluations` different points, or `seconds_total`;
 ---seconds and bytes are limits of one trial. retry: trials that failed once more; continue: with a script that
 ---has changed; output: what trials print goes to output.txt in their folders; shard = {2, 10}: the second of
----ten parts; executor: who runs trials (lua/barwright/study/executor.lua).
----@param options? {workers?: integer, seconds?: number, bytes?: number, stop_when?: function, evaluations?: integer, seconds_total?: number, retry?: boolean, continue?: boolean, output?: boolean, shard?: integer[], executor?: any}
+---ten parts; executor: who runs trials (lua/barwright/study/executor.lua); design: another one than the study's,
+---on the same file.
+---@param options? {design?: table, workers?: integer, seconds?: number, bytes?: number, stop_when?: function, evaluations?: integer, seconds_total?: number, retry?: boolean, continue?: boolean, output?: boolean, shard?: integer[], executor?: any}
 ---@return bw.Trials?
 ---@return string? message
 ---@return table? details

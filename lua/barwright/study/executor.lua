@@ -21,7 +21,12 @@ end
 
 function executor:start(record)
   local study, output = self.study, nil
-  if self.wish.output then output = trial.new(study, record).folder .. "/output.txt" end
+  if self.wish.output then
+    local path = trial.folder_of(study, record.key)
+    local fine, message, details = core.make_folder(path)
+    if not fine then return nil, message, details end
+    output = path .. "/output.txt"
+  end
   local job, message, details = core.job(function() return trial.perform(study, record) end, {
     name = "trial " .. record.number, seconds = self.wish.seconds, bytes = self.wish.bytes, output = output})
   if not job then return nil, message, details end

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Designs of levels: all combinations, one variable at a time, a list of one's own.
 local core = require "barwright.core"
+local numbers = require "barwright.plot.numbers"
 local options = require "barwright.options"
 
 local raise = core.raise
@@ -172,7 +173,16 @@ function grid.one_at_a_time.summarise(problem, _, points, results)
     end
     effects[measure.name] = list
   end
-  return {base = base, ranges = effects}
+  local lines = {}
+  for _, measure in ipairs(problem.measures) do
+    for _, item in ipairs(effects[measure.name]) do
+      if item.range then
+        lines[#lines + 1] = ("%s by %s: %s to %s"):format(measure.name, item.name,
+          numbers.quantity(item.least, measure.unit), numbers.quantity(item.most, measure.unit))
+      end
+    end
+  end
+  return {base = base, ranges = effects, text = table.concat(lines, "\n")}
 end
 
 return grid

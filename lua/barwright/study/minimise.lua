@@ -8,6 +8,7 @@
 -- anew. A minimiser is deterministic, so it comes by where it was, in microseconds a point. A single start
 -- is not given up: its trials are run from within.
 local core = require "barwright.core"
+local numbers = require "barwright.plot.numbers"
 local random = require "barwright.study.random"
 local sampling = require "barwright.study.sampling"
 
@@ -256,13 +257,19 @@ local function starts_of(search)
 end
 
 local function summary_of(search, attempts)
-  local out = {starts = {}}
+  local out, lines = {starts = {}, method = search.method}, {}
+  local measure = search.problem.measure[search.problem.objectives[1].name]
   for i, each in ipairs(attempts) do
     local outcome = each.outcome
     out.starts[i] = {why = outcome.why, evaluations = outcome.evaluations, value = outcome.value,
       point = outcome.place and search.problem:point(outcome.place), converged = outcome.converged,
       start = search.problem:point(each.start)}
+    local value = outcome.value
+    lines[i] = ("start %d: %s%s, ended by %s"):format(i,
+      value and numbers.quantity(value, measure.unit) or "no result",
+      outcome.evaluations and (" after %d evaluations"):format(outcome.evaluations) or "", tostring(outcome.why))
   end
+  out.text = ("%s by %s\n%s"):format(measure.name, search.method, table.concat(lines, "\n"))
   return out
 end
 

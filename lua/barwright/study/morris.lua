@@ -3,6 +3,7 @@
 -- a time; mu is the mean of the elementary effects, mu_star that of their sizes (Campolongo et al. 2007),
 -- sigma their scatter. Effects are per width of a variable's range (of its logarithm for scale "log").
 local core = require "barwright.core"
+local numbers = require "barwright.plot.numbers"
 local random = require "barwright.study.random"
 
 local morris = {}
@@ -121,8 +122,9 @@ function morris.morris.summarise(problem, wish, _, results)
   for _, measure in ipairs(problem.measures) do
     for _, item in ipairs(effects[measure.name]) do
       if item.mu then
-        lines[#lines + 1] = ("%s by %s: mu %.4g, mu* %.4g, sigma %.4g"):format(measure.name, item.name, item.mu,
-          item.mu_star, item.sigma)
+        lines[#lines + 1] = ("%s by %s: mu %s, mu* %s, sigma %s"):format(measure.name, item.name,
+          numbers.quantity(item.mu, measure.unit), numbers.quantity(item.mu_star, measure.unit),
+          numbers.quantity(item.sigma, measure.unit))
       end
     end
   end

@@ -5,7 +5,6 @@ local core = require "barwright.core"
 local csv = require "barwright.study.csv"
 local front = require "barwright.study.front"
 local numbers = require "barwright.plot.numbers"
-local variables = require "barwright.study.variables"
 
 local raise = core.raise
 
@@ -211,7 +210,10 @@ function meta.__tostring(self)
       for _, value in ipairs(self:column(m.name)) do
         least, most = math.min(least, value), math.max(most, value)
       end
-      if least <= most then lines[#lines + 1] = ("%s: %.6g to %.6g"):format(variables.title(m), least, most) end
+      if least <= most then
+        lines[#lines + 1] = ("%s: %s to %s"):format(m.name, numbers.quantity(least, m.unit),
+          numbers.quantity(most, m.unit))
+      end
     end
   end
   local text = self.summary and self.summary.text
