@@ -134,7 +134,7 @@ local function open(wish, paths)
   return opened
 end
 
--- Runs and tells; the list of results, or nil and why not.
+-- Runs and tells; the list of results, and why it is not whole.
 local function judge(items, wish, out, options)
   io.stdout:setvbuf "line"
   out:say(tap.plan(#items))
@@ -149,59 +149,66 @@ local function write_manual(wish, summary, manifests)
   return core.write_file(wish.manual, manual.document(summary, command, manifests))
 end
 
-local function work(wish, out, scratch)
-  local paths, message = files.find(wish.scenarios)
-  if not paths then
-    return out:misuse(message)
+-- What is kept of a run: its scenarios, and the files that they are of.
+local function summary_of(list, found)
+  local sums, ran, about = count(list), {}, json.list {}
+  for _, result in ipairs(list) do ran[result.file] = true end
+  for _, file in ipairs(found) do
+    if ran[file.file] then about[#about + 1] = {file = file.file, title = file.title, text = file.text} end
   end
+  return {passed = sums.passed, failed = sums.failed, skipped = sums.skipped, scenarios = json.list(list),
+    files = about}
+end
+
+-- Puts in what earlier runs found; the manifests of all, or nil and why not.
+local function add_earlier(wish, summary, opened)
+  local manifests = {opened and opened.manifest or results.surroundings()}
+  for _, path in ipairs(words(wish.with)) do
+    local manifest, message = earlier(path, summary.scenarios, summary.files)
+    if not manifest then return nil, message end
+    manifests[#manifests + 1] = manifest
+  end
+  return manifests
+end
+
+-- The scenarios that are asked for, what their files state, and where results go; or nil and the exit code.
+local function prepared(wish, out, scratch)
+  local paths, message = files.find(wish.scenarios)
+  if not paths then return nil, out:misuse(message) end
   local opened
   opened, message = open(wish, paths)
-  if message then
-    return out:misuse(message)
-  end
+  if message then return nil, out:misuse(message) end
   local options = {parallel = wish.parallel, in_process = wish.in_process, seconds = wish.seconds,
     bytes = wish.memory, scratch = scratch, update = wish.update, pictures = opened and opened:path "pictures",
     all_pictures = wish.all_pictures}
   local found
   found, message = run.read(paths, options)
-  if not found then
-    return out:fail(message, {status = "cancelled"})
-  end
+  if not found then return nil, out:fail(message, {status = "cancelled"}) end
   local items, total, known = select_from(found, wish)
-  if #items == 0 then
-    return out:misuse(nothing(wish, total, known))
-  end
-  local list
-  list, message = judge(items, wish, out, options)
-  if not list then
-    return out:fail(message, {status = "cancelled"})
-  end
-  local sums, about = count(list), json.list {}
-  local ran = {}
-  for _, result in ipairs(list) do ran[result.file] = true end
-  for _, file in ipairs(found) do
-    if ran[file.file] then about[#about + 1] = {file = file.file, title = file.title, text = file.text} end
-  end
-  local manifests = {opened and opened.manifest or {version = core.version, commit = core.commit ~= ""
-    and core.commit or nil}}
-  for _, path in ipairs(words(wish.with)) do
-    manifests[#manifests + 1], message = earlier(path, list, about)
-    if message then
-      return out:misuse(message)
-    end
-  end
-  local summary = {passed = sums.passed, failed = sums.failed, skipped = sums.skipped,
-    scenarios = json.list(list), files = about}
+  if #items == 0 then return nil, out:misuse(nothing(wish, total, known)) end
+  return {items = items, found = found, opened = opened, options = options}
+end
+
+local function work(wish, out, scratch)
+  local ready, code = prepared(wish, out, scratch)
+  if not ready then return code end
+  local opened = ready.opened
+  local list, interrupted = judge(ready.items, wish, out, ready.options)
+  local summary = summary_of(list, ready.found)
+  local manifests, message = add_earlier(wish, summary, opened)
+  if not manifests then return out:misuse(message) end
+  out:json(summary)
   local fine = true
   if opened then fine, message = keep(opened, summary) end
-  if fine then fine, message = write_manual(wish, summary, manifests) end
-  if not fine then
-    return out:fail(message)
+  if fine and interrupted then
+    return out:fail(("interrupted; %d of %d scenarios are judged"):format(#list, #ready.items),
+      {status = "cancelled"})
   end
-  out:say(("# %d passed, %d failed, %d skipped%s"):format(sums.passed, sums.failed, sums.skipped,
+  if fine then fine, message = write_manual(wish, summary, manifests) end
+  if not fine then return out:fail(message) end
+  out:say(("# %d passed, %d failed, %d skipped%s"):format(summary.passed, summary.failed, summary.skipped,
     opened and (": " .. opened:path "index.html") or ""))
-  out:json(summary)
-  return sums.failed > 0 and output.FAILED or output.DONE
+  return summary.failed > 0 and output.FAILED or output.DONE
 end
 
 return {

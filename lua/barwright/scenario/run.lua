@@ -186,7 +186,8 @@ local function finish(item, ending, path)
 end
 
 --- Runs items {file, number, title, line, tags, skip, about, seconds, bytes}; calls done(i, result) in
---- their order. options: parallel, in_process, seconds, bytes, scratch, update, pictures, all_pictures.
+--- their order. options: parallel, in_process, seconds, bytes, scratch, update, pictures, all_pictures. The
+--- list of results, and why it is not whole.
 function run.items(items, options, done)
   local tasks, numbers, results = {}, {}, {}
   local told = 0
@@ -220,8 +221,10 @@ function run.items(items, options, done)
     results[i].output = read_output(stem .. ".out")
     tell()
   end)
-  if not fine then return nil, why end
-  return results
+  -- interrupted: those that ended, in their order
+  local ended_ones = {}
+  for i = 1, #items do ended_ones[#ended_ones + 1] = results[i] end
+  return ended_ones, not fine and why or nil
 end
 
 return run
