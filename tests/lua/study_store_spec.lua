@@ -34,7 +34,8 @@ describe("a study that is killed", function()
     for i = 1, kills do
       local delay = (0.2 + 1.6 * random()) * whole / kills
       os.execute(("BARWRIGHT_QUIET=1 '%s' '%s' '%s' %d >/dev/null 2>%s/err & p=$!; "
-        .. "sleep %.4f; kill -9 $p 2>/dev/null; wait $p 2>/dev/null; true"):format(check.program, script, path, count, folder, delay))
+        .. "sleep %.4f; kill -9 $p 2>/dev/null; wait $p 2>/dev/null; true"):format(check.program, script, path,
+        count, folder, delay))
       assert.equal("", check.read(folder .. "/err"))
       progress[i] = count_done(path)
       assert.is_true(progress[i] >= (progress[i - 1] or 0)) -- nothing that was there is gone
