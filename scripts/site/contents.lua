@@ -6,10 +6,9 @@ return {
     {"gallery", "Gallery"}, {"lessons", "Lessons"},
   }},
   {title = "How to", pages = {
+    {"docs/howto_study.md", "Run a design study"}, {"docs/howto_experiments.md", "Publish an experiment"},
     {"docs/howto_scenarios.md", "Test a requirement"},
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
-    {"docs/howto_scenarios.md", "Requirements as scenarios"},
-    {"docs/howto_experiments.md", "Experiments to repeat"},
   }},
   {title = "Tutorials", pages = {
     {"docs/tutorial_edit.md", "Edit sessions"}, {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"},
