@@ -31,6 +31,7 @@ function links.from(page, by_source, shown)
     if other then return up(page.address) .. other.address .. part end
     if source:match "^docs/images/" then return up(page.address) .. source end
     if source == "examples" then return up(page.address) .. "lessons.html" end
+    if source == "examples/studies" then return up(page.address) .. "lessons.html#studies" end
     if source == "docs/theory" then return up(page.address) .. "docs/theory/worst_case.html" end
     shown[source] = true
     return up(page.address) .. "source/" .. source:gsub("/", "_") .. ".html"
