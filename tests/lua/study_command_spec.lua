@@ -166,4 +166,14 @@ describe("barwright study", function()
     assert.equal(1, status)
     assert.truthy(complaint:find("bad.lua:1: here", 1, true))
   end)
+
+  it("does what docs/howto_study.md shows", function()
+    local text = check.read(check.root .. "/docs/howto_study.md"):match "`bracket%.lua`.-```lua\n(.-)```"
+    check.write(folder .. "/bracket.lua", text)
+    local status, said, complaint = run "run @bracket.lua --file @bracket.study --evaluations 3 --workers 2"
+    assert.equal("", complaint)
+    assert.equal(0, status)
+    assert.truthy(said:find("3 trials of study bracket: 3 done", 1, true))
+    assert.truthy(said:find("front of", 1, true))
+  end)
 end)

@@ -246,8 +246,8 @@ local function salvage(wish, out)
     return out:fail(message, details)
   end
   out:say("%s", tostring(report))
-  out:remarks()
-  out:json {out = new, rows = report.rows, lost = report.lost, whole = report.whole}
+  core.remarks() -- told above
+  out:json {out = new, rows = report.rows, lost = report.lost, whole = report.whole, log = json.list(report.log)}
   return output.DONE
 end
 

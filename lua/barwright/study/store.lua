@@ -156,9 +156,8 @@ local function all(db, list)
   return true
 end
 
-local function create(self, study)
+local function create(self, study, list)
   return transaction(self.db, function()
-    local list = schema(self)
     local definition = json.encode(store.definition(study))
     for name, value in pairs {format = FORMAT, name = study.name, seed = tostring(study.seed),
       definition = definition, definition_sha256 = core.sha256_of(definition)} do
@@ -189,6 +188,7 @@ local function header(db, path)
   if not rows then return nil, message, details end
   local about = {}
   for _, row in ipairs(rows) do about[row.name] = row.value end
+  if not next(about) then return {lost = true} end -- saved from a damaged file, without its head
   if about.format ~= FORMAT then
     return nil, ("%s: written as '%s', this is '%s'"):format(path, tostring(about.format), FORMAT),
       {status = "format", file = path}
@@ -204,8 +204,7 @@ function store.explain(path, message, details)
     message = ("%s: the disk is full; what was finished before is kept. Make room, then run the study again: "
       .. "it goes on where it was"):format(path)
   elseif status == "damaged" then
-    message = ("%s: the file is damaged (%s); 'barwright study salvage %s NEW.study' saves what can be read")
-      :format(path, message, path)
+    message = ("%s; 'barwright study salvage %s NEW.study' saves what can be read"):format(message, path)
   end
   return message, details
 end
@@ -231,12 +230,16 @@ function store.open(study, path, wish)
   local about
   about, message, details = header(db, path)
   if not about then return refuse(self, message, details) end
-  if not about.definition then
+  if about.lost and not wish.continue then
+    return refuse(self, path .. ": which study it is of has been lost. If it is this one, say continue = true "
+      .. "(--continue)", {status = "different", file = path})
+  elseif not about.definition then
     if wish.read_only then
       return refuse(self, path .. ": holds no study yet", {status = "format", file = path})
     end
     local fine
-    fine, message, details = create(self, study)
+    fine, message, details = create(self, study, about.lost
+      and {"DELETE FROM variables", "DELETE FROM measures"} or schema(self))
     if not fine then return refuse(self, message, details) end
   else
     local old = json.decode(about.definition)
@@ -385,6 +388,23 @@ function store:load()
     if trial and trial.status == "done" then trial.results = values end
   end
   return list
+end
+
+--- After a file was saved from a damaged one: what lost a part of itself is to be run again.
+function store.mend(path)
+  local db <close>, message, details = core.database(path)
+  if not db then return nil, message, details end
+  local tables = db:rows("SELECT count(*) AS n FROM sqlite_master"
+    .. " WHERE name = 'trials' OR name = 'points' OR name = 'results'")
+  if not tables or tables[1].n < 3 then return true end
+  return transaction(db, function()
+    return all(db, {
+      "DELETE FROM trials WHERE number NOT IN (SELECT number FROM points)",
+      "DELETE FROM points WHERE number NOT IN (SELECT number FROM trials)",
+      "UPDATE trials SET status = 'asked' WHERE status = 'done' AND number NOT IN (SELECT number FROM results)",
+      "DELETE FROM results WHERE number NOT IN (SELECT number FROM trials WHERE status = 'done')",
+    })
+  end)
 end
 
 --- One file is left, without those beside it that writing ahead makes, so that it can be copied.
