@@ -133,7 +133,8 @@ static void enter_orbit(bwi_keys *keys, const int32_t weight[BWI_SYMMETRIES][8],
   keys->first[keys->orbit_count++] = code;
 }
 
-bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bwi_keys **out) {
+bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool orbits,
+                          bwi_keys **out) {
   bw_status status = BW_OK;
   int64_t codes = 1;
   int32_t power[8], weight[BWI_SYMMETRIES][8];
@@ -154,6 +155,10 @@ bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bwi_key
     return BW_MEMORY;
   keys->base = base;
   keys->voids = voids;
+  if (!orbits) {
+    *out = keys;
+    return BW_OK;
+  }
   keys->code_count = (int32_t)codes;
   keys->orbit = BW_NEW(context, int32_t, codes);
   keys->symmetry = BW_NEW0(context, uint8_t, codes);

@@ -46,8 +46,10 @@ typedef struct bwi_keys {
   uint8_t *symmetry; /* code_count: takes the orbit's first key to this one */
 } bwi_keys;
 
-/* BW_LIMIT where there are more than 2^24 keys. */
-bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bwi_keys **keys);
+/* BW_LIMIT where there are more than 2^24 keys. Without `orbits` only base and limit are taken: no
+ * key belongs to an orbit, and the lists are NULL. */
+bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool orbits,
+                          bwi_keys **keys);
 void bwi_keys_free(bwi_keys *keys);
 static inline int32_t bwi_key_code(int32_t base, const int32_t key[8]) {
   int32_t code = 0;

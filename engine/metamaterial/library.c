@@ -115,7 +115,8 @@ bw_status bwi_library_begin(bw_context *context, const bw_palette *palette,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_keys_create(context, palette->count, options->voids, &it->inner->keys));
+  BW_TRY(
+      bwi_keys_create(context, palette->count, options->voids, it->levels > 0, &it->inner->keys));
   BW_TRY(bwi_library_room(context, it, 1, it->levels > 0 ? it->inner->keys->orbit_count : 0));
   bwi_library_show(it);
   *out = it;

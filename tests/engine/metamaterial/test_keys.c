@@ -58,7 +58,7 @@ static void test_orbits(void **state) {
   assert_int_equal(burnside(4), 1996);
   for (int base = 2; base <= 5; base++) {
     for (int voids = 0; voids < 2; voids++) {
-      check_ok(context, bwi_keys_create(context, base, voids, &keys));
+      check_ok(context, bwi_keys_create(context, base, voids, true, &keys));
       assert_int_equal(keys->orbit_count, voids ? burnside(base) - 1 : burnside(base - 1));
       assert_int_equal(keys->orbit[0], -1);
       for (int32_t code = 1; code < keys->code_count; code++) {
@@ -81,12 +81,13 @@ static void test_orbits(void **state) {
       bwi_keys_free(keys);
     }
   }
-  check_fails(context, BW_LIMIT, "up to 7 materials", bwi_keys_create(context, 9, true, &keys));
   check_fails(context, BW_LIMIT, "up to 7 materials",
-              bwi_keys_create(context, INT32_MAX, true, &keys));
+              bwi_keys_create(context, 9, true, true, &keys));
+  check_fails(context, BW_LIMIT, "up to 7 materials",
+              bwi_keys_create(context, INT32_MAX, true, true, &keys));
   for (int64_t n = 1;; n++) {
     bw_fail_allocation(n, true);
-    bw_status status = bwi_keys_create(context, 3, true, &keys);
+    bw_status status = bwi_keys_create(context, 3, true, true, &keys);
     bw_fail_allocation(0, false);
     if (status == BW_OK)
       break;
