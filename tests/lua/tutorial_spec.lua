@@ -57,7 +57,7 @@ end)
 
 describe_page("tutorial_edit.md", 10)
 
-describe_page("tutorial_solids.md", 8)
+describe_page("tutorial_solids.md", 9)
 
 describe_page("tutorial_responsive.md", 8, function(folder)
   local page = check.read(check.root .. "/docs/tutorial_responsive.md")
