@@ -34,7 +34,8 @@ bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *mak
                                 const bwi_fine_block *block, bw_solid_material **material);
 bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker,
                               const bwi_fine_block *block, bw_solid_material **material);
-/* Of a block of 64, by a library of two levels; *fit is the fit that stands for it. */
+/* Of a block of 64, by a library of two levels; *fit is the fit that stands for it, or -1 where
+ * none does well enough. */
 bw_status bwi_level2_material(bw_context *context, const bw_library *library,
                               const bwi_fine_block *block, double density, int32_t *fit,
                               bw_solid_material **material);

@@ -6,13 +6,19 @@
  * are stiffer or softer in places; so their fitted constants are not taken as they are, but by the
  * ratio of the block's own cell to theirs (means of what was fitted at level 1, which is known for
  * both). A cell that is the same in both so has the constants of the fit, and a representative is
- * given its own fit. */
+ * given its own fit.
+ *
+ * Blocks with void lie far apart, and a fit tells nothing of a block whose cells are filled quite
+ * differently: there the cells' own means are taken as they are. */
 #include <math.h>
 #include <string.h>
 
 #include "metamaterial/coarse.h"
 #include "metamaterial/library.h"
 #include "nonlinear/internal.h"
+
+#define FAR 4      /* times as stiff as the cell that stands for it, or as soft */
+#define SPREAD 0.8 /* of points where no fit is taken: that of homogeneous blocks */
 
 /* A cell as one point: means of its fit of level 1, with what its fibres are worth in the mean over
  * all directions: C (v . E v)^2 then is 2 C / 15 (E : E + (tr E)^2 / 2). */
@@ -116,6 +122,47 @@ double bwi_block_part(const bwi_fine_block *block, int c) {
   return count > 0 ? sum / count : 1;
 }
 
+static bool is_far(const bwi_fine_block *block, const cell own[8], const cell its[8]) {
+  bool empty = false, far = false;
+  for (int p = 0; p < 64; p++)
+    empty = empty || block->key[p] == 0;
+  for (int c = 0; c < 8; c++)
+    far = far || (!own[c].empty && !its[c].empty &&
+                  (own[c].mu > FAR * its[c].mu || its[c].mu > FAR * own[c].mu));
+  return empty && far;
+}
+
+/* The cells' means as points, without fibres. */
+static bw_status made_of_cells(bw_context *context, const bwi_fine_block *block, const cell own[8],
+                               double density, bw_solid_material **material) {
+  bw_status status = BW_OK;
+  const double spread[3] = {SPREAD, SPREAD, SPREAD};
+  double mu[8], lambda[8], mean_mu = 0, mean_lambda = 0;
+  uint8_t law[8];
+  int there = 0;
+  bw_rule *rule = NULL;
+  for (int c = 0; c < 8; c++) {
+    double part = bwi_block_part(block, c);
+    law[c] = own[c].law;
+    mu[c] = part * own[c].mu;
+    lambda[c] = part * own[c].lambda;
+    mean_mu += mu[c];
+    mean_lambda += lambda[c];
+    there += !own[c].empty;
+  }
+  for (int c = 0; c < 8; c++)
+    if (own[c].empty) {
+      mu[c] = BWI_VOID_PART * mean_mu / there;
+      lambda[c] = BWI_VOID_PART * mean_lambda / there;
+    }
+  BW_TRY(bw_rule_create_spread(context, 1, spread, &rule));
+  BW_TRY(bw_solid_material_points(context, "of its cells, level 2", rule, density, law, mu, lambda,
+                                  0, NULL, NULL, material));
+done:
+  bw_release(rule);
+  return status;
+}
+
 bw_status bwi_level2_material(bw_context *context, const bw_library *library,
                               const bwi_fine_block *block, double density, int32_t *fit,
                               bw_solid_material **material) {
@@ -129,6 +176,10 @@ bw_status bwi_level2_material(bw_context *context, const bw_library *library,
   take_stand_in(library, found, &it);
   for (int c = 0; c < 8; c++)
     own[c] = take_cell(library, bwi_key_code(library->inner->keys->base, block->key + 8 * c));
+  if (is_far(block, own, it.cell)) {
+    *fit = -1;
+    return made_of_cells(context, block, own, density, material);
+  }
   double whole = whole_ratio(own, it.cell);
   for (int c = 0; c < 8; c++) {
     const cell *its = &it.cell[c];

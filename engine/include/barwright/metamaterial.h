@@ -81,7 +81,7 @@ bw_status bw_library_parse(bw_context *context, const char *name, const unsigned
 /* A few lines: palette, levels, fits, errors by class of block. Release with bw_free. */
 bw_status bw_library_describe(bw_context *context, const bw_library *library, char **text);
 /* The fitted material of a key (level 1: 8 numbers; level 2: 64, child by child), and of which fit
- * (may be NULL). */
+ * (may be NULL): grown ones are numbered behind those of the library as it was built; -1: none. */
 bw_status bw_library_material(bw_context *context, const bw_library *library, int level,
                               const int32_t *key, bw_solid_material **material, int32_t *fit);
 

@@ -219,7 +219,9 @@ static void test_lookup(void **state) {
       check_ok(context, bw_library_material(context, library, levels, key, &expected, NULL));
       size_t points = (size_t)m->rule->count;
       assert_memory_equal(m->mu, expected->mu, points * sizeof *m->mu);
-      assert_memory_equal(m->fibre, expected->fibre, 9 * points * sizeof *m->mu);
+      size_t fibres = points * (size_t)m->fibre_count;
+      assert_int_equal(m->fibre_count, expected->fibre_count);
+      assert_memory_equal(m->fibre, expected->fibre, 3 * fibres * sizeof *m->mu);
       assert_true(m->density == expected->density);
       bw_release(expected);
       coarse_mass += (levels == 1 ? 8 : 64) * m->density;
@@ -229,6 +231,54 @@ static void test_lookup(void **state) {
     bw_release(grid);
     bw_release(library);
   }
+}
+
+/* A block with void, one cell of which holds a single element where the cell that stands for it is
+ * nearly full or the other way round, is made of its cells' means; without void it never is. */
+static void test_far(void **state) {
+  bw_context *context = check_context(state);
+  bw_library *library = fixture_library(context, 1, true, 2, 10);
+  bw_random random;
+  int far = 0, near = 0;
+  bw_random_seed(&random, 5);
+  for (int turn = 0; turn < 60; turn++) {
+    int32_t key[64], fit;
+    bw_solid_material *material, *turned, *expected;
+    for (int p = 0; p < 64; p++)
+      key[p] =
+          (int32_t)(bw_random_bits(&random) % 8) < (p / 8 == turn % 8 ? 7 : 1 + turn % 4) ? 1 : 0;
+    key[turn] = 1;
+    check_ok(context, bw_library_material(context, library, 2, key, &material, &fit));
+    far += fit < 0;
+    near += fit >= 0;
+    if (fit < 0) {
+      int32_t image[64];
+      assert_int_equal(material->fibre_count, 0);
+      for (int c = 0; c < 8; c++) {
+        int solid = 0, symmetry;
+        for (int p = 8 * c; p < 8 * c + 8; p++)
+          solid += key[p];
+        const bw_solid_material *cell = bwi_library_cell(library, key + 8 * c, &symmetry);
+        double mean = 0;
+        for (int p = 0; cell && p < 8; p++)
+          mean += (cell->mu[p] + cell->fibre_stiffness[3 * p] * 6 / 15) / 8; /* three alike */
+        if (solid > 0)
+          check_near(material->mu[c], mean, 1e-6 * mean);
+        else
+          assert_true(material->mu[c] > 0 && material->mu[c] < 100);
+      }
+      bwi_symmetry_key(13, 64, key, image);
+      check_ok(context, bw_library_material(context, library, 2, image, &turned, NULL));
+      check_ok(context, bwi_material_turned(context, material, 13, &expected));
+      for (int p = 0; p < 8; p++)
+        check_near(turned->mu[p], expected->mu[p], 1e-6 * expected->mu[p]);
+      bw_release(turned);
+      bw_release(expected);
+    }
+    bw_release(material);
+  }
+  assert_true(far > 5 && near > 5);
+  bw_release(library);
 }
 
 /* Edits followed are edits made from scratch; also with partial cells. */
@@ -266,8 +316,9 @@ static void test_follow(void **state) {
       for (int32_t r = 1; r < fresh->palette->count; r++) {
         const bw_solid_material *a = next->palette->material[r], *b = fresh->palette->material[r];
         assert_memory_equal(a->mu, b->mu, (size_t)a->rule->count * sizeof *a->mu);
-        assert_memory_equal(a->fibre_stiffness, b->fibre_stiffness,
-                            3 * (size_t)a->rule->count * sizeof *a->mu);
+        size_t fibres = (size_t)a->rule->count * (size_t)a->fibre_count;
+        assert_int_equal(a->fibre_count, b->fibre_count);
+        assert_memory_equal(a->fibre_stiffness, b->fibre_stiffness, fibres * sizeof *a->mu);
         assert_true(a->density == b->density);
       }
       bw_release(fresh);
@@ -360,9 +411,9 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_threads),  check_test(test_kills),           check_test(test_cuts),
-      check_test(test_refusals), check_test(test_lookup),          check_test(test_follow),
-      check_test(test_memory),   check_test(test_lookup_refusals),
+      check_test(test_threads),  check_test(test_kills),  check_test(test_cuts),
+      check_test(test_refusals), check_test(test_lookup), check_test(test_far),
+      check_test(test_follow),   check_test(test_memory), check_test(test_lookup_refusals),
   };
   int file = mkstemp(checkpoint);
   if (file < 0)
