@@ -28,7 +28,8 @@ local study = bw.study {
     if not bridge then return nil, message end
     local _, beam = bridge:uniform_beam()
     local found
-    found, message = bridge:design {starts = {point.start}, rounds = quick and 8 or 30, polish = 0}
+    found, message = bridge:design {starts = {point.start}, rounds = quick and 8 or 30,
+      polish = quick and 0 or 20}
     if not found then return nil, message end
     assert(bridge:picture(trial.folder .. "/bridge.png"))
     assert(bridge.whole:write(trial.folder .. "/bridge.dxf"))
