@@ -39,9 +39,10 @@ end
 
 -- How ours stands beside what is printed.
 local function beside(row)
-  if not row.ours or not row.want then return "" end
-  if row.want == "near" then return ("%+.2g %%"):format(100 * (row.ours / row.printed - 1)) end
-  local ratio = row.want == "less" and row.printed / row.ours or row.ours / row.printed
+  local ours = row.ours or row.ours_timed
+  if not ours or not row.want then return "" end
+  if row.want == "near" then return ("%+.2g %%"):format(100 * (ours / row.printed - 1)) end
+  local ratio = row.want == "less" and row.printed / ours or ours / row.printed
   local words = row.unit == nil and "smaller" or row.want == "less" and "less" or "more"
   if ratio >= 1 then return {text = ("%s times %s"):format(numbers.show(ratio, 3), words), class = "good"} end
   local other = {smaller = "larger", less = "more", more = "less"}
@@ -53,8 +54,9 @@ local function add_table(about, out)
   if about.note then out[#out + 1] = ("<p>%s</p>"):format(escape(about.note)) end
   out[#out + 1] = '<div class="scroll"><table>' .. cells("th", {"", "printed", "ours", "beside it", ""})
   for _, row in ipairs(about.rows) do
+    local ours = row.ours or row.ours_timed
     out[#out + 1] = cells("td", {row.what, figure(row.printed, row.unit),
-      row.ours and figure(row.ours, row.unit) or "", beside(row),
+      ours and figure(ours, row.unit) or "", beside(row),
       {text = row.note or row.why or "", class = "soft"}})
   end
   out[#out + 1] = "</table></div>"

@@ -1,8 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What the papers print, and where ours is to be found. A table is {paper, place, title, note, rows}; a row
--- is {what, unit, printed, part, pick, want}: `pick` takes ours out of the result.json of a part (nil:
+-- is {what, unit, printed, part, pick, want, timed}: `pick` takes ours out of the result.json of a part (nil:
 -- it is not there), `want` says how the two are compared: "less" (seconds), "more" (frames per second),
--- "near" (the same is to come out), or nil (a count of another body or of another method).
+-- "near" (the same is to come out), or nil (a count of another body or of another method); `timed`: the clock
+-- decides it.
 local printed = {}
 
 printed.papers = {
@@ -20,11 +21,15 @@ printed.papers = {
 }
 
 local tables = {}
+local clock = {s = true, ms = true, minutes = true, ["frames/s"] = true} -- units of what the clock decides
 
 local function new(paper, place, title, note)
   local made = {paper = paper, place = place, title = title, note = note, rows = {}}
   tables[#tables + 1] = made
-  return function(row) made.rows[#made.rows + 1] = row end
+  return function(row)
+    row.timed = row.timed or clock[row.unit] or false
+    made.rows[#made.rows + 1] = row
+  end
 end
 
 -- ---- agile -----------------------------------------------------------------------------------------------
@@ -190,7 +195,7 @@ for _, line in ipairs {{2723, 681.367, 1.089}, {2869, 793.362, 1.087}, {2904, 89
   add {what = size .. "weak regions", unit = "s", printed = line[3], part = "worst_case_brute_force",
     want = "less",
     pick = of(function(row) return row.seconds_weak_regions end)}
-  add {what = size .. "times faster", printed = line[2] / line[3], part = "worst_case_brute_force",
+  add {what = size .. "times faster", printed = line[2] / line[3], part = "worst_case_brute_force", timed = true,
     pick = of(function(row) return row.seconds_brute_force / row.seconds_weak_regions end)}
 end
 
@@ -238,7 +243,7 @@ for _, example in ipairs(examples) do
     add {what = where .. "iterations", printed = line[3], part = part,
       pick = of_level(level, function(row) return row.iterations end)}
     if level > 0 then
-      add {what = where .. "relative speed", printed = line[1], part = part,
+      add {what = where .. "relative speed", printed = line[1], part = part, timed = true,
         pick = of_level(level, function(row) return row.speed_up end)}
       add {what = where .. "error", printed = line[4], part = part, want = "less",
         pick = of_level(level, function(row) return row.error end)}

@@ -99,6 +99,16 @@ describe("a run", function()
     has(err, "without a result")
   end)
 
+  it("of scenarios is repeated although its folder lies in theirs", function()
+    local folder = check.folder()
+    check.write(folder .. "/a.lua", [[local bw = require "barwright"
+bw.scenario("a", function() bw.scenario.expect(1):above(0) end)]])
+    assert.equal(0, (check.run(("test %s --out %s/out"):format(folder, folder))))
+    local status, out, err = check.run(("rerun %s/out/manifest.json"):format(folder))
+    assert.equal(0, status, out .. err)
+    has(out, ("barwright test %s --out %s/out.again"):format(folder, folder))
+  end)
+
   it("of the page's script does what the page says", function()
     local folder, page = check.folder(), check.read(check.root .. "/docs/howto_experiments.md")
     check.write(folder .. "/bracket.lua", page:match "```lua\n(.-)```")

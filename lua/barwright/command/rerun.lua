@@ -30,25 +30,33 @@ local function below(path, folder)
   if path:sub(1, #folder + 1) == folder .. "/" then return path:sub(#folder + 1) end
 end
 
+-- The word that names the folder of the run: its place, what stands before the folder in it, and where the
+-- folder is below what it names. --out counts first, then a word that is the folder, then one above it.
+local function folder_word(manifest)
+  local words, named = manifest.started_by, {}
+  for i = 2, #words do
+    local joined = words[i]:match "^%-%-out=(.*)$"
+    local value = joined or words[i]
+    local inner = below(manifest.folder, value)
+    if inner and (joined or words[i - 1] == "--out") then return i, joined and "--out=" or "", inner end
+    if inner then table.insert(named, inner == "" and 1 or #named + 1, {i, inner}) end
+  end
+  if named[1] then return named[1][1], "", named[1][2] end
+end
+
 -- The words of the run with the new folder in place of the old one, and where below it the result is.
 local function redirected(manifest, folder)
-  local words, place = {}, nil
-  for i, word in ipairs(manifest.started_by) do
-    local name, joined = word:match "^(%-%-[^=]+)=(.*)$"
-    local before = manifest.started_by[i - 1]
-    local value = name == "--out" and joined or word
-    local inner = i > 1 and (name == "--out" or before == "--out" or word:sub(1, 2) ~= "--") and not place
-      and below(manifest.folder, value)
-    if inner then
-      place = inner
-      word = name == "--out" and "--out=" .. folder or folder
-    end
-    words[i] = word
+  local words = table.move(manifest.started_by, 1, #manifest.started_by, 1, {})
+  local at, before, inner = folder_word(manifest)
+  if at then
+    words[at] = before .. folder
+    return words, inner
   end
-  if not place and #words == 1 then -- a script with a folder of its own choice
-    words[2], place = folder, ""
+  if #words == 1 then -- a script with a folder of its own choice
+    words[2] = folder
+    return words, ""
   end
-  return words, place
+  return words, nil
 end
 
 local function free_folder(folder)
