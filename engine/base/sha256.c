@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* SHA-256 (FIPS 180-4) of files, for manifests. */
-#include "barwright/base.h"
+#include "barwright/confine.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -91,6 +91,9 @@ static bw_status refuse(bw_context *context, const char *path, int descriptor, c
 }
 
 bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65]) {
+  bw_status status = bw_may_use(context, path, BW_TO_READ);
+  if (status != BW_OK)
+    return status;
   /* Without waiting: opening a pipe to which nobody writes would never return. */
   int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat about;

@@ -32,6 +32,7 @@
 #define BARWRIGHT_H
 
 #include "barwright/base.h"
+#include "barwright/confine.h"
 #include "barwright/job.h"
 #include "barwright/mesh.h"
 #include "barwright/outline.h"

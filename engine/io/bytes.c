@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Whole files in memory, and the cursor that all readers move over them. */
+#include "barwright/confine.h"
 #include "io/internal.h"
 
 #include <errno.h>
@@ -70,11 +71,14 @@ done:
 
 bw_status bw_read_file(bw_context *context, const char *path, unsigned char **bytes,
                        size_t *count) {
+  bw_status status = bw_may_use(context, path, BW_TO_READ);
+  if (status != BW_OK)
+    return status;
   /* O_NONBLOCK: opening a pipe that nobody writes to must not wait. */
   int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0)
     return fail_errno(context, path);
-  bw_status status = read_open_file(context, path, file, bytes, count);
+  status = read_open_file(context, path, file, bytes, count);
   close(file);
   return status;
 }

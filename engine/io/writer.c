@@ -5,6 +5,7 @@
  * the target; until then the target is what it was. The first error sticks: later calls return it,
  * and commit removes the partial file. A target that exists and is no regular file (a terminal, a
  * pipe, /dev/null) cannot be renamed over and is written directly. */
+#include "barwright/confine.h"
 #include "io/internal.h"
 
 #include <errno.h>
@@ -122,6 +123,7 @@ bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writ
     status = bw_fail(context, BW_INVALID, "an empty path: the name of a file is needed");
     goto done;
   }
+  BW_TRY(bw_may_use(context, path, BW_TO_WRITE));
   BW_TRY(resolve(made, path));
   bool exists = stat(made->path, &old) == 0;
   if (exists && S_ISDIR(old.st_mode)) {

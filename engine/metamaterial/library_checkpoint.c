@@ -20,6 +20,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "barwright/confine.h"
 #include "metamaterial/library.h"
 
 enum { MARK_BYTES = 8, RECORD_HEAD = 13, MOST_HEAD = 4096 };
@@ -193,6 +194,7 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path, const bw_pa
     goto done;
   }
   strcpy(it->path, path);
+  BW_TRY(bw_may_use(context, path, BW_TO_WRITE));
   it->file = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (it->file < 0)
     BW_TRY(fail_system(context, path, "cannot open the checkpoint"));

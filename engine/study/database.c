@@ -9,6 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "barwright/confine.h"
 #include "study/internal.h"
 
 enum { STEPS_BETWEEN_QUESTIONS = 20000, URI = 3 * BWI_LONGEST_PATH + 32 };
@@ -195,7 +196,19 @@ static int write_ahead(bw_database *d) {
   }
 }
 
+/* In a confined process no statement reaches another file. */
+static int authorize(void *data, int action, const char *first, const char *second,
+                     const char *database, const char *trigger) {
+  (void)data, (void)second, (void)database, (void)trigger;
+  bool reaches_out = action == SQLITE_ATTACH ||
+                     (action == SQLITE_PRAGMA && first && strstr(first, "_directory")) ||
+                     (action == SQLITE_FUNCTION && second && strcmp(second, "load_extension") == 0);
+  return reaches_out ? SQLITE_DENY : SQLITE_OK;
+}
+
 static bw_status set_up(bw_context *context, bw_database *d, bool read_only) {
+  if (bw_confined())
+    sqlite3_set_authorizer(d->connection, authorize, NULL);
   sqlite3_extended_result_codes(d->connection, 1);
   sqlite3_busy_handler(d->connection, on_busy, d);
   sqlite3_progress_handler(d->connection, STEPS_BETWEEN_QUESTIONS, on_progress, d);
@@ -262,7 +275,9 @@ bw_status bw_database_open(bw_context *context, const char *path,
   if (!path[0] || strlen(path) + 8 >= BWI_LONGEST_PATH)
     return bw_fail(context, BW_INVALID, "a path of %zu bytes: 1 to %d expected", strlen(path),
                    BWI_LONGEST_PATH - 8);
-  bw_status status = judge_file(context, path, options->read_only);
+  bw_status status = bw_may_use(context, path, options->read_only ? BW_TO_READ : BW_TO_WRITE);
+  if (status == BW_OK)
+    status = judge_file(context, path, options->read_only);
   if (status != BW_OK)
     return status;
   bw_database *d = BW_NEW0(context, bw_database, 1);

@@ -30,6 +30,7 @@ local bw = {
   threads = core.threads,
   remarks = core.remarks,
   interrupted = core.interrupted,
+  sandbox = core.sandbox,
   seconds = core.seconds,
   json = require "barwright.json",
   results = require "barwright.results",

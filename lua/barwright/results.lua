@@ -52,25 +52,6 @@ function results.peak_memory()
   return kilobytes and tonumber(kilobytes) * 1024
 end
 
-local function is_folder(path)
-  -- Opening a folder works, reading from it does not.
-  local file = io.open(path)
-  if not file then return false end
-  local _, _, code = file:read(0)
-  file:close()
-  return code == 21
-end
-
-local function make_folder(path)
-  if is_folder(path) then return true end
-  local pipe = io.popen("LC_ALL=C mkdir -p -- '" .. path:gsub("'", "'\\''") .. "' 2>&1")
-  local why = pipe and pipe:read "l"
-  if pipe then pipe:close() end
-  if is_folder(path) then return true end
-  return nil, ("%s: cannot be made as a folder: %s"):format(path,
-    why and why:match ": ([^:]+)$" or "mkdir failed")
-end
-
 --- What a run depends on besides its script and its inputs.
 function results.surroundings()
   return {
@@ -96,7 +77,7 @@ end
 --- name, where it is not the file that runs.
 function results.open(folder, about)
   about = about or {}
-  local fine, message = make_folder(folder)
+  local fine, message = core.make_folder(folder)
   if not fine then return nil, message, {status = "io", file = folder} end
   -- A folder that nothing can be written into is found now, not after the work.
   local probe, why, details = core.write_file(folder .. "/result.json.probe", "{}\n")

@@ -241,6 +241,7 @@ void lbw_open_raise(lua_State *L);
 void lbw_open_array(lua_State *L);
 void lbw_open_surface(lua_State *L);
 void lbw_open_thickness(lua_State *L);
+void lbw_open_confine(lua_State *L);
 void lbw_open_mesh(lua_State *L);
 void lbw_open_selection(lua_State *L);
 void lbw_open_material(lua_State *L);

@@ -144,7 +144,10 @@ static int core_job(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_job_class);
   child c = {L, 1};
   bw_job *job = NULL;
-  bw_status status = bw_job_start(lbw_enter(L), &options, child_work, &c, &job);
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_may_start(context, "a job: its memory and time would not be the script's");
+  if (status == BW_OK)
+    status = bw_job_start(context, &options, child_work, &c, &job);
   lbw_box_fill(L, box, job);
   return lbw_leave(L, status, 1);
 }

@@ -33,7 +33,10 @@ static int core_live_server(lua_State *L) {
   lua_settop(L, 1);
   lbw_box *box = lbw_box_new(L, &lbw_live_server_class);
   lbw_live_server *server = NULL;
-  bw_status status = lbw_live_create(lbw_enter(L), &options, &server);
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_may_start(context, "a live view's server");
+  if (status == BW_OK)
+    status = lbw_live_create(context, &options, &server);
   if (status == BW_OK)
     lbw_box_fill(L, box, server);
   return lbw_leave(L, status, 1);

@@ -362,6 +362,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_array(L);
   lbw_open_surface(L);
   lbw_open_thickness(L);
+  lbw_open_confine(L);
   lbw_open_mesh(L);
   lbw_open_selection(L);
   lbw_open_material(L);

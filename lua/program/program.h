@@ -12,6 +12,47 @@ bool program_call(lua_State *L, int arguments, int results);
 void program_catch_interrupt(lua_State *L);
 void program_ignore_interrupt(void);
 
+/* ---- limits (limits.c) ---- */
+
+typedef struct program_limits {
+  const char *sandbox; /* the folder, or NULL */
+  double memory;       /* bytes; 0: no limit */
+  double seconds;      /* 0: no limit */
+} program_limits;
+enum { PROGRAM_CHILD = -1, PROGRAM_OVERDUE = 124 };
+/* Forks: in the child PROGRAM_CHILD, with its memory limited; in the parent, once the child has
+ * ended, the exit status. */
+int program_watch(const program_limits *limits);
+/* NULL where there is no memory. */
+lua_State *program_new_state(const program_limits *limits);
+void program_out_of_memory(void);
+/* "200M", "2G"; "60", "5min" */
+bool program_read_bytes(const char *text, double *bytes);
+bool program_read_seconds(const char *text, double *seconds);
+
+/* ---- the command line (command_line.c) ---- */
+
+typedef struct program_command {
+  const char *statements, *script; /* the script may be the name of a command */
+  int script_at, count;
+  char **value;
+  bool prompt, stress, version, help;
+  program_limits limits;
+} program_command;
+/* False, with a message printed, where it is misused. */
+bool program_read_command(int argc, char **argv, program_command *c);
+
+/* ---- the sandbox (sandbox.c, kernel.c) ---- */
+
+/* Closes what Lua could open. False, with a message printed, when memory is out. */
+bool program_close_lua(lua_State *L);
+typedef struct program_walls {
+  int landlock; /* the kernel's version of it; 0: none */
+  bool calls;   /* system calls are filtered */
+} program_walls;
+/* `readable`: files and folders beside the folder, ended by NULL. */
+program_walls program_close_kernel(const char *folder, const char *const *readable);
+
 /* The prompt: reads statements until the end of input. */
 void program_prompt(lua_State *L);
 

@@ -4328,3 +4328,7 @@ function Distributed.abort(message) end
 ---Versions of MPI, PETSc and SLEPc, a line each.
 ---@return string?
 function Distributed.versions() end
+---The sandbox that the program runs the script in: the folder that it may use, which version of the kernel's
+---Landlock holds it (0: none) and whether its system calls are filtered; nil outside of a sandbox.
+---@return {folder: string, landlock: integer, calls: boolean}?
+function bw.sandbox() end

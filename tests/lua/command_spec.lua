@@ -369,6 +369,78 @@ describe("barwright convert", function()
   end)
 end)
 
+describe("the shells", function()
+  it("complete commands, options, values and files in bash", function()
+    local folder = check.folder()
+    local status, text = check.run "completion bash"
+    assert.equal(0, status)
+    check.write(folder .. "/completion", text)
+    check.write(folder .. "/model.stl", "")
+    check.write(folder .. "/run.sh", [[
+      source ./completion
+      complete_line() { # the words, the last one being completed
+        COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _barwright 2>/dev/null; echo "${COMPREPLY[*]}"
+      }
+      complete_line barwright wo
+      complete_line barwright --san
+      complete_line barwright worst --mat
+      complete_line barwright worst --material st
+      complete_line barwright worst --material = st
+      complete_line barwright worst --unit ""
+      complete_line barwright worst mod
+      complete_line barwright --sandbox . check --th
+      complete_line barwright completion z
+      complete_line barwright help conv
+      complete_line barwright worst --force ""
+    ]])
+    local pipe = assert(io.popen("cd '" .. folder .. "' && bash run.sh"))
+    local lines = {}
+    for line in pipe:lines() do lines[#lines + 1] = line end
+    pipe:close()
+    assert.same({"worst", "--sandbox", "--material", "steel", "steel", "mm cm m in um", "model.stl",
+      "--thin", "zsh", "convert", ""}, lines)
+  end)
+
+  it("have a completion of every command and option", function()
+    for _, shell in ipairs {"bash", "zsh", "fish"} do
+      local status, text = check.run("completion " .. shell)
+      assert.equal(0, status)
+      for _, name in ipairs(commands.names()) do
+        assert.truthy(text:find(name, 1, true), shell .. " " .. name)
+        for _, option in ipairs(commands.load(name).options or {}) do
+          assert.truthy(text:find(option.name, 1, true), ("%s %s --%s"):format(shell, name, option.name))
+        end
+      end
+      if os.execute("command -v " .. shell .. " >/dev/null") then
+        local folder = check.folder()
+        check.write(folder .. "/completion", text)
+        assert(os.execute(("%s -n '%s/completion'"):format(shell, folder)))
+      end
+    end
+    assert.equal(2, (check.run "completion csh"))
+  end)
+end)
+
+describe("the man page", function()
+  it("tells of every command and option, in roff without warnings", function()
+    local status, text = check.run "manual"
+    assert.equal(0, status)
+    for _, name in ipairs(commands.names()) do
+      assert.truthy(text:find(".SS " .. name, 1, true), name)
+      for _, option in ipairs(commands.load(name).options or {}) do
+        local escaped = "\\-\\-" .. option.name:gsub("%-", "\\-")
+        assert.truthy(text:find(escaped, 1, true), name .. " --" .. option.name)
+      end
+    end
+    if not os.execute "command -v groff >/dev/null" then return pending "groff is not installed" end
+    local folder = check.folder()
+    check.write(folder .. "/barwright.1", text)
+    local pipe = io.popen(("LC_ALL=C groff -man -ww -z -Tascii '%s/barwright.1' 2>&1"):format(folder))
+    assert.equal("", pipe:read "a")
+    pipe:close()
+  end)
+end)
+
 describe("every model of the collection", function()
   local shared = os.getenv "BARWRIGHT_SHARED" or check.root .. "/../shared"
   local pipe = io.popen("ls '" .. shared .. "/models' 2>/dev/null")

@@ -21,6 +21,10 @@ commands.program_options = {
     what = "run the whole collector at every allocation (slow; for tests)"},
   {name = "mpi", type = "flag",
     what = "under mpirun: rank 0 runs the script, the other ranks work for its solves"},
+  {name = "sandbox", value = "FOLDER",
+    what = "let the script or command use no file outside of the folder, and start nothing"},
+  {name = "memory", value = "SIZE", what = "let it have so much memory: 500M, 2G"},
+  {name = "seconds", value = "TIME", what = "let it run so long: 60, 5min; then it is stopped (exit status 124)"},
   {name = "version", type = "flag", what = "versions of barwright and of the libraries it stands on"},
   {name = "help", type = "flag", what = "this text; `barwright NAME --help` tells about a command"},
 }
@@ -107,6 +111,9 @@ local function trace(problem)
   return problem
 end
 
+-- Commands that start servers or jobs.
+local not_in_sandbox = {live = true, test = true, study = true, rerun = true}
+
 --- Runs a command with the words behind its name; returns the exit code.
 function commands.run(name, ...)
   local words = {...}
@@ -119,6 +126,11 @@ function commands.run(name, ...)
   if wish.help then
     print(help_text.of(name, command))
     return output.DONE
+  end
+  if core.confined() and not_in_sandbox[name] then
+    local out = output.create(name, wish)
+    return out:finish(out:fail("it starts other processes, and is refused in the sandbox (a script is not)",
+      {status = "unsupported"}))
   end
   if wish.quiet then core.progress(function() end) end
   local out = output.create(name, wish)

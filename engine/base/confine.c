@@ -1,0 +1,129 @@
+/* Which files the process may use once it is confined to a folder.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+ *
+ * Invariants: the roots are written before confined is set, and never after that; what is allowed
+ * can only become less. A path is judged by where it leads with every link followed, and what does
+ * not exist yet by its folder. Whoever opens a file in the engine asks bw_may_use first. Nothing a
+ * confined script can do makes a link, so that what was judged is what is opened. */
+#include "barwright/confine.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { ROOTS = 12 };
+
+static struct {
+  int confined;
+  char folder[PATH_MAX];      /* read and written */
+  char root[ROOTS][PATH_MAX]; /* read only: folders with what is below them, or files */
+  int roots;
+} gate;
+
+bool bw_confined(void) {
+  return __atomic_load_n(&gate.confined, __ATOMIC_ACQUIRE) != 0;
+}
+
+const char *bw_confined_to(void) {
+  return bw_confined() ? gate.folder : NULL;
+}
+
+bw_status bw_confine_read_also(bw_context *context, const char *path) {
+  if (bw_confined())
+    return bw_fail(context, BW_INVALID, "the process is confined: nothing can be added");
+  char real[PATH_MAX];
+  if (!realpath(path, real))
+    return bw_fail(context, BW_IO, "%s: %s", path, strerror(errno));
+  for (int i = 0; i < gate.roots; i++)
+    if (strcmp(gate.root[i], real) == 0)
+      return BW_OK;
+  if (gate.roots == ROOTS)
+    return bw_fail(context, BW_LIMIT, "%s: more than %d places to read from", path, (int)ROOTS);
+  memcpy(gate.root[gate.roots++], real, sizeof real);
+  return BW_OK;
+}
+
+bw_status bw_confine(bw_context *context, const char *folder) {
+  if (bw_confined())
+    return bw_fail(context, BW_INVALID, "the process is confined already");
+  struct stat about;
+  if (!realpath(folder, gate.folder))
+    return bw_fail(context, BW_IO, "%s: %s", folder, strerror(errno));
+  if (stat(gate.folder, &about) != 0 || !S_ISDIR(about.st_mode))
+    return bw_fail(context, BW_IO, "%s: a folder expected", folder);
+  __atomic_store_n(&gate.confined, 1, __ATOMIC_RELEASE);
+  return BW_OK;
+}
+
+static bool lies_in(const char *path, const char *root) {
+  size_t length = strlen(root);
+  if (length == 1 && root[0] == '/')
+    return true;
+  return strncmp(path, root, length) == 0 && (path[length] == '/' || path[length] == 0);
+}
+
+/* Where the path leads: all links followed. Of the last name only where `follow`, and where it is
+ * there at all: a new file, or a link to be renamed or removed, is judged by its folder. */
+static bool resolve(const char *path, bool follow, char real[PATH_MAX]) {
+  struct stat link;
+  size_t length = strlen(path);
+  if (length == 0 || length >= PATH_MAX)
+    return false;
+  if (follow && realpath(path, real))
+    return true;
+  if (follow && (errno != ENOENT || lstat(path, &link) == 0)) /* a link that leads nowhere */
+    return false;
+  char folder[PATH_MAX];
+  memcpy(folder, path, length + 1);
+  while (length > 1 && folder[length - 1] == '/')
+    folder[--length] = 0;
+  char *slash = strrchr(folder, '/');
+  const char *name = slash ? slash + 1 : folder;
+  char last[NAME_MAX + 1];
+  if (!name[0] || strcmp(name, ".") == 0 || strcmp(name, "..") == 0 || strlen(name) > NAME_MAX)
+    return false;
+  snprintf(last, sizeof last, "%s", name);
+  if (slash == folder)
+    folder[1] = 0;
+  else if (slash)
+    *slash = 0;
+  if (!realpath(slash ? folder : ".", real))
+    return false;
+  length = strlen(real);
+  if (length + 1 + strlen(last) + 1 > PATH_MAX)
+    return false;
+  snprintf(real + length, PATH_MAX - length, "%s%s", length > 1 ? "/" : "", last);
+  return true;
+}
+
+bw_status bw_may_use(bw_context *context, const char *path, bw_use use) {
+  char real[PATH_MAX];
+  if (!bw_confined())
+    return BW_OK;
+  if (resolve(path, use != BW_TO_REPLACE, real)) {
+    bool inside = lies_in(real, gate.folder);
+    for (int i = 0; i < gate.roots && !inside && use == BW_TO_READ; i++)
+      inside = lies_in(real, gate.root[i]);
+    /* The folder itself can be looked at, not taken away. */
+    if (inside && !(use == BW_TO_REPLACE && strcmp(real, gate.folder) == 0))
+      return BW_OK;
+  }
+  bw_status status =
+      bw_fail(context, BW_IO, "%s: refused in the sandbox, which %s only what lies in %s",
+              path[0] ? path : "(empty name)", use == BW_TO_READ ? "reads" : "writes", gate.folder);
+  bw_detail_text(context, "file", path);
+  bw_detail_text(context, "sandbox", gate.folder);
+  return status;
+}
+
+bw_status bw_may_start(bw_context *context, const char *what) {
+  if (!bw_confined())
+    return BW_OK;
+  bw_status status = bw_fail(context, BW_UNSUPPORTED, "%s: refused in the sandbox", what);
+  bw_detail_text(context, "sandbox", gate.folder);
+  return status;
+}

@@ -1,0 +1,31 @@
+/* confine: for scripts that nobody has read. From bw_confine on, for the whole process and those
+ * that it forks, the engine opens files only in the folder, and reads those that were named before
+ * with bw_confine_read_also (a file, or a folder with what is in it). There is no way back. What
+ * the script's language could open by itself is to be closed by whoever runs it. */
+#ifndef BARWRIGHT_CONFINE_H
+#define BARWRIGHT_CONFINE_H
+
+#include "barwright/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+bw_status bw_confine_read_also(bw_context *context, const char *path);
+bw_status bw_confine(bw_context *context, const char *folder);
+bool bw_confined(void);
+const char *bw_confined_to(void); /* the folder; NULL where the process is not confined */
+
+/* Asked before every file is opened: BW_OK, or BW_IO with a message. Links are followed, so that
+ * where a path leads is what counts; to replace or remove a file is to change its folder. */
+typedef enum bw_use { BW_TO_READ, BW_TO_WRITE, BW_TO_REPLACE } bw_use;
+bw_status bw_may_use(bw_context *context, const char *path, bw_use use);
+/* Asked before a server or a job is started: BW_UNSUPPORTED where the process is confined. Children
+ * that the engine forks for a library's sake (child.h) need no leave: they run no script. */
+bw_status bw_may_start(bw_context *context, const char *what);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

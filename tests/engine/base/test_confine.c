@@ -1,0 +1,170 @@
+/* Confinement to a folder. It cannot be undone, so each test confines a child process. */
+#include "check.h"
+
+#include "barwright/confine.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static char folder[64], path[256];
+
+static const char *in(const char *name) {
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return path;
+}
+
+static void make_file(const char *name) {
+  int file = open(in(name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  assert_true(file >= 0);
+  close(file);
+}
+
+/* inside/ is the folder; beside/ and file are not. */
+static int set_up(void **state) {
+  (void)state;
+  snprintf(folder, sizeof folder, "/tmp/confine_XXXXXX");
+  assert_non_null(mkdtemp(folder));
+  assert_int_equal(mkdir(in("inside"), 0777), 0);
+  assert_int_equal(mkdir(in("inside/deep"), 0777), 0);
+  assert_int_equal(mkdir(in("inside_not"), 0777), 0);
+  assert_int_equal(mkdir(in("library"), 0777), 0);
+  make_file("file");
+  make_file("inside/file");
+  make_file("library/file");
+  assert_int_equal(symlink("../file", in("inside/out")), 0);
+  assert_int_equal(symlink("../inside/file", in("inside/round")), 0);
+  assert_int_equal(symlink("/nowhere/at/all", in("inside/dangling")), 0);
+  assert_int_equal(symlink("..", in("inside/up")), 0);
+  return 0;
+}
+
+static int tear_down(void **state) {
+  (void)state;
+  char command[128];
+  snprintf(command, sizeof command, "rm -rf '%s'", folder);
+  return system(command);
+}
+
+static bool may(bw_context *context, const char *name, bw_use use) {
+  bw_status status = bw_may_use(context, name, use);
+  if (status != BW_OK &&
+      (status != BW_IO || !strstr(bw_message(context), "refused in the sandbox")))
+    _exit(99);
+  return status == BW_OK;
+}
+
+typedef bool confined_work(bw_context *context);
+
+/* Runs the work in a confined child. */
+static void confined(bw_context *context, confined_work *work) {
+  pid_t child = fork();
+  if (child == 0) {
+    bool good = bw_confine_read_also(context, in("library")) == BW_OK &&
+                bw_confine(context, in("inside")) == BW_OK && work(context);
+    _exit(good ? 0 : 1);
+  }
+  int how = -1;
+  assert_int_equal(waitpid(child, &how, 0), child);
+  assert_true(WIFEXITED(how));
+  assert_int_equal(WEXITSTATUS(how), 0);
+}
+
+static bool judge_paths(bw_context *c) {
+  static const struct {
+    const char *name;
+    bool read, write, replace;
+  } expected[] = {
+      {"inside/file", true, true, true},
+      {"inside/new", true, true, true},
+      {"inside/deep/new", true, true, true},
+      {"inside/deep/../file", true, true, true},
+      {"inside/round", true, true, true}, /* a link that leads in */
+      {"inside/out", false, false, true}, /* one that leads out: only the link itself is ours */
+      {"inside/dangling", false, false, true},
+      {"inside/up/file", false, false, false},
+      {"inside/up/inside/file", true, true, true},
+      {"inside/../file", false, false, false},
+      {"inside_not/file", false, false, false}, /* the name begins alike */
+      {"inside", true, true, false},            /* not to be taken away */
+      {"inside/.", true, true, false},
+      {"inside/..", false, false, false},
+      {"inside/no/such", false, false, false},
+      {"file", false, false, false},
+      {"library/file", true, false, false},
+      {"library", true, false, false},
+      {"library/../file", false, false, false},
+  };
+  for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+    if (may(c, in(expected[i].name), BW_TO_READ) != expected[i].read ||
+        may(c, in(expected[i].name), BW_TO_WRITE) != expected[i].write ||
+        may(c, in(expected[i].name), BW_TO_REPLACE) != expected[i].replace) {
+      fprintf(stderr, "%s is judged wrongly\n", expected[i].name);
+      return false;
+    }
+  return !may(c, "", BW_TO_READ) && !may(c, "/etc/passwd", BW_TO_READ) && !may(c, "/", BW_TO_READ);
+}
+
+static bool judge_relative(bw_context *c) {
+  return chdir(in("inside")) == 0 && may(c, "file", BW_TO_READ) && may(c, "new", BW_TO_WRITE) &&
+         may(c, "./deep/../new", BW_TO_WRITE) && !may(c, "../file", BW_TO_READ) &&
+         !may(c, "..", BW_TO_READ) && may(c, ".", BW_TO_READ) && !may(c, ".", BW_TO_REPLACE);
+}
+
+static bool judge_engine(bw_context *c) {
+  unsigned char *bytes = NULL;
+  size_t count;
+  char digest[65];
+  bw_writer *writer = NULL;
+  bw_status refused[] = {bw_read_file(c, in("file"), &bytes, &count),
+                         bw_sha256_file(c, in("file"), digest),
+                         bw_writer_open(c, in("new"), &writer), bw_may_start(c, "a server")};
+  if (refused[0] != BW_IO || refused[1] != BW_IO || refused[2] != BW_IO ||
+      refused[3] != BW_UNSUPPORTED)
+    return false;
+  if (bw_writer_open(c, in("inside/made"), &writer) != BW_OK || bw_writer_commit(writer) != BW_OK)
+    return false;
+  if (bw_read_file(c, in("inside/file"), &bytes, &count) != BW_OK)
+    return false;
+  bw_free(bytes);
+  /* No way back, and no way to more. */
+  return bw_confine(c, "/") == BW_INVALID && bw_confine_read_also(c, "/") == BW_INVALID &&
+         strstr(bw_confined_to(), "/inside") != NULL;
+}
+
+static void test_paths(void **state) {
+  confined(check_context(state), judge_paths);
+}
+
+static void test_relative(void **state) {
+  confined(check_context(state), judge_relative);
+}
+
+static void test_engine(void **state) {
+  confined(check_context(state), judge_engine);
+}
+
+static void test_unconfined(void **state) {
+  bw_context *context = check_context(state);
+  assert_false(bw_confined());
+  assert_null(bw_confined_to());
+  check_ok(context, bw_may_use(context, "/etc/passwd", BW_TO_READ));
+  check_ok(context, bw_may_start(context, "a server"));
+  check_fails(context, BW_IO, "/no/such", bw_confine(context, "/no/such"));
+  check_fails(context, BW_IO, "a folder expected", bw_confine(context, in("file")));
+  check_fails(context, BW_IO, "/no/such", bw_confine_read_also(context, "/no/such"));
+  assert_false(bw_confined());
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_unconfined),
+      check_test(test_paths),
+      check_test(test_relative),
+      check_test(test_engine),
+  };
+  return cmocka_run_group_tests(tests, set_up, tear_down);
+}

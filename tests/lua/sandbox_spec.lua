@@ -1,0 +1,316 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright --sandbox, --memory, --seconds: scripts that try to get out, to fill memory, to run for ever.
+local bw = require "barwright"
+local check = require "check"
+
+-- A folder "in" that a script may use, with things around it that it may not.
+local function place()
+  local folder = check.folder()
+  os.execute(("mkdir '%s/in' '%s/in/modules'"):format(folder, folder))
+  assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.01}}:write(folder .. "/in/box.stl"))
+  os.execute(("cp '%s/in/box.stl' '%s/secret.stl'"):format(folder, folder))
+  os.execute(("ln -s '%s/secret.stl' '%s/in/link.stl'"):format(folder, folder))
+  os.execute(("ln -s /nowhere/at/all '%s/in/dangling'"):format(folder))
+  check.write(folder .. "/in/modules/part.lua", "return {name = ..., where = debug.getinfo(1, 'S').short_src}")
+  return folder
+end
+
+local function listing(folder)
+  local pipe = io.popen(("ls -lR --time-style=+ '%s' | grep -v ' in$'"):format(folder))
+  local text = pipe:read "a"
+  pipe:close()
+  return text
+end
+
+-- Runs a script in the sandbox of FOLDER/in; OUT is FOLDER, IN is FOLDER/in in it.
+local function run(folder, text, options)
+  check.write(folder .. "/in/script.lua", ("local OUT, IN = %q, %q\n%s"):format(folder, folder .. "/in", text))
+  return check.run(("--sandbox '%s/in' %s '%s/in/script.lua'"):format(folder, options or "", folder))
+end
+
+-- Attempts, each an expression: what a script in a sandbox must not be able to do.
+local attempts = [[
+  io.open("/etc/passwd")
+  io.open(OUT .. "/secret.stl", "rb")
+  io.open(OUT .. "/new", "w")
+  io.open(IN .. "/../secret.stl")
+  io.open(IN .. "/modules/../../secret.stl")
+  io.open(IN .. "/link.stl")
+  io.open(IN .. "/link.stl", "r+")
+  io.open(IN .. "/dangling", "w")
+  io.open(IN .. "/box.stl\0/../../secret.stl")
+  io.open("/proc/self/environ")
+  io.open("/dev/mem")
+  io.open(package.searchpath("barwright.json", package.path), "a")
+  io.lines("/etc/passwd")
+  io.input("/etc/passwd")
+  io.output(OUT .. "/new")
+  io.popen "id"
+  io.popen("id", "w")
+  io.tmpfile()
+  os.execute "true"
+  os.execute()
+  os.rename(IN .. "/box.stl", OUT .. "/new")
+  os.rename(OUT .. "/secret.stl", IN .. "/stolen")
+  os.remove(OUT .. "/secret.stl")
+  os.remove(IN)
+  os.getenv "HOME"
+  os.setlocale "C.UTF-8"
+  dofile "/etc/passwd"
+  loadfile "/etc/passwd"
+  loadfile(OUT .. "/secret.stl", "b")
+  load(string.dump(function() return 1 end))
+  load(string.dump(function() return 1 end), "x", "b")
+  load(string.dump(function() return 1 end), "x", "bt", {})
+  load((function() local n = 0 return function() n = n + 1 return n == 1 and "\27Lua" or nil end end)())
+  require "socket.core"
+  require "lfs"
+  package.loadlib("libc.so.6", "*")
+  package.loadlib("libc.so.6", "system")
+  package.searchpath("passwd", "/etc/?")
+  package.searchers[3]("socket.core")
+  package.searchers[4]("socket.core")
+  debug.getregistry()
+  debug.getupvalue(io.open, 1)
+  debug.setupvalue(io.open, 1, print)
+  debug.upvalueid(io.open, 1)
+  debug.upvaluejoin(io.open, 1, print, 1)
+  debug.getlocal(1, 1)
+  debug.setlocal(1, 1, 1)
+  debug.sethook()
+  debug.getmetatable("")
+  debug.setmetatable("", nil)
+  debug.getuservalue(io.stdout)
+  debug.debug()
+  debug.getinfo(io.open, "f").func
+  debug.getinfo(1, "f").func
+  getmetatable("").__index.getregistry
+  getmetatable(io.stdout).__index.open
+  getmetatable(io.stdout).__index.popen
+  bw.surface.read "/etc/passwd"
+  bw.surface.read(OUT .. "/secret.stl")
+  bw.surface.read(IN .. "/../secret.stl")
+  bw.surface.read(IN .. "/link.stl")
+  bw.mesh.read(OUT .. "/secret.stl")
+  bw.outline.read(OUT .. "/secret.svg")
+  bw.metamaterial.read(OUT .. "/secret.stl")
+  box:write(OUT .. "/new.stl")
+  box:write(IN .. "/../new.vtu")
+  box:write(IN .. "/link.stl")
+  box:write(IN .. "/dangling")
+  box:picture(OUT .. "/new.png")
+  mesh:write(OUT .. "/new.inp")
+  worst:report(OUT .. "/new.html")
+  bw.results.open(OUT .. "/new", {})
+  core.write_file(OUT .. "/new", "x")
+  core.make_folder(OUT .. "/new")
+  core.sha256(OUT .. "/secret.stl")
+  core.database(OUT .. "/new.db")
+  database:execute("ATTACH '" .. OUT .. "/new.db' AS other")
+  database:execute("VACUUM INTO '" .. OUT .. "/new.db'")
+  database:execute("SELECT load_extension('libc.so.6')")
+  core.job(function() return "x" end, {})
+  core.live_server {}
+  bw.live(bw.edit)
+]]
+
+local preamble = [[
+  local bw, core = require "barwright", require "barwright.core"
+  local box = assert(bw.surface.read(IN .. "/box.stl"))
+  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.02}, cells = {4, 1, 1}}
+  local worst = assert(bw.worst_case(bw.model {mesh = mesh, material = bw.material.pla},
+    {force = 1, modes = 1, regions = 1}))
+  local database = assert(core.database(IN .. "/own.db"))
+]]
+
+describe("a script in the sandbox", function()
+  it("cannot get out", function()
+    local folder = place()
+    local lines, count = {preamble}, 0
+    for attempt in attempts:gmatch "[^\n]+" do
+      attempt = attempt:match "^%s*(.-)%s*$"
+      if attempt ~= "" then
+        count = count + 1
+        lines[#lines + 1] = ("do local fine, value = pcall(function() return %s end) "):format(attempt)
+          .. ("print((not fine or not value) and 'refused' or 'GOT OUT', %q, value) end"):format(attempt)
+      end
+    end
+    local before = listing(folder)
+    local secret = check.read(folder .. "/secret.stl")
+    local status, out, err = run(folder, table.concat(lines, "\n"))
+    assert.equal(0, status, err)
+    local refused = 0
+    for line in out:gmatch "[^\n]+" do
+      assert.is_nil(line:find("GOT OUT", 1, true), line)
+      if line:match "^refused\t" then refused = refused + 1 end
+    end
+    assert.equal(count, refused)
+    assert.equal(secret, check.read(folder .. "/secret.stl"))
+    os.execute(("rm -f '%s/in/own.db'* '%s/in/script.lua'"):format(folder, folder))
+    assert.equal(before, listing(folder))
+  end)
+
+  it("can do its work inside", function()
+    local folder = place()
+    local status, out, err = run(folder, preamble .. [[
+      local file = assert(io.open(IN .. "/notes.txt", "w"))
+      file:write "a note":close()
+      assert(os.rename(IN .. "/notes.txt", IN .. "/modules/notes.txt"))
+      for line in io.lines(IN .. "/modules/notes.txt") do assert(line == "a note") end
+      assert(os.remove(IN .. "/modules/notes.txt"))
+      assert(os.remove(IN .. "/link.stl")) -- the link is ours, what it leads to is not
+      package.path = IN .. "/modules/?.lua;" .. package.path
+      assert(require("part").name == "part")
+      assert(dofile(IN .. "/modules/part.lua").where:find "part.lua")
+      assert(loadfile(IN .. "/modules/part.lua", "bt", {debug = debug}))
+      assert(load("return x", "chunk", "bt", {x = 5})() == 5)
+      local name = os.tmpname()
+      assert(name:sub(1, #IN) == IN and os.remove(name))
+      assert(debug.traceback "x" and debug.getinfo(1, "l").currentline > 1)
+      assert(debug.getinfo(print, "S").what == "C")
+      local grown = assert(box:wrap()) -- in a child of the engine's
+      local filled = assert(bw.mesh.fill(grown, {elements = 300}))
+      assert(filled:write(IN .. "/filled.vtu") and bw.mesh.read(IN .. "/filled.vtu"))
+      assert(worst:report(IN .. "/report.html") and worst:picture(IN .. "/picture.png"))
+      local results = assert(bw.results.open(IN .. "/new/results", {inputs = {IN .. "/box.stl"}}))
+      assert(results:write {x = 1})
+      assert(database:execute "CREATE TABLE a (b)" and database:change("INSERT INTO a VALUES (?)", 3) == 1)
+      assert(os.getenv "BARWRIGHT_QUIET" == "1")
+      local sandbox = core.sandbox()
+      assert(sandbox.folder == IN or sandbox.folder:find "in$")
+      print(sandbox.landlock, sandbox.calls)
+    ]])
+    assert.equal("", err)
+    assert.equal(0, status)
+    assert.truthy(out:match "^%d+\t%a+\n$", out)
+    for _, name in ipairs {"filled.vtu", "report.html", "picture.png", "new/results/result.json", "own.db"} do
+      assert.truthy(#check.read(folder .. "/in/" .. name) > 0, name)
+    end
+  end)
+
+  it("may lie elsewhere itself, and be statements", function()
+    local folder = place()
+    check.write(folder .. "/outside.lua", "print(... or 'none') print(io.open(arg[0]) ~= nil)")
+    local status, out = check.run(("--sandbox '%s/in' '%s/outside.lua' word"):format(folder, folder))
+    assert.equal(0, status)
+    assert.equal("word\ntrue\n", out)
+    status, out = check.run(("--sandbox='%s/in' -e 'print(io.open \"/etc/passwd\")'"):format(folder))
+    assert.equal(0, status)
+    assert.truthy(out:find "^nil\t/etc/passwd: refused in the sandbox")
+  end)
+
+  it("is not entered without a folder", function()
+    local status, _, err = check.run "--sandbox /no/such/folder -e 'print(1)'"
+    assert.equal(2, status)
+    assert.truthy(err:find("a folder expected, got '/no/such/folder'", 1, true), err)
+    status, _, err = check.run "--sandbox"
+    assert.equal(2, status)
+    assert.truthy(err:find "a folder expected")
+  end)
+
+  it("is where commands work too, unless they start processes", function()
+    local folder = place()
+    local status, out, _ = check.run(("--sandbox '%s/in' check '%s/in/box.stl'"):format(folder, folder))
+    assert.equal(0, status)
+    assert.truthy(out:find "Sound")
+    local err
+    status, out, err = check.run(("--sandbox '%s/in' check '%s/secret.stl'"):format(folder, folder))
+    assert.equal(1, status)
+    assert.equal("", out)
+    assert.truthy(err:find("refused in the sandbox", 1, true), err)
+    status, _, err = check.run(("--sandbox '%s/in' live '%s/in/box.stl'"):format(folder, folder))
+    assert.equal(1, status)
+    assert.truthy(err:find("starts other processes", 1, true), err)
+  end)
+end)
+
+describe("scripts", function()
+  it("are loaded as text only", function()
+    local folder = check.folder()
+    check.write(folder .. "/compiled", string.dump(load "print 'ran'"))
+    local status, out, err = check.run(folder .. "/compiled")
+    assert.equal(1, status)
+    assert.equal("", out)
+    assert.truthy(err:find("loaded as text only", 1, true), err)
+    status, out, err = check.run("- ", folder .. "/compiled")
+    assert.equal(1, status)
+    assert.equal("", out)
+    assert.truthy(err:find("loaded as text only", 1, true), err)
+  end)
+end)
+
+describe("a limit on time", function()
+  for what, text in pairs {
+    ["a loop"] = "while true do end",
+    ["a loop in pcall"] = "while true do pcall(function() while true do end end) end",
+    ["a loop in a coroutine"] = "coroutine.wrap(function() while true do end end)()",
+    ["a pattern"] = 'string.find(("a"):rep(40), (".-"):rep(20) .. "b")',
+    ["an endless sort"] = "table.sort({3, 2, 1, 5, 4}, function() while true do end end)",
+    ["a finaliser"] = "setmetatable({}, {__gc = function() while true do end end}) collectgarbage()",
+    ["the engine"] = "local m = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {40, 40, 40}} "
+      .. "bw.model {mesh = m, material = bw.material.pla}:modes {count = 200}",
+  } do
+    it("ends " .. what, function()
+      local start = bw.seconds()
+      local status, _, err = check.run("--seconds 0.7 -e " .. "'" .. text:gsub("'", "'\\''") .. "'")
+      assert.equal(124, status)
+      assert.truthy(err:find("stopped after the 0.7 s that --seconds allows", 1, true), err)
+      assert.truthy(bw.seconds() - start < 20)
+    end)
+  end
+
+  it("leaves alone what is done in time, and passes on how it ended", function()
+    assert.equal(7, (check.run "--seconds 60 -e 'os.exit(7)'"))
+    assert.equal(0, (check.run "--seconds 1min -e 'print(1)'"))
+    assert.equal(1, (check.run "--seconds 60 -e 'error(1)'"))
+    local status, _, err = check.run "--seconds soon -e 'print(1)'"
+    assert.equal(2, status)
+    assert.truthy(err:find("a time such as 60 or 5min expected, got 'soon'", 1, true), err)
+  end)
+
+  it("removes files that were being written", function()
+    local folder = check.folder()
+    check.write(folder .. "/script.lua", [[
+      local bw = require "barwright"
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {30, 30, 30}}
+      while true do mesh:write(arg[1] .. "/big.vtu") end
+    ]])
+    assert.equal(124, (check.run(("--seconds 2 '%s/script.lua' '%s'"):format(folder, folder))))
+    for name in io.popen("ls " .. folder):lines() do assert.is_nil(name:find "partial", name) end
+  end)
+end)
+
+describe("a limit on memory", function()
+  it("is Lua's", function()
+    for _, text in ipairs {"local t = {} for i = 1, 1e9 do t[i] = {i} end", 'return ("x"):rep(1e9)',
+      'local s = "x" while true do s = s .. s end', "local function f(...) return 1 + f(1, ...) end f()"} do
+      local status, _, err = check.run("--memory 50M -e '" .. text .. "'")
+      assert.equal(1, status)
+      assert.truthy(err:find("not enough memory: the script may use 50 MiB", 1, true)
+        or err:find("stack overflow", 1, true), err)
+    end
+    -- A script may catch it, and has its memory back; the limit stays.
+    local status, out = check.run([[--memory 50M -e 'local t = {} print(pcall(function() for i = 1, 1e9 do
+      t[i] = {i} end end)) t = nil collectgarbage() print(#(("x"):rep(2e7)), pcall(string.rep, "x", 1e8))']])
+    assert.equal(0, status)
+    assert.equal("false\tnot enough memory\n20000000\tfalse\tnot enough memory\n", out)
+  end)
+
+  it("is the engine's", function()
+    local status, out = check.run "--memory 200M -e 'print(pcall(bw.array.zeros, 1e8))'"
+    assert.equal(0, status)
+    assert.truthy(out:find "^false\t.*out of memory", out)
+    status, out = check.run [[--memory 200M -e 'print(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1},
+      cells = {100, 100, 100}})']]
+    assert.equal(0, status)
+    assert.truthy(out:find "^nil\tout of memory", out)
+  end)
+
+  it("is a size", function()
+    for _, size in ipairs {"x", "5", "-1G", "1X", ""} do
+      local status, _, err = check.run("--memory '" .. size .. "' -e 'print(1)'")
+      assert.equal(2, status)
+      assert.truthy(err:find("a size of at least 1M", 1, true), err)
+    end
+  end)
+end)
