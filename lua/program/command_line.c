@@ -6,7 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char *const known[] = {"-e",     "-i",        "--gc-stress", "--version",
+static const char *const known[] = {"-e",     "-i",        "--gc-stress", "--mpi",    "--version",
                                     "--help", "--sandbox", "--memory",    "--seconds"};
 enum { KNOWN = sizeof known / sizeof *known };
 
@@ -75,6 +75,8 @@ bool program_read_command(int argc, char **argv, program_command *c) {
       c->prompt = true;
     else if (strcmp(argv[i], "--gc-stress") == 0)
       c->stress = true;
+    else if (strcmp(argv[i], "--mpi") == 0)
+      c->mpi = true;
     else if (strcmp(argv[i], "--version") == 0 || strcmp(argv[i], "-v") == 0)
       c->version = true;
     else if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
@@ -87,6 +89,11 @@ bool program_read_command(int argc, char **argv, program_command *c) {
               lbw_nearest(argv[i], known, KNOWN));
       return false;
     }
+  }
+  if (c->mpi && c->limits.sandbox) {
+    fputs("barwright: --mpi and --sandbox do not go together: ranks talk over the network\n",
+          stderr);
+    return false;
   }
   c->script_at = i;
   c->script = i < argc ? argv[i] : NULL;

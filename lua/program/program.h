@@ -19,7 +19,7 @@ typedef struct program_limits {
   double memory;       /* bytes; 0: no limit */
   double seconds;      /* 0: no limit */
 } program_limits;
-enum { PROGRAM_CHILD = -1, PROGRAM_OVERDUE = 124 };
+enum { PROGRAM_CHILD = -1, PROGRAM_MISUSED = 2, PROGRAM_OVERDUE = 124 };
 /* Forks: in the child PROGRAM_CHILD, with its memory limited; in the parent, once the child has
  * ended, the exit status. */
 int program_watch(const program_limits *limits);
@@ -36,13 +36,30 @@ typedef struct program_command {
   const char *statements, *script; /* the script may be the name of a command */
   int script_at, count;
   char **value;
-  bool prompt, stress, version, help;
+  bool prompt, stress, mpi, version, help;
   program_limits limits;
 } program_command;
 /* False, with a message printed, where it is misused. */
 bool program_read_command(int argc, char **argv, program_command *c);
 
-/* ---- the sandbox (sandbox.c, kernel.c) ---- */
+/* ---- what runs (script.c) ---- */
+
+/* arg[0] the script, arg[1].. its arguments, negative what stands before, as in lua. */
+void program_set_arguments(lua_State *L, const program_command *c);
+/* Each of these prints what went wrong, and is false then. */
+bool program_tell(lua_State *L, bool help); /* else versions */
+bool program_join_ranks(lua_State *L);      /* goes on at rank 0; the others work for it, and end */
+bool program_load_module(lua_State *L);     /* the global bw */
+bool program_run_statements(lua_State *L, const char *text);
+/* A word without a dot or a slash is the name of a command, if there is one; else a script. The
+ * exit status. */
+int program_run_word(lua_State *L, const program_command *c);
+
+/* ---- the library and the sandbox (library.c, sandbox.c, kernel.c) ---- */
+
+/* Where require finds the library's files; and enters the sandbox, where one is asked for. False,
+ * with a message printed, where it cannot be put up. */
+bool program_set_library(lua_State *L, const program_command *c);
 
 /* Closes what Lua could open. False, with a message printed, when memory is out. */
 bool program_close_lua(lua_State *L);
