@@ -4,10 +4,12 @@
  * A slab pressed straight down stays straight in exact arithmetic: Newton's method walks to an
  * equilibrium whose tangent K has negative eigenvalues. Conjugate gradients on K with a right-hand
  * side of random numbers, preconditioned by the projected tangent, meet a direction p with p . K p
- * < 0 as soon as their Krylov space holds one. From there the potential falls to either side; the
- * side that falls more is taken, the first where they are alike, so that the way is the same each
- * time. The potential is now below that of the equilibrium, so steps that lower it further do not
- * lead back. */
+ * < 0 as soon as their Krylov space holds one. The least eigenvalue that this space knows (of the
+ * tridiagonal matrix of Lanczos, which the coefficients of conjugate gradients are) only falls;
+ * where it has stopped falling above zero the search ends. From there the potential falls to either
+ * side; the side that falls more is taken, the first where they are alike, so that the way is the
+ * same each time. The potential is now below that of the equilibrium, so steps that lower it
+ * further do not lead back. */
 #include "nonlinear/newton.h"
 
 #include <math.h>
@@ -16,6 +18,51 @@
 enum { CG = 300, DOUBLINGS = 12 };
 /* The first step: largest component over the smallest side of a cell. */
 #define FIRST 1e-3
+/* The search ends when so many iterations lower the least eigenvalue by no more than a part of it.
+ */
+#define STRIDE 20
+#define SETTLED 0.03
+
+/* What conjugate gradients know of the spectrum: a tridiagonal matrix. */
+typedef struct lanczos {
+  double diagonal[CG], beside[CG]; /* beside[k]: between k - 1 and k */
+  double step, least;              /* of the last iteration; least eigenvalue when last asked */
+  int count;
+} lanczos;
+
+static void lanczos_add(lanczos *it, double step, double ratio) {
+  int k = it->count++;
+  it->diagonal[k] = 1 / step + (k > 0 ? ratio / it->step : 0);
+  it->beside[k] = k > 0 ? sqrt(ratio) / it->step : 0;
+  it->step = step;
+}
+
+/* Some eigenvalue lies below x: a pivot of T - x is negative. */
+static bool lanczos_below(const lanczos *it, double x) {
+  double pivot = 1;
+  for (int k = 0; k < it->count; k++) {
+    pivot = it->diagonal[k] - x - (k > 0 ? it->beside[k] * it->beside[k] / pivot : 0);
+    if (!(pivot > 0))
+      return true;
+  }
+  return false;
+}
+
+/* Whether the least eigenvalue has fallen by less than SETTLED since last asked. */
+static bool lanczos_settled(lanczos *it) {
+  double low = 0, high = it->diagonal[0], before = it->least;
+  for (int k = 1; k < it->count; k++)
+    high = fmin(high, it->diagonal[k]);
+  for (int halving = 0; halving < 50 && high - low > 1e-3 * high; halving++) {
+    double middle = 0.5 * (low + high);
+    if (lanczos_below(it, middle))
+      high = middle;
+    else
+      low = middle;
+  }
+  it->least = high;
+  return before > 0 && it->least > (1 - SETTLED) * before;
+}
 
 /* A direction of negative curvature of `plain` to walk->direction. */
 static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found) {
@@ -25,6 +72,8 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
   double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, n),
          *q = BW_NEW(context, double, n), *p = walk->direction;
   bw_random random;
+  lanczos known;
+  memset(&known, 0, sizeof known);
   *found = false;
   if (!r || !z || !q) {
     status = BW_MEMORY;
@@ -46,8 +95,9 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
       next = 0; /* the cycle itself is not definite: z may be such a direction */
     else if (!(next > 1e-16 * first))
       goto done;
+    double ratio = k > 0 && rz > 0 ? next / rz : 0;
     for (int64_t i = 0; i < n; i++)
-      p[i] = walk->the->held[i] ? 0 : z[i] + (k > 0 && rz > 0 ? next / rz * p[i] : 0);
+      p[i] = walk->the->held[i] ? 0 : z[i] + ratio * p[i];
     rz = next;
     if (walk->iterative)
       BW_TRY(bwi_tangent_multiply(walk, p, q));
@@ -61,6 +111,9 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found)
       goto done;
     }
     if (!(curvature > 0) || !(rz > 0))
+      goto done;
+    lanczos_add(&known, rz / curvature, ratio);
+    if (known.count % STRIDE == 0 && lanczos_settled(&known))
       goto done;
     for (int64_t i = 0; i < n; i++)
       r[i] -= rz / curvature * q[i];
