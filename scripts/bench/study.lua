@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What a study costs beside its trials: seconds for each of many trials that do nothing, what of them is
 -- the fork, the file, the key; two workers beside one on trials that compute for some 20 ms; memory of the
--- process that runs it; going on with a file that has everything.
+-- process that runs it; keys, seeds and the file alone, without forks; going on with a file that has everything.
 --   build/barwright scripts/bench/study.lua [--out FILE.json] [--trials N] [--ms 20] [--work N]
 local bw = require "barwright"
 local core = require "barwright.core"
@@ -56,6 +56,24 @@ result.overhead.seconds_of_fork = fork / 500
 local file = assert(io.open(empty.file, "rb"))
 result.overhead.file_bytes_of_trial = file:seek "end" / wish.trials
 file:close()
+
+-- ---- keys, seeds, the file -----------------------------------------------------------------------------
+
+-- Trials that run here, one after the other: no fork.
+local trial = require "barwright.study.trial"
+local books = study("books", 10000, nothing)
+local here = {capacity = 1}
+function here:start(record)
+  self.record = record
+  return true
+end
+function here:wait()
+  return self.record, {text = trial.perform(books, self.record), seconds = 0, processor_seconds = 0}
+end
+function here.close() end
+local _, kept = timed(function() assert(books:run {executor = here}) end)
+result.bookkeeping = {trials = 10000, processor_seconds_of_trial = kept / 10000,
+  memory_bytes_after = bw.results.peak_memory()}
 
 -- ---- two workers beside one ----------------------------------------------------------------------------
 
