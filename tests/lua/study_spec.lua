@@ -48,6 +48,7 @@ describe("the definition of a study", function()
       {{variables = {{name = "a", least = 0, most = 1}, {name = "a", least = 0, most = 1}}}, "'a' is there twice"},
       {{variables = {{name = "a", least = 0, most = 1, default = 2}}}, "2 lies outside of 0 to 1"},
       {{measures = {}}, "measures = {{name"},
+      {{measures = {"height"}}, "measure 'height' has the name of a variable"},
       {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
       {{constraints = {{name = "sag"}}}, "least or most expected"},
       {{design = {"latin", count = 3}}, "did you mean"},

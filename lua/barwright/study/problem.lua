@@ -70,6 +70,9 @@ function problem.read(where, given)
   for _, item in ipairs(self.measures) do
     if seen[item.name] then raise(("%s: measure '%s' is there twice"):format(where, item.name)) end
     seen[item.name] = true
+    if self.variable[item.name] then
+      raise(("%s: measure '%s' has the name of a variable"):format(where, item.name))
+    end
   end
   self.objectives = read_list(where, "objective", given.objectives or {}, objective_rules)
   self.constraints = read_list(where, "constraint", given.constraints or {}, constraint_rules)
