@@ -2615,7 +2615,7 @@ function Bridge:moment_share() end
 ---@return table? details
 function Bridge:design(options) end
 
----Writes a picture, coloured by stress (.svg).
+---Writes a picture, coloured by stress (.svg, .png).
 ---@param path string
 ---@return boolean?
 ---@return string? message
