@@ -145,8 +145,12 @@ end
 
 local function write_manual(wish, summary, manifests)
   if not wish.manual then return true end
-  local command = "barwright test scenarios/verification --manual docs/verification.md"
-  return core.write_file(wish.manual, manual.document(summary, command, manifests))
+  local command = {"barwright test", table.concat(wish.scenarios, " ")}
+  for _, name in ipairs {"only", "tag", "skip_tag"} do
+    if wish[name] then command[#command + 1] = ("--%s %s"):format((name:gsub("_", "-")), wish[name]) end
+  end
+  command[#command + 1] = "--manual " .. wish.manual
+  return core.write_file(wish.manual, manual.document(summary, table.concat(command, " "), manifests))
 end
 
 -- What is kept of a run: its scenarios, and the files that they are of.
