@@ -109,11 +109,8 @@ function manual.document(run, command, manifests)
     end
   end
   local out = {"# Verification manual", "", ("Made by `%s`"):format(command),
-    ("with barwright %s; do not edit. Every figure was computed by the scenarios of"):format(made(manifests)),
-    "`scenarios/verification` ([how such are written](howto_scenarios.md)):",
-    ("%d of %d are within what is allowed."):format(met, count),
-    "What is only true or false (rigid motions, symmetry, the same bits on any number of threads) is in",
-    "`tests/` and runs with `scripts/test`.", ""}
+    ("with barwright %s; do not edit. Every figure was computed by a scenario;"):format(made(manifests)),
+    ("%d of %d are within what is allowed."):format(met, count), ""}
   for _, file in ipairs(run.files) do
     out[#out + 1] = "## " .. (file.title or file.file)
     out[#out + 1] = ""
