@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Folders: making them, looking into them. */
-#include "barwright/base.h"
+#include "barwright/confine.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -29,10 +29,15 @@ bw_status bw_folder_make(bw_context *context, const char *path) {
     part[i] = 0;
     /* Asked first: making may be refused in a folder that is there (a file system that is only
      * read). */
-    if (stat(part, &about) != 0 && mkdir(part, 0777) != 0 && errno != EEXIST)
+    if (stat(part, &about) == 0)
+      ;
+    else if ((status = bw_may_use(context, part, BW_TO_WRITE)) == BW_OK && mkdir(part, 0777) != 0 &&
+             errno != EEXIST)
       status = refuse(context, path, "cannot be made as a folder", errno);
     part[i] = path[i];
   }
+  if (status == BW_OK)
+    status = bw_may_use(context, path, BW_TO_READ);
   if (status == BW_OK && (stat(path, &about) != 0 || !S_ISDIR(about.st_mode)))
     status = refuse(context, path, "cannot be made as a folder", length ? ENOTDIR : ENOENT);
   bw_free(part);
@@ -41,10 +46,12 @@ bw_status bw_folder_make(bw_context *context, const char *path) {
 
 bw_status bw_folder_visit(bw_context *context, const char *path, bw_folder_entry *entry,
                           void *data) {
+  bw_status status = bw_may_use(context, path, BW_TO_READ);
+  if (status != BW_OK)
+    return status;
   DIR *folder = opendir(path);
   if (!folder)
     return refuse(context, path, "cannot be read as a folder", errno);
-  bw_status status = BW_OK;
   for (const struct dirent *at; status == BW_OK && (at = readdir(folder));) {
     struct stat about;
     if (strcmp(at->d_name, ".") == 0 || strcmp(at->d_name, "..") == 0 ||
@@ -58,6 +65,9 @@ bw_status bw_folder_visit(bw_context *context, const char *path, bw_folder_entry
 }
 
 bw_status bw_file_touch(bw_context *context, const char *path) {
+  bw_status status = bw_may_use(context, path, BW_TO_WRITE);
+  if (status != BW_OK)
+    return status;
   if (utimensat(AT_FDCWD, path, NULL, 0) != 0)
     return refuse(context, path, "its time cannot be set", errno);
   return BW_OK;

@@ -7,7 +7,7 @@
  *    the locks of this process are in a list, which is asked before the file is opened;
  *  - the file is removed with the lock, so that nothing is left lying about. Who opened it just
  *    before has locked a file without a name then, and tries again. */
-#include "barwright/base.h"
+#include "barwright/confine.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -111,6 +111,9 @@ static int try_once(bw_lock *lock, char holder[128]) {
 }
 
 bw_status bw_lock_take(bw_context *context, const char *path, double seconds, bw_lock **result) {
+  bw_status allowed = bw_may_use(context, path, BW_TO_WRITE);
+  if (allowed != BW_OK)
+    return allowed;
   size_t length = strlen(path) + 1;
   bw_lock *lock = (bw_lock *)bw_calloc(context, 1, sizeof *lock + length);
   if (!lock)

@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "barwright/confine.h"
 #include "study/internal.h"
 
 /* In one gap: so many row numbers one by one, then in strides that double after some more. */
@@ -371,6 +372,11 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   struct stat about;
   if (strlen(damaged) + 32 >= NAME || strlen(to) + 32 >= NAME)
     return bw_fail(context, BW_INVALID, "a path is too long");
+  bw_status allowed = bw_may_use(context, damaged, BW_TO_READ);
+  if (allowed == BW_OK)
+    allowed = bw_may_use(context, to, BW_TO_WRITE);
+  if (allowed != BW_OK)
+    return allowed;
   if (lstat(to, &about) == 0)
     return bwi_database_say(context, BW_IO, NULL, to,
                             "there is a file already: name one that is to be made");

@@ -1,10 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* core.may_use, core.confined, core.make_folder: files, for a script in a sandbox and outside. */
+/* core.may_use, core.confined, core.sandbox: what a script in a sandbox may use. */
 #include "bind.h"
-
-#include <errno.h>
-#include <string.h>
-#include <sys/stat.h>
 
 /* may_use(path, "read" | "write" | "replace"): true, or nil, message, details */
 static int core_may_use(lua_State *L) {
@@ -36,45 +32,10 @@ static int core_sandbox(lua_State *L) {
   return 1;
 }
 
-static bw_status make(bw_context *context, const char *path) {
-  struct stat about;
-  bw_status status = bw_may_use(context, path, BW_TO_WRITE);
-  if (status != BW_OK)
-    return status;
-  if (mkdir(path, 0777) == 0 ||
-      (errno == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode)))
-    return BW_OK;
-  status = bw_fail(context, BW_IO, "%s: cannot be made as a folder: %s", path, strerror(errno));
-  bw_detail_text(context, "file", path);
-  return status;
-}
-
-/* make_folder(path): with the folders that it lies in; true also where it is there already */
-static int core_make_folder(lua_State *L) {
-  size_t length;
-  const char *path = lbw_check_text(L, 1, &length);
-  lbw_argument_check(L, length > 0 && strlen(path) == length, 1, "a path expected");
-  char *part = (char *)lua_newuserdatauv(L, length + 1, 0);
-  bw_status status = BW_OK;
-  bw_context *context = lbw_enter(L);
-  for (size_t i = 1; i <= length && status == BW_OK; i++) {
-    struct stat about;
-    if (path[i] != '/' && path[i] != 0)
-      continue;
-    memcpy(part, path, i);
-    part[i] = 0;
-    if (path[i] == 0 || stat(part, &about) != 0)
-      status = make(context, part);
-  }
-  lua_pushboolean(L, 1);
-  return lbw_leave(L, status, 1);
-}
-
 void lbw_open_confine(lua_State *L) {
   static const luaL_Reg functions[] = {{"may_use", core_may_use},
                                        {"confined", core_confined},
                                        {"sandbox", core_sandbox},
-                                       {"make_folder", core_make_folder},
                                        {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }
