@@ -115,7 +115,9 @@ local function run(part, words, out)
     return {status = details.limit or details.status, message = message, seconds = job.seconds}
   end
   local how, code = answer:match "^(%a+) (%d+)$"
-  if how == "exit" and code == "0" then return {status = "done", seconds = job.seconds} end
+  if how == "exit" and code == "0" then
+    return {status = "done", seconds = job.seconds, seconds_processor = job.processor_seconds}
+  end
   local last = (files.read(out .. "/printed.txt") or ""):match "([^\n]+)\n*$"
   return {status = "failed", message = ("%s status %s: %s"):format(how, code, last or "it printed nothing"),
     seconds = job.seconds, exit_status = tonumber(code)}
@@ -200,14 +202,15 @@ local function main()
       if state.status == "interrupted" or bw.interrupted() then status = INTERRUPTED
       elseif state.status ~= "done" and state.status ~= "not asked for" then status = NOT_DONE end
       print(("%2d of %d  %-26s %-9s %s"):format(i, #list, part.name, state.kept and "kept" or state.status,
-        state.message or state.seconds and ("%.1f s"):format(state.seconds) or ""))
+        state.message or state.seconds and ("%.1f s, processor %.1f s"):format(state.seconds,
+        state.seconds_processor or 0) or ""))
       io.stdout:flush()
     else
       states[part.name] = {status = "not asked for"}
     end
     local state = states[part.name]
     order[i] = {name = part.name, status = state.status, message = state.message, seconds = state.seconds,
-      smaller = part.smaller, words = bw.json.list(words_of(part, out))}
+      seconds_processor = state.seconds_processor, smaller = part.smaller, words = bw.json.list(words_of(part, out))}
   end
   if selected == 0 and wish.only then stop(REFUSED, ("no part's name holds '%s'"):format(wish.only)) end
   local tables = fill_in(states)
