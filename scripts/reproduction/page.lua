@@ -101,8 +101,8 @@ function page.document(run)
       if about.paper == paper.key then add_table(about, out) end
     end
   end
-  out[#out + 1] = '<h2>Parts</h2><div class="scroll"><table>' .. cells("th", {"part", "seconds", "of the processor",
-    "", "command"})
+  out[#out + 1] = '<h2>Parts</h2><div class="scroll"><table>'
+    .. cells("th", {"part", "seconds", "of the processor", "", "command"})
   for _, part in ipairs(run.parts) do
     out[#out + 1] = cells("td", {part.name, part.seconds and ("%.1f"):format(part.seconds) or "",
       part.seconds_processor and ("%.1f"):format(part.seconds_processor) or "",

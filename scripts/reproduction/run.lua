@@ -118,7 +118,8 @@ local function run(part, words, out)
   if how == "exit" and code == "0" then
     return {status = "done", seconds = job.seconds, seconds_processor = job.processor_seconds}
   end
-  local last = (files.read(out .. "/printed.txt") or ""):match "([^\n]+)\n*$"
+  local text = files.read(out .. "/printed.txt") or ""
+  local last = text:match ".*\nbarwright: ([^\n]+)" or text:match "([^\n]+)\n*$"
   return {status = "failed", message = ("%s status %s: %s"):format(how, code, last or "it printed nothing"),
     seconds = job.seconds, exit_status = tonumber(code)}
 end
@@ -210,7 +211,8 @@ local function main()
     end
     local state = states[part.name]
     order[i] = {name = part.name, status = state.status, message = state.message, seconds = state.seconds,
-      seconds_processor = state.seconds_processor, smaller = part.smaller, words = bw.json.list(words_of(part, out))}
+      seconds_processor = state.seconds_processor, smaller = part.smaller,
+      words = bw.json.list(words_of(part, out))}
   end
   if selected == 0 and wish.only then stop(REFUSED, ("no part's name holds '%s'"):format(wish.only)) end
   local tables = fill_in(states)
