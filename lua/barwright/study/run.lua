@@ -259,7 +259,7 @@ function run.run(study, given)
     core.raise(("study:run: shard: the points of design '%s' depend on results; it cannot be cut into parts")
       :format(design.name))
   end
-  local lock <close>, message, details = core.lock(study.file .. ".lock", 0)
+  local lock <close>, message, details = core.lock(study.file .. ".lock", 0.3) -- status looks at it
   if not lock then
     if details.limit == "lock" then
       message = ("%s: this study is being run by %s; wait for it, or end it"):format(study.file, details.holder)

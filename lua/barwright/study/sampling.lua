@@ -61,38 +61,58 @@ function sampling.separation(places)
   return least
 end
 
--- Morris and Mitchell's measure of how close places come: the sum of 1/d^POWER over pairs. Exchanging one
--- coordinate of two places keeps the Latin property; exchanges that lower the sum are kept.
-local HALF_POWER = 10 -- d^20
+-- Morris and Mitchell's measure of how close places come: the sum of 1/d^20 over pairs. Exchanging one
+-- coordinate of two places keeps the Latin property, and changes the squares of their distances to the
+-- others by one term; exchanges that lower the sum are kept.
 local PAIRS = 4000000 -- pairs looked at, for a bound on time
+local MOST_SPREAD = 1000 -- more are as far apart as they come
 
-local function nearness(d2) return 1 / math.max(d2, 1e-12) ^ HALF_POWER end
+local function nearness(d2)
+  if d2 < 1e-12 then d2 = 1e-12 end
+  local r = 1 / d2
+  local r2 = r * r
+  local r4 = r2 * r2
+  return r4 * r4 * r2
+end
 
-local function of_place(places, i, other, k, value)
-  local sum, a = 0.0, places[i]
-  local old = a[k]
-  a[k] = value
-  for j = 1, #places do
-    if j ~= i and j ~= other then sum = sum + nearness(distance2(a, places[j])) end
+local function all_distances(places)
+  local squares = {}
+  for i = 1, #places do
+    local row = {}
+    for j = 1, #places do row[j] = j < i and squares[j][i] or distance2(places[i], places[j]) end
+    squares[i] = row
   end
-  a[k] = old
-  return sum
+  return squares
 end
 
 --- Spreads the places of a Latin hypercube.
 function sampling.spread(places, source)
   local n = #places
   if n < 3 then return places end
-  local dimensions = #places[1]
-  local tries = math.min(100 * n * dimensions, PAIRS // n)
-  for _ = 1, tries do
+  local dimensions, squares = #places[1], all_distances(places)
+  for _ = 1, math.min(100 * n * dimensions, PAIRS // n) do
     local i, k = source:integer(1, n), source:integer(1, dimensions)
     local j = source:integer(1, n - 1)
     if j >= i then j = j + 1 end
-    local a, b = places[i][k], places[j][k]
-    local before = of_place(places, i, j, k, a) + of_place(places, j, i, k, b)
-    local after = of_place(places, i, j, k, b) + of_place(places, j, i, k, a)
-    if after < before then places[i][k], places[j][k] = b, a end
+    local a, b, row_i, row_j = places[i][k], places[j][k], squares[i], squares[j]
+    local change = 0.0
+    for m = 1, n do
+      if m ~= i and m ~= j then
+        local x = places[m][k]
+        local shift = (b - x) * (b - x) - (a - x) * (a - x)
+        change = change + nearness(row_i[m] + shift) - nearness(row_i[m])
+          + nearness(row_j[m] - shift) - nearness(row_j[m])
+      end
+    end
+    if change < 0 then
+      places[i][k], places[j][k] = b, a
+      for m = 1, n do
+        if m ~= i and m ~= j then
+          row_i[m], row_j[m] = distance2(places[i], places[m]), distance2(places[j], places[m])
+          squares[m][i], squares[m][j] = row_i[m], row_j[m]
+        end
+      end
+    end
   end
   return places
 end
@@ -102,6 +122,12 @@ sampling.latin_hypercube = {
   rules = {count = count_rule, seed = seed_rule, maximin = {type = "boolean", default = false},
     middles = {type = "boolean", default = false}},
 }
+function sampling.latin_hypercube.check(_, wish)
+  if wish.maximin and wish.count > MOST_SPREAD then
+    core.raise(("design latin_hypercube: maximin is for up to %d points: more are as far apart as they come")
+      :format(MOST_SPREAD))
+  end
+end
 function sampling.latin_hypercube.points(problem, wish)
   local source = random.new(wish.seed)
   local places = sampling.latin(wish.count, #problem.variables, source, not wish.middles)
