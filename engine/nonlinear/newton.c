@@ -363,11 +363,13 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       continue;
     }
     BW_TRY(find_direction(walk, &slope, &cg));
-    if (walk->negative && walk->tangent == BWI_PLAIN) {
-      BW_TRY(record(walk, 0, cg, residual));
+    if (walk->negative && walk->tangent == BWI_PLAIN) { /* as where a factor fails */
+      int32_t further = 0;
       kind = BWI_PROJECTED;
       plain_below = fmin(plain_below, walk->relative) * 1e-2;
-      continue;
+      BW_TRY(bwi_tangent_set(walk, kind, &definite));
+      BW_TRY(find_direction(walk, &slope, &further));
+      cg += further;
     }
     if (slope < 0)
       BW_TRY(bwi_newton_search(walk, slope, &step));

@@ -135,6 +135,20 @@ describe("a solid", function()
     end)
   end)
 
+  it("is let go where its tangent is not definite: by conjugate gradients as with a factor", function()
+    local grid = assert(bw.grid.box {cells = {2, 2, 16}, spacing = 0.01})
+    local solid = assert(bw.solid {grid = grid, palette = {rubber()}})
+    solid:hold {side = "low z"}
+    local pressed, done = {}, {}
+    for i, p in ipairs(grid.points:totable()) do pressed[i] = {1e-4 * math.sin(20 * p[3]), 0, -0.3 * p[3]} end
+    for i, linear in ipairs {"direct", "jacobi"} do
+      local motion = assert(solid:motion {step = 0.1, iterations = 1, linear = linear,
+        displacement = bw.array(pressed)})
+      done[i] = assert(motion:step()).displacement
+    end
+    assert.is_true((done[1] - done[2]):norm() < 1e-3 * done[1]:norm())
+  end)
+
   it("solves over a coarse solid as it does with a factor", function()
     local solid = column(3)
     solid:hold {side = "low z"}
