@@ -65,6 +65,7 @@ typedef struct bwd_system {
   KSP solver;
   int iterations;
   double seconds_send, seconds_setup, seconds_solve;
+  double processor; /* of this process when the system was opened */
   /* Rank 0 alone: */
   const bw_outside_matrix *matrix;
   int32_t *place;      /* nodes: where each has gone */

@@ -204,10 +204,11 @@ done:
   return status;
 }
 
-static bw_status with_factor(bw_context *context, bwd_system *system) {
+static bw_status with_factor(bw_context *context, bwd_system *system, int room) {
   bw_status status = BW_OK;
   PC pc;
-  if (system->motions > 0)
+  Mat factor;
+  if (system->motions > 0 && !system->pinned)
     BW_TRY(pin(context, system));
   Mat matrix = system->pinned ? system->pinned : system->K;
   BWD_TRY(MatSetOption(matrix, MAT_SPD, PETSC_TRUE));
@@ -216,6 +217,9 @@ static bw_status with_factor(bw_context *context, bwd_system *system) {
   BWD_TRY(KSPGetPC(system->solver, &pc));
   BWD_TRY(PCSetType(pc, PCCHOLESKY));
   BWD_TRY(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  BWD_TRY(PCFactorSetUpMatSolverType(pc));
+  BWD_TRY(PCFactorGetMatrix(pc, &factor));
+  BWD_TRY(MatMumpsSetIcntl(factor, 14, room));
 done:
   return status;
 }
@@ -239,19 +243,49 @@ static bw_status factor_failed(bw_context *context, const bwd_system *system) {
       "the node");
 }
 
+/* MUMPS plans its memory before it factors, and with several ranks it may need more: percent of
+ * room beside the plan. */
+static const int rooms[] = {30, 100, 400};
+enum { ROOMS = 3 };
+
+/* Too little room, in MUMPS's numbers for it; not the system's memory. */
+static bool wants_room(Mat factor) {
+  PetscInt code = 0;
+  if (MatMumpsGetInfog(factor, 1, &code) != 0)
+    return false;
+  return code == -8 || code == -9 || code == -11 || code == -12 || code == -14 || code == -15;
+}
+
+static bw_status set_up(bw_context *context, bwd_system *system, double rtol, int room) {
+  bw_status status = BW_OK;
+  BWD_TRY(KSPCreate(PETSC_COMM_WORLD, &system->solver));
+  BWD_TRY(KSPSetOptionsPrefix(system->solver, "barwright_"));
+  if (system->direct)
+    BW_TRY(with_factor(context, system, room));
+  else
+    BW_TRY(with_multigrid(context, system, rtol));
+  BWD_TRY(KSPSetFromOptions(system->solver)); /* PETSC_OPTIONS="-barwright_..." for who knows */
+  BWD_TRY(KSPSetUp(system->solver));
+done:
+  return status;
+}
+
 bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol) {
   bw_status status = BW_OK;
   double begin = bw_seconds();
   if (system->rank == 0)
     bw_progress(context, system->direct ? "factor" : "multigrid", 0);
-  BWD_TRY(KSPCreate(PETSC_COMM_WORLD, &system->solver));
-  BWD_TRY(KSPSetOptionsPrefix(system->solver, "barwright_"));
-  if (system->direct)
-    BW_TRY(with_factor(context, system));
-  else
-    BW_TRY(with_multigrid(context, system, rtol));
-  BWD_TRY(KSPSetFromOptions(system->solver)); /* PETSC_OPTIONS="-barwright_..." for who knows */
-  BWD_TRY(KSPSetUp(system->solver));
+  BW_TRY(set_up(context, system, rtol, rooms[0]));
+  for (int k = 1; k < ROOMS && system->direct; k++) {
+    PC pc;
+    Mat factor;
+    BWD_TRY(KSPGetPC(system->solver, &pc));
+    BWD_TRY(PCFactorGetMatrix(pc, &factor));
+    if (!wants_room(factor))
+      break;
+    BWD_TRY(KSPDestroy(&system->solver));
+    BW_TRY(set_up(context, system, rtol, rooms[k]));
+  }
   BW_TRY(factor_failed(context, system));
 done:
   system->seconds_setup += bw_seconds() - begin;
@@ -308,25 +342,31 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
                           bool *trusted) {
   bw_status status = BW_OK;
   Mat shifted = NULL, factor = NULL;
-  MatFactorInfo info;
   PetscInt negative = 0, zero = 0, positive = 0;
   *trusted = false;
   BWD_TRY(MatDuplicate(system->K, MAT_COPY_VALUES, &shifted));
   BWD_TRY(MatAXPY(shifted, -sigma, system->M, SUBSET_NONZERO_PATTERN));
   BWD_TRY(MatSetOption(shifted, MAT_SPD, PETSC_FALSE));
   BWD_TRY(MatSetOption(shifted, MAT_SYMMETRIC, PETSC_TRUE));
-  BWD_TRY(MatGetFactor(shifted, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &factor));
-  BWD_TRY(
-      MatMumpsSetIcntl(factor, 13, 1)); /* the root on one rank: else its pivots are not counted */
-  BWD_TRY(MatMumpsSetIcntl(factor, 24, 1)); /* pivots near zero are told */
-  BWD_TRY(MatFactorInfoInitialize(&info));
-  BWD_TRY(MatCholeskyFactorSymbolic(factor, shifted, NULL, &info));
-  BWD_TRY(MatCholeskyFactorNumeric(factor, shifted, &info));
-  MatFactorError error;
-  BWD_TRY(MatFactorGetError(factor, &error));
-  if (error == MAT_FACTOR_NOERROR) {
-    BWD_TRY(MatGetInertia(factor, &negative, &zero, &positive));
-    *trusted = zero == 0;
+  for (int k = 0; k < ROOMS; k++) {
+    MatFactorInfo info;
+    MatFactorError error;
+    BWD_TRY(MatDestroy(&factor));
+    BWD_TRY(MatGetFactor(shifted, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &factor));
+    BWD_TRY(MatMumpsSetIcntl(factor, 13,
+                             1)); /* the root on one rank: else its pivots are not counted */
+    BWD_TRY(MatMumpsSetIcntl(factor, 24, 1)); /* pivots near zero are told */
+    BWD_TRY(MatMumpsSetIcntl(factor, 14, rooms[k]));
+    BWD_TRY(MatFactorInfoInitialize(&info));
+    BWD_TRY(MatCholeskyFactorSymbolic(factor, shifted, NULL, &info));
+    BWD_TRY(MatCholeskyFactorNumeric(factor, shifted, &info));
+    BWD_TRY(MatFactorGetError(factor, &error));
+    if (error == MAT_FACTOR_NOERROR) {
+      BWD_TRY(MatGetInertia(factor, &negative, &zero, &positive));
+      *trusted = zero == 0;
+    } else if (wants_room(factor))
+      continue;
+    break;
   }
   *count = negative - system->motions;
 done:

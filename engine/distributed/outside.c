@@ -28,6 +28,11 @@ static void destroy(bwd_system *system) {
   bw_free(system);
 }
 
+static double processor_seconds(const struct rusage *usage) {
+  return (double)(usage->ru_utime.tv_sec + usage->ru_stime.tv_sec) +
+         1e-6 * (double)(usage->ru_utime.tv_usec + usage->ru_stime.tv_usec);
+}
+
 static bw_status ended(bw_context *context, bw_status status) {
   status = bwd_agree(context, status);
   if (status != BW_OK) {
@@ -44,6 +49,9 @@ bw_status bwd_run_open(bw_context *context, const bw_outside_matrix *matrix,
   current = BW_NEW0(context, bwd_system, 1);
   BW_TRY(bwd_agree(context, current ? BW_OK : BW_MEMORY));
   BW_TRY(bwd_libraries(context));
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  current->processor = processor_seconds(&usage);
   current->rank = bw_world_rank();
   current->ranks = bw_world_size();
   current->matrix = matrix;
@@ -79,16 +87,20 @@ void bwd_run_close(bw_context *context, bw_outside_report *report) {
   (void)context;
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
-  double own = 1024.0 * (double)usage.ru_maxrss, sum = 0, most = 0;
-  MPI_Reduce(&own, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, bwd_comm());
-  MPI_Reduce(&own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
+  double own[2] = {1024.0 * (double)usage.ru_maxrss, processor_seconds(&usage)};
+  double sum[2] = {0, 0}, most = 0;
+  if (current)
+    own[1] -= current->processor;
+  MPI_Reduce(own, sum, 2, MPI_DOUBLE, MPI_SUM, 0, bwd_comm());
+  MPI_Reduce(own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
   if (report && current) {
     *report = (bw_outside_report){.ranks = current->ranks,
                                   .iterations = current->iterations,
                                   .send = current->seconds_send,
                                   .setup = current->seconds_setup,
                                   .solve = current->seconds_solve,
-                                  .bytes = sum,
+                                  .processor = sum[1],
+                                  .bytes = sum[0],
                                   .largest = most};
     strncpy(report->method, method_name(current), sizeof report->method - 1);
   }

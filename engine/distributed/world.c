@@ -14,7 +14,7 @@
 
 #define LONGEST_PAUSE 1e-3 /* s */
 #define PATIENCE 60.0      /* s that a failed rank waits for the others to come to an agreement */
-enum { COMMAND_TAG = 1, MESSAGE = 1000, MOST_TAG = 1000 };
+enum { COMMAND_TAG = 1, MESSAGE = 1000, MOST_TAG = 1000, SPINS = 20 };
 
 static struct world {
   pid_t process; /* that joined; a forked child is none of the world */
@@ -31,9 +31,9 @@ static char petsc_text[MESSAGE]; /* of the last error that PETSc raised */
 void bwd_pause(bwd_patience *patience) {
   if (patience->rounds++ == 0)
     patience->since = bw_seconds();
-  if (patience->rounds < 200)
+  if (patience->rounds < SPINS)
     return;
-  double pause = 2e-5 * (patience->rounds - 199);
+  double pause = 2e-5 * (patience->rounds - SPINS + 1);
   if (pause > LONGEST_PAUSE)
     pause = LONGEST_PAUSE;
   struct timespec span = {0, (long)(pause * 1e9)};
@@ -258,7 +258,7 @@ bw_status bwd_agree(bw_context *context, bw_status status) {
     if (there)
       break;
     bwd_pause(&patience);
-    if (status != BW_OK && patience.rounds > 200 && bw_seconds() - patience.since > PATIENCE) {
+    if (status != BW_OK && patience.rounds > SPINS && bw_seconds() - patience.since > PATIENCE) {
       char text[MESSAGE + 200];
       snprintf(
           text, sizeof text,

@@ -215,6 +215,8 @@ static int push_outside(lua_State *L, const char *with, const bw_outside_report 
   lua_setfield(L, -2, "setup_seconds");
   lua_pushnumber(L, report->solve);
   lua_setfield(L, -2, "solve_seconds");
+  lua_pushnumber(L, report->processor);
+  lua_setfield(L, -2, "processor_seconds");
   lua_pushnumber(L, report->bytes);
   lua_setfield(L, -2, "peak_bytes");
   lua_pushnumber(L, report->largest);

@@ -1049,7 +1049,7 @@ function Model:close() end
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
----@field solver table? of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, peak_bytes of all ranks, largest_rank_bytes; nil for the engine's own factor
+---@field solver table? of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil for the engine's own factor
 ---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 

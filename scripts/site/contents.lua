@@ -7,6 +7,7 @@ return {
   }},
   {title = "How to", pages = {
     {"docs/howto_study.md", "Run a design study"}, {"docs/howto_experiments.md", "Publish an experiment"},
+    {"docs/howto_cluster.md", "More than one machine"},
     {"docs/howto_scenarios.md", "Test a requirement"},
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
   }},

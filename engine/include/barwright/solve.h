@@ -241,7 +241,8 @@ typedef struct bw_outside_report {
   int ranks;                 /* processes */
   int iterations;            /* of conjugate gradients, in all solves */
   double send, setup, solve; /* s: matrix to the ranks; multigrid or factor; solves */
-  double bytes, largest;     /* memory of all processes at their peaks, of the largest of them */
+  double processor;      /* s of all processes while the system was open, waiting in MPI included */
+  double bytes, largest; /* memory of all processes at their peaks, of the largest of them */
 } bw_outside_report;
 
 /* The equations at hand. K and M have the pattern of the graph; which components are unknowns, held

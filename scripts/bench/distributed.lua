@@ -1,0 +1,67 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- PETSc and SLEPc beside the engine's own factor: time, memory, iterations.
+--
+--   build/barwright scripts/bench/distributed.lua [cells of the cube's edge ...]     (default 16 28)
+--
+-- Starts `mpirun` with 1 and 2 ranks; each row is a process of its own, solves twice and tells the
+-- faster. Prints a Markdown table.
+local bw = require "barwright"
+
+local function measure(kind, cells, order, ranks)
+  local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {cells, cells, cells},
+    order = order})
+  local part = bw.model {mesh = mesh, material = bw.material.steel}
+  part:fix(mesh.boundary:below(3, 0)):load {on = mesh.boundary:above(3, 1), force = {1e3, 0, -1e3}}
+  local static, modes, began, processor
+  local best = math.huge
+  for _ = 1, kind:find "modes" and 1 or 2 do
+    part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below(3, 0)):load {on = mesh.boundary:above(3, 1), force = {1e3, 0, -1e3}}
+    began, processor = bw.seconds(), os.clock()
+    if kind == "own" then static = assert(part:solve())
+    elseif kind == "own modes" then modes = assert(part:modes {count = 10})
+    elseif kind == "SLEPc modes" then modes = assert(part:modes {count = 10, with = "slepc"})
+    else static = assert(part:solve {with = "petsc", method = kind, rtol = 1e-8}) end
+    best, processor = math.min(best, bw.seconds() - began), os.clock() - processor
+  end
+  local solver = (static or modes).solver
+  local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
+  local line = "| %d, tet%d | %s | %s | %.1f | %.1f | %s | %.2f | %.2f |"
+  print(line:format(mesh.node_count * 3,
+    order == 1 and 4 or 10, kind, ranks, best, solver and solver.processor_seconds or processor,
+    solver and solver.iterations > 0 and solver.iterations or "", (solver and solver.peak_bytes or peak) / 2 ^ 30,
+    (solver and solver.largest_rank_bytes or peak) / 2 ^ 30))
+end
+
+if arg[1] == "one" then
+  measure(arg[2], tonumber(arg[3]), tonumber(arg[4]), arg[5])
+  return
+end
+
+local program = io.popen "readlink /proc/$PPID/exe":read "l"
+local function start(kind, cells, order, ranks)
+  local own = kind:find "own"
+  local command = ("%s %s one '%s' %d %d %s"):format(own and program or program .. " --mpi", arg[0], kind, cells,
+    order, own and "'2 threads'" or ranks)
+  if not own then
+    command = ("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 BARWRIGHT_THREADS=1 mpirun "
+      .. "--oversubscribe --bind-to none -n %d %s"):format(ranks, command)
+  end
+  os.execute("BARWRIGHT_QUIET=1 " .. command)
+end
+
+local sizes = #arg > 0 and arg or {16, 28}
+print "| unknowns | solver | ranks | seconds | processor seconds | iterations | GiB | largest rank |"
+print "|---|---|---|---|---|---|---|---|"
+for _, cells in ipairs(sizes) do
+  cells = tonumber(cells)
+  for order = 1, 2 do
+    local n = order == 1 and cells or cells // 2
+    start("own", n, order)
+    for _, method in ipairs {"cholesky", "cg"} do
+      for ranks = 1, 2 do start(method, n, order, ranks) end
+    end
+  end
+  start("own modes", cells, 1)
+  for ranks = 1, 2 do start("SLEPc modes", cells, 1, ranks) end
+end
