@@ -9,6 +9,7 @@ return {
     {"docs/howto_study.md", "Run a design study"}, {"docs/howto_experiments.md", "Publish an experiment"},
     {"docs/howto_cluster.md", "More than one machine"},
     {"docs/howto_scenarios.md", "Test a requirement"},
+    {"docs/command_line.md", "Use the command line"}, {"docs/sandbox.md", "Run scripts of others"},
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
   }},
   {title = "Tutorials", pages = {

@@ -41,7 +41,8 @@ local function tell(modes, held, wish, out)
   for i, frequency in ipairs(modes.frequencies:totable()) do
     local note, cents = pitch.note(frequency)
     list[i] = frequency
-    out:say("  %2d  %10.4g Hz   %-4s %+3.0f cents", i, frequency, note, cents)
+    out:say(frequency < 10 and "  %2d  %10.4f Hz   %-4s %+3.0f cents" or "  %2d  %10.1f Hz   %-4s %+3.0f cents", i,
+      frequency, note, cents)
   end
   out:json {frequencies_hz = list, rigid_motions = modes.rigid_count, held = bw.json.list(wish.hold),
     material = wish.material, counted = modes.counted}

@@ -99,7 +99,8 @@ local function tell(static, part, wish, out)
   end
   if relative then
     out:say("Estimated error of the stresses: %.2g %% in the mean%s.", 100 * relative,
-      relative > 0.15 and "; more --elements or --order 2 would make it less" or "")
+      relative <= 0.15 and "" or mesh.order == 1 and "; --order 2 or more --elements would make it less"
+        or "; more --elements would make it less")
   end
   out:json {max_von_mises_pa = stress, max_von_mises_at_m = at, max_displacement_m = most, utilisation = used,
     holds = used and used < 1, strength_pa = material.strength, error_estimate = relative,
