@@ -59,18 +59,18 @@ local function remember_adjoint(near, node, field)
   list[adjoints + 1] = nil
 end
 
--- `further`: how many adjoint solutions will be asked for there.
-local function solve(self, state, part, i, tolerance, further)
+-- `further`: how many adjoint solutions will be asked for there; `known`: a solution, to go on from.
+local function solve(self, state, part, i, tolerance, further, known)
   local record, message, details = edit_follow.bring(self.session, state, part)
   if not record then return nil, message, details end
   self.near[i] = self.near[i] or {displacements = {}, adjoints = {}}
   local result, reuse
   result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
-    tolerance = tolerance, energy = true, guess = guess(self, i), further = further, hope = self.hope},
-    record.reuse)
+    tolerance = tolerance, energy = true, guess = known and {known} or guess(self, i),
+    further = further, hope = self.hope}, record.reuse)
   if not result then return nil, reuse, details end
   if reuse.method ~= "iterate" and reuse.iterations > 0 then self.hope = nil end -- in vain
-  remember_displacement(self.near[i], result.displacement)
+  if not known then remember_displacement(self.near[i], result.displacement) end
   local current = not record.reuse or reuse.method ~= "iterate"
   if current then
     local kept = record.reuse and reuse.factor_kept or 0
@@ -141,7 +141,8 @@ function stage:sharpen(point)
   for i, case in ipairs(point.cases) do
     if not case.exact then
       local message, details
-      case, message, details = solve(self, point.state, self.parts[i], i, exact, 0)
+      case, message, details = solve(self, point.state, self.parts[i], i, exact, 0,
+        case.result.displacement)
       if not case then return nil, message, details end
       point.cases[i], self.last = case, {point = point, case = i}
     end
