@@ -20,7 +20,7 @@ local study = bw.study {
   measures = {{name = "mass", unit = "kg"}, {name = "sag", unit = "m"}, {name = "stress", unit = "Pa"}},
   objectives = {{name = "mass", goal = "least"}, {name = "sag", goal = "least"}},
   constraints = {{name = "stress", most = 25e6}},
-  design = {"pareto", population = quick and 4 or 16, generations = quick and 1 or 6},
+  design = {"pareto", population = quick and 4 or 12, generations = quick and 1 or 5},
   run = function(point)
     local r, wall = point.radius, point.wall
     local far = {length, 0, 0}
@@ -29,10 +29,10 @@ local study = bw.study {
       shapes.box({-1, -1, -1}, {0, 1, 1})})
     local surface, message = bw.surface.implicit(tube, {low = {-2 * mm, -r - 2 * mm, -r - 2 * mm},
       high = {length + r + 2 * mm, r + 2 * mm, r + 2 * mm},
-      cells = math.ceil((quick and 1.6 or 2.5) * length / wall)})
+      cells = math.ceil((quick and 1.6 or 2) * length / wall)})
     if not surface then return nil, message end
     local mesh
-    mesh, message = bw.mesh.fill(surface, {elements = quick and 1000 or 8000, order = 2})
+    mesh, message = bw.mesh.fill(surface, {elements = quick and 1000 or 4000, order = 2})
     if not mesh then return nil, message end
     local part = bw.model {mesh = mesh, material = pla}
     part:fix(mesh.boundary:below(1, 0.5 * mm))
