@@ -13,7 +13,7 @@ stage.__index = stage
 
 -- Errors in energy, relative: of the solutions that steps are judged by, of the one that is the answer,
 -- and of adjoint solutions. The highest stress is off by less than a tenth of that.
-local near, exact, slopes_near = 1e-5, 1e-6, 1e-3
+local close, exact, slopes_close = 1e-5, 1e-6, 1e-3
 local hope = 0.3 -- of the iterations predicted, which the slenderest of parts would need
 local displacements, adjoints = 4, 8 -- of each load case, that are kept to begin others with
 
@@ -125,7 +125,7 @@ function stage:at(scales, further)
   for i, part in ipairs(self.parts) do
     local case = not next(scales) and present(self, part, i) or nil
     if not case then
-      case, message, details = solve(self, point.state, part, i, near, further)
+      case, message, details = solve(self, point.state, part, i, close, further)
       if not case then return nil, message, details end
     end
     point.cases[i] = case
@@ -161,7 +161,7 @@ function stage:slopes(point, i, nodes, motions)
   end
   self.counts.adjoints = self.counts.adjoints + #nodes
   local values, slopes, fields = core.von_mises_slopes(case.model, case.system,
-    case.result.displacement, nodes, motions, {tolerance = slopes_near,
+    case.result.displacement, nodes, motions, {tolerance = slopes_close,
     energy = true, guess = guess(self, i), hope = self.hope})
   if not values then return nil, slopes, fields end
   local count = case.model.mesh.node_count
