@@ -11,6 +11,7 @@
  * engine's allocations fail as they do when memory is out. */
 #include "program.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <malloc.h>
@@ -202,9 +203,21 @@ static int code_of(int how, bool overdue, const program_limits *limits) {
   return EXIT_FAILURE;
 }
 
+/* OpenBLAS ends its threads before a fork and would start them anew in the child; where memory is
+ * too short for their stacks, it goes on without noticing and waits for them for ever at the next
+ * fork. With one thread there is nothing to start; the engine has threads of its own. */
+static void settle_blas(void) {
+  static void (*set_threads)(int);
+  void *symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
+  memcpy(&set_threads, &symbol, sizeof symbol);
+  if (set_threads)
+    set_threads(1);
+}
+
 int program_watch(const program_limits *limits) {
   pid_t parent = getpid();
   fflush(NULL);
+  settle_blas();
   pid_t child = fork();
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -150,18 +150,18 @@ static bool is_incomplete(lua_State *L) {
   return length >= 5 && strcmp(message + length - 5, "<eof>") == 0;
 }
 
-/* As an expression whose values are printed, else as statements. The text is on the top and is
- * replaced by the function, or by a message. */
+/* As an expression whose values are printed, else as statements; never as bytecode. The text is on
+ * the top and is replaced by the function, or by a message. */
 static int load_text(lua_State *L) {
   const char *text = lua_tostring(L, -1);
   const char *expression = lua_pushfstring(L, "return %s", text);
-  if (luaL_loadbuffer(L, expression, strlen(expression), "=prompt") == LUA_OK) {
+  if (luaL_loadbufferx(L, expression, strlen(expression), "=prompt", "t") == LUA_OK) {
     lua_replace(L, -3);
     lua_pop(L, 1);
     return LUA_OK;
   }
   lua_pop(L, 2);
-  int status = luaL_loadbuffer(L, text, strlen(text), "=prompt");
+  int status = luaL_loadbufferx(L, text, strlen(text), "=prompt", "t");
   lua_remove(L, -2);
   return status;
 }

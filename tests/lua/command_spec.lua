@@ -140,6 +140,17 @@ describe("every command", function()
     end
   end)
 
+  it("is on the page of the command line", function()
+    local text = check.read(check.root .. "/docs/command_line.md")
+    for _, name in ipairs(commands.names()) do
+      assert.truthy(name == "help" or text:find("`barwright " .. name, 1, true), name)
+    end
+    for _, rule in ipairs(commands.program_options) do
+      assert.truthy(text:find((rule.short and "`-" or "`--") .. rule.name, 1, true) or rule.name == "gc-stress",
+        rule.name)
+    end
+  end)
+
   it("gives way to a file that is named with its folder", function()
     local folder = check.folder()
     check.write(folder .. "/help", "print 'a script'")

@@ -202,6 +202,10 @@ describe("a script in the sandbox", function()
     local status, out = check.run(("--sandbox '%s/in' '%s/outside.lua' word"):format(folder, folder))
     assert.equal(0, status)
     assert.equal("word\ntrue\n", out)
+    check.write(folder .. "/lines", "io.open '/etc/passwd'\n")
+    status, out = check.run(("--sandbox '%s/in'"):format(folder), folder .. "/lines")
+    assert.equal(0, status)
+    assert.truthy(out:find "^nil\t/etc/passwd: refused in the sandbox")
     status, out = check.run(("--sandbox='%s/in' -e 'print(io.open \"/etc/passwd\")'"):format(folder))
     assert.equal(0, status)
     assert.truthy(out:find "^nil\t/etc/passwd: refused in the sandbox")
@@ -244,6 +248,12 @@ describe("scripts", function()
     assert.equal(1, status)
     assert.equal("", out)
     assert.truthy(err:find("loaded as text only", 1, true), err)
+    -- At the prompt, too.
+    check.write(folder .. "/lines", "\27Lua\n1 + 1\n")
+    status, out, err = check.run("", folder .. "/lines")
+    assert.equal(0, status)
+    assert.equal("2\n", out)
+    assert.truthy(err:find("attempt to load a binary chunk", 1, true), err)
   end)
 end)
 
@@ -274,6 +284,45 @@ describe("a limit on time", function()
     local status, _, err = check.run "--seconds soon -e 'print(1)'"
     assert.equal(2, status)
     assert.truthy(err:find("a time such as 60 or 5min expected, got 'soon'", 1, true), err)
+  end)
+
+  it("ends the jobs that it started as well", function()
+    local folder = check.folder()
+    check.write(folder .. "/script.lua", [[
+      local core = require "barwright.core"
+      local jobs = {}
+      for i = 1, 2 do
+        jobs[i] = assert(core.job(function()
+          local file = assert(io.open(arg[1] .. "/job" .. i, "w"))
+          file:write(core.process()):close()
+          while true do end
+        end, {name = "endless"}))
+      end
+      core.wait(jobs, 100)
+    ]])
+    assert.equal(124, (check.run(("--seconds 2 '%s/script.lua' '%s'"):format(folder, folder))))
+    for i = 1, 2 do
+      local process = check.read(folder .. "/job" .. i)
+      local gone
+      for _ = 1, 100 do
+        gone = not os.execute(("kill -0 %s 2>/dev/null"):format(process))
+        if gone then break end
+        os.execute "sleep 0.05"
+      end
+      assert.is_true(gone)
+    end
+  end)
+
+  it("leaves signals to the script", function()
+    for signal, expected in pairs {INT = 130, TERM = 143} do
+      local folder = check.folder()
+      check.write(folder .. "/script.lua", "io.open(arg[1] .. '/ready', 'w'):close() while true do end")
+      local _, _, status = os.execute(([[cd '%s' && { '%s' --seconds 60 script.lua . >out 2>err & pid=$!; n=0
+        while [ ! -e ready ] && [ $n -lt 200 ]; do sleep 0.05; n=$((n+1)); done
+        sleep 0.2; kill -%s $pid; wait $pid; } 2>/dev/null]]):format(folder,
+        check.program:match "^/" and check.program or os.getenv "PWD" .. "/" .. check.program, signal))
+      assert.equal(expected, status)
+    end
   end)
 
   it("removes files that were being written", function()
@@ -312,6 +361,16 @@ describe("a limit on memory", function()
       cells = {100, 100, 100}})']]
     assert.equal(0, status)
     assert.truthy(out:find "^nil\tout of memory", out)
+  end)
+
+  it("is too little without anything hanging", function()
+    local folder = place()
+    for _, size in ipairs {"2M", "5M", "12M", "40M"} do
+      local words = ("--memory %s --seconds 60 worst '%s/in/box.stl' --elements 500"):format(size, folder)
+      local status, _, err = check.run(words)
+      assert.truthy(status == 0 or status == 1, size .. ": " .. err)
+      assert.is_nil(err:find("fault of barwright", 1, true), err)
+    end
   end)
 
   it("is a size", function()

@@ -83,7 +83,10 @@ local function tell_repair(surface, wish, out)
   if not wish.repair then return end
   local mended, log, details = model.try(surface.repair, surface, {time_limit = wish.seconds})
   out:remarks()
-  if not mended then
+  if not mended and details and details.status == "cancelled" then
+    out:say "Whether repair helps was not found out: it was interrupted."
+    return
+  elseif not mended then
     out:say("Repair does not help: %s", log)
     out:json {repairable = false, repair_message = log, repair_status = details and details.status}
     return

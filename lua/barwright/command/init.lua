@@ -146,6 +146,8 @@ function commands.run(name, ...)
   if not fine then
     if core.interrupted() then
       code = out:fail("interrupted", {status = "cancelled"})
+    elseif tostring(code):find("not enough memory", 1, true) then
+      code = out:fail("not enough memory", {status = "memory"})
     else
       code = out:fail(tostring(code) .. "\nThis is a fault of barwright: please report it.",
         {status = "internal"})
@@ -155,6 +157,7 @@ function commands.run(name, ...)
   elseif code == false then
     code = output.FAILED
   end
+  if core.interrupted() then code = output.INTERRUPTED end -- what the program ends with in any case
   return out:finish(code)
 end
 
