@@ -86,7 +86,7 @@ static bool resolve(const char *path, bool follow, char real[PATH_MAX]) {
   char last[NAME_MAX + 1];
   if (!name[0] || strcmp(name, ".") == 0 || strcmp(name, "..") == 0 || strlen(name) > NAME_MAX)
     return false;
-  snprintf(last, sizeof last, "%s", name);
+  memcpy(last, name, strlen(name) + 1);
   if (slash == folder)
     folder[1] = 0;
   else if (slash)
