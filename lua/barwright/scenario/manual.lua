@@ -108,7 +108,8 @@ function manual.document(run, command, manifests)
       end
     end
   end
-  local out = {"# Verification manual", "", ("Made by `%s`"):format(command),
+  local out = {"# Verification manual", "", ("Made by `%s`%s"):format(command, #manifests > 1
+    and " and from results of earlier runs" or ""),
     ("with barwright %s; do not edit. Every figure was computed by a scenario;"):format(made(manifests)),
     ("%d of %d are within what is allowed."):format(met, count), ""}
   for _, file in ipairs(run.files) do
