@@ -52,8 +52,8 @@ end
 
 --- Rows of a scene: the fine solution, then by each of the methods at each level: `by[method]` is a
 --- library ("lookup", "grown"), "naive" or "average". `each(row, solution)` is called as they are done.
---- Returns the rows and the fine solution; a coarse solid that has no solution is a row with `failed`. nil, message,
---- details, rows so far when the fine one has none or the run is interrupted.
+--- Returns the rows and the fine solution; a coarse solid that has no solution is a row with `failed`.
+--- nil, message, details, rows so far when the fine one has none or the run is interrupted.
 function compare.scene(scene, fine, by, methods, each)
   local rows = bw.json.list {}
   local spent, reference, message, details = compare.timed(compare.solve_fine, fine, scene.solve)

@@ -30,5 +30,5 @@ return {fibers = {
     solid:force({side = "high y"}, {0, 3500, 0})
   end,
   motion = {words = "let go from the pulled shape, four times as slow as it is", held = held, step = 0.01,
-    steps = 60, each = 2, fine = true},
+    steps = 60, each = 2}, -- fine = true: beside the fine bar, 22 s of the processor a step
 }}
