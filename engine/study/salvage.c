@@ -273,6 +273,11 @@ static void tell(salvage *s, const char *table, int64_t saved, const gap *gaps) 
   s->report.whole = s->report.whole && gaps->count == 0;
   if (gaps->count == 0)
     bw_remark(s->context, "table %s: all %lld rows were saved", table, (long long)saved);
+  else if (gaps->lost == 0)
+    bw_remark(s->context,
+              "table %s: %lld rows were saved; behind them nothing could be read, and how many "
+              "rows that were is not known",
+              table, (long long)saved);
   else
     bw_remark(s->context,
               "table %s: %lld rows were saved; in %d place%s up to %lld rows could not be read%s",

@@ -6,7 +6,8 @@
 -- moves, holes open, until no lighter one keeps the stress below its limit. Beside it: what a plain beam
 -- needs, and Michell's bars, the least that any frame could need.
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/bridge_loads", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/bridge_loads" .. (quick and "_quick" or "")
 local mm, thickness = 1e-3, 4e-3
 local acrylic = bw.material.isotropic {name = "acrylic", young = 3e9, poisson = 0.35, density = 1190}
 

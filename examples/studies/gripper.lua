@@ -6,7 +6,8 @@
 -- strip be, how strong the air? The first-order and total indices of Sobol say which of the three matters for
 -- how far the tip goes; then the finger that bends most with no cell crushed.
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/gripper", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/gripper" .. (quick and "_quick" or "")
 local mm, shapes = 1e-3, bw.shapes
 
 -- 1. The finger and its cavity, once. A grid coarse enough for hundreds of trials.

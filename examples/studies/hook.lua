@@ -6,7 +6,8 @@
 -- after each round, until it no longer changes) leaves no stress above the limit, and changes the shape as
 -- little as that takes. The study asks what safety costs: how much heavier for a stronger hand?
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/hook", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/hook" .. (quick and "_quick" or "")
 local mm, MPa = 1e-3, 1e6
 
 -- 1. The hook with a skeleton of four bones, made once.

@@ -5,7 +5,8 @@
 -- One outline, seven notes: each bar is tuned to its pitch while its outline moves as little as that takes.
 -- The note is the study's variable, a choice; each trial leaves a file to cut and a sound.
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/metallophone_scale", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/metallophone_scale" .. (quick and "_quick" or "")
 local mm = 1e-3
 
 local fish = assert(bw.outline {

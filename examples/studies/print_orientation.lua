@@ -7,7 +7,8 @@
 -- knows how the hook will be handled, so the measure is the worst case: the share of the strength that the
 -- worst load uses. First an even sample of all orientations, then a search from the best of them.
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/print_orientation", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/print_orientation" .. (quick and "_quick" or "")
 local mm, sin, cos, pi = 1e-3, math.sin, math.cos, math.pi
 
 -- 1. The hook: made once, before the first trial; every trial has it.

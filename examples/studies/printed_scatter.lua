@@ -6,7 +6,8 @@
 -- A hundred parts are drawn from it. How much do the tip's sag, the first frequency and the stress vary, and
 -- how many of the parts ring below a limit?
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/printed_scatter", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/printed_scatter" .. (quick and "_quick" or "")
 local mm = 1e-3
 
 local gypsum = bw.material.zp150

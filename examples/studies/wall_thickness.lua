@@ -6,7 +6,8 @@
 -- thin. Light and stiff are at odds: there is no best tube but a front of tubes, none of which is beaten in
 -- both. A search by populations finds it; stresses above the limit are not allowed.
 local bw = require "barwright"
-local folder, quick = arg[1] or "out/wall_thickness", arg[2] == "--quick"
+local quick = arg[#arg] == "--quick"
+local folder = arg[1] ~= "--quick" and arg[1] or "out/wall_thickness" .. (quick and "_quick" or "")
 local mm, length = 1e-3, 0.12
 local shapes, pla = bw.shapes, bw.material.pla
 

@@ -47,7 +47,18 @@ local function check(where, key, value, rule)
   end
 end
 
---- The options with defaults filled in. Raises for unknown keys, naming the nearest known one.
+-- The nearest name where it can be what was meant, else all of them.
+local function suggestion(key, known)
+  local near = core.nearest(key, known)
+  if not near then return "there are none" end
+  if #known > 12 or key:sub(1, 1) == near:sub(1, 1) or key:find(near, 1, true) or near:find(key, 1, true) then
+    return ("did you mean '%s'?"):format(near)
+  end
+  table.sort(known)
+  return "known are " .. table.concat(known, ", ")
+end
+
+--- The options with defaults filled in. Raises for unknown keys, naming the nearest known one, or all.
 function options.read(where, given, rules)
   if given == nil then given = {} end
   if type(given) ~= "table" then
@@ -62,8 +73,7 @@ function options.read(where, given, rules)
       if type(key) ~= "string" then
         raise(("%s: options are named: {name = value}"):format(where))
       end
-      raise(("%s: unknown option '%s': did you mean '%s'?"):format(where, key,
-        core.nearest(key, known)))
+      raise(("%s: unknown option '%s': %s"):format(where, key, suggestion(key, known)))
     end
     check(where, key, value, rule)
     out[key] = value

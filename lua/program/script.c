@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 void program_set_arguments(lua_State *L, const program_command *c) {
@@ -120,7 +121,23 @@ static int call_command(lua_State *L) {
   return 1;
 }
 
+/* A model where a script is expected: by its ending. */
+static bool is_model(const char *path) {
+  static const char *const endings[] = {".stl", ".obj",  ".off", ".ply", ".msh",
+                                        ".vtu", ".mesh", ".inp", ".svg", ".dxf"};
+  const char *ending = strrchr(path, '.');
+  for (size_t i = 0; ending && i < sizeof endings / sizeof *endings; i++)
+    if (strcasecmp(ending, endings[i]) == 0)
+      return true;
+  return false;
+}
+
 int program_run_word(lua_State *L, const program_command *c) {
+  if (is_model(c->script)) {
+    fprintf(stderr, "barwright: %s is no script: `barwright check %s` tells what is in it\n",
+            c->script, c->script);
+    return PROGRAM_MISUSED;
+  }
   if (strpbrk(c->script, "./") || strcmp(c->script, "-") == 0)
     return run_script(L, c) ? EXIT_SUCCESS : EXIT_FAILURE;
   lua_pushcfunction(L, is_command);

@@ -186,11 +186,13 @@ end)]]}
   it("is named once, and stated nowhere but in a scenario file", function()
     local run = judge {["a.lua"] = HEAD .. 'scenario("a", print)\nscenario("a", print)',
       ["b.lua"] = HEAD .. 'scenario("", print)', ["c.lua"] = HEAD .. 'scenario("c", {tag = "x"}, print)',
-      ["d.lua"] = HEAD .. 'scenario("d", function() scenario("e", print) end)'}
+      ["d.lua"] = HEAD .. 'scenario("d", function() scenario("e", print) end)',
+      ["e.lua"] = HEAD .. 'scenario("e", {tags = "slow"}, print)'}
     has(run.result.scenarios[1].message, "a.lua:4: scenario 'a': there is one of that title in line 3")
     has(run.result.scenarios[2].message, "b.lua:3: scenario: a title expected")
     has(run.result.scenarios[3].message, "did you mean 'tags'?")
     has(run.result.scenarios[4].message, "d.lua:3: scenario: only in a scenario file")
+    has(run.result.scenarios[5].message, "e.lua:3: scenario: option 'tags': a list of words")
     local file = check.folder() .. "/plain.lua"
     check.write(file, HEAD .. 'scenario("a", print)')
     local status, _, err = check.run(file)

@@ -152,6 +152,10 @@ describe("barwright study", function()
       ["trial @hook.lua x"] = "a number, or four or more digits",
       ["trial @hook.lua"] = "is missing",
       ["merge @hook.lua"] = "are missing",
+      ["plot @hook.lua"] = "kind of plot is missing: contact_sheet, ",
+      ["plot @hook.lua paretto"] = "there is no kind 'paretto': one of contact_sheet, ",
+      ["plot @hook.lua sensitivity"] = "design sobol_indices, morris or one_at_a_time expected",
+      ["csv @hook.study"] = "hook.study holds trials: the study's script is expected",
     } do
       local status, _, complaint = run(words)
       assert.equal(2, status, words)
@@ -165,6 +169,28 @@ describe("barwright study", function()
     status, _, complaint = run "run @bad.lua"
     assert.equal(1, status)
     assert.truthy(complaint:find("bad.lua:1: here", 1, true))
+    -- what is wrong with a study names its file, and shows nothing of barwright's own calls
+    for from, to in pairs {["least = 1e%-3"] = "lowest = 1e-3", ["count = 12"] = "cuont = 12",
+      ["latin_hypercube"] = "latin"} do
+      check.write(folder .. "/wrong.lua", (script:format(folder):gsub(from, to)))
+      status, _, complaint = run "run @wrong.lua"
+      assert.equal(1, status)
+      assert.truthy(complaint:find("wrong.lua: study hook: ", 1, true), complaint)
+      assert.is_nil(complaint:find("traceback", 1, true), complaint)
+    end
+  end)
+
+  it("counts trials that ended the same way as one", function()
+    check.write(folder .. "/exits.lua", (script:format(folder):gsub("hook", "exits")
+      :gsub("trial.number == 3.-end", "trial.number < 4 then os.exit(3) end")))
+    local status = run "run @exits.lua --memory 2G --json"
+    assert.equal(0, status)
+    local _, said = run "status @exits.lua"
+    assert.truthy(said:find("3 x the trial left its process with exit code 3", 1, true), said)
+    run "report @exits.lua --out @exits.html"
+    assert.truthy(check.read(folder .. "/exits.html"):find("crashed: the trial left its process", 1, true))
+    _, said = run "trial @exits.lua 2"
+    assert.truthy(said:find("it ended as it did in the file", 1, true), said)
   end)
 
   it("does what docs/howto_study.md shows", function()

@@ -111,7 +111,7 @@ describe("trials:plot", function()
 
   it("names what it does not know", function()
     local trials = make(least_mass, 3)
-    check.raises("no kind 'pareto_front': did you mean 'pareto'", plots.plot, trials, "pareto_front")
+    check.raises("no kind 'pareto_front': one of contact_sheet, ", plots.plot, trials, "pareto_front")
     check.raises("'thicknes' is no variable and no measure: did you mean 'thickness'", plots.plot, trials,
       "scatter", {x = "thicknes", y = "mass"})
     check.raises("unknown option 'color': did you mean 'colour'", plots.plot, trials, "scatter_matrix",

@@ -143,6 +143,7 @@ local function plain(list)
 end
 
 local function prepared(wish, out)
+  if files.kind(wish.manifest) == "folder" then wish.manifest = trimmed(wish.manifest) .. "/manifest.json" end
   local manifest, message = read_json(wish.manifest)
   if not manifest then return nil, out:misuse(message) end
   if type(manifest.started_by) ~= "table" or not manifest.started_by[1] or type(manifest.folder) ~= "string" then
@@ -153,7 +154,7 @@ local function prepared(wish, out)
   if not before then return nil, out:misuse(message) end
   local faults = check_inputs(manifest)
   if #faults > 0 then
-    for _, fault in ipairs(faults) do out:say(fault) end
+    for i = wish.anyway and 1 or 2, #faults do out:say(faults[i]) end -- the first is in what follows
     out:json {inputs = json.list(faults)}
     if not wish.anyway then
       return nil, out:fail(("%d of %d inputs are missing or changed: %s (--anyway runs it with what is there)")
@@ -175,7 +176,10 @@ local function work(wish, out)
   local made, message = files.make_folder(folder)
   if not made then return out:fail(message) end
   local changed = surroundings(manifest)
-  for _, entry in ipairs(changed) do out:say("%s: %s, was %s", entry.what, entry.now, entry.before) end
+  for _, entry in ipairs(changed) do
+    local what = entry.what == "script" and ("script %s: SHA-256"):format(words[1]) or entry.what .. ":"
+    out:say("%s %s, was %s", what, entry.now, entry.before)
+  end
   out:say("barwright %s", table.concat(words, " "))
   local start = core.seconds()
   local status = run(words, folder .. "/rerun.log")
@@ -208,7 +212,7 @@ return {
   about = "A folder of results has manifest.json, which says what was run, and result.json. The same words are "
     .. "run again into a new folder, from the folder you are in: relative paths mean what they meant there. "
     .. "Inputs must be the same files; versions, libraries and machines that are others are told.",
-  arguments = {{name = "manifest", type = "file", what = "the manifest.json of the run"}},
+  arguments = {{name = "manifest", type = "file", what = "the manifest.json of the run, or its folder"}},
   options = {
     {name = "out", value = "FOLDER", type = "folder", what = "where the new run goes (default: FOLDER.again)"},
     {name = "tolerance", value = "SHARE", type = "number", default = 0, least = 0,

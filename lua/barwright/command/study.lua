@@ -4,6 +4,7 @@ local core = require "barwright.core"
 local json = require "barwright.json"
 local output = require "barwright.command.output"
 local merge = require "barwright.study.merge"
+local plots = require "barwright.study.plots"
 
 local actions = {}
 
@@ -14,17 +15,42 @@ local function is_study(value)
   return type(value) == "table" and type(meta) == "table" and meta.__name == "study"
 end
 
+-- What an error says: its file first, then the calls in that file that led to it. Those of barwright, which say
+-- nothing to who wrote the file, are left out.
+local function located(path, chunk)
+  local source = debug.getinfo(chunk, "S").short_src
+  return function(problem)
+    if type(problem) ~= "string" or core.interrupted() then return problem end
+    if not problem:find(source, 1, true) then problem = path .. ": " .. problem end
+    local lines, last = {}, 0
+    for line in debug.traceback("", 2):gmatch "[^\n]+" do
+      if line:find("in function 'xpcall'", 1, true) then break end
+      lines[#lines + 1] = line
+      if line:find(source .. ":", 1, true) then last = #lines end
+    end
+    return last > 0 and problem .. "\n" .. table.concat(lines, "\n", 1, last) or problem
+  end
+end
+
+-- The file of a study in place of its script is an easy mistake, and no syntax error.
+local function is_database(path)
+  local file <close> = io.open(path, "rb")
+  return file and file:read(15) == "SQLite format 3"
+end
+
 -- The study, or nil and the exit code of what has been said.
 local function load_study(path, wish, out)
+  if is_database(path) then
+    return nil, out:misuse(("%s holds trials: the study's script is expected there (and --file %s, if the script "
+      .. "does not name that file)"):format(path, path))
+  end
   local chunk, message = loadfile(path, "t")
   if not chunk then
     return nil, out:misuse(message)
   end
   local before = rawget(_G, "arg")
   rawset(_G, "arg", {[0] = path})
-  local fine, study = xpcall(chunk, function(problem)
-    return type(problem) == "string" and not core.interrupted() and debug.traceback(problem, 2) or problem
-  end, path)
+  local fine, study = xpcall(chunk, located(path, chunk), path)
   rawset(_G, "arg", before)
   if not fine then
     return nil, out:fail(study)
@@ -199,12 +225,20 @@ end
 function actions.plot(study, wish, out)
   local kind = wish.files[2]
   if not kind then
-    return out:misuse "plot: the kind of plot is missing (history, scatter_matrix, pareto, ...)"
+    return out:misuse(("plot: the kind of plot is missing: %s"):format(table.concat(plots.kinds(), ", ")))
   end
-  local trials, code = read_trials(study, out)
+  local code = too_many(wish, out, 2)
+  if code then return code end
+  local trials
+  trials, code = read_trials(study, out)
   if not trials then return code end
   local path = wish.out or ("%s_%s.svg"):format(study.file:gsub("%.study$", ""), kind)
-  local figure, message, details = trials:plot(kind)
+  -- a kind that there is not, or that says nothing of this design, is raised: misuse of the command line here
+  local drawn, figure, message, details = pcall(trials.plot, trials, kind)
+  if not drawn then
+    if type(figure) == "string" and figure:find "^plot" then return out:misuse(figure) end
+    error(figure, 0)
+  end
   local fine
   if figure then fine, message, details = figure:write(path) end
   if not fine then
@@ -278,7 +312,7 @@ A run that was ended at any moment goes on where it was when it is run again.
     {name = "workers", value = "COUNT", type = "integer", least = 1,
       what = "trials side by side (default: one for each processor)"},
     {name = "seconds", value = "SECONDS", type = "number", above = 0, unit = "s", what = "limit of one trial"},
-    {name = "memory", value = "BYTES", type = "number", above = 0, what = "limit of one trial"},
+    {name = "memory", value = "SIZE", type = "number", unit = "bytes", above = 0, what = "limit of one trial"},
     {name = "evaluations", value = "COUNT", type = "integer", least = 1, what = "end after so many trials"},
     {name = "seconds-total", value = "SECONDS", type = "number", above = 0, unit = "s",
       what = "end after so long"},

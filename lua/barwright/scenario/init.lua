@@ -10,7 +10,7 @@ local raise = core.raise
 local scenario = {}
 
 local rules = {
-  tags = {type = "table"},
+  tags = {type = "any"}, -- see checked_tags
   skip = {type = "any"}, -- false, true or why
   about = {type = "string"},
   seconds = {type = "number", above = 0},
@@ -18,10 +18,12 @@ local rules = {
 }
 
 local function checked_tags(tags)
+  local function fail()
+    raise("scenario: option 'tags': a list of words of letters, digits, '_', '-' and '.' expected, {\"slow\"}")
+  end
+  if type(tags) ~= "table" then fail() end
   for key, tag in pairs(tags) do
-    if math.type(key) ~= "integer" or type(tag) ~= "string" or not tag:match "^[%w_.-]+$" then
-      raise("scenario: option 'tags': a list of words of letters, digits, '_', '-' and '.' expected")
-    end
+    if math.type(key) ~= "integer" or type(tag) ~= "string" or not tag:match "^[%w_.-]+$" then fail() end
   end
   return tags
 end

@@ -31,8 +31,8 @@ end
 
 local function known(name, where)
   if home[name] then return require("barwright.study." .. home[name])[name] end
-  core.raise(("%s: there is no design '%s': did you mean '%s'?"):format(where, tostring(name),
-    core.nearest(tostring(name), designs.names())))
+  core.raise(("%s: there is no design '%s': one of %s expected"):format(where, tostring(name),
+    table.concat(designs.names(), ", ")))
 end
 
 -- A design whose points are known: asked for at once, summed up when all are there.

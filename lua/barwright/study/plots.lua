@@ -244,15 +244,21 @@ kinds.contact_sheet = {
   end,
 }
 
+--- The names of the kinds, in alphabetical order.
+function plots.kinds()
+  local names = {}
+  for name in pairs(kinds) do names[#names + 1] = name end
+  table.sort(names)
+  return names
+end
+
 --- A figure of the trials. kind: history, convergence, pareto, scatter, scatter_matrix,
 --- parallel_coordinates, sensitivity, contact_sheet.
 function plots.plot(trials, kind, given)
   local one = kinds[kind]
   if not one then
-    local names = {}
-    for name in pairs(kinds) do names[#names + 1] = name end
-    raise(("plot: there is no kind '%s': did you mean '%s'?"):format(tostring(kind),
-      core.nearest(tostring(kind), names)))
+    raise(("plot: there is no kind '%s': one of %s expected"):format(tostring(kind),
+      table.concat(plots.kinds(), ", ")))
   end
   local where = "plot " .. kind
   return one.make(trials, where, options.read(where, given, one.rules))

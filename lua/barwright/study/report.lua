@@ -256,10 +256,12 @@ end
 -- The messages of those that failed, the commonest first.
 local function failures(trials)
   local by_text, order = {}, {}
+  local common = require("barwright.study.trials").common
   for i = 1, #trials do
     local trial = trials[i]
     if trial.status ~= "done" then
-      local text = ("%s: %s"):format(words[trial.status] or tostring(trial.status), trial.message or "no message")
+      local text = ("%s: %s"):format(words[trial.status] or tostring(trial.status),
+        trial.message and common(trial.message) or "no message")
       if not by_text[text] then
         by_text[text] = {}
         order[#order + 1] = text

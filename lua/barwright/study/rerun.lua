@@ -22,7 +22,8 @@ function meta.__tostring(self)
   if not self.before then
     lines[#lines + 1] = "it is not in the file: nothing to compare with"
   elseif self.same then
-    lines[#lines + 1] = "the same numbers, bit for bit, as in the file"
+    lines[#lines + 1] = self.trial.status == "done" and "the same numbers, bit for bit, as in the file"
+      or "it ended as it did in the file"
   else
     for _, each in ipairs(self.differences) do
       lines[#lines + 1] = ("%s: %s in the file, %s now"):format(each.name, tostring(each.before),

@@ -37,10 +37,11 @@ local function read(self, out)
     if record.status ~= "asked" then ended[record.key] = true end
     out.seconds = out.seconds + (record.seconds or 0)
     if record.message then
-      local entry = by_message[record.message]
+      local common = trials.common(record.message)
+      local entry = by_message[common]
       if not entry then
-        entry = {message = record.message, count = 0, first = record.number}
-        by_message[record.message] = entry
+        entry = {message = common, count = 0, first = record.number}
+        by_message[common] = entry
         out.messages[#out.messages + 1] = entry
       end
       entry.count = entry.count + 1

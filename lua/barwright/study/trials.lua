@@ -62,6 +62,11 @@ function trials.new(study, list)
   return setmetatable(self, meta)
 end
 
+--- A message as all trials have it that ended the same way: without the trial's own number.
+function trials.common(message)
+  return (message:gsub("^trial %d+ ", "the trial "))
+end
+
 local function known_column(self, name)
   local problem = self.problem
   if problem.variable[name] then return "point" end
