@@ -178,9 +178,9 @@ static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
     bw_remark(
         f->context,
-        "%lld elements were asked for; %d is the nearest number that %d runs of TetGen came to%s",
+        "%lld elements were asked for; %d is the nearest number that %d run%s of TetGen came to%s",
         (long long)f->options->elements, mesh->element_count, f->attempts,
-        bwi_fill_too_late(f) ? " within time_limit" : "");
+        f->attempts == 1 ? "" : "s", bwi_fill_too_late(f) ? " within time_limit" : "");
   if (log)
     *log = whole;
   return BW_OK;

@@ -18,6 +18,7 @@
 
 /* In one gap: so many row numbers one by one, then in strides that double after some more. */
 enum { TRIES = 1 << 12, TRIES_OF_A_STRIDE = 32, NAME = BWI_LONGEST_PATH + 32, SIDE = NAME + 16 };
+enum { MOST_ROWS = 1000000000 }; /* of a table: what is more is no count */
 
 typedef struct salvage {
   bw_context *context;
@@ -192,6 +193,14 @@ static int64_t last_number(salvage *s, const char *table) {
   return last;
 }
 
+/* A damaged page may hold any row number: what no file has room for is no count. */
+static void add_lost(gap *gaps, int64_t rows) {
+  if (rows > MOST_ROWS)
+    gaps->open_end = true;
+  else
+    gaps->lost += rows;
+}
+
 /* Reads rows in order from `start` on, past what cannot be read. */
 static bw_status copy_rows(salvage *s, sqlite3_stmt *row, const char *insertion, int64_t last,
                            int64_t *saved, gap *gaps) {
@@ -208,7 +217,7 @@ static bw_status copy_rows(salvage *s, sqlite3_stmt *row, const char *insertion,
         break;
       }
       if (tries > 0)
-        gaps->lost += number - before - 1;
+        add_lost(gaps, number - before - 1);
       bw_status status = insert(s, insertion, row, saved);
       if (status == BW_OK)
         status = bw_check_cancel(s->context);
@@ -238,8 +247,8 @@ static bw_status copy_rows(salvage *s, sqlite3_stmt *row, const char *insertion,
       return status;
     if (code == SQLITE_DONE || start > last || start == INT64_MAX) {
       if (last != INT64_MAX && last > before)
-        gaps->lost += last - before;
-      gaps->open_end = last == INT64_MAX;
+        add_lost(gaps, last - before);
+      gaps->open_end = gaps->open_end || last == INT64_MAX;
       return BW_OK;
     }
   }
@@ -275,8 +284,7 @@ static void tell(salvage *s, const char *table, int64_t saved, const gap *gaps) 
     bw_remark(s->context, "table %s: all %lld rows were saved", table, (long long)saved);
   else if (gaps->lost == 0)
     bw_remark(s->context,
-              "table %s: %lld rows were saved; behind them nothing could be read, and how many "
-              "rows that were is not known",
+              "table %s: %lld rows were saved; others could not be read, and how many is not known",
               table, (long long)saved);
   else
     bw_remark(s->context,

@@ -288,6 +288,9 @@ describe("commands that compute", function()
     assert.truthy(out:find("it breaks there", 1, true), out)
     assert.truthy(out:find("r.html", 1, true), out)
     assert.truthy(#check.read(folder .. "r.html") > 1000)
+    -- A force that the pressure cannot push is lowered, and the answer says that it is none for what was asked.
+    _, out = check.run("worst " .. folder .. "sound.stl --elements 600 --modes 3 --regions 1 --force 20kN")
+    assert.truthy(out:find("This says nothing of the 2e+04 N asked for", 1, true), out)
   end)
 
   it("statics gives the beam's deflection and stress", function()

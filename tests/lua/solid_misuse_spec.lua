@@ -248,7 +248,7 @@ end)
 
 describe("a library", function()
   it("is not built from options that mean nothing", function()
-    for key, list in pairs {levels = {0, 3}, directions = {0, 10 ^ 9 // 1}, magnitudes = {0}, stretches = {-1},
+    for key, list in pairs {levels = {-1, 3}, directions = {0, 10 ^ 9 // 1}, magnitudes = {0}, stretches = {-1},
       fibres = {-1, 4}, strain = {0, -1, nan, 1e30, 1e-30}, ridge = {-1, nan}, representatives = {0},
       seed = {1.5}, checkpoint = {5}} do
       for _, bad in ipairs(list) do

@@ -59,6 +59,9 @@ local function tell(worst, force, wish, out)
     out:say("That is %.3g %% of the strength of %s: it holds; %.3g times this force and pressure would break it.",
       100 * used, wish.material, 1 / used)
   end
+  if force < wish.force and not (used and used >= 1) then
+    out:say("This says nothing of the %s asked for: give a higher --pressure to try them.", newtons(wish.force))
+  end
 end
 
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
