@@ -298,7 +298,9 @@ A run that was ended at any moment goes on where it was when it is run again.
   csv FILE              all trials as a table (--out)
   merge FILE PART ...   take over the trials of other files of the same study
   trial FILE WHICH      run one trial again, by its number or key, and compare
-  plot FILE KIND        a figure (--out x.svg or x.png)
+  plot FILE KIND        a figure (--out x.svg or x.png): history, pareto,
+                        convergence, scatter, scatter_matrix, contact_sheet,
+                        parallel_coordinates, sensitivity
   report FILE           one HTML page (--out)
   slurm FILE            a job script for Slurm
   salvage OLD NEW       save what can be read of a damaged file]],
