@@ -13,7 +13,7 @@ local acrylic = bw.material.isotropic {name = "acrylic", young = 3e9, poisson = 
 
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
-  name = "bridge", seed = 1, file = results:path "bridge.study",
+  name = "bridge", seed = 1, file = results:path(quick and "bridge_quick.study" or "bridge.study"),
   variables = {
     {name = "load", unit = "N", least = 500, most = 2000},
     {name = "start", kind = "choice", of = quick and {"truss"} or {"truss", "arch"}},

@@ -23,7 +23,7 @@ local cavity = closed(hollow)
 
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
-  name = "gripper", seed = 1, file = results:path "gripper.study",
+  name = "gripper", seed = 1, file = results:path(quick and "gripper_quick.study" or "gripper.study"),
   variables = {
     {name = "layers", kind = "integer", least = 1, most = 2},
     {name = "young", unit = "Pa", least = 5e5, most = 2e7, scale = "log"},

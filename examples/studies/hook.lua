@@ -31,7 +31,7 @@ end
 local limit = 12 * MPa
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
-  name = "safe hook", seed = 1, file = results:path "hook.study",
+  name = "safe hook", seed = 1, file = results:path(quick and "hook_quick.study" or "hook.study"),
   variables = {{name = "force", unit = "N", least = 60, most = 240}},
   measures = {{name = "before", unit = "Pa"}, {name = "after", unit = "Pa"}, {name = "mass", unit = "kg"},
     {name = "moved", unit = "m"}, {name = "rounds"}},

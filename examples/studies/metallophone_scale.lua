@@ -15,7 +15,7 @@ local fish = assert(bw.outline {
 
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
-  name = "metallophone", seed = 1, file = results:path "scale.study",
+  name = "metallophone", seed = 1, file = results:path(quick and "scale_quick.study" or "scale.study"),
   variables = {
     {name = "note", kind = "choice", of = quick and {"C5", "G5"} or {"C5", "D5", "E5", "F5", "G5", "A5", "B5"}},
   },

@@ -33,7 +33,8 @@ end
 
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
-  name = "print orientation", seed = 1, file = results:path "orientation.study",
+  name = "print orientation", seed = 1,
+  file = results:path(quick and "orientation_quick.study" or "orientation.study"),
   variables = {
     {name = "tilt", unit = "rad", least = 0, most = pi / 2},
     {name = "turn", unit = "rad", least = 0, most = pi},

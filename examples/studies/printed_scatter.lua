@@ -29,7 +29,8 @@ end
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local count = quick and 10 or 200
 local study = bw.study {
-  name = "printed scatter", seed = 1, file = results:path "scatter.study",
+  name = "printed scatter", seed = 1,
+  file = results:path(quick and "scatter_quick.study" or "scatter.study"),
   variables = {{name = "sample", kind = "integer", least = 1, most = count}},
   measures = {{name = "young_x", unit = "Pa"}, {name = "sag", unit = "m"}, {name = "frequency", unit = "Hz"},
     {name = "stress", unit = "Pa"}},

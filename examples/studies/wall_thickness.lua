@@ -13,7 +13,7 @@ local shapes, pla = bw.shapes, bw.material.pla
 
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
-  name = "wall thickness", seed = 1, file = results:path "walls.study",
+  name = "wall thickness", seed = 1, file = results:path(quick and "walls_quick.study" or "walls.study"),
   variables = {
     {name = "radius", unit = "m", least = 6 * mm, most = 14 * mm},
     {name = "wall", unit = "m", least = 1.6 * mm, most = 5 * mm},
