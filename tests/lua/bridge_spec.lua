@@ -118,8 +118,9 @@ end
 describe("the largest hole in a pulled plate", function()
   -- In an endless plate an ellipse with its axes in the ratio of the stresses has the same stress all around,
   -- sx + sy, which no hole can be below (Inglis 1913, Cherepanov 1974). With a limit of m (sx + sy), m = 1.08,
-  -- other ratios r = a / b pass too: at the ends of an ellipse the stresses are sy (1 + 2 r) - sx and sx (1 + 2 / r) - sy,
-  -- so that r lies between the bounds below; how large the hole gets depends on the plate, (a / 1)^2 < 0.08 here.
+  -- other ratios r = a / b pass too: at the ends of an ellipse the stresses are sy (1 + 2 r) - sx and
+  -- sx (1 + 2 / r) - sy, so that r lies between the bounds below; how large the hole gets depends on the plate,
+  -- (a / 1)^2 < 0.08 here.
   it("is an ellipse with its axes in the ratio of the stresses, as stressed all around", function()
     local cases = {{1e6, 1e6}, {3e6, 2e6}}
     if full then cases[3] = {2e6, 1e6} end

@@ -27,12 +27,14 @@ local function the_force(wish, area, out)
   return force
 end
 
-local function keep(worst, wish, out)
+local function keep(worst, force, wish, out)
+  local used, holds = worst.utilisation, nil -- nothing is said of a force that was lowered
+  if used and (used >= 1 or force >= wish.force) then holds = used < 1 end
   out:json {
     max_principal_pa = worst.max_principal, max_principal_at_m = worst.at, strength_pa = worst.strength,
     utilisation = worst.utilisation, max_displacement_m = worst.max_displacement, worst_region = worst.region,
     material = wish.material, frequencies_hz = worst.modes.frequencies and worst.modes.frequencies:totable(),
-    holds = worst.utilisation and worst.utilisation < 1,
+    holds = holds,
   }
   local regions = bw.json.list {}
   for i, region in ipairs(worst.regions) do
@@ -126,7 +128,7 @@ local function analyse(wish, out)
     pressure = wish.pressure, modes = wish.modes, regions = wish.regions})
   out:remarks()
   if not worst then return nil, message, details end
-  keep(worst, wish, out)
+  keep(worst, force, wish, out)
   tell(worst, force, wish, out)
   local fine
   fine, message, details = write_files(worst, wish, folder, out)

@@ -13,10 +13,20 @@ local trial = require "barwright.study.trial"
 local executor = {}
 executor.__index = executor
 
+-- A trial that fills memory is ended before the machine is: nine tenths of it, shared by the workers. Counted
+-- are addresses, of which libraries take more than they use: no less than 4 GB.
+local function share_of_memory(workers)
+  local file = io.open "/proc/meminfo"
+  local kilobytes = file and file:read("a"):match "MemTotal:%s*(%d+)"
+  if file then file:close() end
+  return kilobytes and math.max(4e9, 0.9 * 1024 * tonumber(kilobytes) / workers) or nil
+end
+
 --- wish: workers, seconds, bytes for each trial; output: what trials print goes into their folders.
 function executor.new(study, wish)
-  return setmetatable({study = study, wish = wish, capacity = wish.workers or core.processors(),
-    jobs = {}, records = {}}, executor)
+  local capacity = wish.workers or core.processors()
+  return setmetatable({study = study, wish = wish, capacity = capacity,
+    bytes = wish.bytes or share_of_memory(capacity), jobs = {}, records = {}}, executor)
 end
 
 function executor:start(record)
@@ -28,7 +38,7 @@ function executor:start(record)
     output = path .. "/output.txt"
   end
   local job, message, details = core.job(function() return trial.perform(study, record) end, {
-    name = "trial " .. record.number, seconds = self.wish.seconds, bytes = self.wish.bytes, output = output})
+    name = "trial " .. record.number, seconds = self.wish.seconds, bytes = self.bytes, output = output})
   if not job then return nil, message, details end
   self.jobs[#self.jobs + 1] = job
   self.records[#self.records + 1] = record

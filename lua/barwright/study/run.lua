@@ -17,7 +17,7 @@ local rules = {
   design = {type = "table"}, -- another one than the study's own, on the same file
   workers = {type = "integer", least = 1, most = 4096},
   seconds = {type = "number", above = 0}, -- of one trial, by the clock
-  bytes = {type = "number", above = 0}, -- of one trial, beyond what the study has loaded
+  bytes = {type = "number", above = 0}, -- of one trial, beyond what is loaded; default: executor.lua
   stop_when = {type = "any"},
   evaluations = {type = "integer", least = 1}, -- how many different points the design may ask for
   seconds_total = {type = "number", above = 0},
