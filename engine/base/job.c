@@ -86,7 +86,8 @@ static void conclude(bw_job *job) {
     u->state = job->failure == BW_MEMORY && limited ? BW_JOB_OUT_OF_MEMORY : BW_JOB_FAILED;
   else if (u->signal == SIGALRM || u->signal == SIGPROF)
     u->state = BW_JOB_OUT_OF_TIME;
-  else if (u->signal == SIGKILL && limited) /* the system's out-of-memory killer */
+  else if (u->signal == SIGKILL && limited && u->peak_bytes > 0.5 * job->bytes_limit)
+    /* the system's out-of-memory killer; who held little was killed by somebody */
     u->state = BW_JOB_OUT_OF_MEMORY;
   else
     u->state = BW_JOB_CRASHED;
