@@ -221,6 +221,9 @@ static bw_status set_up(bw_context *context, bw_database *d, bool read_only) {
     code = read_number(d->connection, "PRAGMA user_version", &version);
   if (code == SQLITE_OK)
     code = read_number(d->connection, "SELECT count(*) FROM sqlite_master", &tables);
+  /* Another opener may have marked the file and made its tables since the mark was read. */
+  if (code == SQLITE_OK && mark == 0 && tables != 0)
+    code = read_number(d->connection, "PRAGMA application_id", &mark);
   if ((code & 0xff) == SQLITE_ERROR) /* nothing is wrong with what was asked */
     return bwi_database_say(context, BW_FORMAT, "damaged", d->path,
                             "the file is damaged (%s); what is readable can be copied to a new one "
