@@ -291,6 +291,12 @@ describe("commands that compute", function()
     -- A force that the pressure cannot push is lowered, and the answer says that it is none for what was asked.
     _, out = check.run("worst " .. folder .. "sound.stl --elements 600 --modes 3 --regions 1 --force 20kN")
     assert.truthy(out:find("This says nothing of the 2e+04 N asked for", 1, true), out)
+    -- What cannot be written is told before anything is computed.
+    local code, said, fault = check.run("worst " .. folder .. "sound.stl --report " .. folder
+      .. "no/such/folder/r.html")
+    assert.equal(1, code)
+    assert.falsy(said:find("tetrahedra", 1, true), said)
+    assert.truthy(fault:find("no/such/folder/r.html", 1, true), fault)
     local _, lowered = answer("worst " .. folder .. "sound.stl --elements 600 --modes 3 --regions 1 --force 20kN")
     assert.is_true(lowered.force_lowered)
     assert.is_nil(lowered.holds)

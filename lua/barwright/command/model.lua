@@ -2,6 +2,7 @@
 -- What the commands share: reading a MODEL, whatever it is, making a mesh of it, and telling in sentences how
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
+local core = require "barwright.core"
 
 local model = {}
 
@@ -198,6 +199,40 @@ function model.tell_mesh(mesh, material, out)
     box_low_m = mesh.box.low, box_high_m = mesh.box.high, volume_m3 = mesh.volume,
     area_m2 = mesh.boundary.area,
     mass_kg = material and material.density and material.density * mesh.volume or nil}
+end
+
+-- What the command is to write, told to be impossible before the work and not after it.
+local function check_outputs(wish)
+  for _, name in ipairs {"report", "picture", "vtu"} do
+    local path = wish[name]
+    if path then
+      local fine, message, details = core.write_file(path .. ".probe", "")
+      if not fine then return nil, message, details end
+      os.remove(path .. ".probe")
+    end
+  end
+  return true
+end
+
+--- The body that is asked about, told as it is read and filled: mesh, material.
+function model.body(wish, out)
+  local fine, message, details = check_outputs(wish)
+  if not fine then return nil, message, details end
+  local read, mesh
+  read, message, details = model.open(wish.model, wish.unit, out)
+  if not read then return nil, message, details end
+  out:say("%s: %s.", model.name(wish.model), read.format)
+  mesh, message, details = model.mesh(read, wish, out)
+  if not mesh then return nil, message, details end
+  local material = bw.material.named(wish.material)
+  model.tell_mesh(mesh, material, out)
+  if read.kind == "surface" then
+    local size = {}
+    for i = 1, 3 do size[i] = read.box.high[i] - read.box.low[i] end
+    local doubt = model.guess_unit(size, read.metres_per_unit, wish.unit)
+    if doubt then out:say(doubt) end
+  end
+  return mesh, material
 end
 
 -- ---- places ----------------------------------------------------------------------------------------

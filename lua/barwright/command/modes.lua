@@ -6,14 +6,9 @@ local pitch = require "barwright.pitch"
 
 local function analyse(wish, out)
   if wish.threads then bw.threads(wish.threads) end
-  local read, message, details = model.open(wish.model, wish.unit, out)
-  if not read then return nil, message, details end
-  out:say("%s: %s.", model.name(wish.model), read.format)
-  local mesh
-  mesh, message, details = model.mesh(read, wish, out)
-  if not mesh then return nil, message, details end
-  local material = bw.material.named(wish.material)
-  model.tell_mesh(mesh, material, out)
+  local mesh, material, details = model.body(wish, out)
+  if not mesh then return nil, material, details end
+  local message
   local part = bw.model {mesh = mesh, material = material}
   local held = 0
   for _, place in ipairs(wish.hold) do

@@ -110,14 +110,9 @@ end
 
 local function analyse(wish, loads, out)
   if wish.threads then bw.threads(wish.threads) end
-  local read, message, details = model.open(wish.model, wish.unit, out)
-  if not read then return nil, message, details end
-  out:say("%s: %s.", model.name(wish.model), read.format)
-  local mesh
-  mesh, message, details = model.mesh(read, wish, out)
-  if not mesh then return nil, message, details end
-  local material = bw.material.named(wish.material)
-  model.tell_mesh(mesh, material, out)
+  local mesh, material, details = model.body(wish, out)
+  if not mesh then return nil, material, details end
+  local message
   local part
   part, message, details = set_up(bw.model {mesh = mesh, material = material}, wish, loads, out)
   if not part then return nil, message, details end

@@ -164,20 +164,25 @@ local function read_trials(study, out)
   return trials
 end
 
-function actions.csv(study, wish, out)
+-- What all trials give as one file, beside the study's where no other is named.
+local function written(study, wish, out, ending, write)
   local code = too_many(wish, out, 1)
   if code then return code end
   local trials
   trials, code = read_trials(study, out)
   if not trials then return code end
-  local path = wish.out or study.file:gsub("%.study$", "") .. ".csv"
-  local fine, message, details = trials:csv(path)
+  local path = wish.out or study.file:gsub("%.study$", "") .. ending
+  local fine, message, details = write(trials, path)
   if not fine then
     return out:fail(message, details)
   end
   out:say("%s: %d trials", path, #trials)
   out:json {out = path, trials = #trials}
   return output.DONE
+end
+
+function actions.csv(study, wish, out)
+  return written(study, wish, out, ".csv", function(trials, path) return trials:csv(path) end)
 end
 
 function actions.merge(study, wish, out)
@@ -250,19 +255,7 @@ function actions.plot(study, wish, out)
 end
 
 function actions.report(study, wish, out)
-  local code = too_many(wish, out, 1)
-  if code then return code end
-  local trials
-  trials, code = read_trials(study, out)
-  if not trials then return code end
-  local path = wish.out or study.file:gsub("%.study$", "") .. ".html"
-  local fine, message, details = trials:report(path)
-  if not fine then
-    return out:fail(message, details)
-  end
-  out:say("%s", path)
-  out:json {out = path}
-  return output.DONE
+  return written(study, wish, out, ".html", function(trials, path) return trials:report(path) end)
 end
 
 function actions.slurm(study, wish, out)

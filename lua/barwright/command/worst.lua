@@ -108,22 +108,10 @@ local function analyse(wish, out)
       options = options, seed = 1})
     if not folder then return nil, message, details end
   end
-  local read, message, details = model.open(wish.model, wish.unit, out)
-  if not read then return nil, message, details end
-  out:say("%s: %s.", model.name(wish.model), read.format)
-  local mesh
-  mesh, message, details = model.mesh(read, wish, out)
-  if not mesh then return nil, message, details end
-  local material = bw.material.named(wish.material)
-  model.tell_mesh(mesh, material, out)
-  if read.kind == "surface" then
-    local size = {}
-    for i = 1, 3 do size[i] = read.box.high[i] - read.box.low[i] end
-    local doubt = model.guess_unit(size, read.metres_per_unit, wish.unit)
-    if doubt then out:say(doubt) end
-  end
+  local mesh, material, details = model.body(wish, out)
+  if not mesh then return nil, material, details end
   local force = the_force(wish, mesh.boundary.area, out)
-  local worst
+  local worst, message
   worst, message, details = model.try(bw.worst_case, bw.model {mesh = mesh, material = material}, {force = force,
     pressure = wish.pressure, modes = wish.modes, regions = wish.regions})
   out:remarks()
