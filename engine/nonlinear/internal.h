@@ -45,6 +45,8 @@ bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double 
  * has (NULL: nothing). */
 bw_status bwi_solid_linear_add(bw_context *context, bw_solid_linear *linear, double of_mass,
                                const bw_solid_linear *other, double part);
+/* The same, plus `value` on the diagonal of the whole. */
+bw_status bwi_solid_linear_shift(bw_context *context, bw_solid_linear *linear, double value);
 /* BW_GEOMETRY that names an element whose energy does not exist. */
 bw_status bwi_fail_undefined(bw_context *context, int64_t element);
 

@@ -100,6 +100,44 @@ bw_status bwi_solid_linear_add(bw_context *context, bw_solid_linear *linear, dou
                      &d);
 }
 
+/* The elements around node i, as the diagonal of the graph has them: from *begin to *end - 1. */
+static inline void around(const bw_graph *graph, int64_t i, int64_t *begin, int64_t *end) {
+  int64_t diagonal = graph->start[i + 1] - 1;
+  *begin = graph->gather_start[diagonal];
+  *end = graph->gather_start[diagonal + 1];
+}
+
+typedef struct shift {
+  bw_solid_linear *linear;
+  double value;
+} shift;
+
+static bw_status shift_nodes(void *of, int64_t begin, int64_t end, int worker) {
+  const shift *d = (const shift *)of;
+  const bw_graph *graph = d->linear->solid->graph;
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    int64_t first, last;
+    around(graph, i, &first, &last);
+    for (int64_t k = first; k < last; k++) {
+      int a = graph->gather_local[k] >> 4;
+      double *block = d->linear->stiffness +
+                      BWI_ELEMENT_NUMBERS * (int64_t)graph->gather_element[k] +
+                      bwi_element_block(a, a);
+      double part = d->value / (double)(last - first);
+      block[0] += part;
+      block[3] += part;
+      block[5] += part;
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bwi_solid_linear_shift(bw_context *context, bw_solid_linear *linear, double value) {
+  shift d = {linear, value};
+  return bw_parallel(context, linear->solid->grid->node_count, NODES_PER_CHUNK, shift_nodes, &d);
+}
+
 /* y = K x of one element. Blocks below the diagonal serve their mirror images too. */
 static void multiply_element(const double *k, const double x[8][3], double y[8][3]) {
   memset(y, 0, 24 * sizeof(double));
@@ -131,13 +169,6 @@ static bw_status multiply_elements(void *of, int64_t begin, int64_t end, int wor
                      (double(*)[3])(d->linear->product + BWI_ELEMENT_FORCES * e));
   }
   return BW_OK;
-}
-
-/* The elements around node i, as the diagonal of the graph has them: from *begin to *end - 1. */
-static inline void around(const bw_graph *graph, int64_t i, int64_t *begin, int64_t *end) {
-  int64_t diagonal = graph->start[i + 1] - 1;
-  *begin = graph->gather_start[diagonal];
-  *end = graph->gather_start[diagonal + 1];
 }
 
 static bw_status gather_nodes(void *of, int64_t begin, int64_t end, int worker) {

@@ -220,6 +220,8 @@ static bw_status find_direction(bwi_walk *walk, double *slope, int32_t *cg) {
   /* Eisenstat and Walker, choice 2 */
   double tolerance = fmin(0.1, 0.9 * rate * rate);
   tolerance = fmax(tolerance, fmin(0.1, 0.3 * walk->options->tolerance / walk->relative));
+  if (walk->tangent == BWI_SHIFTED)
+    tolerance = fmin(tolerance, 1e-3);
   if (walk->contact) /* gaps are to be closed much further than residuals */
     tolerance = fmin(tolerance, 1e-4);
   if (walk->options->cg_tolerance > 0)
@@ -258,8 +260,9 @@ static double largest(const double *u, int64_t size) {
 /* At a residual that is small enough: whether the state is stable; if not, leave it. */
 static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bw_status status = BW_OK;
-  bool definite = true, lower = false;
+  bool definite = true, lower = false, decided = true;
   *stable = true;
+  walk->undecided = false;
   /* a definite tangent one iteration ago says it for here, if that was near */
   bool near = walk->previous < NEARBY && walk->have_tangent && walk->tangent == BWI_PLAIN &&
               !walk->iterative;
@@ -268,7 +271,8 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
   if (definite && !walk->iterative)
     return BW_OK;
-  BW_TRY(bwi_newton_leave(walk, &lower));
+  BW_TRY(bwi_newton_leave(walk, &lower, &decided));
+  walk->undecided = !decided;
   if (!lower)
     return BW_OK;
   *stable = false;
@@ -363,11 +367,16 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       continue;
     }
     BW_TRY(find_direction(walk, &slope, &cg));
-    if (walk->negative && walk->tangent == BWI_PLAIN) { /* as where a factor fails */
+    while (walk->negative && walk->tangent != BWI_PROJECTED) { /* as where a factor fails */
       int32_t further = 0;
-      kind = BWI_PROJECTED;
-      plain_below = fmin(plain_below, walk->relative) * 1e-2;
-      BW_TRY(bwi_tangent_set(walk, kind, &definite));
+      bool stiffer;
+      BW_TRY(bwi_tangent_stiffen(walk, &stiffer));
+      if (!stiffer) {
+        bool close = walk->relative < NEAR || projected > PATIENCE;
+        kind = close && kind == BWI_PLAIN ? BWI_SHIFTED : BWI_PROJECTED;
+        plain_below = fmin(plain_below, walk->relative) * 1e-2;
+        BW_TRY(bwi_tangent_set(walk, kind, &definite));
+      }
       BW_TRY(find_direction(walk, &slope, &further));
       cg += further;
     }

@@ -103,6 +103,7 @@ typedef struct bwi_walk {
   bwi_precondition *precondition;
   bool fresh;      /* the stiffness kept is the plain one at now.u, without contact */
   double previous; /* the residual one iteration before, for how exactly to solve */
+  bool undecided;  /* whether the last equilibrium is stable was not found out */
   /* of a failed equilibrium */
   bwi_obstacle obstacle;
   double part; /* how much of the movement of what is held would have been possible, 0: not known */
@@ -147,6 +148,9 @@ bw_status bwi_tangent_blocks(bwi_walk *walk);
 /* The tangent at walk->now.u. *definite false: nothing to solve with; for kinds but BWI_PLAIN that
  * is a solid which can move freely, or numbers that are not finite. */
 bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite);
+/* A shifted tangent that a solution without a matrix found not to be definite: more of a shift.
+ * *stiffer false: there is none such, or no more to be had. */
+bw_status bwi_tangent_stiffen(bwi_walk *walk, bool *stiffer);
 /* The same tangent for the points that will push after walk->direction (floor.h); *changed false:
  * they are those that it is for. */
 bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite);
@@ -166,7 +170,7 @@ bw_status bwi_newton_cap(bw_context *context, const bw_solid *solid, const doubl
                          const double *d, bool all, double *part);
 
 /* At an equilibrium whose tangent is not positive definite: go to a state of lower potential.
- * *lower false: none was found, the equilibrium is stable as far as can be seen. */
-bw_status bwi_newton_leave(bwi_walk *walk, bool *lower);
+ * *lower false: there is none, or, with *decided false too, the iterations allowed did not tell. */
+bw_status bwi_newton_leave(bwi_walk *walk, bool *lower, bool *decided);
 
 #endif

@@ -3,117 +3,98 @@
  *
  * A slab pressed straight down stays straight in exact arithmetic: Newton's method walks to an
  * equilibrium whose tangent K has negative eigenvalues. Conjugate gradients on K with a right-hand
- * side of random numbers, preconditioned by the projected tangent, meet a direction p with p . K p
- * < 0 as soon as their Krylov space holds one. The least eigenvalue that this space knows (of the
- * tridiagonal matrix of Lanczos, which the coefficients of conjugate gradients are) only falls;
- * where it has stopped falling above zero the search ends. From there the potential falls to either
- * side; the side that falls more is taken, the first where they are alike, so that the way is the
- * same each time. The potential is now below that of the equilibrium, so steps that lower it
- * further do not lead back. */
+ * side f of random numbers, preconditioned by M, meet a direction p with p . K p < 0 as soon as
+ * their Krylov space holds one. That they do not is an answer too, once they have converged: the
+ * residual is a polynomial of M K, 1 at 0 with all its roots positive while every p . K p is, times
+ * the first residual. Below 0 it is 1 or more, so a direction y with K y = l M^-1 y, l < 0, keeps
+ * at least its part y . f of the residual, y . M^-1 y = 1, for good: r . M r >= (y . f)^2. With
+ * f = D^1/2 times normal numbers, D the diagonal of K, y . f is normal with the variance y . D y,
+ * and that is not small since M^-1 is at most a few tens of D. So when r . M r has become small
+ * there is no such y but with a small, known chance, however close to 0 the least eigenvalue is,
+ * and the search costs what one solution of K x = f does.
+ *
+ * From there the potential falls to either side; the side that falls more is taken, the first where
+ * they are alike, so that the way is the same each time. The potential is now below that of the
+ * equilibrium, so steps that lower it further do not lead back. */
 #include "nonlinear/newton.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { CG = 300, DOUBLINGS = 12 };
+enum { DOUBLINGS = 12 };
 /* The first step: largest component over the smallest side of a cell. */
 #define FIRST 1e-3
-/* The search ends when so many iterations lower the least eigenvalue by no more than a part of it.
- */
-#define STRIDE 20
-#define SETTLED 0.03
+/* y . D y is at least this: an element's stiffness is at most 24 times its diagonal. */
+#define LEAST_VARIANCE (1.0 / 30)
+/* |y . f| is this part of its deviation or less once in 12,000 times. */
+#define LEAST_PART 1e-4
+/* Curvatures below this part of p . D p are rounding. */
+#define NEUTRAL 1e-12
 
-/* What conjugate gradients know of the spectrum: a tridiagonal matrix. */
-typedef struct lanczos {
-  double diagonal[CG], beside[CG]; /* beside[k]: between k - 1 and k */
-  double step, least;              /* of the last iteration; least eigenvalue when last asked */
-  int count;
-} lanczos;
-
-static void lanczos_add(lanczos *it, double step, double ratio) {
-  int k = it->count++;
-  it->diagonal[k] = 1 / step + (k > 0 ? ratio / it->step : 0);
-  it->beside[k] = k > 0 ? sqrt(ratio) / it->step : 0;
-  it->step = step;
-}
-
-/* Some eigenvalue lies below x: a pivot of T - x is negative. */
-static bool lanczos_below(const lanczos *it, double x) {
-  double pivot = 1;
-  for (int k = 0; k < it->count; k++) {
-    pivot = it->diagonal[k] - x - (k > 0 ? it->beside[k] * it->beside[k] / pivot : 0);
-    if (!(pivot > 0))
-      return true;
+/* Random forces: the diagonal's square root times normal numbers. */
+static bw_status random_forces(bwi_walk *walk, double *force) {
+  bw_random random;
+  double *blocks = walk->blocks, *own = NULL;
+  if (walk->contact && walk->iterative) { /* else they are there already */
+    own = BW_NEW(walk->context, double, 3 * walk->size);
+    if (!own)
+      return BW_MEMORY;
+    memcpy(own, blocks, 3 * (size_t)walk->size * sizeof *own);
+    bwi_contact_blocks(walk->contact, own);
+    blocks = own;
   }
-  return false;
-}
-
-/* Whether the least eigenvalue has fallen by less than SETTLED since last asked. */
-static bool lanczos_settled(lanczos *it) {
-  double low = 0, high = it->diagonal[0], before = it->least;
-  for (int k = 1; k < it->count; k++)
-    high = fmin(high, it->diagonal[k]);
-  for (int halving = 0; halving < 50 && high - low > 1e-3 * high; halving++) {
-    double middle = 0.5 * (low + high);
-    if (lanczos_below(it, middle))
-      high = middle;
-    else
-      low = middle;
+  bw_random_seed(&random, 1);
+  for (int64_t i = 0; i < walk->size; i++) {
+    double number = bw_random_normal(&random);
+    force[i] = walk->the->held[i] ? 0 : sqrt(fabs(blocks[3 * i + i % 3])) * number;
   }
-  it->least = high;
-  return before > 0 && it->least > (1 - SETTLED) * before;
+  bw_free(own);
+  return BW_OK;
 }
 
-/* A direction of negative curvature of `plain` to walk->direction. */
-static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found) {
+/* A direction of negative curvature of `plain` (of the walk's tangent where that is iterative) to
+ * walk->direction. Neither *found nor *none: the iterations allowed did not tell. */
+static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found, bool *none) {
   bw_status status = BW_OK;
   bw_context *context = walk->context;
   int64_t n = walk->size;
   double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, n),
          *q = BW_NEW(context, double, n), *p = walk->direction;
-  bw_random random;
-  lanczos known;
-  memset(&known, 0, sizeof known);
-  *found = false;
+  double before = 0;
+  *found = *none = false;
   if (!r || !z || !q) {
     status = BW_MEMORY;
     goto done;
   }
-  bw_random_seed(&random, 1);
-  for (int64_t i = 0; i < n; i++)
-    r[i] = walk->the->held[i] ? 0 : bw_random_uniform(&random) - 0.5;
-  double rz = 0, first = 0;
-  for (int k = 0; k < CG; k++) {
+  BW_TRY(random_forces(walk, r));
+  for (int k = 0; k < walk->options->cg_iterations; k++) {
     BW_TRY(bw_check_cancel(context));
     if (walk->iterative)
       BW_TRY(bwi_precondition_apply(context, walk->precondition, r, z));
     else
       BW_TRY(bwi_direct_solve(context, walk->newton->direct, r, z));
-    double next = bwi_walk_dot(walk, r, z);
-    first = k == 0 ? next : first;
-    if (next <= 0 && walk->iterative)
-      next = 0; /* the cycle itself is not definite: z may be such a direction */
-    else if (!(next > 1e-16 * first))
+    double rz = bwi_walk_dot(walk, r, z), curvature, size = 0;
+    if (!isfinite(rz))
       goto done;
-    double ratio = k > 0 && rz > 0 ? next / rz : 0;
+    *none = rz >= 0 && rz < LEAST_PART * LEAST_PART * LEAST_VARIANCE;
+    if (*none || rz < 0)
+      goto done;
     for (int64_t i = 0; i < n; i++)
-      p[i] = walk->the->held[i] ? 0 : z[i] + ratio * p[i];
-    rz = next;
+      p[i] = walk->the->held[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
+    before = rz;
     if (walk->iterative)
-      BW_TRY(bwi_tangent_multiply(walk, p, q));
+      BW_TRY(bwi_precondition_multiply(context, walk->precondition, p, q));
     else
       BW_TRY(bw_graph_multiply(context, walk->solid->graph, plain, 9, 3, 1, p, q));
-    double curvature = bwi_walk_dot(walk, p, q), size = 0;
-    for (int64_t i = 0; i < n; i++)
-      size += walk->blocks[3 * i + i % 3] * p[i] * p[i];
-    if (curvature < -1e-12 * size) {
-      *found = true;
-      goto done;
+    walk->report->stability_iterations++;
+    curvature = bwi_walk_dot(walk, p, q);
+    for (int64_t i = 0; i < n; i++) {
+      size += fabs(walk->blocks[3 * i + i % 3]) * p[i] * p[i];
+      q[i] = walk->the->held[i] ? 0 : q[i]; /* or r would have parts that no one may move */
     }
-    if (!(curvature > 0) || !(rz > 0))
-      goto done;
-    lanczos_add(&known, rz / curvature, ratio);
-    if (known.count % STRIDE == 0 && lanczos_settled(&known))
+    *found = curvature < -NEUTRAL * size;
+    *none = !*found && !(curvature > 0); /* neutral, as far as numbers tell */
+    if (*found || *none)
       goto done;
     for (int64_t i = 0; i < n; i++)
       r[i] -= rz / curvature * q[i];
@@ -181,23 +162,27 @@ done:
   return status;
 }
 
-bw_status bwi_newton_leave(bwi_walk *walk, bool *lower) {
+bw_status bwi_newton_leave(bwi_walk *walk, bool *lower, bool *decided) {
   bw_status status = BW_OK;
   bw_newton *newton = walk->newton;
   double *plain = newton->stiffness;
-  bool definite = false, found = false;
-  *lower = false;
+  bool definite = false, found = false, none = false;
+  *lower = *decided = false;
   if (walk->iterative) { /* the tangent is as it is, the node blocks made definite */
-    status = find_negative(walk, NULL, &found);
-    return status == BW_OK && found ? go_down(walk, lower) : status;
+    status = find_negative(walk, NULL, &found, &none);
+    if (status == BW_OK && found)
+      status = go_down(walk, lower);
+    *decided = found || none;
+    return status;
   }
   newton->stiffness = NULL;
   newton->pairs = 0;
   BW_TRY(bwi_tangent_set(walk, BWI_PROJECTED, &definite));
   if (definite)
-    BW_TRY(find_negative(walk, plain, &found));
+    BW_TRY(find_negative(walk, plain, &found, &none));
   if (found)
     BW_TRY(go_down(walk, lower));
+  *decided = found || none;
 done:
   bw_free(plain);
   return status;

@@ -12,6 +12,7 @@
 #include <string.h>
 
 enum { BASIS = 40 };
+#define GROWTH 5 /* of shifts that are not enough */
 #define FOLLOWER_TOLERANCE 1e-6
 
 static bw_status make_room(bwi_walk *walk) {
@@ -51,18 +52,36 @@ done:
   return status;
 }
 
-/* The preconditioner for what is linearised, and the points that push. */
-static bw_status precondition(bwi_walk *walk) {
+static double mean_diagonal(const bwi_walk *walk) {
+  double mean = 0;
+  for (int64_t i = 0; i < walk->size; i++)
+    mean += walk->blocks[3 * i + i % 3] / (double)walk->size;
+  return mean;
+}
+
+/* The preconditioner for what is linearised, with `shift` on the diagonal, and the points that
+ * push. */
+static bw_status precondition(bwi_walk *walk, double shift) {
   bw_status status = BW_OK;
   double before = bw_seconds();
+  double *shifted = NULL; /* the walk's own blocks say how large forces are */
   if (!walk->precondition)
     BW_TRY(bwi_precondition_create(walk->context, walk->solid, walk->the->held, walk->options,
                                    walk->contact, &walk->precondition));
+  if (shift > 0) {
+    shifted = BW_NEW(walk->context, double, 3 * walk->size);
+    if (!shifted)
+      return BW_MEMORY;
+    memcpy(shifted, walk->blocks, 3 * (size_t)walk->size * sizeof *shifted);
+    for (int64_t i = 0; i < walk->size; i++)
+      shifted[3 * i + i % 3] += shift;
+  }
   BW_TRY(bwi_precondition_set(walk->context, walk->precondition, walk->newton->linear, walk->now.u,
-                              walk->blocks));
+                              shifted ? shifted : walk->blocks));
   walk->report->seconds_factor += bw_seconds() - before;
   walk->report->factorisations = bwi_precondition_factorisations(walk->precondition);
 done:
+  bw_free(shifted);
   return status;
 }
 
@@ -116,9 +135,7 @@ static bw_status factor(bwi_walk *walk, bool *definite) {
 static bw_status factor_shifted(bwi_walk *walk, double part, double growth, bool *definite) {
   bw_status status = BW_OK;
   const bw_graph *graph = walk->solid->graph;
-  double mean = 0, shift = 0;
-  for (int64_t i = 0; i < walk->size; i++)
-    mean += walk->blocks[3 * i + i % 3] / (double)walk->size;
+  double mean = mean_diagonal(walk), shift = 0;
   walk->fresh = false;
   walk->shift = 0;
   for (; part <= 1 && !*definite && mean > 0; part *= growth) {
@@ -129,6 +146,18 @@ static bw_status factor_shifted(bwi_walk *walk, double part, double growth, bool
     walk->shift = part;
     BW_TRY(factor(walk, definite));
   }
+done:
+  return status;
+}
+
+/* `part` of the diagonal's mean on the diagonal of the plain tangent that is linearised. */
+static bw_status shift_linear(bwi_walk *walk, double part) {
+  bw_status status = BW_OK;
+  double value = part * mean_diagonal(walk);
+  walk->fresh = false;
+  walk->shift = part;
+  BW_TRY(bwi_solid_linear_shift(walk->context, walk->newton->linear, value));
+  BW_TRY(precondition(walk, value));
 done:
   return status;
 }
@@ -146,9 +175,12 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
   walk->tangent = kind;
   walk->have_tangent = true;
   if (walk->iterative) { /* what is not definite shows when it is solved with */
-    walk->tangent = kind == BWI_PLAIN ? BWI_PLAIN : BWI_PROJECTED;
-    BW_TRY(evaluate(walk, kind != BWI_PLAIN));
-    BW_TRY(precondition(walk));
+    BW_TRY(evaluate(walk, kind == BWI_PROJECTED));
+    walk->shift = kind == BWI_PROJECTED ? 0 : walk->shift;
+    if (kind == BWI_SHIFTED)
+      BW_TRY(shift_linear(walk, shift));
+    else
+      BW_TRY(precondition(walk, 0));
     *definite = true;
     goto done;
   }
@@ -172,7 +204,7 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
     walk->fresh = false;
   }
   if (kind == BWI_SHIFTED) {
-    BW_TRY(factor_shifted(walk, shift, 5, definite));
+    BW_TRY(factor_shifted(walk, shift, GROWTH, definite));
     goto done;
   }
   BW_TRY(factor(walk, definite));
@@ -184,12 +216,26 @@ done:
   return status;
 }
 
+bw_status bwi_tangent_stiffen(bwi_walk *walk, bool *stiffer) {
+  bw_status status = BW_OK;
+  *stiffer = walk->iterative && walk->tangent == BWI_SHIFTED && GROWTH * walk->shift <= 1;
+  if (*stiffer) {
+    BW_TRY(evaluate(walk, false));
+    BW_TRY(shift_linear(walk, GROWTH * walk->shift));
+  }
+done:
+  return status;
+}
+
 bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite) {
   *changed = bwi_contact_foresee(walk->contact, walk->direction, walk->solid->graph,
                                  walk->iterative ? NULL : walk->newton->stiffness) > 0;
   *definite = true;
   if (walk->iterative)
-    return *changed ? precondition(walk) : BW_OK;
+    return *changed
+               ? precondition(walk,
+                              walk->tangent == BWI_SHIFTED ? walk->shift * mean_diagonal(walk) : 0)
+               : BW_OK;
   return *changed ? factor(walk, definite) : BW_OK;
 }
 

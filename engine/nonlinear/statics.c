@@ -277,6 +277,7 @@ static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, doub
         memcpy(multiplier, walk->contact->multiplier, contact);
       walk->report->load_steps++;
       walk->report->residual = walk->relative;
+      walk->report->undecided += walk->undecided;
       if (++good % 2 == 0)
         step = fmin(2 * step, 1);
       continue;
@@ -316,6 +317,17 @@ static void remark_rounding(bwi_walk *walk) {
               applied, left, walk->noise);
 }
 
+/* An unstable equilibrium must not pass for a stable one without a word. */
+static void remark_stability(bwi_walk *walk) {
+  const bw_newton_report *report = walk->report;
+  if (report->undecided > 0)
+    bw_remark(walk->context,
+              "whether the solid is stable is not known at %d of %d load steps: %d iterations of "
+              "conjugate gradients met no direction in which it gives way, and did not rule one "
+              "out. Solve by a factor (\"direct\") or allow more iterations to find out",
+              report->undecided, report->load_steps, walk->options->cg_iterations);
+}
+
 /* Reactions and energies of the state that was reached. */
 static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result) {
   bw_status status = BW_OK;
@@ -336,6 +348,7 @@ static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result)
   result->complete = reached >= 1;
   if (result->complete)
     remark_rounding(walk);
+  remark_stability(walk);
 done:
   return status;
 }

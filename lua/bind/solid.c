@@ -58,6 +58,8 @@ void lbw_push_newton_report(lua_State *L, const bw_newton_report *r) {
   set_integer(L, "factorisations", r->factorisations);
   set_integer(L, "evaluations", r->evaluations);
   set_integer(L, "cg_iterations", r->cg_iterations);
+  set_integer(L, "stability_iterations", r->stability_iterations);
+  set_integer(L, "undecided", r->undecided);
   set_integer(L, "contacts", r->contacts);
   set_number(L, "load", r->load);
   set_number(L, "residual", r->residual);

@@ -67,6 +67,87 @@ static void test_buckling(void **state) {
   check_near(sideways[0], sideways[1], 1e-4 * sideways[0]);
 }
 
+/* A column of 3 x 3 x 40 neo-Hookean cells between its held ends, pressed to 1 % above and 1.5 %
+ * below the shortening at which the factor of its tangent fails first (0.0213; Euler's is 0.0185,
+ * to which cells as wide as a third of it add). Symmetric in every respect: nothing but the search
+ * for a direction tells a solution without a matrix that the straight column is no longer stable,
+ * and the bent one has two ways to go that are nearly alike, along a side and along a diagonal, of
+ * which only the first ends in a minimum. */
+static void test_column(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {3, 3, 40};
+  const double size[3] = {0.03, 0.03, 0.4}, pressed[2] = {0.021, 0.0215};
+  box b;
+  bw_coarse *coarse;
+  bw_solid *below;
+  for (int k = 0; k < 2; k++) {
+    double energy[3], sideways[3];
+    box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 0);
+    box_hold(context, &b, 2, 0, true, true, true, 0);
+    box_hold(context, &b, 2, 1, true, true, true, -pressed[k] * size[2]);
+    check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.palette, b.grid, 1, &coarse));
+    check_ok(context, bw_solid_create(context, coarse->grid, coarse->palette, NULL, &below));
+    const bw_coarsening *coarsening = coarse->coarsening[0];
+    const bw_solid *one = below;
+    for (int linear = 0; linear < 3; linear++) {
+      bw_solid_static *result;
+      bw_newton_options options;
+      bw_newton_options_default(&options);
+      options.linear = (bw_newton_linear)linear;
+      options.coarse_count = 1;
+      options.coarsening = &coarsening;
+      options.coarse = &one;
+      check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+      assert_int_equal(result->report.undecided, 0);
+      assert_true(linear == BW_NEWTON_DIRECT || result->report.stability_iterations > 10);
+      energy[linear] = result->energy;
+      sideways[linear] = 0;
+      for (int32_t n = 0; n < b.grid->node_count; n++)
+        for (int c = 0; c < 2; c++)
+          sideways[linear] = fmax(sideways[linear], fabs(result->displacement[3 * (int64_t)n + c]));
+      bw_release(result);
+    }
+    for (int linear = 0; linear < 3; linear++) {
+      /* at 0.0215 the straight column stores 2e-4 more than the bent one */
+      check_near(energy[linear], energy[0], (k ? 1e-6 : 1e-9) * energy[0]);
+      if (k == 0) /* the bulge of 0.45 x 0.021 x half of the width, a little more */
+        check_near(sideways[linear], 1.49e-4, 1e-6);
+      else
+        check_near(sideways[linear], 4.88e-3, 2e-4);
+    }
+    bw_release(below);
+    bw_release(coarse);
+    box_free(&b);
+  }
+}
+
+/* A search for a way to give way that is not allowed to come to its end says so. */
+static void test_undecided(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 2, 16};
+  box b;
+  for (int k = 0; k < 2; k++) {
+    bw_solid_static *result;
+    bw_newton_options options;
+    bw_newton_options_default(&options);
+    options.linear = BW_NEWTON_JACOBI;
+    options.cg_iterations = k ? 1000 : 40;
+    options.tolerance = 1e-4;
+    bw_clear_remarks(context);
+    box_make(context, &b, cells, bar_size, BW_NEO_HOOKEAN, 1e5, 0.3, 0);
+    box_hold(context, &b, 2, 0, true, true, true, 0);
+    box_force(context, &b, 2, 1, 0, 0, 10);
+    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+    assert_int_equal(result->report.undecided, k ? 0 : 1);
+    if (k)
+      assert_null(bw_remark_at(context, 0));
+    else
+      assert_non_null(strstr(bw_remark_at(context, 0), "40 iterations of conjugate gradients"));
+    bw_release(result);
+    box_free(&b);
+  }
+}
+
 /* One end of a bar turned by half a turn in steps, each from the shape before. */
 static void test_twist(void **state) {
   bw_context *context = check_context(state);
@@ -247,8 +328,9 @@ static void test_no_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_limit_point), check_test(test_buckling), check_test(test_twist),
-      check_test(test_crushed),     check_test(test_cancel),   check_test(test_no_memory),
+      check_test(test_limit_point), check_test(test_buckling),  check_test(test_column),
+      check_test(test_undecided),   check_test(test_twist),     check_test(test_crushed),
+      check_test(test_cancel),      check_test(test_no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
