@@ -124,6 +124,12 @@ done:
   return status;
 }
 
+void bwi_direct_count(const bwi_direct *direct, double *flops, double *entries) {
+  const bwi_symbolic *symbolic = direct->symbolic;
+  *flops = symbolic->flops;
+  *entries = (double)symbolic->panel[symbolic->order->super_count];
+}
+
 bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct, const bw_graph *graph,
                             const uint8_t *held, const double *stiffness, bool *definite,
                             int32_t *node) {

@@ -268,6 +268,14 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
               !walk->iterative;
   if (walk->free == 0 || walk->quadratic || near)
     return BW_OK;
+  if (walk->iterative && bwi_choice_factor_search(walk)) {
+    walk->iterative = walk->fresh = false;
+    status = bwi_tangent_set(walk, BWI_PLAIN, &definite);
+    walk->iterative = true;
+    walk->fresh = false;
+    if (status != BW_OK || definite)
+      return status;
+  }
   BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
   if (definite && !walk->iterative)
     return BW_OK;
@@ -338,6 +346,8 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     if (k == options->iterations)
       break;
     double residual = walk->relative;
+    if (walk->iterative && bwi_choice_factor(walk))
+      walk->iterative = walk->fresh = false;
     if (walk->free > 0) {
       if (kind == BWI_PROJECTED && ++projected > PATIENCE)
         kind = BWI_SHIFTED;

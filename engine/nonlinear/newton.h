@@ -5,6 +5,7 @@
  *   newton_tangent.c  the tangent, and solving with it
  *   newton_search.c   how far to go along a direction
  *   newton_saddle.c   leaving equilibria that are not stable
+ *   newton_choice.c   a factor or conjugate gradients
  *   statics.c         load steps, results, messages */
 #ifndef BWI_NONLINEAR_NEWTON_H
 #define BWI_NONLINEAR_NEWTON_H
@@ -14,6 +15,13 @@
 #include "nonlinear/floor.h"
 #include "nonlinear/precondition.h"
 
+/* What solutions by conjugate gradients needed, those of solids with so many elements. */
+typedef struct bwi_experience {
+  int64_t elements;
+  double solutions, iterations;
+  double nepers; /* by how many factors of e they brought residuals down */
+} bwi_experience;
+
 /* What is kept between solves. */
 struct bw_newton {
   bw_object object;
@@ -22,6 +30,7 @@ struct bw_newton {
   int64_t pairs;
   bw_solid_linear *linear; /* of linear_of (retained), or NULL */
   const bw_solid *linear_of;
+  bwi_experience learnt;
 };
 
 /* What may be added to the potential: 1/2 (u - centre) . Q (u - centre) + force . (u - centre),
@@ -55,6 +64,13 @@ typedef enum bwi_tangent {
   BWI_PROJECTED, /* point by point: negative eigenvalues become zero */
   BWI_SHIFTED    /* by adding to its diagonal, as little as will do */
 } bwi_tangent;
+
+/* What there is to choose from: seconds of a machine by count (newton_choice.c). */
+typedef struct bwi_choice {
+  bool open;             /* or there is no choice */
+  double factor;         /* a tangent factored and solved with */
+  double set, iteration; /* the cycle for a tangent, an iteration with it */
+} bwi_choice;
 
 /* Why an equilibrium was not found. */
 typedef enum bwi_obstacle {
@@ -100,6 +116,7 @@ typedef struct bwi_walk {
   double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */
   bool iterative; /* solutions by conjugate gradients, without a matrix */
   bool negative;  /* the last of those met a direction of negative curvature */
+  bwi_choice choice;
   bwi_precondition *precondition;
   bool fresh;      /* the stiffness kept is the plain one at now.u, without contact */
   double previous; /* the residual one iteration before, for how exactly to solve */
@@ -160,6 +177,14 @@ bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y);
  * NULL) gets those. With follower pressures their derivative is a part of K. */
 bw_status bwi_tangent_solve(bwi_walk *walk, const double *force, double tolerance,
                             double *displacement, int32_t *iterations);
+
+/* What the choice is about, where the options leave one; begins an experience. */
+bw_status bwi_choice_begin(bwi_walk *walk);
+void bwi_choice_learn(bwi_walk *walk, int32_t iterations, double residual);
+int32_t bwi_choice_limit(const bwi_walk *walk); /* iterations that a solution may take */
+/* Whether a factor is cheaper: for a tangent to solve with, to see that it is definite. */
+bool bwi_choice_factor(const bwi_walk *walk);
+bool bwi_choice_factor_search(const bwi_walk *walk);
 
 /* Go along walk->direction, along which the potential falls by `slope` < 0 at first: walk->now
  * becomes a state that is lower, *step says how far; 0: none was found, and nothing changed. */

@@ -35,7 +35,7 @@ enum { DOUBLINGS = 12 };
 static bw_status random_forces(bwi_walk *walk, double *force) {
   bw_random random;
   double *blocks = walk->blocks, *own = NULL;
-  if (walk->contact && walk->iterative) { /* else they are there already */
+  if (walk->contact) {
     own = BW_NEW(walk->context, double, 3 * walk->size);
     if (!own)
       return BW_MEMORY;

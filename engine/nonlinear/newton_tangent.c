@@ -64,10 +64,12 @@ static double mean_diagonal(const bwi_walk *walk) {
 static bw_status precondition(bwi_walk *walk, double shift) {
   bw_status status = BW_OK;
   double before = bw_seconds();
+  int factorisations = 0;
   double *shifted = NULL; /* the walk's own blocks say how large forces are */
   if (!walk->precondition)
     BW_TRY(bwi_precondition_create(walk->context, walk->solid, walk->the->held, walk->options,
                                    walk->contact, &walk->precondition));
+  factorisations = bwi_precondition_factorisations(walk->precondition);
   if (shift > 0) {
     shifted = BW_NEW(walk->context, double, 3 * walk->size);
     if (!shifted)
@@ -79,7 +81,8 @@ static bw_status precondition(bwi_walk *walk, double shift) {
   BW_TRY(bwi_precondition_set(walk->context, walk->precondition, walk->newton->linear, walk->now.u,
                               shifted ? shifted : walk->blocks));
   walk->report->seconds_factor += bw_seconds() - before;
-  walk->report->factorisations = bwi_precondition_factorisations(walk->precondition);
+  walk->report->factorisations +=
+      bwi_precondition_factorisations(walk->precondition) - factorisations;
 done:
   bw_free(shifted);
   return status;
@@ -260,10 +263,12 @@ static bw_status solve(bwi_walk *walk, const double *force, double tolerance, do
       return BW_MEMORY;
     bw_status status =
         bwi_cg_solve(walk->context, walk->precondition, walk->follows ? 1e-8 : tolerance,
-                     walk->options->cg_iterations, force, x, &report);
+                     bwi_choice_limit(walk), force, x, &report);
     memcpy(displacement, x, (size_t)walk->size * sizeof *x);
     bw_free(x);
     walk->negative = report.negative;
+    if (status == BW_OK && !report.negative)
+      bwi_choice_learn(walk, report.iterations, report.residual);
     *iterations = report.iterations;
     return status;
   }

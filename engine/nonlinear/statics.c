@@ -168,7 +168,7 @@ bw_status bwi_walk_create(bwi_walk *walk) {
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->now));
   BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->trial));
   walk->iterative = walk->options->linear != BW_NEWTON_DIRECT;
-  if (walk->follows && !walk->iterative) {
+  if (walk->follows && (!walk->iterative || walk->options->by_cost)) {
     walk->follower = BW_NEW(context, double, 9 * walk->solid->graph->pair_count);
     if (!walk->follower)
       return BW_MEMORY;
@@ -198,6 +198,9 @@ static bw_status walk_begin(bwi_walk *walk) {
     for (int64_t i = 0; i < n; i++)
       walk->fade[i] = walk->the->held[i] ? 0 : walk->now.internal[i] - walk->now.load[i];
   }
+  BW_TRY(bwi_choice_begin(walk));
+  if (walk->iterative && bwi_choice_factor(walk))
+    walk->iterative = false;
   BW_TRY(bwi_tangent_blocks(walk));
   BW_TRY(bwi_contact_create(context, walk->the, walk->blocks, &walk->contact));
   if (walk->contact && start)

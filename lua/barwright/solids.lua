@@ -373,11 +373,12 @@ local function coarse_of(given)
   return {{given.coarse:coarsening(1), given.body}}
 end
 
--- Beyond so many nodes a factor costs more than conjugate gradients over coarse solids, which need the
--- fewer iterations the better these are (docs/theory/data_driven.md, "Equilibrium"). A fine solid may be
--- of sheets and rods a cell thick, of which nothing is left in a coarse one; one that was made coarse has
--- been through that. The last coarse solid's tangent is factored; it gets few enough nodes for it.
-local MOST_NODES = {[0] = 20000, [1] = 2500}
+-- Up to so many nodes a factor is sure to be cheap; beyond as many as the second number it is not even
+-- analysed. Between them the engine counts what it costs and what conjugate gradients over coarse solids
+-- do, which need the fewer iterations the better these are: a fine solid may be of sheets and rods a cell
+-- thick, of which nothing is left in a coarse one (docs/theory/data_driven.md, "Equilibrium"). The last
+-- coarse solid's tangent is factored; it gets few enough nodes for it.
+local FEW_NODES, MANY_NODES = 1500, 20000
 local MOST_FACTORED = 5000
 local MOST_LEVELS = 2
 
@@ -390,7 +391,7 @@ local function own_coarse(self, wanted)
     if wanted then raise 'solve: linear = "coarse": this solid is coarse itself, and has no coarser one' end
     return nil
   end
-  if not (wanted or self.node_count > MOST_NODES[level]) then return nil end
+  if not (wanted or self.node_count > FEW_NODES) then return nil end
   if rawget(self, "under") == nil then
     local grid, palette, list = self.grid, self.palette, {}
     if self.coarse then grid, palette = self.coarse.fine, self.fine_palette end
@@ -407,8 +408,8 @@ local function own_coarse(self, wanted)
 end
 
 --- Equilibrium: {tolerance =, iterations =, steps = load steps to begin with, path = parts of the path
---- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (direct up to 20,000 nodes,
---- on a grid made coarse once up to 2,500), coarse = a coarse solid, start = displacements,
+--- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
+--- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
 --- allow_inverted =}. Returns the result; or nil, message, details, where details.reached is the last
 --- equilibrium on the way.
 function solid:solve(given)
@@ -424,7 +425,10 @@ function solid:solve(given)
     under = own_coarse(self, wish.linear == "coarse")
   end
   newton.coarse = under
-  if newton.linear == nil then newton.linear = under and "coarse" or "direct" end
+  if newton.linear == nil then
+    newton.by_cost = under and not wish.coarse and self.node_count <= MANY_NODES
+    newton.linear = under and "coarse" or "direct"
+  end
   local start, all = wish.start, {}
   for part = 1, parts do
     local case, message, details = case_of(self, part / parts)

@@ -352,6 +352,7 @@ static int solid_solve(lua_State *L) {
       {"least_step", LBW_REAL, offsetof(bw_newton_options, least_step)},
       {"cg_tolerance", LBW_REAL, offsetof(bw_newton_options, cg_tolerance)},
       {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},
+      {"by_cost", LBW_BOOLEAN, offsetof(bw_newton_options, by_cost)},
       {"allow_inverted", LBW_BOOLEAN, offsetof(bw_newton_options, allow_inverted)},
       {"linear", LBW_OTHER, 0},
       {"coarse", LBW_OTHER, 0},

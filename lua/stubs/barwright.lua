@@ -3140,9 +3140,10 @@ function Solid:pressure(on, options) end
 function Solid:floor(options) end
 
 ---Equilibrium by Newton's method, from rest. `path`: parts of the way that are solved one after the
----other (turns: of at most 30 degrees); `steps`: load steps to begin with; `linear`: "direct" (by
----default up to 20,000 nodes, for solids coarsened once up to 2,500), "jacobi", or "coarse": conjugate
----gradients over a coarse solid, `coarse` or those that are made. On failure details.reached is the last
+---other (turns: of at most 30 degrees); `steps`: load steps to begin with; `linear`: "direct",
+---"jacobi", or "coarse": conjugate gradients over a coarse solid, `coarse` or those that are made. By
+---default a factor ("direct") or the last, whichever costs less by counted operations and bytes and the
+---iterations that were needed so far. On failure details.reached is the last
 ---equilibrium on the way.
 ---@param options? {tolerance?: number, iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array}
 ---@return bw.SolidResult?

@@ -6,9 +6,6 @@ local bw = require "barwright"
 
 local compare = {}
 
--- More elements than that: conjugate gradients over a coarse solid, which take less time and memory.
-local DIRECT = 3000
-
 local function row_of(method, level, solid, solution, spent)
   local report = solution.report
   local iterations = math.max(1, report.iterations)
@@ -27,14 +24,6 @@ function compare.timed(f, ...)
   local clock, processor = bw.seconds(), os.clock()
   local a, b, c = f(...)
   return {clock = bw.seconds() - clock, processor = os.clock() - processor}, a, b, c
-end
-
---- Equilibrium of a fine solid.
-function compare.solve_fine(fine, given)
-  local options = {}
-  for key, value in pairs(given or {}) do options[key] = value end
-  options.linear = options.linear or (fine.element_count > DIRECT and "coarse" or "direct")
-  return fine:solve(options)
 end
 
 --- The mean distance of nodes from rest over the longest side: what an error is to be seen beside.
@@ -56,7 +45,7 @@ end
 --- nil, message, details, rows so far when the fine one has none or the run is interrupted.
 function compare.scene(scene, fine, by, methods, each)
   local rows = bw.json.list {}
-  local spent, reference, message, details = compare.timed(compare.solve_fine, fine, scene.solve)
+  local spent, reference, message, details = compare.timed(fine.solve, fine, scene.solve)
   if not reference then return nil, message, details, rows end
   local row = row_of("fine", 0, fine, reference, spent)
   row.movement = compare.movement(reference)

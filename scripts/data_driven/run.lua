@@ -116,7 +116,7 @@ local function edit(scene, fine, library, result, out)
     fine, message, details = fine:with(grid)
     if not fine then return nil, message, details end
     local spent, reference, solution
-    spent, reference, message, details = compare.timed(compare.solve_fine, fine, scene.solve)
+    spent, reference, message, details = compare.timed(fine.solve, fine, scene.solve)
     if not reference then return nil, message, details end
     row.seconds_fine, row.deepest_m = spent.processor, -reference.displacement:column(3):min()
     local panels = {{title = "materials", grid = grid}, reference:panel("fine", "movement")}

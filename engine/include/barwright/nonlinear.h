@@ -243,6 +243,8 @@ typedef struct bw_newton_options {
   int coarse_count;
   const bw_coarsening *const *coarsening;
   const bw_solid *const *coarse;
+  bool by_cost; /* BW_NEWTON_COARSE only as long as that costs less than factors, by counted
+                   operations and bytes, and by the iterations that were needed so far */
 } bw_newton_options;
 void bw_newton_options_default(bw_newton_options *options);
 

@@ -217,6 +217,53 @@ static void test_floor(void **state) {
     bw_release(result[k]);
 }
 
+/* By counted cost: a few cells take a factor; many, mixed mildly, conjugate gradients to the end;
+ * mixed wildly, so that the coarse solid says little, they are given up for the factor, and the
+ * next solution begins with it. The result is the same, and so are the bits from run to run. */
+static void test_by_cost(void **state) {
+  static const struct {
+    int32_t n;
+    double contrast;
+    bool by_gradients, again;
+  } kind[] = {{5, 10, false, false}, {14, 10, true, true}, {12, 1e5, true, false}};
+  bw_context *context = check_context(state);
+  for (int k = 0; k < 3; k++) {
+    block b;
+    bw_newton *newton;
+    bw_newton_options options;
+    bw_solid_static *first, *second, *fresh, *direct;
+    block_make(context, &b, kind[k].n, kind[k].contrast, 0.02);
+    block_coarsen(context, &b);
+    const bw_coarsening *coarsening = b.coarse->coarsening[0];
+    const bw_solid *coarse = b.coarse_solid[0];
+    bw_newton_options_default(&options);
+    options.linear = BW_NEWTON_COARSE;
+    options.by_cost = true;
+    options.tolerance = 1e-8;
+    options.coarse_count = 1;
+    options.coarsening = &coarsening;
+    options.coarse = &coarse;
+    check_ok(context, bw_newton_create(context, &newton));
+    check_ok(context, bw_solid_statics(context, b.solid, b.the, newton, &options, &first));
+    check_ok(context, bw_solid_statics(context, b.solid, b.the, newton, &options, &second));
+    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &fresh));
+    direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-8);
+    assert_int_equal(first->report.cg_iterations > 0, kind[k].by_gradients);
+    assert_int_equal(second->report.cg_iterations > 0, kind[k].again);
+    assert_int_equal(first->report.undecided + second->report.undecided, 0);
+    assert_memory_equal(first->displacement, fresh->displacement,
+                        3 * sizeof(double) * (size_t)b.grid->node_count);
+    check_near(bw_grid_difference(b.grid, direct->displacement, first->displacement), 0, 1e-7);
+    check_near(bw_grid_difference(b.grid, direct->displacement, second->displacement), 0, 1e-7);
+    bw_release(first);
+    bw_release(second);
+    bw_release(fresh);
+    bw_release(direct);
+    bw_release(newton);
+    block_free(&b);
+  }
+}
+
 static void test_misuse(void **state) {
   bw_context *context = check_context(state);
   block b;
@@ -231,8 +278,8 @@ static void test_misuse(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_the_same), check_test(test_levels),
+  const struct CMUnitTest tests[] = {check_test(test_the_same),   check_test(test_levels),
                                      check_test(test_iterations), check_test(test_floor),
-                                     check_test(test_misuse)};
+                                     check_test(test_by_cost),    check_test(test_misuse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
