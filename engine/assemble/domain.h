@@ -1,19 +1,23 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The stiffness kept domain by domain: lists, coefficients and shapes.
  *
- * Pairs are sorted into sections by the set of domains that their elements lie in: first one
- * section for the inside of each domain, then one for each set of several domains that share pairs.
- * For each of its domains a pair has coefficients, T of that domain's elements at rest; entries are
- * the sum over the domains, ascending, of the domains' maps of T. They depend on where the domains
- * lie now, and not in one bit on the edits that brought them there (but for differences that count
- * as rounding, which are left: domain_update.c).
+ * Pairs are sorted into sections by the set of domains that their elements lie in: two sections
+ * for the inside of each domain, then one for each set of several domains that share pairs. For
+ * each of its domains a pair has coefficients, T of that domain's elements at rest; entries are the
+ * sum over the domains, ascending, of the domains' maps of T. They depend on where the domains lie
+ * now, and not in one bit on the edits that brought them there (but for differences that count as
+ * rounding, which are left: domain_update.c).
+ *
+ * Inside a domain the skew half of T is an integral over the facets of the body's boundary that
+ * hold both nodes (docs/theory/edit.md): it vanishes for most pairs, whose section keeps the six
+ * numbers of the symmetric half alone.
  *
  * What takes the time is reading coefficients and writing entries, so that they lie in one order:
  * pairs are cut into tiles of neighbours, and what a section has in a tile is a piece. Four pairs
  * of a piece have their coefficients interleaved, so that a vector register holds one component of
- * four pairs: of the j-th domain of its section, component m of pair k is at tensor[9 * (item + j *
- * bwi_next_four(size) + (k & ~3)) + 4 * m + (k & 3)]. Pieces are filled up to a multiple of four by
- * zeros. */
+ * four pairs: of the j-th domain of its section, component m of pair k is at tensor[item + numbers
+ * * (j * bwi_next_four(size) + (k & ~3)) + 4 * m + (k & 3)]. Pieces are filled up to a multiple of
+ * four by zeros. */
 #ifndef BARWRIGHT_DOMAIN_H
 #define BARWRIGHT_DOMAIN_H
 
@@ -28,8 +32,8 @@ typedef struct bwi_domain_shape {
 /* The pairs of a section in one tile. */
 typedef struct bwi_domain_piece {
   int64_t section, first; /* into `place` */
-  int64_t item, present;  /* into `tensor` and `present`, over 9 */
-  int32_t size;
+  int64_t item, present;  /* into `tensor` and `present` */
+  int32_t size, numbers;  /* pairs; of each and each domain: 6 or 9 */
 } bwi_domain_piece;
 static inline int64_t bwi_next_four(int64_t n) {
   return (n + 3) & ~(int64_t)3;
@@ -38,22 +42,26 @@ static inline int64_t bwi_next_four(int64_t n) {
 typedef struct bwi_domain_coefficients {
   /* elements and nodes, domain by domain */
   int32_t *element_start, *element; /* domain_count + 1 */
-  int32_t *number;                  /* element_count: its place in `element` */
+  int32_t *domain_of;               /* element_count */
   int64_t *node_start;              /* domain_count + 1: of all nodes of its elements, ascending */
   int32_t *node;
 
-  /* sections: domain_count insides, then sets */
-  int64_t section_count;
+  /* sections: domain_count insides without skew halves, as many with them, then sets */
+  int64_t section_count, inside_count;
   int64_t *section_size; /* section_count: pairs */
-  int64_t *block_start;  /* section_count + 1, into block_domain; that of inside d is d */
+  int64_t *block_start;  /* section_count + 1, into block_domain */
   int32_t *block_domain; /* the domains of each section, ascending */
   /* pieces: tile by tile, in each by ascending sections */
   int64_t piece_count, place_count, item_count, present_count;
   bwi_domain_piece *piece;
+  int64_t *chosen; /* piece_count: room for those that an update writes */
   uint32_t *place; /* 2 * pair, + 1 on the diagonal; ascending in each piece */
   double *tensor;  /* T at rest, by halves: (T_pq + T_qp) / 2 for p <= q, (T_pq - T_qp) / 2 */
+  double *tensor_block, *present_block; /* that hold these */
   double *present; /* T as it is now, of pieces of sets, where a domain is reshaped */
   double *map;     /* BWI_DOMAIN_MAP domain_count: what makes entries of T now */
+  bwi_vector
+      *frame; /* room for those of all elements; new memory would cost more than to fill it */
 
   double elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl, of a material turned by element unturned */
   double *rest_turn;     /* domain_count x 9: then how each domain's lies at rest; or NULL */
@@ -81,16 +89,16 @@ bw_status bwi_domain_lists(bw_context *context, const bw_graph *graph, int32_t d
  * skew one. A map makes those of the entries: map[6 m + r] and map[36 + 3 m + r] is what number m
  * of a half adds to number r of that half. */
 enum { BWI_DOMAIN_MAP = 36 + 9 };
-/* The halves of T (rows of four) to out[4 m]. */
-void bwi_domain_halves(double t[3][4], double *out);
+/* The first 6 or all 9 numbers of the halves of T (rows of four) to out[4 m]. */
+void bwi_domain_halves(double t[3][4], int numbers, double *out);
 /* Of a domain moved by x -> linear x whose material is given by C as in `elasticity`. */
 void bwi_domain_map(const double elasticity[81], const double linear[9],
                     double map[BWI_DOMAIN_MAP]);
 /* Its derivative where linear changes by `direction`. */
 void bwi_domain_map_derivative(const double elasticity[81], const double linear[9],
                                const double direction[9], double map[BWI_DOMAIN_MAP]);
-/* The entries of one pair, whose halves are at tensor[4 m]. */
-void bwi_domain_entries(const double *map, const double *tensor, double block[9]);
+/* The entries of one pair, whose halves, 6 or 9 numbers, are at tensor[4 m]. */
+void bwi_domain_entries(const double *map, const double *tensor, int numbers, double block[9]);
 /* C of a material turned by the rotation: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
 void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]);
 /* C of a domain, whose material may have turned with its frame. */
@@ -99,29 +107,37 @@ void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, int32_t domain,
 /* T of a piece's j-th domain: at rest, or as it counts now. */
 static inline double *bwi_domain_rest(const bwi_domain_coefficients *c,
                                       const bwi_domain_piece *piece, int64_t j) {
-  return c->tensor + 9 * (piece->item + j * bwi_next_four(piece->size));
+  return c->tensor + piece->item + j * piece->numbers * bwi_next_four(piece->size);
 }
 static inline double *bwi_domain_present(const bwi_domain_coefficients *c,
                                          const bwi_domain_piece *piece, int64_t j) {
-  return c->present + 9 * (piece->present + j * bwi_next_four(piece->size));
+  return c->present + piece->present + j * piece->numbers * bwi_next_four(piece->size);
 }
 /* Entries of a piece to out + 9 * pair. */
-void bwi_domain_evaluate(const bwi_domain_coefficients *c, int32_t domain_count,
-                         const bwi_domain_piece *piece, double *out);
+void bwi_domain_evaluate(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
+                         double *out);
+
+/* domain_gather.c: from frames of elements. T of a piece's pairs, of one domain's elements: */
+typedef struct bwi_domain_work bwi_domain_work;
+void bwi_domain_gather_tensors(const bwi_domain_work *work, const bwi_domain_piece *piece,
+                               int32_t domain, double *to);
+/* Entries inside a domain, to out + 9 * pair. */
+void bwi_domain_gather_entries(const bwi_domain_work *work, const bwi_domain_piece *piece,
+                               double *out);
 
 /* domain_write.c: entries of some domains. */
 enum { BWI_DOMAIN_KEEP, BWI_DOMAIN_EVALUATE, BWI_DOMAIN_GATHER };
 
-typedef struct bwi_domain_work {
+struct bwi_domain_work {
   bw_domain_stiffness *stiffness;
   const bw_mesh *mesh;
   uint8_t *action; /* domain_count: BWI_DOMAIN_... */
   bwi_pair_source source;
-  bwi_frames frames;    /* of elements of gathered domains, domain by domain */
-  int64_t *first_frame; /* domain_count + 1 */
-  bool *touched;        /* section_count: a domain of it has an action */
-  int64_t pairs;        /* of those sections */
-} bwi_domain_work;
+  bwi_frames frames;      /* filled for elements of gathered domains */
+  int64_t *first_element; /* domain_count + 1: of gathered domains, one after the other */
+  bool *touched;          /* section_count: a domain of it has an action */
+  int64_t pairs;          /* of those sections */
+};
 bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiffness,
                                  bwi_domain_work *work);
 void bwi_domain_work_clear(bwi_domain_work *work);

@@ -17,8 +17,8 @@
 static const int upper[9][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2},
                                 {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
-void bwi_domain_halves(double t[3][4], double *out) {
-  for (int m = 0; m < 9; m++) {
+void bwi_domain_halves(double t[3][4], int numbers, double *out) {
+  for (int m = 0; m < numbers; m++) {
     int p = upper[m][0], q = upper[m][1];
     out[4 * m] = p == q ? t[p][p] : 0.5 * (m < 6 ? t[p][q] + t[q][p] : t[p][q] - t[q][p]);
   }
@@ -112,12 +112,12 @@ void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, int32_t domain,
   bwi_turn_elasticity(c->elasticity, rotation, elasticity);
 }
 
-void bwi_domain_entries(const double *map, const double *tensor, double block[9]) {
+void bwi_domain_entries(const double *map, const double *tensor, int numbers, double block[9]) {
   double half[9] = {0};
   for (int m = 0; m < 6; m++)
     for (int r = 0; r < 6; r++)
       half[r] += map[6 * m + r] * tensor[4 * m];
-  for (int m = 0; m < 3; m++)
+  for (int m = 0; m < numbers - 6; m++)
     for (int r = 0; r < 3; r++)
       half[6 + r] += map[36 + 3 * m + r] * tensor[4 * (6 + m)];
   for (int r = 0; r < 6; r++)
@@ -153,21 +153,29 @@ static inline void transpose(const bwi_vector *in, bwi_vector out[4]) {
 /* The sums stay in registers only where everything is inlined. */
 #define INLINED __attribute__((always_inline)) static inline
 
-/* half += the halves of the entries of four pairs. */
-INLINED void add_four(const double *map, const double *tensor, bwi_vector half[9]) {
+/* half += the halves of the entries of four pairs, from 6 or 9 numbers of each. */
+INLINED void add_four(const double *map, const double *tensor, int numbers, bwi_vector half[9]) {
   const bwi_vector *t = (const bwi_vector *)tensor;
   for (int m = 0; m < 6; m++)
     for (int r = 0; r < 6; r++)
       add_product(map[6 * m + r], &t[m], &half[r]);
-  for (int m = 0; m < 3; m++)
+  for (int m = 0; m < numbers - 6; m++)
     for (int r = 0; r < 3; r++)
       add_product(map[36 + 3 * m + r], &t[6 + m], &half[6 + r]);
 }
 
 /* The entries of `count` of four pairs, to their places. */
-INLINED void store(const bwi_vector half[9], const uint32_t *place, int count, double *out) {
-  bwi_vector k[8] = {half[0], half[1] + half[6], half[2] + half[7], half[1] - half[6],
-                     half[3], half[4] + half[8], half[2] - half[7], half[4] - half[8]};
+INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *place, int count,
+                   double *out) {
+  bwi_vector k[8] = {half[0], half[1], half[2], half[1], half[3], half[4], half[2], half[4]};
+  if (numbers == 9) {
+    k[1] += half[6];
+    k[2] += half[7];
+    k[3] -= half[6];
+    k[5] += half[8];
+    k[6] -= half[7];
+    k[7] -= half[8];
+  }
   bwi_vector low[4], high[4];
   transpose(k, low);
   transpose(k + 4, high);
@@ -180,33 +188,63 @@ INLINED void store(const bwi_vector half[9], const uint32_t *place, int count, d
 }
 
 /* The map of a piece's j-th domain, and T as it counts now. */
-static const double *map_of(const bwi_domain_coefficients *c, int32_t domain_count,
-                            const bwi_domain_piece *piece, int64_t j, const double **tensor) {
+static const double *map_of(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
+                            int64_t j, const double **tensor) {
   int32_t domain = c->block_domain[c->block_start[piece->section] + j];
-  *tensor = c->written[domain].reshaped && piece->section >= domain_count
+  *tensor = c->written[domain].reshaped && piece->section >= c->inside_count
                 ? bwi_domain_present(c, piece, j)
                 : bwi_domain_rest(c, piece, j);
   return c->map + BWI_DOMAIN_MAP * (int64_t)domain;
 }
 
-void bwi_domain_evaluate(const bwi_domain_coefficients *c, int32_t domain_count,
-                         const bwi_domain_piece *piece, double *out) {
+/* Pieces of one domain. */
+INLINED void evaluate_inside(const double *map, const double *tensor, int numbers,
+                             const uint32_t *place, int64_t size, double *out) {
+  int64_t k = 0;
+  for (; k + 4 <= size; k += 4) {
+    bwi_vector half[9] = {{0}};
+    add_four(map, tensor + numbers * k, numbers, half);
+    store(half, numbers, place + k, 4, out);
+  }
+  if (k < size) {
+    bwi_vector half[9] = {{0}};
+    add_four(map, tensor + numbers * k, numbers, half);
+    store(half, numbers, place + k, (int)(size - k), out);
+  }
+}
+
+/* Pieces of several: domain by domain, for as many pairs as stay in the nearest cache. */
+static void evaluate_set(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
+                         int64_t domains, double *out) {
+  enum { GROUPS = 16 };
+  const uint32_t *place = c->place + piece->first;
+  for (int64_t begin = 0; begin < piece->size; begin += 4 * GROUPS) {
+    int64_t end = begin + 4 * GROUPS < piece->size ? begin + 4 * GROUPS : piece->size;
+    bwi_vector half[GROUPS][9];
+    for (int64_t j = 0; j < domains; j++) {
+      const double *tensor, *map = map_of(c, piece, j, &tensor);
+      for (int64_t k = begin, g = 0; k < end; k += 4, g++) {
+        bwi_vector sum[9] = {{0}};
+        if (j > 0)
+          memcpy(sum, half[g], sizeof sum);
+        add_four(map, tensor + 9 * k, 9, sum);
+        memcpy(half[g], sum, sizeof sum);
+      }
+    }
+    for (int64_t k = begin, g = 0; k < end; k += 4, g++)
+      store(half[g], 9, place + k, end - k < 4 ? (int)(end - k) : 4, out);
+  }
+}
+
+void bwi_domain_evaluate(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
+                         double *out) {
   const uint32_t *place = c->place + piece->first;
   int64_t domains = c->block_start[piece->section + 1] - c->block_start[piece->section];
-  int64_t k = 0, size = piece->size;
-  const double *tensor, *map = map_of(c, domain_count, piece, 0, &tensor);
-  if (domains == 1)
-    for (; k + 4 <= size; k += 4) {
-      bwi_vector half[9] = {{0}};
-      add_four(map, tensor + 9 * k, half);
-      store(half, place + k, 4, out);
-    }
-  for (; k < size; k += 4) {
-    bwi_vector half[9] = {{0}};
-    for (int64_t j = 0; j < domains; j++) {
-      map = map_of(c, domain_count, piece, j, &tensor);
-      add_four(map, tensor + 9 * k, half);
-    }
-    store(half, place + k, size - k < 4 ? (int)(size - k) : 4, out);
-  }
+  const double *tensor, *map = map_of(c, piece, 0, &tensor);
+  if (domains > 1)
+    evaluate_set(c, piece, domains, out);
+  else if (piece->numbers == 6)
+    evaluate_inside(map, tensor, 6, place, piece->size, out);
+  else
+    evaluate_inside(map, tensor, 9, place, piece->size, out);
 }

@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-/* A tile is small enough for its entries to stay in the nearest cache while they are written, and
- * large enough for pieces of many pairs. */
+/* A tile is small enough for its entries to stay in a near cache while they are written, and large
+ * enough for pieces of many pairs. */
 enum { PAIRS_PER_TILE = 4096, PAIRS_PER_CHECK = 1 << 16 };
 
 /* Elements listed by domain, ascending. */
@@ -13,16 +13,16 @@ static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t
                                const int32_t *element_domain, bwi_domain_coefficients *c) {
   int32_t *start = c->element_start = BW_NEW0(context, int32_t, (int64_t)domain_count + 1);
   c->element = BW_NEW(context, int32_t, mesh->element_count);
-  c->number = BW_NEW(context, int32_t, mesh->element_count);
-  if (!c->element_start || !c->element || !c->number)
+  c->domain_of = BW_NEW(context, int32_t, mesh->element_count);
+  if (!c->element_start || !c->element || !c->domain_of)
     return BW_MEMORY;
   for (int32_t e = 0; e < mesh->element_count; e++)
     start[element_domain[e] + 1]++;
   for (int32_t d = 0; d < domain_count; d++)
     start[d + 1] += start[d];
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    c->number[e] = start[element_domain[e]]++;
-    c->element[c->number[e]] = e;
+    c->domain_of[e] = element_domain[e];
+    c->element[start[element_domain[e]]++] = e;
   }
   memmove(start + 1, start, (size_t)domain_count * sizeof *start);
   start[0] = 0;
@@ -197,29 +197,58 @@ static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, 
   return count;
 }
 
+/* Mark pairs of nodes that share a facet of the boundary. */
+static void mark_surface(const bw_graph *graph, uint8_t *surface) {
+  const bw_mesh *mesh = graph->mesh;
+  int n = mesh->nodes_per_facet;
+  for (int64_t f = 0; f < mesh->facet_count; f++)
+    for (int a = 0; a < n; a++)
+      for (int b = 0; b < n; b++) {
+        int32_t row = mesh->facet[f * n + a], column = mesh->facet[f * n + b];
+        if (column >= row)
+          continue;
+        int64_t low = graph->start[row], high = graph->start[row + 1];
+        while (high - low > 1) {
+          int64_t middle = low + (high - low) / 2;
+          if (graph->column[middle] <= column)
+            low = middle;
+          else
+            high = middle;
+        }
+        surface[low] = 1;
+      }
+}
+
 /* The domains of each section. */
 static bw_status list_blocks(bw_context *context, int32_t domain_count, const set_table *sets,
                              bwi_domain_coefficients *c) {
-  int64_t members = sets->count ? sets->start[sets->count] : 0;
+  int64_t members = sets->count ? sets->start[sets->count] : 0, inside = c->inside_count;
   c->block_start = BW_NEW(context, int64_t, c->section_count + 1);
-  c->block_domain = BW_NEW(context, int32_t, domain_count + members);
+  c->block_domain = BW_NEW(context, int32_t, inside + members);
   if (!c->block_start || !c->block_domain)
     return BW_MEMORY;
-  for (int32_t d = 0; d < domain_count; d++) {
-    c->block_start[d] = d;
-    c->block_domain[d] = d;
+  for (int64_t s = 0; s < inside; s++) {
+    c->block_start[s] = s;
+    c->block_domain[s] = (int32_t)(s % domain_count);
   }
   for (int64_t set = 0; set < sets->count; set++)
-    c->block_start[domain_count + set] = domain_count + sets->start[set];
-  c->block_start[c->section_count] = domain_count + members;
+    c->block_start[inside + set] = inside + sets->start[set];
+  c->block_start[c->section_count] = inside + members;
   if (members)
-    memcpy(c->block_domain + domain_count, sets->member, (size_t)members * sizeof *sets->member);
+    memcpy(c->block_domain + inside, sets->member, (size_t)members * sizeof *sets->member);
   return BW_OK;
 }
 
 static int ascending(const void *a, const void *b) {
   const bwi_domain_piece *p = (const bwi_domain_piece *)a, *q = (const bwi_domain_piece *)b;
   return (p->section > q->section) - (p->section < q->section);
+}
+
+/* From the start of a line of the cache on: registers read across two lines take twice as long. */
+enum { PER_LINE = 8 };
+static double *from_line(double *block) {
+  size_t bytes = PER_LINE * sizeof *block;
+  return block + (bytes - (uintptr_t)block % bytes) % bytes / sizeof *block;
 }
 
 /* Pieces and what they hold, from the section of every pair. */
@@ -246,7 +275,7 @@ static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t
       int64_t s = section[pair];
       if (found[s] < before) {
         found[s] = c->piece_count++;
-        c->piece[found[s]] = (bwi_domain_piece){.section = s};
+        c->piece[found[s]] = (bwi_domain_piece){.section = s, .numbers = s < domain_count ? 6 : 9};
       }
       c->piece[found[s]].size++;
     }
@@ -254,23 +283,27 @@ static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t
     for (int64_t p = before; p < c->piece_count; p++) {
       bwi_domain_piece *piece = &c->piece[p];
       int64_t size = bwi_next_four(piece->size);
-      int64_t all = size * (c->block_start[piece->section + 1] - c->block_start[piece->section]);
+      int64_t all = piece->numbers * size *
+                    (c->block_start[piece->section + 1] - c->block_start[piece->section]);
       piece->first = c->place_count;
       piece->item = c->item_count;
       piece->present = c->present_count;
       c->place_count += size;
       c->item_count += all;
-      c->present_count += piece->section < domain_count ? 0 : all;
+      c->present_count += piece->section < c->inside_count ? 0 : all;
       found[piece->section] = p;
     }
   }
   c->place = BW_NEW0(context, uint32_t, c->place_count);
-  c->tensor = BW_NEW0(context, double, 9 * c->item_count);
-  c->present = BW_NEW0(context, double, 9 * c->present_count);
-  if (!c->place || !c->tensor || !c->present) {
+  c->tensor_block = BW_NEW0(context, double, c->item_count + PER_LINE);
+  c->present_block = BW_NEW0(context, double, c->present_count + PER_LINE);
+  c->chosen = BW_NEW(context, int64_t, c->piece_count);
+  if (!c->place || !c->tensor_block || !c->present_block || !c->chosen) {
     status = BW_MEMORY;
     goto done;
   }
+  c->tensor = from_line(c->tensor_block);
+  c->present = from_line(c->present_block);
   bwi_domain_piece *piece = c->piece;
   int64_t *next = found; /* where the next pair of a section is put */
   for (int32_t i = 0; i < graph->node_count; i++)
@@ -293,25 +326,26 @@ static bw_status list_sections(bw_context *context, const bw_graph *graph, int32
   int64_t *mark = BW_NEW(context, int64_t, domain_count);
   int32_t *list = BW_NEW(context, int32_t, domain_count);
   int32_t *section = BW_NEW(context, int32_t, graph->pair_count);
-  if (!mark || !list || !section ||
-      !bw_grow(context, (void **)&c->section_size, &capacity, 0, (size_t)domain_count,
+  uint8_t *surface = BW_NEW0(context, uint8_t, graph->pair_count);
+  c->section_count = c->inside_count = 2 * (int64_t)domain_count;
+  if (!mark || !list || !section || !surface ||
+      !bw_grow(context, (void **)&c->section_size, &capacity, 0, (size_t)c->inside_count,
                sizeof *c->section_size)) {
     status = BW_MEMORY;
     goto done;
   }
-  c->section_count = domain_count;
-  for (int32_t d = 0; d < domain_count; d++) {
+  for (int32_t d = 0; d < domain_count; d++)
     mark[d] = -1;
-    c->section_size[d] = 0;
-  }
+  memset(c->section_size, 0, (size_t)c->inside_count * sizeof *c->section_size);
+  mark_surface(graph, surface);
   for (int64_t pair = 0; pair < graph->pair_count; pair++) {
     if (pair % PAIRS_PER_CHECK == 0)
       BW_TRY(bw_check_cancel(context));
     int32_t count = domains_of(graph, element_domain, pair, mark, list);
-    int64_t number = list[0];
+    int64_t number = surface[pair] ? domain_count + list[0] : list[0];
     if (count > 1) {
       BW_TRY(set_number(context, &sets, list, count, &number));
-      number += domain_count;
+      number += c->inside_count;
       if (number == c->section_count) {
         if (!bw_grow(context, (void **)&c->section_size, &capacity, (size_t)number, 1,
                      sizeof *c->section_size)) {
@@ -331,6 +365,7 @@ done:
   bw_free(mark);
   bw_free(list);
   bw_free(section);
+  bw_free(surface);
   return status;
 }
 

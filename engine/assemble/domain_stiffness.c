@@ -16,16 +16,18 @@ static void destroy(void *object) {
   if (c) {
     bw_free(c->element_start);
     bw_free(c->element);
-    bw_free(c->number);
+    bw_free(c->domain_of);
     bw_free(c->node_start);
     bw_free(c->node);
     bw_free(c->section_size);
     bw_free(c->block_start);
     bw_free(c->block_domain);
     bw_free(c->piece);
+    bw_free(c->chosen);
+    bw_free(c->frame);
     bw_free(c->place);
-    bw_free(c->tensor);
-    bw_free(c->present);
+    bw_free(c->tensor_block);
+    bw_free(c->present_block);
     bw_free(c->map);
     bw_free(c->rest_turn);
     bw_free(c->frame_start);
@@ -49,12 +51,14 @@ static size_t bytes(const void *object) {
   const bwi_domain_coefficients *c = stiffness->coefficients;
   size_t domains = (size_t)stiffness->domain_count, sections = (size_t)c->section_count,
          elements = (size_t)stiffness->graph->mesh->element_count,
-         numbers = (size_t)(stiffness->graph->pair_count + c->item_count + c->present_count),
+         numbers = (size_t)(9 * stiffness->graph->pair_count + c->item_count + c->present_count),
          nodes = (size_t)c->node_start[domains], frames = (size_t)c->frame_start[domains];
-  return sizeof *stiffness + sizeof *c + 72 * numbers + (size_t)c->place_count * sizeof *c->place +
-         (size_t)c->piece_count * sizeof *c->piece + sections * 2 * sizeof(int64_t) +
+  return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
+         (size_t)c->place_count * sizeof *c->place + (size_t)c->piece_count * sizeof *c->piece +
+         (sections * 2 + (size_t)c->piece_count) * sizeof(int64_t) +
          (size_t)c->block_start[sections] * sizeof *c->block_domain +
-         elements * 2 * sizeof(int32_t) +
+         elements * (2 * sizeof(int32_t) +
+                     (size_t)(stiffness->graph->mesh->order == 1 ? 4 : 10) * sizeof *c->frame) +
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_domain + 9 * sizeof *c->reported_frame) +
          domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
@@ -164,13 +168,15 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   s->values = BW_NEW(context, double, 9 * graph->pair_count);
   s->changed = BW_NEW0(context, uint8_t, domain_count);
   c->map = BW_NEW(context, double, BWI_DOMAIN_MAP *(int64_t)domain_count);
+  c->frame =
+      BW_NEW(context, bwi_vector, (int64_t)mesh->element_count * (mesh->order == 1 ? 4 : 10));
   c->written = BW_NEW(context, bwi_domain_shape, domain_count);
   c->reported = BW_NEW(context, bwi_domain_shape, domain_count);
   c->written_position = BW_NEW(context, double, 3 * nodes);
   c->reported_position = BW_NEW(context, double, 3 * nodes);
   c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
-  if (!s->values || !s->changed || !c->map || !c->written || !c->reported || !c->written_position ||
-      !c->reported_position || !c->reported_frame) {
+  if (!s->values || !s->changed || !c->map || !c->frame || !c->written || !c->reported ||
+      !c->written_position || !c->reported_position || !c->reported_frame) {
     status = BW_MEMORY;
     goto done;
   }
@@ -220,16 +226,17 @@ static int32_t row_of(const bw_graph *graph, int32_t from, int64_t pair) {
 
 /* y += A x with A the map of a block's coefficients. */
 static void add_product(const bw_graph *graph, const double *map, const double *tensor,
-                        const uint32_t *place, int64_t size, const double *x, double *y) {
+                        const uint32_t *place, const bwi_domain_piece *piece, const double *x,
+                        double *y) {
   int32_t row = 0;
-  for (int64_t k = 0; k < size; k++) {
+  for (int64_t k = 0; k < piece->size; k++) {
     int64_t pair = place[k] >> 1;
-    const double *t = tensor + 9 * (k & ~(int64_t)3) + (k & 3);
+    const double *t = tensor + piece->numbers * (k & ~(int64_t)3) + (k & 3);
     row = row_of(graph, row, pair);
     int32_t column = graph->column[pair];
     const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
     double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9];
-    bwi_domain_entries(map, t, block);
+    bwi_domain_entries(map, t, piece->numbers, block);
     for (int r = 0; r < 3; r++)
       yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
     if (row != column)
@@ -260,7 +267,7 @@ bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_st
     for (int64_t b = first; b < c->block_start[piece->section + 1]; b++)
       if (c->block_domain[b] == domain)
         add_product(graph, map, bwi_domain_rest(c, piece, b - first), c->place + piece->first,
-                    piece->size, x, y);
+                    piece, x, y);
   }
   return BW_OK;
 }

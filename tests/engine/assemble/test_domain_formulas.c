@@ -189,8 +189,60 @@ static void derivative(void **state) {
   }
 }
 
+/* Whether a facet of the boundary has both nodes. */
+static bool share_facet(const bw_mesh *mesh, int32_t i, int32_t j) {
+  for (int f = 0; f < mesh->facet_count; f++) {
+    int found = 0;
+    for (int a = 0; a < mesh->nodes_per_facet; a++) {
+      int32_t node = mesh->facet[f * mesh->nodes_per_facet + a];
+      found += (node == i) + (node == j);
+    }
+    if (found == 2)
+      return true;
+  }
+  return false;
+}
+
+/* The skew half of T is an integral over the boundary: the blocks of pairs that share no facet of
+ * it are symmetric to rounding, those of others are not. */
+static void skew_halves_are_of_the_boundary(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *material[2] = {plain_material(context, 2e9, 0.3), odd_material(context)};
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = NULL;
+    bw_graph *graph = NULL;
+    shaken_box(context, 4, 3, 3, order, 0, 0, &mesh);
+    check_ok(context, bw_graph_create(context, mesh, &graph));
+    double *values = (double *)malloc(sizeof *values * 9 * (size_t)graph->pair_count);
+    for (int m = 0; m < 2; m++) {
+      check_ok(context, bw_stiffness(context, graph, mesh, material[m], values));
+      double largest = 0, inside = 0, boundary = 0;
+      for (int64_t k = 0; k < 9 * graph->pair_count; k++)
+        largest = fmax(largest, fabs(values[k]));
+      for (int32_t i = 0; i < mesh->node_count; i++)
+        for (int64_t pair = graph->start[i]; pair < graph->start[i + 1] - 1; pair++) {
+          const double *k = values + 9 * pair;
+          double skew = fmax(fabs(k[1] - k[3]), fmax(fabs(k[2] - k[6]), fabs(k[5] - k[7])));
+          if (share_facet(mesh, i, graph->column[pair]))
+            boundary = fmax(boundary, skew);
+          else
+            inside = fmax(inside, skew);
+        }
+      if (!(inside <= 1e-15 * largest) || !(boundary >= 1e-3 * largest))
+        fail_msg("order %d: skew by %g inside and %g at the boundary, of %g", order,
+                 inside / largest, boundary / largest, largest);
+    }
+    free(values);
+    bw_release(graph);
+    bw_release(mesh);
+  }
+  bw_release(material[0]);
+  bw_release(material[1]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      check_test(skew_halves_are_of_the_boundary),
       check_test(paper_formulas_against_quadrature),
       check_test(derivative),
   };
