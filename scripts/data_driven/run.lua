@@ -3,7 +3,7 @@
 -- in the library grown for the grid, naively and by averages, beside the numbers of its table 1.
 --   build/barwright scripts/data_driven/run.lua --scene NAME[,NAME...]|all --out DIR
 --       [--library FILE.bwm] [--methods lookup,grown,naive,average] [--levels N] [--threads N] [--no-motion]
--- Scenes: pushing bending twisting buckling fibers bridge bridge_arch george george_bone sole. The
+-- Scenes: pushing bending twisting buckling wrinkling fibers bridge bridge_arch george george_bone sole. The
 -- library is built into DIR/three.bwm when none is given; a build that was interrupted carries on.
 -- Without lookup among the methods none is built: grown then begins from nothing. DIR gets a folder for
 -- each scene with result.json, manifest.json, report.html and pictures, and a report over all scenes that

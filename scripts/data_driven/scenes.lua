@@ -4,8 +4,8 @@
 -- solve = options}; `size`: the paper's number of elements where its shape is not to be had.
 local bw = require "barwright"
 
-local scenes = {order = {"pushing", "bending", "twisting", "buckling", "fibers", "bridge", "bridge_arch",
-  "george", "george_bone", "sole"}}
+local scenes = {order = {"pushing", "bending", "twisting", "buckling", "wrinkling", "fibers", "bridge",
+  "bridge_arch", "george", "george_bone", "sole"}}
 
 for _, file in ipairs {"bars", "slab", "fibres", "bridges", "character", "sole"} do
   for name, scene in pairs(require(file)) do scenes[name] = scene end
