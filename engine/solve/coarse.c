@@ -18,6 +18,7 @@ struct bwi_coarse {
   bw_numbering numbering; /* of the corners: what the factor and its fields read of one */
   int32_t *unknown;       /* count x 3: 0 where there is one, else -1 */
   bwi_symbolic *symbolic;
+  bwi_reach *reach; /* the whole of it: factors are made again in place */
   bwi_factor *factor;
 };
 
@@ -26,8 +27,9 @@ static void coarse_destroy(void *object) {
   bw_release(c->fine);
   bw_release(c->mesh);
   bw_release(c->graph);
-  bw_release(c->symbolic);
   bw_release(c->factor);
+  bw_release(c->reach);
+  bw_release(c->symbolic);
   bw_free(c->corner);
   bw_free(c->parent);
   bw_free(c->stiffness);
@@ -168,7 +170,11 @@ static bw_status bring_symbolic(bw_context *context, bwi_coarse *c) {
   uint8_t *take = NULL;
   if (c->symbolic && bwi_symbolic_fits(c->symbolic, 3, c->unknown))
     return BW_OK;
+  bw_release(c->factor);
+  bw_release(c->reach);
   bw_release(c->symbolic);
+  c->factor = NULL;
+  c->reach = NULL;
   c->symbolic = NULL;
   take = BW_NEW0(context, uint8_t, c->count);
   if (!take)
@@ -177,9 +183,31 @@ static bw_status bring_symbolic(bw_context *context, bwi_coarse *c) {
     take[k] = c->unknown[3 * k] >= 0 || c->unknown[3 * k + 1] >= 0 || c->unknown[3 * k + 2] >= 0;
   BW_TRY(bwi_order_create(context, c->graph, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &c->symbolic));
+  BW_TRY(bwi_reach_create_whole(context, c->symbolic, &c->reach));
 done:
   bw_free(take);
   bw_release(order);
+  return status;
+}
+
+/* In floats, which is as good for a preconditioner, unless they lack the digits for a pivot. */
+static bw_status bring_factor(bw_context *context, bwi_coarse *c, const bwi_matrix *matrix) {
+  bw_status status = BW_OK;
+  if (c->factor)
+    status = bwi_factor_update(context, c->factor, matrix, NULL, NULL, NULL);
+  else
+    status = bwi_factor_create_in(context, c->symbolic, matrix, c->reach, &bwi_kernels_single,
+                                  &c->factor, NULL);
+  if (status == BW_SINGULAR && (!c->factor || c->factor->kernels->bits == 32)) {
+    bw_clear_failure(context);
+    bw_release(c->factor);
+    c->factor = NULL;
+    status = bwi_factor_create_kept(context, c->symbolic, matrix, c->reach, &c->factor, NULL);
+  }
+  if (status != BW_OK) {
+    bw_release(c->factor);
+    c->factor = NULL;
+  }
   return status;
 }
 
@@ -189,8 +217,6 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   bw_mesh *moved = NULL;
   double *node = NULL;
   *usable = false;
-  bw_release(c->factor);
-  c->factor = NULL;
   node = BW_NEW(context, double, 3 * (size_t)c->count);
   if (!node)
     return BW_MEMORY;
@@ -203,7 +229,7 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   BW_TRY(bring_symbolic(context, c));
   BW_TRY(bw_stiffness(context, c->graph, c->mesh, model->material, c->stiffness));
   bwi_matrix matrix = {.graph = c->graph, .stiffness = c->stiffness, .numbering = &c->numbering};
-  status = bwi_factor_create(context, c->symbolic, &matrix, &c->factor, NULL);
+  status = bring_factor(context, c, &matrix);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);
@@ -214,25 +240,22 @@ done:
   return status;
 }
 
-bw_status bwi_coarse_add(bw_context *context, const bwi_coarse *c, int64_t count, const double *r,
-                         double *u) {
-  bw_status status = BW_OK;
-  int64_t corners = 3 * (int64_t)c->count, nodes = c->fine->node_count;
-  double *x = BW_NEW0(context, double, count *corners);
-  if (!x)
-    return BW_MEMORY;
-  for (int64_t k = 0; k < count; k++)
-    for (int64_t i = 0; i < nodes; i++)
-      for (int side = 0; side < 2; side++)
-        for (int d = 0; d < 3; d++)
-          x[k * corners + 3 * c->parent[2 * i + side] + d] += 0.5 * r[3 * (k * nodes + i) + d];
-  BW_TRY(bwi_solve_fields(context, c->factor, &c->numbering, count, x, x));
-  for (int64_t k = 0; k < count; k++)
-    for (int64_t i = 0; i < nodes; i++)
-      for (int d = 0; d < 3; d++)
-        u[3 * (k * nodes + i) + d] += 0.5 * (x[k * corners + 3 * c->parent[2 * i] + d] +
-                                             x[k * corners + 3 * c->parent[2 * i + 1] + d]);
-done:
-  bw_free(x);
-  return status;
+bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *c, int64_t count, double *x) {
+  return bwi_solve_fields(context, c->factor, &c->numbering, count, x, x);
+}
+
+int32_t bwi_coarse_corners(const bwi_coarse *c) {
+  return c->count;
+}
+
+const int32_t *bwi_coarse_parents(const bwi_coarse *c) {
+  return c->parent;
+}
+
+double bwi_coarse_bytes(const bwi_coarse *c) {
+  return c->factor ? 2 * (double)bwi_factor_bytes(c->factor) : 0;
+}
+
+double bwi_coarse_flops(const bwi_coarse *c) {
+  return c->symbolic ? c->symbolic->flops : 0;
 }

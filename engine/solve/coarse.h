@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A coarse space for conjugate gradients on quadratic elements: the fields that are linear in every
+/* The coarse space of multilevel.h on quadratic elements: the fields that are linear in every
  * element, which the corner nodes span. Their Galerkin matrix is the stiffness of the linear
  * elements; it has an eighth of the unknowns and is factored in a hundredth of the time.
  *
@@ -21,8 +21,13 @@ bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse
 /* The space on a shape, factored. *usable is false where its matrix is singular, and before. */
 bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *coarse, const bw_model *model,
                             const bw_numbering *numbering, bool *usable);
-/* u += P A^-1 P^T r for `count` fields; `r` is not changed. */
-bw_status bwi_coarse_add(bw_context *context, const bwi_coarse *coarse, int64_t count,
-                         const double *r, double *u);
+/* x = A^-1 x for `count` fields on the corners (count x corners x 3), to the digits of floats. */
+bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *coarse, int64_t count, double *x);
+int32_t bwi_coarse_corners(const bwi_coarse *coarse);
+/* By node x 2: the corners between which it lies; twice itself. */
+const int32_t *bwi_coarse_parents(const bwi_coarse *coarse);
+/* Bytes that a solution reads; operations of its factor. 0 before a shape is followed. */
+double bwi_coarse_bytes(const bwi_coarse *coarse);
+double bwi_coarse_flops(const bwi_coarse *coarse);
 
 #endif

@@ -48,7 +48,6 @@ typedef struct iteration {
   const double *force;
   double *solution;
   double *r, *z, *p, *q;
-  double *rest; /* where there is a coarse space: room */
   column column[WIDTH];
   int active;
   double level[REMEMBERED]; /* r . z over the energy, of the worst column, by iteration: the least
@@ -74,23 +73,10 @@ static bw_status multiply(iteration *it, int count, const double *x, double *y) 
   return status;
 }
 
-/* z = M r. With a coarse space, what the factor leaves of it is given to that. */
+/* z = M r. */
 static bw_status precondition(iteration *it, int first, int count) {
-  bw_status status = BW_OK;
-  const bwi_coarse *coarse = it->problem->coarse;
-  size_t numbers = (size_t)count * (size_t)it->size;
-  double *r = it->r + first * it->size, *z = it->z + first * it->size, *rest = it->rest;
-  BW_TRY(bwi_solve_fields(it->context, it->problem->factor, it->problem->directions, count, r, z));
-  for (int k = 0; k < count && it->problem->directions != it->problem->numbering; k++)
-    keep_unknowns(it, z + k * it->size);
-  if (coarse) {
-    BW_TRY(multiply(it, count, z, rest));
-    for (size_t i = 0; i < numbers; i++)
-      rest[i] = r[i] - rest[i];
-    BW_TRY(bwi_coarse_add(it->context, coarse, count, rest, z));
-  }
-done:
-  return status;
+  return bwi_solve_fields(it->context, it->problem->factor, it->problem->numbering, count,
+                          it->r + first * it->size, it->z + first * it->size);
 }
 
 /* Take column k out: the last active one moves into its place. */
@@ -141,29 +127,6 @@ done:
   return status;
 }
 
-/* u = Q f, what the coarse space has of the solution; r = f - K u. */
-static bw_status begin_coarse(iteration *it) {
-  bw_status status = BW_OK;
-  int64_t size = it->size;
-  size_t numbers = (size_t)it->active * (size_t)size;
-  memset(it->p, 0, numbers * sizeof *it->p);
-  BW_TRY(bwi_coarse_add(it->context, it->problem->coarse, it->active, it->r, it->p));
-  BW_TRY(multiply(it, it->active, it->p, it->q));
-  for (int k = 0; k < it->active; k++) {
-    column *c = &it->column[k];
-    double *r = it->r + k * size, *u = it->solution + c->side * size;
-    c->energy = dot(r, it->p + k * size, size);
-    for (int64_t i = 0; i < size; i++) {
-      u[i] = it->p[k * size + i];
-      r[i] -= it->q[k * size + i];
-    }
-    c->size = sqrt(dot(r, r, size));
-    c->residual = c->size / c->load;
-  }
-done:
-  return status;
-}
-
 /* r = f, u = 0, z = p = M r; loads that are 0 are done at once. */
 static bw_status begin(iteration *it, int64_t first, int count) {
   bw_status status = BW_OK;
@@ -181,14 +144,12 @@ static bw_status begin(iteration *it, int64_t first, int count) {
   }
   if (it->active == 0)
     return BW_OK;
-  if (it->problem->coarse)
-    BW_TRY(begin_coarse(it));
   BW_TRY(precondition(it, 0, it->active));
   memcpy(it->p, it->z, (size_t)it->active * (size_t)size * sizeof(double));
   for (int k = 0; k < it->active; k++) {
     column *c = &it->column[k];
     c->rz = dot(it->r + k * size, it->z + k * size, size);
-    c->energy += c->rz;
+    c->energy = c->rz;
     if (it->problem->energy)
       c->energy = fmax(c->energy, it->problem->energy[c->side]);
   }
@@ -335,8 +296,7 @@ bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64
   it.z = BW_NEW(context, double, width *size);
   it.p = BW_NEW(context, double, width *size);
   it.q = BW_NEW(context, double, width *size);
-  it.rest = BW_NEW(context, double, problem->coarse ? width *size : 1);
-  if (!it.r || !it.z || !it.p || !it.q || !it.rest) {
+  if (!it.r || !it.z || !it.p || !it.q) {
     status = BW_MEMORY;
     goto done;
   }
@@ -347,6 +307,5 @@ done:
   bw_free(it.z);
   bw_free(it.p);
   bw_free(it.q);
-  bw_free(it.rest);
   return status;
 }

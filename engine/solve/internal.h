@@ -332,6 +332,7 @@ bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t nod
 
 /* The size to which rounding lets the residual f - K u fall: what doubles leave of the terms of
  * K u, taken from its diagonal blocks. */
+#define BWI_RESIDUAL_NOISE 3.0
 double bwi_residual_noise(const bw_graph *graph, const double *stiffness, const double *u);
 
 /* ---- statics (statics.c) ------------------------------------------------------------------- */

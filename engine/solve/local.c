@@ -46,7 +46,7 @@ static void inner_free(bwi_local *inner) {
   bw_release(inner->factored);
   bw_release(inner->reach);
   bw_release(inner->factor);
-  bw_release(inner->coarse);
+  bw_release(inner->levels);
   bw_free(inner);
 }
 
@@ -85,19 +85,6 @@ static bw_status copy_edits(bw_context *context, bwi_local *inner, const bw_edit
   memcpy(inner->edit_start, edits->start, starts * sizeof *inner->edit_start);
   memcpy(inner->edit, edits->edit, count * sizeof *inner->edit);
   inner->edits = (bw_edits){edits->count, inner->edit_start, inner->edit};
-  return BW_OK;
-}
-
-static bw_status find_largest(bw_context *context, bwi_local *inner, int64_t elements) {
-  int32_t *count = BW_NEW0(context, int32_t, inner->domain_count);
-  if (!count)
-    return BW_MEMORY;
-  for (int64_t e = 0; e < elements; e++)
-    count[inner->element_domain[e]]++;
-  for (int32_t d = 0; d < inner->domain_count; d++)
-    if (count[d] > count[inner->largest])
-      inner->largest = d;
-  bw_free(count);
   return BW_OK;
 }
 
@@ -189,7 +176,6 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   BW_TRY(inner_create(context, model, material_turns, domain_count, element_domain, node_domain,
                       &local->inner));
   bwi_local *inner = local->inner;
-  BW_TRY(find_largest(context, inner, model->mesh->element_count));
   if (edits)
     BW_TRY(copy_edits(context, inner, edits));
   bw_system *system = local->system;

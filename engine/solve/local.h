@@ -9,14 +9,14 @@
 #ifndef BWI_SOLVE_LOCAL_H
 #define BWI_SOLVE_LOCAL_H
 
-#include "solve/coarse.h"
 #include "solve/internal.h"
+#include "solve/multilevel.h"
 
 typedef struct bwi_local {
   const bw_model *rest;  /* retained: all domains at rest */
   const bw_model *model; /* retained: last synchronised */
   bool material_turns;
-  int32_t domain_count, largest; /* and the one of most elements */
+  int32_t domain_count;
   int32_t *element_domain, *node_domain;
   bw_edits edits;             /* count 0: none are known */
   int32_t *edit_start, *edit; /* what `edits` points to */
@@ -34,12 +34,12 @@ typedef struct bwi_local {
   /* iterations with the factor as it is */
   double experience;    /* iterations needed over predicted, when last iterated */
   uint8_t *experienced; /* domain_count: what was touched then */
-  int spent;            /* since the last edit */
-  /* what helps iterations; made and followed when first needed at a shape */
-  bwi_coarse *coarse;
-  bool coarse_known, coarse_usable; /* of the present shape */
-  bool aided;                       /* whether it is predicted to be worth while */
-  double change_coarse;             /* as below, seen from one frame for the whole body */
+  double spent;         /* s of the model's machine on iterations since the last edit */
+  /* what solves without the factor; made and followed when first needed at a shape */
+  bwi_multilevel *levels;
+  bool levels_known, levels_usable; /* of the present shape */
+  double levels_experience; /* iterations needed over predicted, when last used; 0: not yet */
+  bool aided;               /* whether it is predicted to be worth while */
   double change; /* of the touched domains' shape since it was factored; negative: not known */
 } bwi_local;
 
@@ -80,12 +80,14 @@ static inline double bwi_local_flops_per_second(int bits) {
   return bits == 32 ? 110e9 : 55e9;
 }
 
-/* What the two ways to solve would cost, in seconds of the model's machine. */
+/* What the ways to solve would cost, in seconds of the model's machine. */
 typedef struct bwi_local_cost {
   double refactor, iterate; /* for all right-hand sides, and those still to come */
   double one_iteration;     /* of all right-hand sides together, without those to come */
   double iterations;        /* predicted */
   double factor;            /* what the bound was multiplied by: experience or hope */
+  double levels;            /* over levels, for all right-hand sides; INFINITY: there are none */
+  double one_level_iteration, level_iterations;
 } bwi_local_cost;
 void bwi_local_predict(bw_local_system *local, const bw_local_options *options, double tolerance,
                        int64_t count, bwi_local_cost *cost);
@@ -97,8 +99,6 @@ typedef struct bwi_conjugate {
   const double *stiffness;
   const bw_numbering *numbering;
   const bwi_factor *factor; /* the preconditioner: of a former shape, or in single precision */
-  const bw_numbering *directions; /* along which it is applied */
-  const bwi_coarse *coarse;       /* or NULL */
   double tolerance;
   /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every
      right-hand side, which the tolerance is relative to. Or NULL. */
@@ -118,21 +118,6 @@ typedef struct bwi_conjugate {
 bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
                               const double *force, double *displacement);
 
-/* ---- local_iterate.c ----------------------------------------------------------------------- */
-
-/* Whether iterations have the help of a coarse space. */
-bool bwi_local_has_coarse(const bw_local_system *local);
-/* How the body as a whole has turned since it was factored: x -> turn x. */
-void bwi_local_turn(const bw_local_system *local, double turn[9]);
-typedef struct bwi_local_aid {
-  const bwi_coarse *coarse;
-  bw_numbering directions; /* the present one with other frames; no object of its own */
-  double *frame;           /* those frames, or NULL */
-} bwi_local_aid;
-/* Release with bwi_local_aid_clear. */
-bw_status bwi_local_aids(bw_context *context, const bw_local_system *local, bwi_local_aid *aid);
-void bwi_local_aid_clear(bwi_local_aid *aid);
-
 /* ---- guess.c ------------------------------------------------------------------------------- */
 
 /* What is left to iterate where options->guess has fields near the solution. Without any, only the
@@ -146,6 +131,18 @@ bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
                         const bw_local_options *options, int64_t count, const double *force,
                         bwi_rest *rest);
 void bwi_rest_clear(bwi_rest *rest);
+
+/* ---- local_levels.c ------------------------------------------------------------------------ */
+
+/* Whether the body can be solved over levels. */
+bool bwi_local_has_levels(const bw_local_system *local);
+/* That, in `displacement`, where the balanced force is, beginning where `left` says; as few
+ * iterations as `limit` may not be enough: then *converged is false, `displacement` still the
+ * force. */
+bw_status bwi_local_by_levels(bw_context *context, bw_local_system *local,
+                              const bw_local_options *options, int limit, const bwi_rest *left,
+                              int64_t count, double *displacement, int *iterations,
+                              bool *converged);
 
 /* ---- local_check.c ------------------------------------------------------------------------- */
 

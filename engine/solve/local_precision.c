@@ -11,10 +11,8 @@
 
 #include "solve/local.h"
 
-/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 15, with a
- * coarse space, which takes what bends them as a whole, 5. */
+/* Iterations to 1e-10 that a body needs, before it has been seen: limbed ones took 5 to 15. */
 #define REFINEMENTS 10.0
-#define REFINEMENTS_COARSE 5.0
 /* Single precision is taken where it costs less than this of double precision: by so much that
  * shapes that are solved for several times (loads, adjoints) do not lose by it. It is left where it
  * costs more than that: what is in doubt is not worth a whole factor in the other. */
@@ -23,9 +21,7 @@
 
 /* In single precision, to 1e-10. */
 static double refinements_of(const bw_local_system *local) {
-  if (local->inner->refinements > 0)
-    return local->inner->refinements;
-  return bwi_local_has_coarse(local) ? REFINEMENTS_COARSE : REFINEMENTS;
+  return local->inner->refinements > 0 ? local->inner->refinements : REFINEMENTS;
 }
 
 double bwi_local_refinements(const bw_local_system *local, double tolerance) {
@@ -43,8 +39,7 @@ static double cost_of(const bw_local_system *local, const bwi_symbolic *symbolic
   double refinements = refinements_of(local);
   double bytes = again * pass + edits * pass;
   if (bits == 32)
-    bytes += edits * (refinements * (bwi_local_has_coarse(local) ? 2 : 1) * product +
-                      (refinements - 1) * pass);
+    bytes += edits * (refinements * product + (refinements - 1) * pass);
   return flops / bwi_local_flops_per_second(bits) + bytes / BWI_LOCAL_BYTES_PER_SECOND;
 }
 

@@ -8,7 +8,7 @@
  *
  * How many iterations: let B be an element's affine map from the shape that was factored to the
  * present one, both seen from the frame of its domain, and e the largest |B - 1| in Frobenius's
- * norm over the touched domains (over all, seen from one frame, with a coarse space).
+ * norm over the touched domains.
  * Preconditioned by the former matrix, the eigenvalues spread over about (1 + SPREAD e)^2; the
  * bound of conjugate gradients for that spread is the prediction, times what the last solve needed
  * over what was predicted for it. A long slender limb has more spread than that, a stiff block
@@ -23,12 +23,6 @@
 #include "solve/local.h"
 
 #define SPREAD 20.0
-/* With a coarse space, which takes what turns without strain, a twentieth of that; and beyond 1e-5
- * digits come twice as fast (measured on a limbed body of 32,000 elements: e of 0.14, 0.3, 0.7, 1.4
- * took 5, 6, 6, 15 iterations to 1e-5 and 7, 10, 9, 21 to 1e-10). */
-#define SPREAD_COARSE 1.0
-/* Cost of an iteration with a coarse space over one without (measured: 1.2 to 1.5). */
-#define COARSE_PASS 1.5
 /* Right-hand sides that one pass over the factor serves. */
 enum { SIDES = 8 };
 
@@ -43,25 +37,18 @@ static void edges(const bw_mesh *mesh, const int32_t *node, const double *frame,
   }
 }
 
-/* Seen from the directions along which the factor is applied: with a coarse space those of then,
- * where domains that only turned count too. */
-static double largest_change(const bw_local_system *local, bool coarse) {
-  static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double turn[9], turned[9];
-  bwi_local_turn(local, turn);
-  for (int i = 0; i < 9; i++)
-    turned[i] = turn[3 * (i % 3) + i / 3];
+static double largest_change(const bw_local_system *local) {
   const bwi_local *inner = local->inner;
   const bw_mesh *before = inner->factored, *now = inner->model->mesh;
   double most = 0;
   for (int32_t e = 0; e < now->element_count; e++) {
     int32_t domain = inner->element_domain[e];
-    if (!inner->touched[domain] && !coarse)
+    if (!inner->touched[domain])
       continue;
     const int32_t *node = now->element + (size_t)e * (size_t)now->nodes_per_element;
     double from[9], to[9], inverse[9], change = 0;
-    edges(before, node, coarse ? global : inner->factored_frame + 9 * (size_t)domain, from);
-    edges(now, node, coarse ? turned : inner->frame + 9 * (size_t)domain, to);
+    edges(before, node, inner->factored_frame + 9 * (size_t)domain, from);
+    edges(now, node, inner->frame + 9 * (size_t)domain, to);
     if (bw_inverse3(from, inverse) == 0)
       continue;
     for (int i = 0; i < 3; i++)
@@ -81,6 +68,37 @@ static double bound(double spread, double digits) {
   return spread > 0 ? digits / log((2 + spread) / spread) : 0;
 }
 
+/* Over levels: iterations do not depend on the shape, but on the mesh. Without experience, the rate
+ * that good meshes have: an iteration halves the error. */
+#define LEVELS_RATE 1.45
+/* Of eight right-hand sides side by side over one; of following a shape over an iteration, where
+ * there are no levels yet to count. */
+#define LEVELS_SIDES 2.0
+#define LEVELS_BEGIN 8.0
+
+static void predict_levels(const bw_local_system *local, double tolerance, double passes,
+                           double later, bool many, bwi_local_cost *cost) {
+  const bwi_local *inner = local->inner;
+  const bw_graph *graph = local->system->graph;
+  cost->levels = INFINITY;
+  cost->one_level_iteration = cost->level_iterations = 0;
+  if (!bwi_local_has_levels(local) || (inner->levels_known && !inner->levels_usable))
+    return;
+  double bytes = inner->levels ? bwi_multilevel_bytes(inner->levels)
+                               : 1.5 * bwi_sweeps_bytes(graph->pair_count - graph->node_count);
+  double one = bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
+  if (!inner->levels)
+    follow = LEVELS_BEGIN * one;
+  else if (!inner->levels_known)
+    follow = bwi_multilevel_flops(inner->levels) / bwi_local_flops_per_second(32) +
+             (216 + 6 * 72.0) * (double)graph->pair_count / BWI_LOCAL_BYTES_PER_SECOND;
+  double factor = inner->levels_experience > 0 ? inner->levels_experience : 1;
+  cost->level_iterations = 1 + factor * LEVELS_RATE * log(2 / tolerance);
+  cost->one_level_iteration = one * passes * (many ? LEVELS_SIDES : 1);
+  cost->levels =
+      follow + cost->level_iterations * (cost->one_level_iteration + later * one * LEVELS_SIDES);
+}
+
 void bwi_local_predict(bw_local_system *local, const bw_local_options *options, double tolerance,
                        int64_t count, bwi_local_cost *cost) {
   bwi_local *inner = local->inner;
@@ -97,30 +115,15 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   cost->refactor = flops / bwi_local_flops_per_second(inner->factor->kernels->bits) +
                    2 * part * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND +
                    (passes + later) * (solve + refinements * pass);
-  if (inner->change < 0) {
-    inner->change = largest_change(local, false);
-    inner->change_coarse = bwi_local_has_coarse(local) ? largest_change(local, true) : 0;
-  }
+  if (inner->change < 0)
+    inner->change = largest_change(local);
   bool known = memcmp(inner->experienced, inner->touched, (size_t)inner->domain_count) == 0;
   cost->factor = known ? inner->experience : 1;
-  double alone = options->hope > 0 ? fmin(cost->factor, options->hope) : cost->factor;
-  cost->iterations = 1 + refinements + alone * bound(SPREAD * inner->change, log(2 / tolerance));
-  inner->aided = false;
-  if (bwi_local_has_coarse(local)) {
-    /* what a guess takes away the coarse space would have taken too */
-    double digits = log(2 / options->tolerance);
-    if (options->tolerance < 1e-5)
-      digits = 0.5 * (digits + log(2e5));
-    double aided = 1 + refinements + bound(SPREAD_COARSE * inner->change_coarse, digits);
-    inner->aided = aided * COARSE_PASS < cost->iterations;
-    if (inner->aided) {
-      cost->iterations = aided;
-      pass *= COARSE_PASS;
-      cost->factor = 1;
-    }
-  }
-  if (!inner->aided)
-    cost->factor = alone;
+  if (options->hope > 0)
+    cost->factor = fmin(cost->factor, options->hope);
+  cost->iterations =
+      1 + refinements + cost->factor * bound(SPREAD * inner->change, log(2 / tolerance));
+  predict_levels(local, tolerance, passes, later, count > 1, cost);
   cost->one_iteration = passes * pass;
   cost->iterate = cost->iterations * (passes + later) * pass;
 }

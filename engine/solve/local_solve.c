@@ -1,8 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Solving with a system that follows edits: directly, once the factor is brought up to date, or by
- * iterating with the factor as it is, whichever is predicted to cost less.
+/* Solving with a system that follows edits: directly, once the factor is brought up to date, by
+ * iterating with the factor as it is, or over levels of elements without it, whichever is predicted
+ * to cost less.
  *
- * Iterating is bounded by the cost of the other way: with a factor that stays behind, as many
+ * Iterating is bounded by the cost of the direct way: with a factor that stays behind, as many
  * iterations are made for one shape, over all solves, as bringing it up to date would have cost;
  * then that is done. It is done earlier where the residual falls too slowly to get there. So the
  * choice never costs more than twice the better one. Iterations are counted, not timed, and the
@@ -33,7 +34,7 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
   if (options->precision != 0 && options->precision != 32 && options->precision != 64)
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);
-  if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_SCRATCH)
+  if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_LEVELS)
     return bw_fail(context, BW_INVALID, "there is no method %d", (int)options->method);
   return BW_OK;
 }
@@ -48,16 +49,12 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local, co
   const bw_system *system = local->system;
   size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
   double *solution = NULL;
-  bwi_local_aid aid = {0};
   problem->graph = system->graph;
   problem->stiffness = system->stiffness;
   problem->numbering = system->numbering;
   problem->factor = local->inner->factor;
   problem->load = left->load;
   problem->energy = left->energy;
-  BW_TRY(bwi_local_aids(context, local, &aid));
-  problem->coarse = aid.coarse;
-  problem->directions = &aid.directions;
   solution = BW_NEW(context, double, size);
   if (!solution) {
     status = BW_MEMORY;
@@ -71,7 +68,6 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local, co
       displacement[i] += left->guess[i];
   }
 done:
-  bwi_local_aid_clear(&aid);
   bw_free(solution);
   return status;
 }
@@ -121,7 +117,7 @@ static bw_status iterate(bw_context *context, bw_local_system *local,
   BW_TRY(conjugate(context, local, left, count, &problem, displacement));
   *iterations = problem.iterations;
   *converged = problem.converged;
-  inner->spent += problem.iterations;
+  inner->spent += problem.iterations * cost->one_iteration;
   /* what is foreseen errs to the high side: not to be believed for ever */
   double needed = problem.converged ? problem.iterations : fmax(problem.foreseen, limit);
   double seen = cost->factor * needed / cost->iterations;
@@ -134,18 +130,29 @@ done:
   return status;
 }
 
-/* How many iterations to make, 0: none. */
-static int iterations_worth(const bw_local_system *local, bw_local_method method,
-                            const bwi_local_cost *cost) {
+/* How many iterations to make with the factor as it is and over levels, 0: none. */
+typedef struct limits {
+  int iterate, levels;
+} limits;
+
+static int within(double budget, double predicted, double one) {
+  if (!(one > 0) || !(predicted <= budget) || budget < one)
+    return 0;
+  return budget / one > MOST_ITERATIONS ? MOST_ITERATIONS : (int)(budget / one);
+}
+
+static limits iterations_worth(const bw_local_system *local, bw_local_method method,
+                               const bwi_local_cost *cost) {
   if (method == BW_LOCAL_ITERATE)
-    return MOST_ITERATIONS;
-  if (method != BW_LOCAL_AUTO || !(cost->one_iteration > 0))
-    return 0;
-  double spent = local->inner->spent * cost->one_iteration;
-  double worth = (cost->refactor - spent) / cost->one_iteration;
-  if (!(cost->iterate + spent <= cost->refactor) || worth < 1)
-    return 0;
-  return worth > MOST_ITERATIONS ? MOST_ITERATIONS : (int)worth;
+    return (limits){.iterate = MOST_ITERATIONS};
+  if (method != BW_LOCAL_AUTO)
+    return (limits){0};
+  double budget = cost->refactor - local->inner->spent;
+  limits most = {.levels = within(budget, cost->levels, cost->one_level_iteration)};
+  if (most.levels > 0)
+    budget = fmin(budget, cost->levels);
+  most.iterate = within(budget, cost->iterate, cost->one_iteration);
+  return most;
 }
 
 static bw_status fail_convergence(bw_context *context, int iterations, double tolerance) {
@@ -158,13 +165,100 @@ static bw_status fail_convergence(bw_context *context, int iterations, double to
   return BW_CONVERGENCE;
 }
 
+static bw_status fail_levels(bw_context *context, const bw_local_system *local, int iterations,
+                             double tolerance) {
+  if (!bwi_local_has_levels(local))
+    return bw_fail(
+        context, BW_INVALID,
+        "the method levels needs quadratic elements, and supports that hold the body: %s",
+        local->inner->rest->mesh->order == 2 ? "this one is free to move" : "these are linear");
+  bw_fail(context, BW_CONVERGENCE,
+          "conjugate gradients over linear elements did not reach a relative residual of %g in %d "
+          "iterations: the body is nearly a mechanism, or elements are very flat; solve directly "
+          "(method refactor or auto)",
+          tolerance, iterations);
+  bw_detail_number(context, "iterations", iterations);
+  return BW_CONVERGENCE;
+}
+
+/* By iterations, where that is asked for or predicted to cost least. */
+static bw_status solve_by_iterations(bw_context *context, bw_local_system *local,
+                                     const bw_local_options *options, bwi_rest *left, int64_t count,
+                                     double *displacement, bw_reuse *reuse, bool *solved) {
+  bw_status status = BW_OK;
+  bwi_local *inner = local->inner;
+  bwi_local_cost cost = {.levels = INFINITY};
+  limits most = {0};
+  int iterations = 0;
+  double start = bw_seconds();
+  bool usable = bwi_local_usable(local) && !bwi_local_current(local);
+  if (options->method == BW_LOCAL_LEVELS && !bwi_local_has_levels(local))
+    return fail_levels(context, local, 0, 0);
+  if (options->method != BW_LOCAL_LEVELS && !usable)
+    return BW_OK;
+  if (options->method == BW_LOCAL_REFACTOR || options->method == BW_LOCAL_SCRATCH)
+    left->tolerance = options->tolerance;
+  else
+    BW_TRY(bwi_rest_make(context, local, options, count, displacement, left));
+  if (usable) {
+    bwi_local_predict(local, options, left->tolerance, count, &cost);
+    most = iterations_worth(local, options->method, &cost);
+    if (reuse) {
+      reuse->predicted_refactor = cost.refactor;
+      reuse->predicted_iterate = cost.iterate;
+      reuse->predicted_levels = isfinite(cost.levels) ? cost.levels : 0;
+    }
+  }
+  if (options->method == BW_LOCAL_LEVELS)
+    most.levels = MOST_ITERATIONS;
+  if (most.iterate > 0) {
+    double instead = most.levels > 0 ? fmin(cost.refactor, cost.levels) : cost.refactor;
+    BW_TRY(iterate(context, local, options, most.iterate,
+                   options->method == BW_LOCAL_AUTO ? instead / cost.one_iteration : 0, &cost, left,
+                   count, displacement, &iterations, solved));
+    if (!*solved && options->method == BW_LOCAL_ITERATE) {
+      status = fail_convergence(context, iterations, options->tolerance);
+      goto done;
+    }
+    if (*solved && reuse)
+      reuse->method = BW_LOCAL_ITERATE;
+  }
+  if (!*solved && most.levels > 0) {
+    int before = iterations;
+    BW_TRY(bwi_local_by_levels(context, local, options, most.levels, left, count, displacement,
+                               &iterations, solved));
+    int needed = iterations - before;
+    inner->spent += needed * cost.one_level_iteration;
+    if (needed > 1 && cost.level_iterations > 0) {
+      double before_factor = inner->levels_experience > 0 ? inner->levels_experience : 1;
+      inner->levels_experience = fmin(fmax(before_factor * needed / cost.level_iterations, 0.2), 5);
+    }
+    if (!*solved && options->method == BW_LOCAL_LEVELS) {
+      status = fail_levels(context, local, iterations, options->tolerance);
+      goto done;
+    }
+    if (*solved && reuse)
+      reuse->method = BW_LOCAL_LEVELS;
+  }
+  if (reuse) {
+    reuse->iterations += iterations;
+    reuse->seconds_solve += bw_seconds() - start;
+    if (*solved) {
+      reuse->factor_kept = 1;
+      reuse->precision = inner->factor ? inner->factor->kernels->bits : 64;
+    }
+  }
+done:
+  return status;
+}
+
 bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
                                 const bw_local_options *given, int64_t count, const double *force,
                                 double *displacement, bw_reuse *reuse) {
   bw_status status = BW_OK;
   const bw_numbering *numbering = local->system->numbering;
   size_t size = (size_t)count * 3 * (size_t)numbering->mesh->node_count;
-  double start = bw_seconds(), *load = NULL;
+  double *load = NULL;
   bw_local_options options;
   bool solved = false;
   bwi_rest left = {.tolerance = 0};
@@ -179,42 +273,10 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   if (force != displacement)
     memmove(displacement, force, size * sizeof *force);
   BW_TRY(bwi_balance_fields(context, numbering, count, displacement));
-  if (bwi_local_usable(local) && !bwi_local_current(local)) {
-    bwi_local_cost cost;
-    int iterations = 0;
-    if (options.method == BW_LOCAL_AUTO || options.method == BW_LOCAL_ITERATE)
-      BW_TRY(bwi_rest_make(context, local, &options, count, displacement, &left));
-    else
-      left.tolerance = options.tolerance;
-    bwi_local_predict(local, &options, left.tolerance, count, &cost);
-    if (reuse) {
-      reuse->predicted_refactor = cost.refactor;
-      reuse->predicted_iterate = cost.iterate;
-    }
-    int limit = iterations_worth(local, options.method, &cost);
-    if (limit > 0)
-      BW_TRY(iterate(context, local, &options, limit,
-                     options.method == BW_LOCAL_AUTO ? cost.refactor / cost.one_iteration : 0,
-                     &cost, &left, count, displacement, &iterations, &solved));
-    if (limit > 0 && !solved && options.method == BW_LOCAL_ITERATE) {
-      status = fail_convergence(context, iterations, options.tolerance);
-      goto done;
-    }
-    if (reuse) {
-      reuse->iterations += iterations;
-      reuse->seconds_solve += bw_seconds() - start;
-      if (solved) {
-        reuse->method = BW_LOCAL_ITERATE;
-        reuse->factor_kept = 1;
-        reuse->precision = local->inner->factor->kernels->bits;
-      }
-    }
-    start = bw_seconds();
-  }
+  BW_TRY(solve_by_iterations(context, local, &options, &left, count, displacement, reuse, &solved));
   if (!solved) {
     BW_TRY(bwi_local_factor(context, local, options.method == BW_LOCAL_SCRATCH, reuse));
-    start = bw_seconds();
-    double factor = reuse ? reuse->seconds_factor : 0;
+    double start = bw_seconds(), factor = reuse ? reuse->seconds_factor : 0;
     BW_TRY(solve_directly(context, local, &options, &left, count, displacement, reuse));
     if (reuse)
       reuse->seconds_solve += bw_seconds() - start - (reuse->seconds_factor - factor);

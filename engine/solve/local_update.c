@@ -217,7 +217,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   if (inner->factor && inner->factored)
     forget_undone(inner, model->mesh, numbering, touched);
   inner->spent = 0;
-  inner->coarse_known = false;
+  inner->levels_known = false;
   inner->change = -1;
   bw_retain(model);
   bw_release(inner->model);

@@ -12,7 +12,6 @@
 
 /* What is left of a residual after a direct solution is about as much as bwi_residual_noise says
  * without this factor (measured: 0.9 to 2). */
-#define NOISE 3.0
 
 static void system_destroy(void *object) {
   bw_system *system = object;
@@ -295,5 +294,5 @@ double bwi_residual_noise(const bw_graph *graph, const double *stiffness, const 
       sum += term * term;
     }
   }
-  return NOISE * DBL_EPSILON * sqrt(sum);
+  return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum);
 }

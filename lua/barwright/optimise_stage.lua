@@ -69,9 +69,9 @@ local function solve(self, state, part, i, tolerance, further, known)
     tolerance = tolerance, energy = true, guess = known and {known} or guess(self, i),
     further = further, hope = self.hope}, record.reuse)
   if not result then return nil, reuse, details end
-  if reuse.method ~= "iterate" and reuse.iterations > 0 then self.hope = nil end -- in vain
+  local current = not record.reuse or reuse.method ~= "iterate" and reuse.method ~= "levels"
+  if current and reuse.iterations > 0 then self.hope = nil end -- in vain
   if not known then remember_displacement(self.near[i], result.displacement) end
-  local current = not record.reuse or reuse.method ~= "iterate"
   if current then
     local kept = record.reuse and reuse.factor_kept or 0
     if kept < 1 then self.counts.factorisations = self.counts.factorisations + 1 - kept end

@@ -15,7 +15,7 @@ static int32_t piece_count(lua_State *L) {
   return ((const bw_domains *)box->extra)->piece_count;
 }
 
-const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch", NULL};
+const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch", "levels", NULL};
 
 /* ---- what was reused ------------------------------------------------------------------------- */
 
@@ -33,6 +33,7 @@ const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch
   INTEGER(refinements, refinements)                                                                \
   NUMBER(predicted_refactor, predicted_refactor)                                                   \
   NUMBER(predicted_iterate, predicted_iterate)                                                     \
+  NUMBER(predicted_levels, predicted_levels)                                                       \
   NUMBER(seconds_unknowns, seconds_unknowns)                                                       \
   NUMBER(seconds_stiffness, seconds_stiffness)                                                     \
   NUMBER(seconds_factor, seconds_factor)                                                           \

@@ -140,7 +140,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@param system bw.System|bw.LocalSystem of the part
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, energy: boolean, guess: bw.Array[], hope: number} where a local system iterates: relative residual, or (energy) error in energy; fields to begin with; iterations hoped for over predicted
+---@param options? {method: "auto"|"refactor"|"iterate"|"levels"|"scratch", tolerance: number, energy: boolean, guess: bw.Array[], hope: number} where a local system iterates: relative residual, or (energy) error in energy; fields to begin with; iterations hoped for over predicted
 ---@return bw.Array? von_mises
 ---@return bw.Array|string gradient or a message
 ---@return table? details
@@ -152,7 +152,7 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
 ---@param motions bw.Array[] a row for every node of the mesh each
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, energy: boolean, guess: bw.Array[], hope: number}
+---@param options? {method: "auto"|"refactor"|"iterate"|"levels"|"scratch", tolerance: number, energy: boolean, guess: bw.Array[], hope: number}
 ---@return bw.Array? von_mises
 ---@return bw.Array|string slopes or a message
 ---@return bw.Array|table adjoint displacements, a block of a row for every node of the mesh for each of the nodes; or details
@@ -1050,7 +1050,7 @@ function Model:close() end
 ---@field material bw.Material
 ---@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
 ---@field solver table? of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil for the engine's own factor
----@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
+---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, predicted_levels, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
 ---Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.
@@ -1968,7 +1968,7 @@ function Session:commit(change) end
 
 ---The static solution of the part as it is now; `reused` of it tells what the edit left standing.
 ---`part`: another load case, a model of the mesh as it was given (other supports need another factor).
----@param options? {method: "auto"|"refactor"|"iterate"|"scratch", tolerance: number, precision: 32|64, check: boolean, inertia_relief: boolean, balance_tolerance: number, part: bw.Model}
+---@param options? {method: "auto"|"refactor"|"iterate"|"levels"|"scratch", tolerance: number, precision: 32|64, check: boolean, inertia_relief: boolean, balance_tolerance: number, part: bw.Model}
 ---@return bw.Static?
 ---@return string? message
 ---@return table? details

@@ -74,7 +74,10 @@ typedef enum bw_local_method {
   BW_LOCAL_AUTO,     /* by predicted cost: operations and bytes counted, never time measured */
   BW_LOCAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
   BW_LOCAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
-  BW_LOCAL_SCRATCH   /* every supernode again: for checks and baselines */
+  BW_LOCAL_SCRATCH,  /* every supernode again: for checks and baselines */
+  BW_LOCAL_LEVELS    /* conjugate gradients, preconditioned by sweeps over the nodes and the linear
+                        elements on the same corners: needs no factor, but quadratic elements and
+                        supports that hold the body (BW_INVALID otherwise) */
 } bw_local_method;
 
 /* What an update and a solve reused and what they cost. */
@@ -84,14 +87,16 @@ typedef struct bw_reuse {
   int32_t domains_kept;    /* no entry of theirs was written */
   int32_t domains_turned;  /* written, but unchanged in their own frames */
   int32_t domains_touched; /* changed: evaluated by polynomials or gathered */
-  bw_local_method method;  /* REFACTOR (also where nothing had to be done), ITERATE or SCRATCH */
-  double factor_kept;      /* fraction of the factor's work that was not done again */
-  int iterations;          /* of conjugate gradients with a factor of a former shape, in all solves
-                              since the update */
-  int precision;           /* bits of the factor's numbers: 64, or 32 */
-  int refinements;         /* iterations that made solutions with a factor of 32 bits as exact as
-                              asked for, in all solves since the update */
-  double predicted_refactor, predicted_iterate; /* s, of the model's machine */
+  bw_local_method
+      method;         /* REFACTOR (also where nothing had to be done), ITERATE, SCRATCH, LEVELS */
+  double factor_kept; /* fraction of the factor's work that was not done again */
+  int iterations;     /* of conjugate gradients with a factor of a former shape, or over levels,
+                         in all solves since the update */
+  int precision;      /* bits of the factor's numbers: 64, or 32 */
+  int refinements;    /* iterations that made solutions with a factor of 32 bits as exact as
+                         asked for, in all solves since the update */
+  double predicted_refactor, predicted_iterate, predicted_levels; /* s, of the model's machine; 0
+                                                                     for a way that there is not */
   double seconds_unknowns; /* following the supports and the frames of the unknowns */
   double seconds_stiffness, seconds_factor, seconds_solve;
   double difference_stiffness, difference_solution; /* with `check`: the largest found, relative to

@@ -1,0 +1,675 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Conjugate gradients over a coarse space (multilevel.h), for one right-hand side or up to eight
+ * side by side, each with its own coefficients.
+ *
+ * The equations are taken times a power of two for the matrix and one for each right-hand side, so
+ * that floats hold what the preconditioner works on. The next direction is made conjugate to the
+ * last one by the product at hand (Polak and Ribiere): the preconditioner, in floats, is not quite
+ * symmetric.
+ *
+ * A right-hand side is done as in conjugate.c: when its error in energy is below the tolerance, and
+ * so is its residual, computed anew; or the first alone. The error in energy is r . K^-1 r, between
+ * r . z and that over the smallest eigenvalue of the preconditioned matrix; the largest is 1. */
+#include "solve/multilevel.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { SIDES = BWI_SWEEP_SIDES, ROWS = BWI_SWEEP_ROWS, STARTS = 4 };
+
+/* In one iteration the energy of the error falls by at least this fraction of what the residual
+ * falls by, and mostly by this (as in conjugate.c). */
+#define ENERGY_FALLS 0.03
+#define ENERGY_FALLS_MOSTLY 0.3
+
+/* That smallest eigenvalue: 0.09 on meshes of limbed bodies, more on regular ones. */
+#define SMALLEST 0.09
+
+struct bwi_multilevel {
+  bw_object object;
+  bwi_coarse *coarse;
+  bwi_sweeps *sweeps;
+  /* By corner: the rows of its own node and of the middles next to it. */
+  int64_t *child_start;
+  int32_t *child;
+  int32_t *parent;         /* by row x 2: corners; twice its own */
+  bw_numbering *numbering; /* retained: of the shape followed */
+  int32_t held_count;      /* rows that are held in some direction, or in all */
+  int32_t *held;
+  /* room for `width` fields */
+  int width;
+  double *u, *r, *p, *q;
+  float *z, *rest, *floats;
+  double *corner; /* SIDES x 3 corners */
+};
+
+static void free_room(bwi_multilevel *l) {
+  bw_free(l->u);
+  bw_free(l->r);
+  bw_free(l->p);
+  bw_free(l->q);
+  bw_free(l->z);
+  bw_free(l->rest);
+  bw_free(l->floats);
+  bw_free(l->corner);
+  l->u = l->r = l->p = l->q = l->corner = NULL;
+  l->z = l->rest = l->floats = NULL;
+  l->width = 0;
+}
+
+static void multilevel_destroy(void *object) {
+  bwi_multilevel *l = object;
+  free_room(l);
+  bw_release(l->coarse);
+  bw_release(l->sweeps);
+  bw_release(l->numbering);
+  bw_free(l->child_start);
+  bw_free(l->child);
+  bw_free(l->parent);
+  bw_free(l->held);
+  bw_free(l);
+}
+
+static const bw_kind multilevel_kind = {"levels of elements", multilevel_destroy, NULL};
+
+/* ---- between the levels -------------------------------------------------------------------- */
+
+static bw_status join_levels(bw_context *context, bwi_multilevel *l) {
+  const bwi_sweeps *s = l->sweeps;
+  const int32_t *parent = bwi_coarse_parents(l->coarse);
+  int64_t corners = bwi_coarse_corners(l->coarse);
+  l->parent = BW_NEW(context, int32_t, 2 * (int64_t)s->count);
+  l->child_start = BW_NEW0(context, int64_t, corners + 1);
+  l->child = BW_NEW(context, int32_t, 2 * (int64_t)s->count);
+  l->held = BW_NEW(context, int32_t, s->count);
+  if (!l->parent || !l->child_start || !l->child || !l->held)
+    return BW_MEMORY;
+  for (int64_t k = 0; k < s->count; k++)
+    for (int side = 0; side < 2; side++) {
+      int32_t corner = parent[2 * (int64_t)s->node[k] + side];
+      l->parent[2 * k + side] = corner;
+      l->child_start[corner + 1]++;
+    }
+  for (int64_t c = 0; c < corners; c++)
+    l->child_start[c + 1] += l->child_start[c];
+  /* the starts run ahead while children are listed, and are put back after */
+  for (int32_t k = 0; k < s->count; k++)
+    for (int side = 0; side < 2; side++)
+      l->child[l->child_start[l->parent[2 * (int64_t)k + side]]++] = k;
+  for (int64_t c = corners; c > 0; c--)
+    l->child_start[c] = l->child_start[c - 1];
+  l->child_start[0] = 0;
+  return BW_OK;
+}
+
+typedef struct passage {
+  const bwi_multilevel *l;
+  int width, used;
+  int64_t corners;
+  double unit; /* of the corners' equations over those of the rows */
+} passage;
+
+/* Half of what each child has left; a corner is its own child twice. */
+static bw_status restrict_rest(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const passage *m = data;
+  const bwi_multilevel *l = m->l;
+  for (int64_t c = begin; c < end; c++) {
+    double sum[3 * SIDES] = {0};
+    for (int64_t k = l->child_start[c]; k < l->child_start[c + 1]; k++) {
+      const float *rest = l->rest + 3 * (int64_t)m->width * l->child[k];
+      for (int i = 0; i < 3 * m->width; i++)
+        sum[i] += (double)rest[i];
+    }
+    for (int f = 0; f < m->used; f++)
+      for (int d = 0; d < 3; d++)
+        l->corner[3 * (f * m->corners + c) + d] = 0.5 * m->unit * sum[d * m->width + f];
+  }
+  return BW_OK;
+}
+
+static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const passage *m = data;
+  const bwi_multilevel *l = m->l;
+  for (int64_t k = begin; k < end; k++)
+    for (int f = 0; f < m->used; f++) {
+      const double *x = l->corner + 3 * f * m->corners;
+      const double *a = x + 3 * (int64_t)l->parent[2 * k],
+                   *b = x + 3 * (int64_t)l->parent[2 * k + 1];
+      for (int d = 0; d < 3; d++)
+        l->z[(3 * k + d) * m->width + f] += (float)(0.5 * (a[d] + b[d]));
+    }
+  return BW_OK;
+}
+
+/* z of the residual in `floats`. */
+static bw_status precondition(bw_context *context, bwi_multilevel *l, int width, int used) {
+  bw_status status = BW_OK;
+  passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->sweeps->unit};
+  BW_TRY(bwi_sweeps_forward(context, l->sweeps, width, l->floats, l->z, l->rest));
+  BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_rest, &m));
+  BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
+  BW_TRY(bw_parallel(context, l->sweeps->count, ROWS, prolong, &m));
+  BW_TRY(bwi_sweeps_backward(context, l->sweeps, width, l->floats, l->z));
+done:
+  return status;
+}
+
+/* ---- life ---------------------------------------------------------------------------------- */
+
+bw_status bwi_multilevel_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                                bool even, bwi_multilevel **out) {
+  bw_status status = BW_OK;
+  bwi_multilevel *l = BW_NEW0(context, bwi_multilevel, 1);
+  if (!l)
+    return BW_MEMORY;
+  bw_object_init(l, &multilevel_kind);
+  BW_TRY(bwi_coarse_create(context, mesh, &l->coarse));
+  BW_TRY(bwi_sweeps_create(context, mesh, graph, even, &l->sweeps));
+  BW_TRY(join_levels(context, l));
+done:
+  if (status == BW_OK)
+    *out = l;
+  else
+    bw_release(l);
+  return status;
+}
+
+bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *l, const bw_model *model,
+                                const bw_numbering *numbering, const double *stiffness,
+                                bool *usable) {
+  bw_status status = BW_OK;
+  bw_retain(numbering);
+  bw_release(l->numbering);
+  l->numbering = (bw_numbering *)numbering;
+  l->held_count = 0;
+  for (int32_t k = 0; k < l->sweeps->count; k++) {
+    const uint8_t *state = numbering->state + 3 * (int64_t)l->sweeps->node[k];
+    if (state[0] != BW_UNKNOWN || state[1] != BW_UNKNOWN || state[2] != BW_UNKNOWN)
+      l->held[l->held_count++] = k;
+  }
+  BW_TRY(bwi_coarse_follow(context, l->coarse, model, numbering, usable));
+  if (*usable)
+    BW_TRY(bwi_sweeps_follow(context, l->sweeps, stiffness, numbering, usable));
+done:
+  return status;
+}
+
+static bw_status make_room(bw_context *context, bwi_multilevel *l, int width) {
+  size_t numbers = 3 * (size_t)l->sweeps->count * (size_t)width + BWI_SWEEP_SPARE;
+  if (l->width >= width)
+    return BW_OK;
+  free_room(l);
+  l->u = BW_NEW(context, double, numbers);
+  l->r = BW_NEW(context, double, numbers);
+  l->p = BW_NEW0(context, double, numbers);
+  l->q = BW_NEW(context, double, numbers);
+  l->z = BW_NEW0(context, float, numbers);
+  l->rest = BW_NEW(context, float, numbers);
+  l->floats = BW_NEW(context, float, numbers);
+  l->corner = BW_NEW(context, double, 3 * (size_t)bwi_coarse_corners(l->coarse) * (size_t)width);
+  if (!l->u || !l->r || !l->p || !l->q || !l->z || !l->rest || !l->floats || !l->corner) {
+    free_room(l);
+    return BW_MEMORY;
+  }
+  l->width = width;
+  return BW_OK;
+}
+
+/* ---- one block of right-hand sides ---------------------------------------------------------- */
+
+typedef struct column {
+  bool done, fresh; /* fresh: its next direction is its z alone */
+  double unit;      /* the force was taken times it */
+  double rz, step, back;
+  double load, energy; /* |f| and f . M f, of the force taken times its unit */
+  double size, residual;
+  int starts;
+} column;
+
+typedef struct iteration {
+  bw_context *context;
+  bwi_multilevel *l;
+  bwi_multilevel_problem *problem;
+  int width, used;
+  const double *force; /* of the first field */
+  double *solution;
+  column column[SIDES];
+  double *part; /* by chunk of rows: 2 x SIDES sums */
+  double sum[2 * SIDES];
+} iteration;
+
+static bw_status summed(iteration *it, bw_body *body) {
+  bw_status status = BW_OK;
+  int64_t chunks = (it->l->sweeps->count + ROWS - 1) / ROWS;
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, body, it));
+  for (int i = 0; i < 2 * SIDES; i++) {
+    it->sum[i] = 0;
+    for (int64_t c = 0; c < chunks; c++)
+      it->sum[i] += it->part[2 * SIDES * c + i];
+  }
+done:
+  return status;
+}
+
+/* What of a vector at a node is along its unknowns; the two may be the same. */
+static void held_out(const bw_numbering *numbering, int64_t node, const double *f, double out[3]) {
+  int32_t row = numbering->frame_of[node];
+  const uint8_t *state = numbering->state + 3 * node;
+  if (row < 0) {
+    for (int d = 0; d < 3; d++)
+      out[d] = state[d] == BW_UNKNOWN ? f[d] : 0;
+    return;
+  }
+  const double *frame = numbering->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
+  out[0] = out[1] = out[2] = 0;
+  for (int c = 0; c < 3; c++) {
+    double along = state[c] == BW_UNKNOWN ? bw_dot(frame + 3 * c, from) : 0;
+    for (int d = 0; d < 3; d++)
+      out[d] += along * frame[3 * c + d];
+  }
+}
+
+/* Fields of doubles at the unknowns alone. */
+static void keep_unknowns(const bwi_multilevel *l, int width, double *field) {
+  for (int32_t h = 0; h < l->held_count; h++) {
+    double *x = field + 3 * (int64_t)width * l->held[h];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {x[f], x[width + f], x[2 * width + f]};
+      held_out(l->numbering, l->sweeps->node[l->held[h]], value, value);
+      for (int d = 0; d < 3; d++)
+        x[d * width + f] = value[d];
+    }
+  }
+}
+
+/* q = K p at the unknowns, and p . q */
+static bw_status multiply(iteration *it, const double *p, double *dot) {
+  bw_status status = BW_OK;
+  BW_TRY(bwi_sweeps_product(it->context, it->l->sweeps, it->width, p, it->l->q, dot));
+  keep_unknowns(it->l, it->width, it->l->q);
+done:
+  return status;
+}
+
+/* r = f - q (where `renewed`; else f) with its floats, and r . r */
+static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool renewed) {
+  bwi_multilevel *l = it->l;
+  int width = it->width;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  int64_t size = 3 * (int64_t)l->sweeps->count;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t k = begin; k < end; k++) {
+    int64_t node = l->sweeps->node[k];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {0, 0, 0};
+      if (f < it->used && renewed) {
+        double rest[3];
+        for (int d = 0; d < 3; d++)
+          rest[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
+                    l->q[(3 * k + d) * width + f];
+        held_out(l->numbering, node, rest, value);
+      } else if (f < it->used)
+        held_out(l->numbering, node, it->force + f * size + 3 * node, value);
+      for (int d = 0; d < 3; d++) {
+        l->r[(3 * k + d) * width + f] = value[d];
+        l->floats[(3 * k + d) * width + f] = (float)value[d];
+        sum[f] += value[d] * value[d];
+      }
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status take_new(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  return take_force(data, begin, end, false);
+}
+
+static bw_status take_again(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  return take_force(data, begin, end, true);
+}
+
+/* r times the units, and the floats; u = 0 */
+static bw_status scale(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  bwi_multilevel *l = it->l;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < it->width; f++) {
+      int64_t at = i * it->width + f;
+      l->r[at] *= it->column[f].unit;
+      l->floats[at] = (float)l->r[at];
+      l->u[at] = 0;
+    }
+  return BW_OK;
+}
+
+/* u += step p, r -= step q; r . r */
+static bw_status advance(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  bwi_multilevel *l = it->l;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS), step[SIDES];
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int f = 0; f < width; f++)
+    step[f] = it->column[f].step;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      int64_t at = i * width + f;
+      l->u[at] += step[f] * l->p[at];
+      double r = l->r[at] - step[f] * l->q[at];
+      l->r[at] = r;
+      l->floats[at] = (float)r;
+      sum[f] += r * r;
+    }
+  return BW_OK;
+}
+
+/* r . z and z . q */
+static bw_status look(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      int64_t at = i * width + f;
+      double z = (double)l->z[at];
+      sum[f] += l->r[at] * z;
+      sum[SIDES + f] += z * l->q[at];
+    }
+  return BW_OK;
+}
+
+/* p = z + back p */
+static bw_status turn(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  int width = it->width;
+  double back[SIDES];
+  for (int f = 0; f < width; f++)
+    back[f] = it->column[f].back;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      int64_t at = i * width + f;
+      l->p[at] = (double)l->z[at] + back[f] * l->p[at];
+    }
+  return BW_OK;
+}
+
+/* That, without what the floats of z leave along directions that are held. */
+static bw_status turn_all(iteration *it) {
+  bw_status status = BW_OK;
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, turn, it));
+  keep_unknowns(it->l, it->width, it->l->p);
+done:
+  return status;
+}
+
+static bw_status hand_over(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  int64_t size = 3 * (int64_t)l->sweeps->count;
+  for (int64_t k = begin; k < end; k++)
+    for (int d = 0; d < 3; d++)
+      for (int f = 0; f < it->used; f++)
+        it->solution[f * size + 3 * (int64_t)l->sweeps->node[k] + d] =
+            l->u[(3 * k + d) * it->width + f] * (l->sweeps->unit / it->column[f].unit);
+  return BW_OK;
+}
+
+/* The size to which rounding lets the residual of field f fall, as bwi_residual_noise has it. */
+static double noise(const iteration *it, int f) {
+  const bwi_multilevel *l = it->l;
+  double sum = 0;
+  for (int64_t k = 0; k < l->sweeps->count; k++)
+    for (int d = 0; d < 3; d++) {
+      double term = 0;
+      for (int c = 0; c < 3; c++)
+        term += fabs(l->sweeps->diagonal[9 * k + 3 * c + d] * l->u[(3 * k + c) * it->width + f]);
+      sum += term * term;
+    }
+  return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum);
+}
+
+static double allowed(const iteration *it, int f) {
+  const column *c = &it->column[f];
+  if (it->problem->energy_alone)
+    return INFINITY;
+  double most = it->problem->tolerance * c->load;
+  return c->size <= most ? most : fmax(most, noise(it, f));
+}
+
+/* r = f, z = M r, p = z, for all fields; forces that are 0 are done at once. */
+static bw_status begin(iteration *it) {
+  bw_status status = BW_OK;
+  const bwi_multilevel_problem *problem = it->problem;
+  BW_TRY(summed(it, take_new));
+  for (int f = 0; f < it->width; f++) {
+    column *c = &it->column[f];
+    double size = sqrt(it->sum[f]);
+    int exponent = 0;
+    *c = (column){.done = !(size > 0), .unit = 1};
+    if (c->done)
+      continue;
+    frexp(size, &exponent);
+    c->unit = ldexp(1, -exponent);
+    c->size = c->unit * size;
+    c->load = problem->load ? c->unit * problem->load[f] : c->size;
+    c->residual = c->size / c->load;
+  }
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, scale, it));
+  BW_TRY(precondition(it->context, it->l, it->width, it->used));
+  size_t numbers = 3 * (size_t)it->l->sweeps->count * (size_t)it->width;
+  memset(it->l->q, 0, numbers * sizeof *it->l->q);
+  memset(it->l->p, 0, numbers * sizeof *it->l->p);
+  BW_TRY(summed(it, look));
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    c->rz = c->energy = it->sum[f];
+    if (problem
+            ->energy) /* in equations taken times units: u . f goes with unit^2 over the matrix' */
+      c->energy = fmax(c->energy, problem->energy[f] * c->unit * c->unit / it->l->sweeps->unit);
+  }
+  BW_TRY(turn_all(it));
+done:
+  return status;
+}
+
+/* What r . z is to fall to. Where solutions are to be as exact as a direct one, errors must be
+ * small beside any part of the solution that is seen, and the energy of a load at a support, say,
+ * is that of its neighbourhood: ten times less. */
+static double aim(const bwi_multilevel_problem *problem) {
+  return sqrt(SMALLEST) * problem->tolerance * (problem->energy_alone ? 1 : 0.1);
+}
+
+/* Fields whose iteration ended: is the residual, computed anew, small enough too? Those for which
+ * it is not, and still falls, start again from it: they are fresh. */
+static bw_status judge(iteration *it, const bool *ended) {
+  bw_status status = BW_OK;
+  bwi_multilevel *l = it->l;
+  bool any = false;
+  for (int f = 0; f < it->used; f++) {
+    any |= ended[f];
+    if (it->problem->energy_alone)
+      it->column[f].done |= ended[f];
+  }
+  if (!any || it->problem->energy_alone)
+    return BW_OK;
+  double dot[SIDES];
+  BW_TRY(multiply(it, l->u, dot));
+  BW_TRY(summed(it, take_again)); /* of the others too: they go on with these */
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    if (!ended[f])
+      continue;
+    c->size = sqrt(it->sum[f]);
+    double residual = c->size / c->load;
+    bool helped = residual < 0.5 * c->residual;
+    c->residual = residual;
+    c->fresh = c->size > allowed(it, f) && helped && ++c->starts < STARTS;
+    c->done = !c->fresh;
+  }
+done:
+  return status;
+}
+
+/* z = M r, and from it what the next directions take of the last ones. Those that are done by it go
+ * to `ended`. */
+static bw_status look_ahead(iteration *it, bool *ended) {
+  bw_status status = BW_OK;
+  double tolerance = aim(it->problem);
+  BW_TRY(precondition(it->context, it->l, it->width, it->used));
+  BW_TRY(summed(it, look));
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    double rz = it->sum[f];
+    ended[f] = false;
+    if (c->done || c->fresh)
+      c->back = 0;
+    else {
+      ended[f] = rz <= tolerance * tolerance * c->energy && c->size <= allowed(it, f);
+      c->back = -c->step * it->sum[SIDES + f] / c->rz;
+    }
+    if (!c->done)
+      c->rz = rz;
+    c->fresh = false;
+  }
+done:
+  return status;
+}
+
+/* Fields whose residual has fallen so far that r . z surely has too. */
+static bool find_sure(const iteration *it, const double *before, bool *ended) {
+  double tolerance = aim(it->problem);
+  double least = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
+  bool any = false;
+  for (int f = 0; f < it->used; f++) {
+    const column *c = &it->column[f];
+    double fall = c->size / (before[f] * least);
+    ended[f] = !c->done && fall < 1 && c->rz * fall * fall <= tolerance * tolerance * c->energy &&
+               c->size <= allowed(it, f);
+    any |= ended[f];
+  }
+  return any;
+}
+
+static bool going_on(const iteration *it) {
+  for (int f = 0; f < it->used; f++)
+    if (!it->column[f].done)
+      return true;
+  return false;
+}
+
+static bool any_fresh(const iteration *it) {
+  for (int f = 0; f < it->used; f++)
+    if (it->column[f].fresh)
+      return true;
+  return false;
+}
+
+/* Along the directions; *sound is false where the matrix is not positive definite. */
+static bw_status step_on(iteration *it, double *before, bool *sound) {
+  bw_status status = BW_OK;
+  double curvature[SIDES];
+  BW_TRY(multiply(it, it->l->p, curvature));
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    before[f] = c->size;
+    c->step = c->done ? 0 : c->rz / curvature[f];
+    *sound &= c->done || (curvature[f] > 0 && isfinite(c->step));
+  }
+  if (!*sound)
+    return BW_OK;
+  BW_TRY(summed(it, advance));
+  for (int f = 0; f < it->used; f++)
+    it->column[f].size = sqrt(it->sum[f]);
+done:
+  return status;
+}
+
+static bw_status run(iteration *it) {
+  bw_status status = BW_OK;
+  bwi_multilevel_problem *problem = it->problem;
+  int iterations = 0;
+  BW_TRY(begin(it));
+  while (going_on(it)) {
+    double before[SIDES];
+    bool ended[SIDES], sound = true;
+    if (iterations >= problem->limit) {
+      problem->converged = false;
+      break;
+    }
+    iterations++;
+    BW_TRY(bw_check_cancel(it->context));
+    BW_TRY(step_on(it, before, &sound));
+    if (!sound) {
+      problem->converged = false;
+      break;
+    }
+    if (find_sure(it, before, ended))
+      BW_TRY(judge(it, ended));
+    if (!going_on(it))
+      break;
+    BW_TRY(look_ahead(it, ended));
+    BW_TRY(judge(it, ended));
+    if (any_fresh(it))
+      BW_TRY(look_ahead(it, ended));
+    BW_TRY(turn_all(it));
+  }
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, hand_over, it));
+done:
+  problem->iterations = iterations;
+  return status;
+}
+
+bw_status bwi_multilevel_solve(bw_context *context, bwi_multilevel *l,
+                               bwi_multilevel_problem *problem, int64_t count, const double *force,
+                               double *displacement) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)l->sweeps->count;
+  iteration it = {.context = context, .l = l, .width = count > 1 ? SIDES : 1};
+  bwi_multilevel_problem part = *problem;
+  problem->iterations = 0;
+  problem->converged = true;
+  it.problem = &part;
+  BW_TRY(make_room(context, l, it.width));
+  it.part = BW_NEW(context, double, 2 * SIDES * (l->sweeps->count / ROWS + 1));
+  if (!it.part) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t first = 0; first < count && problem->converged; first += SIDES) {
+    part = *problem;
+    part.load = problem->load ? problem->load + first : NULL;
+    part.energy = problem->energy ? problem->energy + first : NULL;
+    it.used = (int)(count - first < it.width ? count - first : it.width);
+    it.force = force + first * size;
+    it.solution = displacement + first * size;
+    BW_TRY(run(&it));
+    problem->iterations =
+        part.iterations > problem->iterations ? part.iterations : problem->iterations;
+    problem->converged = part.converged;
+  }
+done:
+  bw_free(it.part);
+  return status;
+}
+
+double bwi_multilevel_bytes(const bwi_multilevel *l) {
+  return bwi_sweeps_bytes(l->sweeps->graph->pair_count - l->sweeps->count) +
+         bwi_coarse_bytes(l->coarse);
+}
+
+double bwi_multilevel_flops(const bwi_multilevel *l) {
+  return bwi_coarse_flops(l->coarse);
+}

@@ -1,0 +1,42 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Solving on quadratic elements without a factor of them: conjugate gradients, preconditioned by a
+ * sweep forwards over the nodes (sweeps.h), the linear elements on the same corners solved directly
+ * (coarse.h), and a sweep backwards. */
+#ifndef BWI_SOLVE_MULTILEVEL_H
+#define BWI_SOLVE_MULTILEVEL_H
+
+#include "solve/coarse.h"
+#include "solve/sweeps.h"
+
+typedef struct bwi_multilevel bwi_multilevel;
+
+/* Of a mesh for which bwi_coarse_fits, with its graph; even: as in bwi_sweeps_create. Release with
+ * bw_release. */
+bw_status bwi_multilevel_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                                bool even, bwi_multilevel **out);
+/* The equations of a shape. *usable is false where they are not positive definite. */
+bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *levels, const bw_model *model,
+                                const bw_numbering *numbering, const double *stiffness,
+                                bool *usable);
+/* Bytes that an iteration reads for up to BWI_SWEEP_SIDES right-hand sides; operations of following
+ * a shape. */
+double bwi_multilevel_bytes(const bwi_multilevel *levels);
+double bwi_multilevel_flops(const bwi_multilevel *levels);
+
+typedef struct bwi_multilevel_problem {
+  double tolerance;
+  /* as in bwi_conjugate: what the tolerance is relative to where the force is a rest; or NULL */
+  const double *load, *energy;
+  bool energy_alone;
+  int limit; /* on iterations */
+  /* out */
+  int iterations;
+  bool converged;
+} bwi_multilevel_problem;
+/* K u = f for `count` fields in global directions, those of force taken at the unknowns; u is 0
+ * elsewhere. Not converged is no failure. The two may not be the same block. */
+bw_status bwi_multilevel_solve(bw_context *context, bwi_multilevel *levels,
+                               bwi_multilevel_problem *problem, int64_t count, const double *force,
+                               double *displacement);
+
+#endif

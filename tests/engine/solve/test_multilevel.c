@@ -1,0 +1,226 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Solving over levels of elements: as exact as a factor under every kind of support, in a number of
+ * iterations that sizes and edits do not change, in the same bits on any number of threads. */
+#include "local_bar.h"
+
+/* Under every kind of support, turned, bent and stretched, though the factor of the start stays as
+ * it is. */
+static void as_a_factor(void **state) {
+  bw_context *context = check_context(state);
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    bw_local_system *local = local_of(context, &b);
+    if (local->system->numbering->motion_count > 0) {
+      bw_static *result = NULL;
+      const bw_local_options options = {.method = BW_LOCAL_LEVELS};
+      check_fails(context, BW_INVALID, "free to move",
+                  bw_local_statics(context, local, b.model, &relief, &options, &result, NULL));
+    } else {
+      bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_LEVELS);
+      assert_int_equal(r.method, BW_LOCAL_LEVELS);
+      turn_domain(&b, 0, 0.5);
+      turn_domain(&b, 1, 0.3);
+      b.now.scale[2][1] *= 1.3;
+      r = edit_and_compare(context, &b, local, BW_LOCAL_LEVELS);
+      assert_in_range(r.iterations, 5, 120);
+      assert_false(bwi_local_current(local));
+    }
+    bw_release(local);
+    bar_clear(&b);
+  }
+}
+
+/* Linear elements have no coarser ones. */
+static void linear_elements_are_refused(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bw_static *result = NULL;
+  const bw_local_options options = {.method = BW_LOCAL_LEVELS};
+  bar_make(context, 1, 1, &b);
+  load_bar(context, &b, 0);
+  bw_local_system *local = local_of(context, &b);
+  check_fails(context, BW_INVALID, "these are linear",
+              bw_local_statics(context, local, b.model, NULL, &options, &result, NULL));
+  bw_release(local);
+  bar_clear(&b);
+}
+
+/* Iterations to 1e-10 for a bar of cubes of `cells` elements along an edge. */
+static int iterations_of(bw_context *context, int cells) {
+  bar b;
+  bar_make(context, 1, 2, &b);
+  bw_release(b.model);
+  bw_release(b.mesh);
+  free(b.element_domain);
+  free(b.node_domain);
+  b.mesh = body_box(context, 2, 1, 1, 2 * cells, cells, cells, 2);
+  b.element_domain = calloc((size_t)b.mesh->element_count, sizeof(int32_t));
+  b.node_domain = calloc((size_t)b.mesh->node_count, sizeof(int32_t));
+  check_ok(context, bw_model_create(context, b.mesh, b.material, &b.model));
+  bw_selection *root = face(context, b.mesh, 0, 0);
+  const double gravity[3] = {1, 2, -9.81};
+  check_ok(context, bw_model_fix(context, b.model, root));
+  check_ok(context, bw_model_gravity(context, b.model, gravity));
+  bw_local_system *local = NULL;
+  check_ok(context, bw_local_system_create(context, b.model, false, 1, b.element_domain,
+                                           b.node_domain, NULL, &local));
+  bw_reuse reuse = {0};
+  compare(context, local, b.model, BW_LOCAL_LEVELS, &reuse);
+  bw_release(root);
+  bw_release(local);
+  bar_clear(&b);
+  return reuse.iterations;
+}
+
+static void sizes_do_not_matter(void **state) {
+  bw_context *context = check_context(state);
+  int coarse = iterations_of(context, 3), fine = iterations_of(context, 6);
+  assert_in_range(coarse, 5, 60);
+  assert_true(fine <= coarse + coarse / 4);
+}
+
+/* Loads spread, at a point, none, more than fit side by side; one by one and together; begun near
+ * the solution; to an error in energy, judged by the exact solution. */
+static void many_sides(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIDES = 11 };
+  bar b;
+  bar_make(context, 2, 2, &b);
+  load_bar(context, &b, 1);
+  bw_local_system *local = local_of(context, &b);
+  int64_t size = 3 * (int64_t)b.mesh->node_count;
+  double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
+  double *near = numbers(size), *product = numbers(size);
+  random_field(7, SIDES * size, force);
+  memset(force + size, 0, 2 * (size_t)size * sizeof *force);
+  force[size + size - 2] = 1e6;
+  bw_local_options options = {.method = BW_LOCAL_SCRATCH};
+  check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, v, NULL));
+  options = (bw_local_options){.method = BW_LOCAL_LEVELS};
+  bw_reuse reuse = {0};
+  check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, &reuse));
+  for (int k = 0; k < SIDES; k++)
+    check_near(difference(u + k * size, v + k * size, size), 0, 1e-8);
+  for (int64_t i = 0; i < size; i++)
+    check_near(u[2 * size + i], 0, 0);
+  check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, NULL));
+  check_near(difference(u, v, size), 0, 1e-8);
+  /* begun at the solution but for very little of another */
+  double part = 1e-9 / difference(v + size, v, size);
+  for (int64_t i = 0; i < size; i++)
+    near[i] = v[i] + part * v[size + i];
+  const double *guesses[1] = {near};
+  bw_reuse begun = {0};
+  options.guess = guesses;
+  options.guess_count = 1;
+  check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, &begun));
+  check_near(difference(u, v, size), 0, 1e-8);
+  assert_true(begun.iterations < reuse.iterations - 3);
+  options = (bw_local_options){.method = BW_LOCAL_LEVELS, .tolerance = 1e-3, .energy = true};
+  check_ok(context, bw_local_system_solve(context, local, &options, 2, force, u, NULL));
+  for (int k = 0; k < 2; k++) {
+    double error = 0, whole = 0;
+    for (int64_t i = 0; i < size; i++)
+      near[i] = u[k * size + i] - v[k * size + i];
+    check_ok(context, bw_graph_multiply(context, local->system->graph, local->system->stiffness, 9,
+                                        3, 1, near, product));
+    for (int64_t i = 0; i < size; i++) {
+      error += near[i] * product[i];
+      whole += force[k * size + i] * v[k * size + i];
+    }
+    check_near(sqrt(error / whole), 0, 3e-3);
+    assert_true(sqrt(error / whole) > 1e-7); /* and no more was done */
+  }
+  bw_release(local);
+  free(force);
+  free(u);
+  free(v);
+  free(near);
+  free(product);
+  bar_clear(&b);
+}
+
+static void same_bits(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 3, 2, &b);
+  load_bar(context, &b, 0);
+  int64_t size = 3 * (int64_t)b.mesh->node_count;
+  double *force = numbers(2 * size), *u = numbers(2 * size), *v = numbers(2 * size);
+  random_field(5, 2 * size, force);
+  const bw_local_options options = {.method = BW_LOCAL_LEVELS};
+  for (int threads = 1; threads <= 4; threads += 3) {
+    check_ok(context, bw_set_threads(context, threads));
+    bw_local_system *local = local_of(context, &b);
+    for (int count = 1; count <= 2; count++) {
+      check_ok(context, bw_local_system_solve(context, local, &options, count, force, u, NULL));
+      if (threads == 1)
+        memcpy(count == 1 ? v : v + size, u, (size_t)size * sizeof *u);
+      else
+        assert_memory_equal(count == 1 ? v : v + size, u, (size_t)size * sizeof *u);
+    }
+    bw_release(local);
+  }
+  free(force);
+  free(u);
+  free(v);
+  bar_clear(&b);
+}
+
+/* Left to itself, a system takes the levels where all of a thick body was touched, and the factor
+ * where it is at hand. */
+static void chosen_by_cost(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 5, 2, &b);
+  load_bar(context, &b, 0);
+  bw_local_system *local = local_of(context, &b);
+  bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
+  assert_int_equal(r.method, BW_LOCAL_REFACTOR);
+  assert_true(r.predicted_levels == 0);
+  for (int k = 0; k < RIGID; k++)
+    b.now.scale[k][1] *= 1.3;
+  r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
+  assert_true(r.predicted_levels > 0 && r.predicted_refactor > 0);
+  bool cheaper = r.predicted_levels < fmin(r.predicted_refactor, r.predicted_iterate);
+  assert_int_equal(r.method == BW_LOCAL_LEVELS, cheaper);
+  bw_release(local);
+  bar_clear(&b);
+}
+
+static void no_memory(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 1, 2, &b);
+  load_bar(context, &b, 0);
+  int64_t size = 3 * (int64_t)b.mesh->node_count;
+  double *force = numbers(2 * size), *u = numbers(2 * size);
+  random_field(5, 2 * size, force);
+  const bw_local_options options = {.method = BW_LOCAL_LEVELS, .tolerance = 1e-3};
+  for (int64_t n = 1;; n++) {
+    bw_local_system *local = local_of(context, &b);
+    bw_fail_allocation(n, true);
+    bw_status status = bw_local_system_solve(context, local, &options, 2, force, u, NULL);
+    bw_fail_allocation(0, false);
+    bw_release(local);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+  }
+  free(force);
+  free(u);
+  bar_clear(&b);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(as_a_factor),         check_test(linear_elements_are_refused),
+      check_test(sizes_do_not_matter), check_test(many_sides),
+      check_test(same_bits),           check_test(chosen_by_cost),
+      check_test(no_memory),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
