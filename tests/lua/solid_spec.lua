@@ -178,6 +178,28 @@ describe("a solid", function()
       assert(flat:solve {tolerance = 1e-9})) < 1e-8)
   end)
 
+  it("leaves a straight column that is not stable, whichever way it solves", function()
+    local grid = assert(bw.grid.box {cells = {3, 3, 40}, spacing = 0.01})
+    local height = 0.4
+    local function sideways(shortening, linear)
+      local solid = assert(bw.solid {grid = grid, palette = {rubber()}})
+      solid:hold {side = "low z"}
+      solid:hold({side = "high z"}, {0, 0, -shortening * height})
+      local result = assert(solid:solve {linear = linear})
+      assert.equal(0, result.report.undecided)
+      assert.equal(linear == "coarse", result.report.stability_iterations > 10)
+      local most = 0
+      for _, u in ipairs(result.displacement:totable()) do
+        most = math.max(most, math.abs(u[1]), math.abs(u[2]))
+      end
+      return most
+    end
+    for _, linear in ipairs {"direct", "coarse"} do
+      assert.is_true(sideways(0.018, linear) < 3e-4, linear)
+      assert.is_true(sideways(0.025, linear) > 5e-3, linear)
+    end
+  end)
+
   it("says why it does not solve, and how far it came", function()
     local free = column()
     free:force({side = "high z"}, {0, 0, 1})
