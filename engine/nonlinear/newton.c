@@ -260,7 +260,7 @@ static double largest(const double *u, int64_t size) {
 /* At a residual that is small enough: whether the state is stable; if not, leave it. */
 static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
   bw_status status = BW_OK;
-  bool definite = true, lower = false, decided = true;
+  bool definite = true, lower = false, decided = true, by_factor = false;
   *stable = true;
   walk->undecided = false;
   /* a definite tangent one iteration ago says it for here, if that was near */
@@ -268,7 +268,9 @@ static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
               !walk->iterative;
   if (walk->free == 0 || walk->quadratic || near)
     return BW_OK;
-  if (walk->iterative && bwi_choice_factor_search(walk)) {
+  if (walk->iterative)
+    BW_TRY(bwi_choice_factor_search(walk, &by_factor));
+  if (by_factor) {
     walk->iterative = walk->fresh = false;
     status = bwi_tangent_set(walk, BWI_PLAIN, &definite);
     walk->iterative = true;
@@ -346,8 +348,12 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     if (k == options->iterations)
       break;
     double residual = walk->relative;
-    if (walk->iterative && bwi_choice_factor(walk))
-      walk->iterative = walk->fresh = false;
+    if (walk->iterative) {
+      bool by_factor;
+      BW_TRY(bwi_choice_factor(walk, &by_factor));
+      if (by_factor)
+        walk->iterative = walk->fresh = false;
+    }
     if (walk->free > 0) {
       if (kind == BWI_PROJECTED && ++projected > PATIENCE)
         kind = BWI_SHIFTED;

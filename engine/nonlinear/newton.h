@@ -18,8 +18,9 @@
 /* What solutions by conjugate gradients needed, those of solids with so many elements. */
 typedef struct bwi_experience {
   int64_t elements;
-  double solutions, iterations;
-  double nepers; /* by how many factors of e they brought residuals down */
+  double solutions, iterations; /* with the guess that was there before */
+  double taken;                 /* without it */
+  double nepers;                /* by how many factors of e they brought residuals down */
 } bwi_experience;
 
 /* What is kept between solves. */
@@ -68,7 +69,7 @@ typedef enum bwi_tangent {
 /* What there is to choose from: seconds of a machine by count (newton_choice.c). */
 typedef struct bwi_choice {
   bool open;             /* or there is no choice */
-  double factor;         /* a tangent factored and solved with */
+  double factor;         /* a tangent factored and solved with; 0: not analysed yet */
   double set, iteration; /* the cycle for a tangent, an iteration with it */
 } bwi_choice;
 
@@ -179,12 +180,12 @@ bw_status bwi_tangent_solve(bwi_walk *walk, const double *force, double toleranc
                             double *displacement, int32_t *iterations);
 
 /* What the choice is about, where the options leave one; begins an experience. */
-bw_status bwi_choice_begin(bwi_walk *walk);
+void bwi_choice_begin(bwi_walk *walk);
 void bwi_choice_learn(bwi_walk *walk, int32_t iterations, double residual);
 int32_t bwi_choice_limit(const bwi_walk *walk); /* iterations that a solution may take */
 /* Whether a factor is cheaper: for a tangent to solve with, to see that it is definite. */
-bool bwi_choice_factor(const bwi_walk *walk);
-bool bwi_choice_factor_search(const bwi_walk *walk);
+bw_status bwi_choice_factor(bwi_walk *walk, bool *factor);
+bw_status bwi_choice_factor_search(bwi_walk *walk, bool *factor);
 
 /* Go along walk->direction, along which the potential falls by `slope` < 0 at first: walk->now
  * becomes a state that is lower, *step says how far; 0: none was found, and nothing changed. */

@@ -183,6 +183,7 @@ static bw_status walk_begin(bwi_walk *walk) {
   bw_status status = BW_OK;
   bw_context *context = walk->context;
   const double *start = walk->options->start;
+  bool by_factor;
   BW_TRY(bwi_walk_create(walk));
   int64_t n = walk->size;
   if (start) {
@@ -198,9 +199,9 @@ static bw_status walk_begin(bwi_walk *walk) {
     for (int64_t i = 0; i < n; i++)
       walk->fade[i] = walk->the->held[i] ? 0 : walk->now.internal[i] - walk->now.load[i];
   }
-  BW_TRY(bwi_choice_begin(walk));
-  if (walk->iterative && bwi_choice_factor(walk))
-    walk->iterative = false;
+  bwi_choice_begin(walk);
+  BW_TRY(bwi_choice_factor(walk, &by_factor));
+  walk->iterative = walk->iterative && !by_factor;
   BW_TRY(bwi_tangent_blocks(walk));
   BW_TRY(bwi_contact_create(context, walk->the, walk->blocks, &walk->contact));
   if (walk->contact && start)
