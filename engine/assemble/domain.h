@@ -42,7 +42,7 @@ static inline int64_t bwi_next_four(int64_t n) {
 typedef struct bwi_domain_coefficients {
   /* elements and nodes, domain by domain */
   int32_t *element_start, *element; /* domain_count + 1 */
-  int32_t *domain_of;               /* element_count */
+  int32_t *number;                  /* element_count: its place in `element` */
   int64_t *node_start;              /* domain_count + 1: of all nodes of its elements, ascending */
   int32_t *node;
 
@@ -54,14 +54,10 @@ typedef struct bwi_domain_coefficients {
   /* pieces: tile by tile, in each by ascending sections */
   int64_t piece_count, place_count, item_count, present_count;
   bwi_domain_piece *piece;
-  int64_t *chosen; /* piece_count: room for those that an update writes */
   uint32_t *place; /* 2 * pair, + 1 on the diagonal; ascending in each piece */
   double *tensor;  /* T at rest, by halves: (T_pq + T_qp) / 2 for p <= q, (T_pq - T_qp) / 2 */
-  double *tensor_block, *present_block; /* that hold these */
   double *present; /* T as it is now, of pieces of sets, where a domain is reshaped */
   double *map;     /* BWI_DOMAIN_MAP domain_count: what makes entries of T now */
-  bwi_vector
-      *frame; /* room for those of all elements; new memory would cost more than to fill it */
 
   double elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl, of a material turned by element unturned */
   double *rest_turn;     /* domain_count x 9: then how each domain's lies at rest; or NULL */
@@ -117,27 +113,19 @@ static inline double *bwi_domain_present(const bwi_domain_coefficients *c,
 void bwi_domain_evaluate(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
                          double *out);
 
-/* domain_gather.c: from frames of elements. T of a piece's pairs, of one domain's elements: */
-typedef struct bwi_domain_work bwi_domain_work;
-void bwi_domain_gather_tensors(const bwi_domain_work *work, const bwi_domain_piece *piece,
-                               int32_t domain, double *to);
-/* Entries inside a domain, to out + 9 * pair. */
-void bwi_domain_gather_entries(const bwi_domain_work *work, const bwi_domain_piece *piece,
-                               double *out);
-
 /* domain_write.c: entries of some domains. */
 enum { BWI_DOMAIN_KEEP, BWI_DOMAIN_EVALUATE, BWI_DOMAIN_GATHER };
 
-struct bwi_domain_work {
+typedef struct bwi_domain_work {
   bw_domain_stiffness *stiffness;
   const bw_mesh *mesh;
   uint8_t *action; /* domain_count: BWI_DOMAIN_... */
   bwi_pair_source source;
-  bwi_frames frames;      /* filled for elements of gathered domains */
-  int64_t *first_element; /* domain_count + 1: of gathered domains, one after the other */
-  bool *touched;          /* section_count: a domain of it has an action */
-  int64_t pairs;          /* of those sections */
-};
+  bwi_frames frames;    /* of elements of gathered domains, domain by domain */
+  int64_t *first_frame; /* domain_count + 1 */
+  bool *touched;        /* section_count: a domain of it has an action */
+  int64_t pairs;        /* of those sections */
+} bwi_domain_work;
 bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiffness,
                                  bwi_domain_work *work);
 void bwi_domain_work_clear(bwi_domain_work *work);

@@ -213,36 +213,20 @@ INLINED void evaluate_inside(const double *map, const double *tensor, int number
   }
 }
 
-/* Pieces of several: domain by domain, for as many pairs as stay in the nearest cache. */
-static void evaluate_set(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
-                         int64_t domains, double *out) {
-  enum { GROUPS = 16 };
-  const uint32_t *place = c->place + piece->first;
-  for (int64_t begin = 0; begin < piece->size; begin += 4 * GROUPS) {
-    int64_t end = begin + 4 * GROUPS < piece->size ? begin + 4 * GROUPS : piece->size;
-    bwi_vector half[GROUPS][9];
-    for (int64_t j = 0; j < domains; j++) {
-      const double *tensor, *map = map_of(c, piece, j, &tensor);
-      for (int64_t k = begin, g = 0; k < end; k += 4, g++) {
-        bwi_vector sum[9] = {{0}};
-        if (j > 0)
-          memcpy(sum, half[g], sizeof sum);
-        add_four(map, tensor + 9 * k, 9, sum);
-        memcpy(half[g], sum, sizeof sum);
-      }
-    }
-    for (int64_t k = begin, g = 0; k < end; k += 4, g++)
-      store(half[g], 9, place + k, end - k < 4 ? (int)(end - k) : 4, out);
-  }
-}
-
 void bwi_domain_evaluate(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
                          double *out) {
   const uint32_t *place = c->place + piece->first;
   int64_t domains = c->block_start[piece->section + 1] - c->block_start[piece->section];
   const double *tensor, *map = map_of(c, piece, 0, &tensor);
   if (domains > 1)
-    evaluate_set(c, piece, domains, out);
+    for (int64_t k = 0; k < piece->size; k += 4) {
+      bwi_vector half[9] = {{0}};
+      for (int64_t j = 0; j < domains; j++) {
+        map = map_of(c, piece, j, &tensor);
+        add_four(map, tensor + 9 * k, 9, half);
+      }
+      store(half, 9, place + k, piece->size - k < 4 ? (int)(piece->size - k) : 4, out);
+    }
   else if (piece->numbers == 6)
     evaluate_inside(map, tensor, 6, place, piece->size, out);
   else

@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-/* A tile is small enough for its entries to stay in a near cache while they are written, and large
- * enough for pieces of many pairs. */
+/* A tile is small enough for its entries to stay in the nearest cache while they are written, and
+ * large enough for pieces of many pairs. */
 enum { PAIRS_PER_TILE = 4096, PAIRS_PER_CHECK = 1 << 16 };
 
 /* Elements listed by domain, ascending. */
@@ -13,16 +13,16 @@ static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t
                                const int32_t *element_domain, bwi_domain_coefficients *c) {
   int32_t *start = c->element_start = BW_NEW0(context, int32_t, (int64_t)domain_count + 1);
   c->element = BW_NEW(context, int32_t, mesh->element_count);
-  c->domain_of = BW_NEW(context, int32_t, mesh->element_count);
-  if (!c->element_start || !c->element || !c->domain_of)
+  c->number = BW_NEW(context, int32_t, mesh->element_count);
+  if (!c->element_start || !c->element || !c->number)
     return BW_MEMORY;
   for (int32_t e = 0; e < mesh->element_count; e++)
     start[element_domain[e] + 1]++;
   for (int32_t d = 0; d < domain_count; d++)
     start[d + 1] += start[d];
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    c->domain_of[e] = element_domain[e];
-    c->element[start[element_domain[e]]++] = e;
+    c->number[e] = start[element_domain[e]]++;
+    c->element[c->number[e]] = e;
   }
   memmove(start + 1, start, (size_t)domain_count * sizeof *start);
   start[0] = 0;
@@ -244,13 +244,6 @@ static int ascending(const void *a, const void *b) {
   return (p->section > q->section) - (p->section < q->section);
 }
 
-/* From the start of a line of the cache on: registers read across two lines take twice as long. */
-enum { PER_LINE = 8 };
-static double *from_line(double *block) {
-  size_t bytes = PER_LINE * sizeof *block;
-  return block + (bytes - (uintptr_t)block % bytes) % bytes / sizeof *block;
-}
-
 /* Pieces and what they hold, from the section of every pair. */
 static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t domain_count,
                              const int32_t *section, bwi_domain_coefficients *c) {
@@ -295,15 +288,12 @@ static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t
     }
   }
   c->place = BW_NEW0(context, uint32_t, c->place_count);
-  c->tensor_block = BW_NEW0(context, double, c->item_count + PER_LINE);
-  c->present_block = BW_NEW0(context, double, c->present_count + PER_LINE);
-  c->chosen = BW_NEW(context, int64_t, c->piece_count);
-  if (!c->place || !c->tensor_block || !c->present_block || !c->chosen) {
+  c->tensor = BW_NEW0(context, double, c->item_count);
+  c->present = BW_NEW0(context, double, c->present_count);
+  if (!c->place || !c->tensor || !c->present) {
     status = BW_MEMORY;
     goto done;
   }
-  c->tensor = from_line(c->tensor_block);
-  c->present = from_line(c->present_block);
   bwi_domain_piece *piece = c->piece;
   int64_t *next = found; /* where the next pair of a section is put */
   for (int32_t i = 0; i < graph->node_count; i++)

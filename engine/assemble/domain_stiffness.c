@@ -16,18 +16,16 @@ static void destroy(void *object) {
   if (c) {
     bw_free(c->element_start);
     bw_free(c->element);
-    bw_free(c->domain_of);
+    bw_free(c->number);
     bw_free(c->node_start);
     bw_free(c->node);
     bw_free(c->section_size);
     bw_free(c->block_start);
     bw_free(c->block_domain);
     bw_free(c->piece);
-    bw_free(c->chosen);
-    bw_free(c->frame);
     bw_free(c->place);
-    bw_free(c->tensor_block);
-    bw_free(c->present_block);
+    bw_free(c->tensor);
+    bw_free(c->present);
     bw_free(c->map);
     bw_free(c->rest_turn);
     bw_free(c->frame_start);
@@ -55,10 +53,9 @@ static size_t bytes(const void *object) {
          nodes = (size_t)c->node_start[domains], frames = (size_t)c->frame_start[domains];
   return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
          (size_t)c->place_count * sizeof *c->place + (size_t)c->piece_count * sizeof *c->piece +
-         (sections * 2 + (size_t)c->piece_count) * sizeof(int64_t) +
+         sections * 2 * sizeof(int64_t) +
          (size_t)c->block_start[sections] * sizeof *c->block_domain +
-         elements * (2 * sizeof(int32_t) +
-                     (size_t)(stiffness->graph->mesh->order == 1 ? 4 : 10) * sizeof *c->frame) +
+         elements * 2 * sizeof(int32_t) +
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_domain + 9 * sizeof *c->reported_frame) +
          domains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
@@ -168,15 +165,13 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   s->values = BW_NEW(context, double, 9 * graph->pair_count);
   s->changed = BW_NEW0(context, uint8_t, domain_count);
   c->map = BW_NEW(context, double, BWI_DOMAIN_MAP *(int64_t)domain_count);
-  c->frame =
-      BW_NEW(context, bwi_vector, (int64_t)mesh->element_count * (mesh->order == 1 ? 4 : 10));
   c->written = BW_NEW(context, bwi_domain_shape, domain_count);
   c->reported = BW_NEW(context, bwi_domain_shape, domain_count);
   c->written_position = BW_NEW(context, double, 3 * nodes);
   c->reported_position = BW_NEW(context, double, 3 * nodes);
   c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
-  if (!s->values || !s->changed || !c->map || !c->frame || !c->written || !c->reported ||
-      !c->written_position || !c->reported_position || !c->reported_frame) {
+  if (!s->values || !s->changed || !c->map || !c->written || !c->reported || !c->written_position ||
+      !c->reported_position || !c->reported_frame) {
     status = BW_MEMORY;
     goto done;
   }

@@ -3,7 +3,7 @@
  * done before anything is written. */
 #include "assemble/domain.h"
 
-enum { PIECES_PER_CHUNK = 4, ELEMENTS_PER_CHUNK = 256 };
+enum { PIECES_PER_CHUNK = 16 };
 
 bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiffness,
                                  bwi_domain_work *work) {
@@ -11,15 +11,16 @@ bw_status bwi_domain_work_create(bw_context *context, bw_domain_stiffness *stiff
   memset(work, 0, sizeof *work);
   work->stiffness = stiffness;
   work->action = BW_NEW0(context, uint8_t, domains);
-  work->first_element = BW_NEW(context, int64_t, domains + 1);
+  work->first_frame = BW_NEW(context, int64_t, domains + 1);
   work->touched = BW_NEW0(context, bool, stiffness->coefficients->section_count);
-  return work->action && work->first_element && work->touched ? BW_OK : BW_MEMORY;
+  return work->action && work->first_frame && work->touched ? BW_OK : BW_MEMORY;
 }
 
 void bwi_domain_work_clear(bwi_domain_work *work) {
   bw_free(work->action);
-  bw_free(work->first_element);
+  bw_free(work->first_frame);
   bw_free(work->touched);
+  bw_free(work->frames.vector);
   memset(work, 0, sizeof *work);
 }
 
@@ -36,35 +37,36 @@ static void list_touched(bwi_domain_work *work) {
 
 /* ---- frames of the domains to be gathered ---- */
 
+typedef struct frames_data {
+  bwi_domain_work *work;
+  int32_t domain;
+} frames_data;
+
 static bw_status fill_frames(void *data, int64_t begin, int64_t end, int worker) {
-  const bwi_domain_work *work = (const bwi_domain_work *)data;
+  const frames_data *f = (const frames_data *)data;
+  const bwi_domain_work *work = f->work;
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  int32_t domain = 0;
   (void)worker;
   for (int64_t k = begin; k < end; k++) {
-    while (work->first_element[domain + 1] <= k)
-      domain++;
-    int32_t e = c->element[c->element_start[domain] + k - work->first_element[domain]];
+    int32_t e = c->element[c->element_start[f->domain] + k];
+    bwi_vector *h = work->frames.vector + (work->first_frame[f->domain] + k) * work->frames.vectors;
     if (work->mesh->order == 2) {
       double x[10][3];
       bwi_element_nodes(work->mesh, e, x);
       if (!bw_tet_is_straight((const double(*)[3])x))
         return BW_INVALID;
     }
-    if (!(bwi_element_frame(work->mesh, e, c->frame + (int64_t)e * work->frames.vectors) > 0))
+    if (!(bwi_element_frame(work->mesh, e, h) > 0))
       return BW_GEOMETRY;
   }
   return BW_OK;
 }
 
-/* Name the first element of a gathered domain that fill_frames refused. */
-static bw_status name_refused(bw_context *context, const bwi_domain_work *work) {
-  const bw_mesh *mesh = work->mesh;
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  for (int64_t k = 0; k < mesh->element_count; k++) {
+/* Name the first element that fill_frames refused. */
+static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
+                              const bwi_domain_coefficients *c, int32_t domain) {
+  for (int32_t k = c->element_start[domain]; k < c->element_start[domain + 1]; k++) {
     int32_t e = c->element[k];
-    if (work->action[c->domain_of[e]] != BWI_DOMAIN_GATHER)
-      continue;
     double x[10][3];
     bwi_vector h[10];
     bwi_element_nodes(mesh, e, x);
@@ -81,10 +83,12 @@ static bw_status name_refused(bw_context *context, const bwi_domain_work *work) 
     if (!(determinant > 0))
       return bwi_fail_inverted(context, mesh, e, determinant);
   }
-  return bw_fail(context, BW_INTERNAL, "an element was refused and not found again");
+  return bw_fail(context, BW_INTERNAL, "an element of domain %d was refused and not found again",
+                 domain);
 }
 
 bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bwi_domain_work *work) {
+  bw_status status = BW_OK;
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
   const bw_graph *graph = work->stiffness->graph;
   work->mesh = mesh;
@@ -94,20 +98,59 @@ bw_status bwi_domain_work_prepare(bw_context *context, const bw_mesh *mesh, bwi_
   bwi_product_table(mesh->order, work->source.table);
   work->frames.mesh = mesh;
   work->frames.vectors = mesh->order == 1 ? 4 : 10;
-  work->frames.vector = c->frame;
   list_touched(work);
-  int32_t domains = work->stiffness->domain_count;
-  work->first_element[0] = 0;
-  for (int32_t d = 0; d < domains; d++)
-    work->first_element[d + 1] =
-        work->first_element[d] +
-        (work->action[d] == BWI_DOMAIN_GATHER ? c->element_start[d + 1] - c->element_start[d] : 0);
-  bw_status status =
-      bw_parallel(context, work->first_element[domains], ELEMENTS_PER_CHUNK, fill_frames, work);
-  return status == BW_INVALID || status == BW_GEOMETRY ? name_refused(context, work) : status;
+  int64_t count = 0;
+  for (int32_t d = 0; d < work->stiffness->domain_count; d++) {
+    work->first_frame[d] = count;
+    if (work->action[d] == BWI_DOMAIN_GATHER)
+      count += c->element_start[d + 1] - c->element_start[d];
+  }
+  if (!count)
+    goto done;
+  work->frames.vector = BW_NEW(context, bwi_vector, count * work->frames.vectors);
+  if (!work->frames.vector) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t d = 0; d < work->stiffness->domain_count; d++)
+    if (work->action[d] == BWI_DOMAIN_GATHER) {
+      frames_data f = {work, d};
+      status = bw_parallel(context, c->element_start[d + 1] - c->element_start[d], 1024,
+                           fill_frames, &f);
+      if (status == BW_INVALID || status == BW_GEOMETRY)
+        status = name_refused(context, mesh, c, d);
+      if (status != BW_OK)
+        goto done;
+    }
+done:
+  return status;
 }
 
 /* ---- tensors and entries ---- */
+
+static bwi_element_range range_of(const bwi_domain_work *work, int64_t domain) {
+  const bwi_domain_coefficients *c = work->stiffness->coefficients;
+  return (bwi_element_range){
+      c->number, c->element_start[domain], c->element_start[domain + 1] - c->element_start[domain],
+      work->frames.vector + work->first_frame[domain] * work->frames.vectors};
+}
+
+/* T of a piece's j-th domain into `to`. */
+static void gather_tensors(const bwi_domain_work *work, const bwi_domain_piece *piece,
+                           int32_t domain, double *to) {
+  const uint32_t *place = work->stiffness->coefficients->place + piece->first;
+  bwi_element_range range = range_of(work, domain);
+  int numbers = piece->numbers;
+  for (int64_t k = 0; k < piece->size; k++) {
+    double t[3][4], *tensor = to + numbers * (k & ~(int64_t)3) + (k & 3);
+    bool diagonal = place[k] & 1;
+    bwi_sum_pair(&work->source, &range, place[k] >> 1, diagonal, t);
+    bwi_domain_halves(t, numbers, tensor);
+    if (diagonal) /* symmetric but for rounding */
+      for (int m = 6; m < numbers; m++)
+        tensor[4 * m] = 0;
+  }
+}
 
 static bw_status gather_rest(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_domain_work *work = (const bwi_domain_work *)data;
@@ -116,30 +159,57 @@ static bw_status gather_rest(void *data, int64_t begin, int64_t end, int worker)
   for (const bwi_domain_piece *piece = c->piece + begin; piece < c->piece + end; piece++) {
     int64_t first = c->block_start[piece->section];
     for (int64_t b = first; b < c->block_start[piece->section + 1]; b++)
-      bwi_domain_gather_tensors(work, piece, c->block_domain[b],
-                                bwi_domain_rest(c, piece, b - first));
+      gather_tensors(work, piece, c->block_domain[b], bwi_domain_rest(c, piece, b - first));
   }
   return BW_OK;
+}
+
+/* Entries inside a gathered domain, straight from its frames. */
+static void gather_inside(const bwi_domain_work *work, const bwi_domain_piece *piece,
+                          int32_t domain) {
+  const bwi_domain_coefficients *c = work->stiffness->coefficients;
+  const bw_material *material = work->stiffness->material;
+  const uint32_t *place = c->place + piece->first;
+  bwi_element_range range = range_of(work, domain);
+  bwi_vector map[9][3] = {{{0}}};
+  if (!material->isotropic) {
+    double elasticity[81];
+    bwi_domain_elasticity(work->stiffness, domain, c->written[domain].frame, elasticity);
+    for (int jl = 0; jl < 9; jl++)
+      for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+          map[jl][i][k] = elasticity[9 * (3 * i + k) + jl];
+  }
+  for (int64_t k = 0; k < piece->size; k++) {
+    double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(place[k] >> 1);
+    bool diagonal = place[k] & 1;
+    bwi_sum_pair(&work->source, &range, place[k] >> 1, diagonal, t);
+    if (material->isotropic)
+      bwi_apply_isotropic(material->lame_lambda, material->lame_mu, t, block);
+    else
+      bwi_apply_general(map, t, block);
+    if (diagonal)
+      bwi_make_symmetric(block);
+  }
 }
 
 static bw_status write_pieces(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_domain_work *work = (const bwi_domain_work *)data;
   const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  double *values = work->stiffness->values;
   (void)worker;
-  for (int64_t k = begin; k < end; k++) {
-    const bwi_domain_piece *piece = &c->piece[c->chosen[k]];
+  for (const bwi_domain_piece *piece = c->piece + begin; piece < c->piece + end; piece++) {
+    if (!work->touched[piece->section])
+      continue;
     const int32_t *domain = c->block_domain + c->block_start[piece->section];
-    bool inside = piece->section < c->inside_count;
-    if (inside && work->action[*domain] == BWI_DOMAIN_GATHER) {
-      bwi_domain_gather_entries(work, piece, values);
+    int64_t domains = c->block_start[piece->section + 1] - c->block_start[piece->section];
+    if (domains == 1 && work->action[*domain] == BWI_DOMAIN_GATHER) {
+      gather_inside(work, piece, *domain);
       continue;
     }
-    int64_t domains = c->block_start[piece->section + 1] - c->block_start[piece->section];
-    for (int64_t j = 0; !inside && j < domains; j++)
+    for (int64_t j = 0; domains > 1 && j < domains; j++)
       if (work->action[domain[j]] == BWI_DOMAIN_GATHER)
-        bwi_domain_gather_tensors(work, piece, domain[j], bwi_domain_present(c, piece, j));
-    bwi_domain_evaluate(c, piece, values);
+        gather_tensors(work, piece, domain[j], bwi_domain_present(c, piece, j));
+    bwi_domain_evaluate(c, piece, work->stiffness->values);
   }
   return BW_OK;
 }
@@ -152,10 +222,6 @@ bw_status bwi_domain_gather_rest(bw_context *context, bwi_domain_work *work) {
 }
 
 bw_status bwi_domain_write(bw_context *context, bwi_domain_work *work) {
-  const bwi_domain_coefficients *c = work->stiffness->coefficients;
-  int64_t count = 0;
-  for (int64_t p = 0; p < c->piece_count; p++)
-    if (work->touched[c->piece[p].section])
-      c->chosen[count++] = p;
-  return bw_parallel(context, count, PIECES_PER_CHUNK, write_pieces, work);
+  return bw_parallel(context, work->stiffness->coefficients->piece_count, PIECES_PER_CHUNK,
+                     write_pieces, work);
 }

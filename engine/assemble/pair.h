@@ -24,10 +24,11 @@ typedef struct bwi_pair_source {
   int64_t contributions; /* of the whole graph */
 } bwi_pair_source;
 
-/* The elements that count, when not all do: those of one domain. */
+/* The elements that count, when not all do: frame number[e] - first if that is in [0, count). */
 typedef struct bwi_element_range {
-  const int32_t *domain_of; /* element_count */
-  int32_t domain;
+  const int32_t *number;
+  int32_t first, count;
+  const bwi_vector *vector; /* their frames */
 } bwi_element_range;
 
 /* Add a curved element's tensor of local nodes (a, b). */
@@ -52,7 +53,7 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
   const bw_graph *graph = source->graph;
   const int32_t *curved = range ? NULL : source->frames->curved;
   const int vectors = source->frames->vectors;
-  const bwi_vector *vector = source->frames->vector;
+  const bwi_vector *vector = range ? range->vector : source->frames->vector;
   bwi_vector t0 = {0}, t1 = {0}, t2 = {0};
   double extra[3][4];
   if (curved)
@@ -61,7 +62,8 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
     int32_t e = graph->gather_element[k];
     int code = graph->gather_local[k];
     if (range) {
-      if (range->domain_of[e] != range->domain)
+      e = range->number[e] - range->first;
+      if ((uint32_t)e >= (uint32_t)range->count)
         continue;
     } else if (k + AHEAD < source->contributions)
       __builtin_prefetch(vector + (int64_t)graph->gather_element[k + AHEAD] * vectors);
