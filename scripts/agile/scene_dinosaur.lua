@@ -52,7 +52,7 @@ return {
   loads = {
     {"a push against the snout", function(boundary) return boundary:near({54, 0, 70}, 6) end, {-15, 0, 0}},
   },
-  session = {heat = 10, threshold = 0.55, thresholds = { -- wider joints where limbs will be scaled
+  session = {heat = 10, threshold = 0.42, thresholds = { -- wider joints where limbs will be scaled
     ["left thigh"] = 0.9, ["left shank"] = 0.9, ["left foot"] = 0.9, ["right thigh"] = 0.9,
     ["right shank"] = 0.9, ["right foot"] = 0.9}},
   edits = {

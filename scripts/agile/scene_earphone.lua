@@ -63,7 +63,9 @@ return {
     {"the microphone is pressed", function(boundary) return boundary:near({32, 18, -8}, 3) end,
       {0, 0, -4}},
   },
-  session = {heat = 10, threshold = 0.8},
+  session = {heat = 10, threshold = 0.6, thresholds = { -- wider joints where the band will be scaled
+    ["left arm"] = 0.8, ["right arm"] = 0.8, ["left temple"] = 0.8, ["right temple"] = 0.8,
+    ["left band"] = 0.8, ["right band"] = 0.8}},
   edits = {
     {"the microphone nearer", function(session)
       return session:reach {{joint = "microphone", at = {31e-3, 13e-3, -9e-3}, from = "boom"}}

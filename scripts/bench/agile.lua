@@ -78,6 +78,10 @@ for name in wish.scenes:gmatch "[^,]+" do
   local first = assert(session:solve())
   first.von_mises:max()
   row.seconds_begin, row.max_von_mises_pa = bw.seconds() - start, first.von_mises:max()
+  row.elements_blended = 0
+  for _, domain in ipairs(session.domains) do
+    if domain.type == "F" then row.elements_blended = row.elements_blended + domain.elements end
+  end
   local bones = {}
   for _, bone in ipairs(scene.skeleton.bone_names) do
     if #bones < wish.bones and session:bone(bone).domain then bones[#bones + 1] = bone end
@@ -153,6 +157,8 @@ for name in wish.scenes:gmatch "[^,]+" do
     1e3 * (row.seconds_all or 0 / 0), 1e3 * row.seconds_local, p.update, base.factor + base.solve,
     base.own_total, p.solve, row.seconds_edit, row.ratio_of_seconds, row.ratio_of_seconds_own_order,
     factor / 1e6, updates / 1e6))
+  print(("          %.0f %% of the elements blended (paper %.0f %%)"):format(
+    100 * row.elements_blended / row.elements, 100 * scene.paper.blended / scene.paper.elements))
   if wish.optimise then
     start = bw.seconds()
     local processor = os.clock()
