@@ -82,16 +82,16 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found,
     for (int64_t i = 0; i < n; i++)
       p[i] = walk->the->held[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
     before = rz;
-    if (walk->iterative)
+    if (walk->iterative) /* 0 where held: reactions are nothing that coarse solids should see */
       BW_TRY(bwi_precondition_multiply(context, walk->precondition, p, q));
     else
       BW_TRY(bw_graph_multiply(context, walk->solid->graph, plain, 9, 3, 1, p, q));
     walk->report->stability_iterations++;
     curvature = bwi_walk_dot(walk, p, q);
-    for (int64_t i = 0; i < n; i++) {
+    for (int64_t i = 0; i < n; i++)
       size += fabs(walk->blocks[3 * i + i % 3]) * p[i] * p[i];
-      q[i] = walk->the->held[i] ? 0 : q[i]; /* or r would have parts that no one may move */
-    }
+    if (!isfinite(curvature))
+      goto done;
     *found = curvature < -NEUTRAL * size;
     *none = !*found && !(curvature > 0); /* neutral, as far as numbers tell */
     if (*found || *none)
