@@ -68,11 +68,11 @@ static void test_buckling(void **state) {
 }
 
 /* A column of 3 x 3 x 40 neo-Hookean cells between its held ends, pressed to 0.8 % below and 1.5 %
- * above the shortening at which the factor of its tangent fails first (0.0212; Euler's is 0.0185, to
- * which cells as wide as a third of it add). Symmetric in every respect: nothing but the search for
- * a direction tells a solution without a matrix that the straight column is no longer stable, and
- * the bent one has two ways to go that are nearly alike, along a side and along a diagonal, of which
- * only the first ends in a minimum. */
+ * above the shortening at which the factor of its tangent fails first (0.0212; Euler's is 0.0185,
+ * to which cells as wide as a third of it add). Symmetric in every respect: nothing but the search
+ * for a direction tells a solution without a matrix that the straight column is no longer stable,
+ * and the bent one has two ways to go that are nearly alike, along a side and along a diagonal, of
+ * which only the first ends in a minimum. */
 static void test_column(void **state) {
   bw_context *context = check_context(state);
   const int32_t cells[3] = {3, 3, 40};
