@@ -39,7 +39,7 @@ struct bwi_multilevel {
   int32_t *held;
   /* room for `width` fields */
   int width;
-  double *u, *r, *p, *q;
+  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are computed anew */
   float *z, *rest, *floats;
   double *corner; /* SIDES x 3 corners */
 };
@@ -49,11 +49,12 @@ static void free_room(bwi_multilevel *l) {
   bw_free(l->r);
   bw_free(l->p);
   bw_free(l->q);
+  bw_free(l->ku);
   bw_free(l->z);
   bw_free(l->rest);
   bw_free(l->floats);
   bw_free(l->corner);
-  l->u = l->r = l->p = l->q = l->corner = NULL;
+  l->u = l->r = l->p = l->q = l->ku = l->corner = NULL;
   l->z = l->rest = l->floats = NULL;
   l->width = 0;
 }
@@ -152,7 +153,7 @@ static bw_status precondition(bw_context *context, bwi_multilevel *l, int width,
   BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_rest, &m));
   BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
   BW_TRY(bw_parallel(context, l->sweeps->count, ROWS, prolong, &m));
-  BW_TRY(bwi_sweeps_backward(context, l->sweeps, width, l->floats, l->z));
+  BW_TRY(bwi_sweeps_backward(context, l->sweeps, width, l->floats, l->z, l->rest));
 done:
   return status;
 }
@@ -206,11 +207,12 @@ static bw_status make_room(bw_context *context, bwi_multilevel *l, int width) {
   l->r = BW_NEW(context, double, numbers);
   l->p = BW_NEW0(context, double, numbers);
   l->q = BW_NEW(context, double, numbers);
+  l->ku = BW_NEW(context, double, numbers);
   l->z = BW_NEW0(context, float, numbers);
   l->rest = BW_NEW(context, float, numbers);
   l->floats = BW_NEW(context, float, numbers);
   l->corner = BW_NEW(context, double, 3 * (size_t)bwi_coarse_corners(l->coarse) * (size_t)width);
-  if (!l->u || !l->r || !l->p || !l->q || !l->z || !l->rest || !l->floats || !l->corner) {
+  if (!l->u || !l->r || !l->p || !l->q || !l->ku || !l->z || !l->rest || !l->floats || !l->corner) {
     free_room(l);
     return BW_MEMORY;
   }
@@ -285,16 +287,33 @@ static void keep_unknowns(const bwi_multilevel *l, int width, double *field) {
   }
 }
 
-/* q = K p at the unknowns, and p . q */
-static bw_status multiply(iteration *it, const double *p, double *dot) {
+/* q = K p at the unknowns */
+static bw_status multiply(iteration *it, const double *p, double *q) {
   bw_status status = BW_OK;
-  BW_TRY(bwi_sweeps_product(it->context, it->l->sweeps, it->width, p, it->l->q, dot));
-  keep_unknowns(it->l, it->width, it->l->q);
+  BW_TRY(bwi_sweeps_product(it->context, it->l->sweeps, it->width, p, q));
+  keep_unknowns(it->l, it->width, q);
 done:
   return status;
 }
 
-/* r = f - q (where `renewed`; else f) with its floats, and r . r */
+/* p . q and p . r */
+static bw_status curve(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      double p = l->p[i * width + f];
+      sum[f] += p * l->q[i * width + f];
+      sum[SIDES + f] += p * l->r[i * width + f];
+    }
+  return BW_OK;
+}
+
+/* r = f - K u (where `renewed`; else f) with its floats, and r . r */
 static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool renewed) {
   bwi_multilevel *l = it->l;
   int width = it->width;
@@ -309,7 +328,7 @@ static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool rene
         double rest[3];
         for (int d = 0; d < 3; d++)
           rest[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
-                    l->q[(3 * k + d) * width + f];
+                    l->ku[(3 * k + d) * width + f];
         held_out(l->numbering, node, rest, value);
       } else if (f < it->used)
         held_out(l->numbering, node, it->force + f * size + 3 * node, value);
@@ -505,8 +524,7 @@ static bw_status judge(iteration *it, const bool *ended) {
   }
   if (!any || it->problem->energy_alone)
     return BW_OK;
-  double dot[SIDES];
-  BW_TRY(multiply(it, l->u, dot));
+  BW_TRY(multiply(it, l->u, l->ku));
   BW_TRY(summed(it, take_again)); /* of the others too: they go on with these */
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
@@ -524,8 +542,8 @@ done:
 }
 
 /* z = M r, and from it what the next directions take of the last ones. Those that are done by it go
- * to `ended`. */
-static bw_status look_ahead(iteration *it, bool *ended) {
+ * to `ended`. `once_more`: for those that are fresh, after it was called for all. */
+static bw_status look_ahead(iteration *it, bool once_more, bool *ended) {
   bw_status status = BW_OK;
   double tolerance = aim(it->problem);
   BW_TRY(precondition(it->context, it->l, it->width, it->used));
@@ -536,7 +554,7 @@ static bw_status look_ahead(iteration *it, bool *ended) {
     ended[f] = false;
     if (c->done || c->fresh)
       c->back = 0;
-    else {
+    else if (!once_more) {
       ended[f] = rz <= tolerance * tolerance * c->energy && c->size <= allowed(it, f);
       c->back = -c->step * it->sum[SIDES + f] / c->rz;
     }
@@ -580,13 +598,15 @@ static bool any_fresh(const iteration *it) {
 /* Along the directions; *sound is false where the matrix is not positive definite. */
 static bw_status step_on(iteration *it, double *before, bool *sound) {
   bw_status status = BW_OK;
-  double curvature[SIDES];
-  BW_TRY(multiply(it, it->l->p, curvature));
+  BW_TRY(multiply(it, it->l->p, it->l->q));
+  BW_TRY(summed(it, curve));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     before[f] = c->size;
-    c->step = c->done ? 0 : c->rz / curvature[f];
-    *sound &= c->done || (curvature[f] > 0 && isfinite(c->step));
+    /* p . r in place of r . z: where r was computed anew the two are not the same, and only the
+       first lets no step make the error in energy larger */
+    c->step = c->done ? 0 : it->sum[SIDES + f] / it->sum[f];
+    *sound &= c->done || (it->sum[f] > 0 && isfinite(c->step));
   }
   if (!*sound)
     return BW_OK;
@@ -620,10 +640,10 @@ static bw_status run(iteration *it) {
       BW_TRY(judge(it, ended));
     if (!going_on(it))
       break;
-    BW_TRY(look_ahead(it, ended));
+    BW_TRY(look_ahead(it, false, ended));
     BW_TRY(judge(it, ended));
     if (any_fresh(it))
-      BW_TRY(look_ahead(it, ended));
+      BW_TRY(look_ahead(it, true, ended));
     BW_TRY(turn_all(it));
   }
   BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, hand_over, it));

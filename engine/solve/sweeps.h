@@ -6,13 +6,13 @@
  * chunks are swept side by side, and then those of the nodes between the chunks. The order depends
  * on the graph alone: the same bits for any number of threads.
  *
- * What takes the time is reading the matrix. Sweeps are a preconditioner, which need not be exact:
- * their blocks are floats, both triangles, so that a sweep reads memory from one end to the other.
- * Products are exact: doubles, the lower triangle. And where elements are straight and of one
- * material, the block of two nodes with no facet of the boundary in common is symmetric in itself
- * (docs/theory/edit.md): six numbers in place of nine. So that no unit leaves the range of floats,
- * the matrix is taken times one power of two, `unit`, that brings its largest diagonal entry
- * near 1.
+ * What takes the time is reading the matrix, so that only the lower triangle is kept, and read once
+ * in each sweep: what a row does to those before it is added to them when it is its turn. Sweeps
+ * are a preconditioner, which need not be exact: their blocks are floats; products have doubles.
+ * And where elements are straight and of one material, the block of two nodes with no facet of the
+ * boundary in common is symmetric in itself (docs/theory/edit.md): six numbers in place of nine. So
+ * that no unit leaves the range of floats, the matrix is taken times one power of two, `unit`, that
+ * brings its largest diagonal entry near 1.
  *
  * Fields are packed: in the order of the rows, three numbers a node; `width` of them, 1 or
  * BWI_SWEEP_SIDES, interleaved number by number. */
@@ -25,17 +25,14 @@ enum { BWI_SWEEP_SIDES = 8, BWI_SWEEP_ROWS = 512, BWI_SWEEP_MOST_CHUNKS = 16 };
 /* Numbers that a packed field has room for behind its end. */
 enum { BWI_SWEEP_SPARE = 8 };
 
-/* The entries off the diagonal whose blocks have 6 numbers (xx xy xz yy yz zz), or those that have
- * 9 (by columns). */
+/* The entries below the diagonal whose blocks have 6 numbers (xx xy xz yy yz zz), or those that
+ * have 9 (by columns). */
 typedef struct bwi_sweep_part {
   int64_t *start;  /* rows + 1: entries */
-  int64_t *middle; /* rows: the first above the diagonal */
-  int64_t *block;  /* rows + 1: blocks of the lower triangle, in the order of its entries */
   int32_t *column; /* of an entry: a row, ascending in each row */
-  int32_t *mirror; /* of an entry above the diagonal: the block that it is the transpose of */
-  int64_t *pair;   /* of a block: 2 * pair of the graph, + 1 where transposed */
-  float *value;    /* of an entry: unit * K */
-  double *exact;   /* of a block: unit * K */
+  int64_t *pair;   /* 2 * pair of the graph, + 1 where transposed */
+  float *value;    /* unit * K */
+  double *exact;
 } bwi_sweep_part;
 
 typedef struct bwi_sweeps {
@@ -53,7 +50,7 @@ typedef struct bwi_sweeps {
 } bwi_sweeps;
 
 /* For matrices on the graph of a mesh. `even`: of straight elements and one material, so that most
- * blocks are symmetric. BW_LIMIT for more than 2^31 blocks. Release with bw_release. */
+ * blocks are symmetric. Release with bw_release. */
 bw_status bwi_sweeps_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                             bool even, bwi_sweeps **out);
 /* Take over a stiffness (9 numbers per pair) at the unknowns of a numbering. *usable is false where
@@ -63,12 +60,12 @@ bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *sweeps, const doubl
 /* z = (D + L)^-1 r and rest = r - K z, where z is 0 off the unknowns and rest of no meaning. */
 bw_status bwi_sweeps_forward(bw_context *context, const bwi_sweeps *sweeps, int width,
                              const float *r, float *z, float *rest);
-/* z += (D + U)^-1 (r - K z) */
+/* z += (D + U)^-1 (r - K z); `work` has room for a field. */
 bw_status bwi_sweeps_backward(bw_context *context, const bwi_sweeps *sweeps, int width,
-                              const float *r, float *z);
-/* y = K x, and x . y of every field. */
+                              const float *r, float *z, float *work);
+/* y = K x */
 bw_status bwi_sweeps_product(bw_context *context, const bwi_sweeps *sweeps, int width,
-                             const double *x, double *y, double *dot);
+                             const double *x, double *y);
 /* What one product and a sweep forwards and backwards read, about, for `pairs` pairs off the
  * diagonal. */
 double bwi_sweeps_bytes(int64_t pairs);

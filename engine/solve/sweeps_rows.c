@@ -1,0 +1,364 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* How the rows of sweeps.h are ordered, and what stands in them. */
+#include <math.h>
+#include <string.h>
+
+#include "solve/sweeps.h"
+
+enum { ROWS = BWI_SWEEP_ROWS };
+
+/* ---- the matrix ---------------------------------------------------------------------------- */
+
+typedef struct taking {
+  bwi_sweeps *s;
+  const double *stiffness;
+  const bw_numbering *numbering;
+} taking;
+
+/* The inverse of a diagonal block on the unknowns of its node, 0 on what is held: F^T (F K F^T)^-1
+ * F with the directions of the unknowns for rows of F. */
+static bool invert(const bw_numbering *numbering, int64_t node, const double *block,
+                   double inverse[9]) {
+  static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  int32_t row = numbering->frame_of[node];
+  const double *frame = row < 0 ? global : numbering->frame + 9 * (int64_t)row;
+  int count = 0;
+  double f[3][3], a[3][3], b[3][3] = {{0}};
+  for (int k = 0; k < 3; k++)
+    if (numbering->state[3 * node + k] == BW_UNKNOWN)
+      memcpy(f[count++], frame + 3 * k, sizeof f[0]);
+  for (int p = 0; p < count; p++)
+    for (int q = 0; q < count; q++) {
+      a[p][q] = 0;
+      for (int i = 0; i < 3; i++)
+        a[p][q] += f[p][i] * bw_dot(block + 3 * i, f[q]);
+      b[p][q] = p == q;
+    }
+  for (int k = 0; k < count; k++) { /* pivots of a positive definite matrix are positive */
+    double pivot = a[k][k];
+    if (!(pivot > 0) || !isfinite(pivot))
+      return false;
+    for (int q = 0; q < count; q++) {
+      a[k][q] /= pivot;
+      b[k][q] /= pivot;
+    }
+    for (int p = 0; p < count; p++) {
+      double factor = p == k ? 0 : a[p][k];
+      for (int q = 0; q < count; q++) {
+        a[p][q] -= factor * a[k][q];
+        b[p][q] -= factor * b[k][q];
+      }
+    }
+  }
+  memset(inverse, 0, 9 * sizeof *inverse);
+  for (int p = 0; p < count; p++)
+    for (int q = 0; q < count; q++)
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+          inverse[3 * i + j] += f[p][i] * b[p][q] * f[q][j];
+  return true;
+}
+
+static const int of_six[6] = {0, 1, 2, 4, 5, 8}; /* of the nine of a block */
+
+/* The blocks on and below the diagonal; an inverse that there is not is NAN. */
+static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const taking *t = data;
+  const bwi_sweeps *s = t->s;
+  const bwi_sweep_part *even = &s->even, *odd = &s->odd;
+  for (int64_t k = begin; k < end; k++) {
+    int64_t i = s->node[k];
+    const double *own = t->stiffness + 9 * (s->graph->start[i + 1] - 1); /* the last of its row */
+    double inverse[9];
+    bool sound = invert(t->numbering, i, own, inverse);
+    for (int c = 0; c < 9; c++) {
+      s->inverse[9 * k + c] = sound ? (float)(inverse[3 * (c % 3) + c / 3] / s->unit) : NAN;
+      s->diagonal[9 * k + c] = s->unit * own[3 * (c % 3) + c / 3];
+    }
+    for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {
+      const double *block = t->stiffness + 9 * (even->pair[e] >> 1);
+      for (int c = 0; c < 6; c++) {
+        int n = of_six[c];
+        even->exact[6 * e + c] = 0.5 * s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
+        even->value[6 * e + c] = (float)even->exact[6 * e + c];
+      }
+    }
+    for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {
+      const double *block = t->stiffness + 9 * (odd->pair[e] >> 1);
+      bool transposed = odd->pair[e] & 1;
+      for (int c = 0; c < 9; c++) {
+        odd->exact[9 * e + c] = s->unit * block[transposed ? c : 3 * (c % 3) + c / 3];
+        odd->value[9 * e + c] = (float)odd->exact[9 * e + c];
+      }
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *s, const double *stiffness,
+                            const bw_numbering *numbering, bool *usable) {
+  bw_status status = BW_OK;
+  double most = 0;
+  int exponent = 0;
+  *usable = false;
+  for (int64_t i = 0; i < s->count; i++)
+    for (int d = 0; d < 9; d += 4)
+      most = fmax(most, stiffness[9 * (s->graph->start[i + 1] - 1) + d]);
+  if (!(most > 0) || !isfinite(most))
+    return BW_OK;
+  frexp(most, &exponent);
+  s->unit = ldexp(1, -exponent);
+  taking t = {s, stiffness, numbering};
+  BW_TRY(bw_parallel(context, s->count, ROWS, take, &t));
+  *usable = true;
+  for (int64_t k = 0; k < s->count; k++)
+    *usable &= isfinite(s->inverse[9 * k]) != 0;
+done:
+  return status;
+}
+
+/* ---- the order ----------------------------------------------------------------------------- */
+
+/* Calls what follows for every neighbour j of node i, its pair and whether that is of row j. */
+#define FOR_NEIGHBOURS(graph, i, body)                                                             \
+  do {                                                                                             \
+    for (int64_t p_ = (graph)->start[i]; p_ < (graph)->start[(i) + 1] - 1; p_++) {                 \
+      int32_t j = (graph)->column[p_];                                                             \
+      body                                                                                         \
+    }                                                                                              \
+    for (int64_t u_ = (graph)->upper_start[i]; u_ < (graph)->upper_start[(i) + 1]; u_++) {         \
+      int32_t j = (graph)->upper_row[u_];                                                          \
+      body                                                                                         \
+    }                                                                                              \
+  } while (0)
+
+/* Nodes by their distance (in pairs) from one, into order[begin ...]: its body. Returns the end. */
+static int32_t spread_from(const bw_graph *graph, int32_t from, int32_t begin, int32_t mark,
+                           int32_t *seen, int32_t *order) {
+  int32_t end = begin;
+  order[end++] = from;
+  seen[from] = mark;
+  for (int32_t at = begin; at < end; at++)
+    FOR_NEIGHBOURS(graph, order[at], {
+      if (seen[j] != mark) {
+        seen[j] = mark;
+        order[end++] = j;
+      }
+    });
+  return end;
+}
+
+static int32_t chunk_at(int64_t at, int32_t count, int32_t chunks) {
+  return (int32_t)(at * chunks / count);
+}
+
+/* Whether node i has a neighbour in a later chunk. */
+static bool is_between(const bw_graph *graph, int32_t i, const int32_t *at, int32_t chunks) {
+  int32_t count = graph->node_count, own = chunk_at(at[i], count, chunks);
+  FOR_NEIGHBOURS(graph, i, {
+    if (chunk_at(at[j], count, chunks) > own)
+      return true;
+  });
+  return false;
+}
+
+/* From nodes by distance (`at`: the inverse) to the order of rows, in as many chunks as leave few
+ * nodes between them, whose rows are swept one after the other. */
+static void cut(bwi_sweeps *s, const int32_t *near, const int32_t *at) {
+  int32_t chunks = BWI_SWEEP_MOST_CHUNKS, row = 0, chunk = -1;
+  for (; chunks > 1; chunks /= 2) {
+    int32_t shared = 0;
+    for (int32_t i = 0; i < s->count; i++)
+      shared += is_between(s->graph, i, at, chunks);
+    if (shared < s->count / 8)
+      break;
+  }
+  s->chunk_count = chunks;
+  for (int pass = 0; pass < 2; pass++)
+    for (int32_t k = 0; k < s->count; k++) {
+      while (pass == 0 && chunk < chunk_at(k, s->count, chunks))
+        s->chunk_start[++chunk] = row;
+      if (is_between(s->graph, near[k], at, chunks) == (pass == 1))
+        s->node[row++] = near[k];
+      if (pass == 0 && k == s->count - 1)
+        while (chunk < chunks)
+          s->chunk_start[++chunk] = row;
+    }
+  for (int32_t k = 0; k < s->count; k++)
+    s->place[s->node[k]] = k;
+}
+
+static bw_status order_nodes(bw_context *context, bwi_sweeps *s) {
+  bw_status status = BW_OK;
+  int32_t *near = BW_NEW(context, int32_t, s->count), *at = BW_NEW0(context, int32_t, s->count);
+  if (!near || !at) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t i = 0, end = 0; i < s->count; i++)
+    if (at[i] == 0) { /* a body, from one end of it: the node farthest from any */
+      int32_t last = spread_from(s->graph, i, end, 1, at, near);
+      end = spread_from(s->graph, near[last - 1], end, 2, at, near);
+    }
+  for (int32_t k = 0; k < s->count; k++)
+    at[near[k]] = k;
+  cut(s, near, at);
+done:
+  bw_free(near);
+  bw_free(at);
+  return status;
+}
+
+/* ---- rows ---------------------------------------------------------------------------------- */
+
+typedef struct entry {
+  int32_t column;
+  int64_t pair;
+} entry;
+
+static void sort_row(entry *row, int64_t count) {
+  for (int64_t i = 1; i < count; i++) {
+    entry one = row[i];
+    int64_t k = i;
+    for (; k > 0 && row[k - 1].column > one.column; k--)
+      row[k] = row[k - 1];
+    row[k] = one;
+  }
+}
+
+/* The pairs of two nodes of one facet of the boundary. */
+static void mark_facets(const bw_mesh *mesh, const bw_graph *graph, uint8_t *odd) {
+  for (int64_t f = 0; f < mesh->facet_count; f++) {
+    const int32_t *node = mesh->facet + f * mesh->nodes_per_facet;
+    for (int a = 0; a < mesh->nodes_per_facet; a++)
+      for (int b = 0; b < mesh->nodes_per_facet; b++) {
+        int64_t low = graph->start[node[a]], high = graph->start[node[a] + 1];
+        while (node[b] < node[a] && high - low > 1) {
+          int64_t middle = (low + high) / 2;
+          *(graph->column[middle] <= node[b] ? &low : &high) = middle;
+        }
+        if (node[b] < node[a])
+          odd[low] = 1;
+      }
+  }
+}
+
+static bw_status make_part(bw_context *context, bwi_sweep_part *part, int64_t rows, int64_t entries,
+                           int numbers) {
+  part->start = BW_NEW0(context, int64_t, rows + 1);
+  part->column = BW_NEW(context, int32_t, entries + 1);
+  part->pair = BW_NEW(context, int64_t, entries + 1);
+  part->value = BW_NEW0(context, float, numbers *entries + BWI_SWEEP_SPARE);
+  part->exact = BW_NEW0(context, double, numbers *entries + BWI_SWEEP_SPARE);
+  return part->start && part->column && part->pair && part->value && part->exact ? BW_OK
+                                                                                 : BW_MEMORY;
+}
+
+static void free_part(bwi_sweep_part *part) {
+  bw_free(part->start);
+  bw_free(part->column);
+  bw_free(part->pair);
+  bw_free(part->value);
+  bw_free(part->exact);
+}
+
+/* Entries of all rows; `odd`: by pair; row: room for one. */
+static void list_rows(bwi_sweeps *s, const uint8_t *odd, entry *row) {
+  const bw_graph *graph = s->graph;
+  bwi_sweep_part *parts[2] = {&s->even, &s->odd};
+  for (int32_t k = 0; k < s->count; k++) {
+    int32_t i = s->node[k];
+    int64_t count = 0;
+    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++)
+      if (s->place[graph->column[p]] < k)
+        row[count++] = (entry){s->place[graph->column[p]], 2 * p};
+    for (int64_t u = graph->upper_start[i]; u < graph->upper_start[i + 1]; u++)
+      if (s->place[graph->upper_row[u]] < k)
+        row[count++] = (entry){s->place[graph->upper_row[u]], 2 * graph->upper_pair[u] + 1};
+    sort_row(row, count);
+    for (int n = 0; n < 2; n++)
+      parts[n]->start[k + 1] = parts[n]->start[k];
+    for (int64_t e = 0; e < count; e++) {
+      bwi_sweep_part *part = parts[odd[row[e].pair >> 1]];
+      int64_t at = part->start[k + 1]++;
+      part->column[at] = row[e].column;
+      part->pair[at] = row[e].pair;
+    }
+  }
+}
+
+static bw_status make_rows(bw_context *context, bwi_sweeps *s, const bw_mesh *mesh, bool even) {
+  bw_status status = BW_OK;
+  const bw_graph *graph = s->graph;
+  int64_t pairs = graph->pair_count, longest = 0, entries[2] = {0, 0};
+  uint8_t *odd = BW_NEW(context, uint8_t, pairs);
+  entry *row = NULL;
+  if (!odd)
+    return BW_MEMORY;
+  memset(odd, !even, (size_t)pairs);
+  if (even)
+    mark_facets(mesh, graph, odd);
+  for (int64_t i = 0; i < s->count; i++) {
+    int64_t length =
+        graph->start[i + 1] - graph->start[i] + graph->upper_start[i + 1] - graph->upper_start[i];
+    longest = length > longest ? length : longest;
+    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++)
+      entries[odd[p]]++;
+  }
+  row = BW_NEW(context, entry, longest + 1);
+  if (!row) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(make_part(context, &s->even, s->count, entries[0], 6));
+  BW_TRY(make_part(context, &s->odd, s->count, entries[1], 9));
+  list_rows(s, odd, row);
+done:
+  bw_free(odd);
+  bw_free(row);
+  return status;
+}
+
+/* ---- life ---------------------------------------------------------------------------------- */
+
+static void sweeps_destroy(void *object) {
+  bwi_sweeps *s = object;
+  bw_release(s->graph);
+  bw_free(s->node);
+  bw_free(s->place);
+  free_part(&s->even);
+  free_part(&s->odd);
+  bw_free(s->inverse);
+  bw_free(s->diagonal);
+  bw_free(s);
+}
+
+static const bw_kind sweeps_kind = {"sweeps", sweeps_destroy, NULL};
+
+bw_status bwi_sweeps_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                            bool even, bwi_sweeps **out) {
+  bw_status status = BW_OK;
+  bwi_sweeps *s = BW_NEW0(context, bwi_sweeps, 1);
+  if (!s)
+    return BW_MEMORY;
+  bw_object_init(s, &sweeps_kind);
+  s->graph = bw_retain(graph);
+  s->count = graph->node_count;
+  s->node = BW_NEW(context, int32_t, s->count);
+  s->place = BW_NEW(context, int32_t, s->count);
+  s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SWEEP_SPARE);
+  s->diagonal = BW_NEW0(context, double, 9 * (int64_t)s->count + BWI_SWEEP_SPARE);
+  if (!s->node || !s->place || !s->inverse || !s->diagonal) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(order_nodes(context, s));
+  BW_TRY(make_rows(context, s, mesh, even));
+done:
+  if (status == BW_OK)
+    *out = s;
+  else
+    bw_release(s);
+  return status;
+}
