@@ -8,13 +8,15 @@
  * nodes' displacement by weights of nodes as parts of cubes that are not void, so fluctuations have
  * that projection taken off.
  *
- * Invariant: fluctuations have no coarse part; an affine displacement draws periodic ones only, the
- * gradients of strain all. */
+ * Invariant: fluctuations have no coarse part. An affine displacement draws periodic ones freely
+ * and the others against the resistance of the block's surroundings, the gradients of strain draw
+ * all freely. */
 #include "metamaterial/block.h"
 
 #include "metamaterial/fit_dense.h"
 
-#define WEAK 1e-4 /* a void cube's stiffness, against the mean of the others */
+#define WEAK 1e-4           /* a void cube's stiffness, against the mean of the others */
+#define MOST_RESISTANCE 1e4 /* of surroundings, against the block: periodic, to as many digits */
 
 int bwi_block_node(const int32_t size[3], int child, int c) {
   int at[3] = {child % size[0], child / size[0] % size[1], child / (size[0] * size[1])};
@@ -64,6 +66,9 @@ typedef struct scratch {
   double fluctuation[BWI_BLOCK_SIZE * BWI_FREE]; /* rows x free, periodic ones first */
   double forces[BWI_BLOCK_SIZE * BWI_FREE];
   double reduced[BWI_FREE * BWI_FREE], side[BWI_FREE];
+  double medium[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE]; /* all cubes of bwi_weak_stiffness */
+  double resistance[BWI_FREE * BWI_FREE]; /* of a medium of unit stiffness to fluctuations that do
+                                             not repeat */
   double product[BWI_BLOCK_SIZE * BWI_COARSE];
 } scratch;
 
@@ -71,6 +76,7 @@ static void assemble(const int32_t size[3], const double *const child[8], double
   double empty[BWI_COARSE * BWI_COARSE];
   bwi_weak_stiffness(empty);
   memset(s->stiffness, 0, sizeof s->stiffness);
+  memset(s->medium, 0, sizeof s->medium);
   for (int e = 0; e < size[0] * size[1] * size[2]; e++)
     for (int a = 0; a < 8; a++)
       for (int b = 0; b < 8; b++) {
@@ -78,8 +84,9 @@ static void assemble(const int32_t size[3], const double *const child[8], double
         for (int i = 0; i < 3; i++)
           for (int j = 0; j < 3; j++) {
             int entry = (3 * a + i) * BWI_COARSE + 3 * b + j;
-            s->stiffness[(size_t)(from + i) * s->rows + to + j] +=
-                child[e] ? child[e][entry] : weak * empty[entry];
+            size_t at = (size_t)(from + i) * s->rows + to + j;
+            s->stiffness[at] += child[e] ? child[e][entry] : weak * empty[entry];
+            s->medium[at] += empty[entry];
           }
       }
 }
@@ -157,14 +164,29 @@ static int functions(const int32_t size[3], const double *const child[8], scratc
   return 3 * periodic;
 }
 
-/* Adds to columns first..first + 11 of the shapes what the first `count` fluctuations do. */
-static bool relax(scratch *s, int first, int count, double *shape) {
+/* What a medium around the block has against the fluctuations that do not repeat, those from
+ * `periodic` on. Uses forces. */
+static void resist(scratch *s, int periodic) {
+  bwi_multiply(s->rows, s->rows, s->free, s->medium, s->fluctuation, s->forces);
+  memset(s->resistance, 0, sizeof s->resistance);
+  for (int i = periodic; i < s->free; i++)
+    for (int j = periodic; j <= i; j++) {
+      double sum = 0;
+      for (int r = 0; r < s->rows; r++)
+        sum += s->fluctuation[(size_t)r * s->free + i] * s->forces[(size_t)r * s->free + j];
+      s->resistance[(size_t)i * s->free + j] = sum;
+    }
+}
+
+/* Adds to columns first..first + 11 of the shapes what the first `count` fluctuations do in a
+ * medium of stiffness `around`. */
+static bool relax(scratch *s, int first, int count, double around, double *shape) {
   for (int i = 0; i < count; i++)
     for (int j = 0; j <= i; j++) {
       double sum = 0;
       for (int r = 0; r < s->rows; r++)
         sum += s->fluctuation[(size_t)r * s->free + i] * s->forces[(size_t)r * s->free + j];
-      s->reduced[(size_t)i * count + j] = sum;
+      s->reduced[(size_t)i * count + j] = sum + around * s->resistance[(size_t)i * s->free + j];
     }
   if (count > 0 && !bwi_cholesky(count, s->reduced, 1e-13))
     return false;
@@ -181,6 +203,55 @@ static bool relax(scratch *s, int first, int count, double *shape) {
           bwi_product(count, s->side, s->fluctuation + (size_t)r * s->free);
   }
   return true;
+}
+
+static void coarse_shapes(const scratch *s, double *shape) {
+  memset(shape, 0, BWI_BLOCK_SIZE * BWI_COARSE * sizeof *shape);
+  for (int n = 0; n < s->nodes; n++)
+    for (int m = 0; m < 8; m++)
+      for (int i = 0; i < 3; i++)
+        shape[(size_t)(3 * n + i) * BWI_COARSE + 3 * m + i] = s->coarse[n][m];
+}
+
+/* Twice the energy of the uniform strains without change of volume, summed over six of them. */
+static double shear_energy(const scratch *s, const double *stiffness, const double *shape) {
+  double sum = 0;
+  for (int k = 0; k < 6; k++) {
+    double u[BWI_BLOCK_SIZE];
+    int i = (k + 1) % 3,
+        j = (k + 2) % 3; /* shears, then a stretch along i and as much less along j */
+    int first = k < 3 ? 3 * (1 + j) + i : 3 * (1 + i) + i;
+    int second = k < 3 ? 3 * (1 + i) + j : 3 * (1 + j) + j;
+    for (int r = 0; r < s->rows; r++) {
+      const double *row = shape + (size_t)r * BWI_COARSE;
+      u[r] = row[first] + (k < 3 ? row[second] : -row[second]);
+    }
+    for (int r = 0; r < s->rows; r++)
+      sum += u[r] * bwi_product(s->rows, stiffness + (size_t)r * s->rows, u);
+  }
+  return sum;
+}
+
+/* The shapes of affine displacements. The surroundings of a block are taken to be as stiff in shear
+ * as the block is itself when it repeats; but more, by the fourth power of the factor by which it
+ * would be softer if nothing held it: what only hangs together at edges is held by its neighbours.
+ */
+static bool relax_affine(scratch *s, int periodic, double *shape) {
+  double own, loose;
+  if (!relax(s, 0, periodic, 0, shape))
+    return false;
+  if (periodic == s->free)
+    return true;
+  own = shear_energy(s, s->stiffness, shape);
+  coarse_shapes(s, shape);
+  double unit = 2 * shear_energy(s, s->medium, shape); /* of shear modulus 1: 2 e : e */
+  if (!relax(s, 0, s->free, 0, shape))
+    return false;
+  loose = shear_energy(s, s->stiffness, shape);
+  double ratio = loose > 0 ? own / loose : MOST_RESISTANCE;
+  double factor = fmin(ratio * ratio * ratio * ratio, MOST_RESISTANCE);
+  coarse_shapes(s, shape);
+  return relax(s, 0, s->free, factor * own / unit, shape);
 }
 
 bool bwi_condense(const int32_t size[3], const double *const child[8], bwi_condensed *out) {
@@ -204,12 +275,10 @@ bool bwi_condense(const int32_t size[3], const double *const child[8], bwi_conde
   for (int r = 0; r < s.rows; r++)
     for (int j = 0; j < out->periodic; j++)
       out->ripple[(size_t)r * out->periodic + j] = s.fluctuation[(size_t)r * s.free + j];
-  for (int n = 0; n < s.nodes; n++)
-    for (int m = 0; m < 8; m++)
-      for (int i = 0; i < 3; i++)
-        out->shape[(size_t)(3 * n + i) * BWI_COARSE + 3 * m + i] = s.coarse[n][m];
+  resist(&s, out->periodic);
   bwi_multiply(s.rows, s.rows, s.free, s.stiffness, s.fluctuation, s.forces);
-  if (!relax(&s, 0, out->periodic, out->shape) || !relax(&s, BWI_AFFINE, s.free, out->shape))
+  coarse_shapes(&s, out->shape);
+  if (!relax_affine(&s, out->periodic, out->shape) || !relax(&s, BWI_AFFINE, s.free, 0, out->shape))
     return false;
   bwi_multiply(s.rows, s.rows, BWI_COARSE, s.stiffness, out->shape, s.product);
   bwi_multiply_add(BWI_COARSE, s.rows, BWI_COARSE, out->shape, s.product, out->stiffness);

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Checkpoints of a library that is being built.
  *
- *   "BWMCKPT2", u32 length of the head, head, u32 checksum of the head
+ *   "BWMCKPT3", u32 length of the head, head, u32 checksum of the head
  *   records: u32 length n, n bytes (u8 level, u32 fit, f64 seconds so far, the fit), u32 checksum;
  *            of a fit that was grown the level has bit 7 set, and the key (8 or 64 bytes) comes
  * before the fit
@@ -24,7 +24,7 @@
 #include "metamaterial/library.h"
 
 enum { MARK_BYTES = 8, RECORD_HEAD = 13, MOST_HEAD = 4096 };
-static const char mark[MARK_BYTES + 1] = "BWMCKPT2";
+static const char mark[MARK_BYTES + 1] = "BWMCKPT3";
 static const double seconds_between_syncs = 3;
 
 struct bwi_checkpoint {

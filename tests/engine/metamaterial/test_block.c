@@ -110,6 +110,83 @@ static void between_reuss_and_voigt(void **state) {
   }
 }
 
+/* Energy of x -> g x in a body that repeats a block of 2 x 2 x 2 cubes: eight nodes, of which one
+ * is held and the others move besides, by Gauss's elimination of a 21 x 21 system. */
+static double repeated_energy(const double *const child[8], const double g[9]) {
+  enum { N = 21 };
+  double a[N][N + 1] = {{0}}, sum = 0;
+  for (int e = 0; e < 8; e++)
+    for (int r = 0; r < 24; r++)
+      for (int q = 0; q < 24; q++) {
+        double k = child[e][24 * r + q], own[2] = {0};
+        const int at[2] = {r, q};
+        int unknown[2];
+        for (int side = 0; side < 2; side++) {
+          int corner = at[side] / 3, i = at[side] % 3, node = 0;
+          for (int d = 0; d < 3; d++) {
+            int place = (e >> d & 1) + (corner >> d & 1);
+            own[side] += g[3 * i + d] * place;
+            node |= (place & 1) << d;
+          }
+          unknown[side] = 3 * node + i - 3;
+        }
+        sum += 0.5 * own[0] * k * own[1];
+        if (unknown[0] >= 0 && unknown[1] >= 0)
+          a[unknown[0]][unknown[1]] += k;
+        if (unknown[0] >= 0)
+          a[unknown[0]][N] -= k * own[1];
+      }
+  double force[N];
+  for (int i = 0; i < N; i++)
+    force[i] = a[i][N];
+  for (int i = 0; i < N; i++)
+    for (int r = 0; r < N; r++)
+      if (r != i) {
+        double factor = a[r][i] / a[i][i];
+        for (int q = i; q <= N; q++)
+          a[r][q] -= factor * a[i][q];
+      }
+  for (int i = 0; i < N; i++)
+    sum -= 0.5 * force[i] * a[i][N] / a[i][i];
+  return sum;
+}
+
+/* What its surroundings let it do makes a block softer than where it repeats; not layers, which
+ * repeat either way; where one column of four is soft, and by less than two where stiff columns
+ * meet along edges, which would be hinges if nothing held them. */
+static void surroundings_give_way(void **state) {
+  bw_context *context = check_context(state);
+  double own[2][576], block[576], u[24], least = 1, hinged = 1;
+  const int32_t size[3] = {2, 2, 2};
+  bw_random random;
+  bw_random_seed(&random, 5);
+  material_stiffness(context, 1e5, own[0]);
+  material_stiffness(context, 1e7, own[1]);
+  for (int trial = 0; trial < 40; trial++) {
+    const double *child[8];
+    double g[9];
+    int kind = trial % 4;
+    for (int c = 0; c < 8; c++) { /* columns along z; layers across z; checkered columns; random */
+      int of[4] = {(c & 3) != 3, c >> 2, (c ^ c >> 1) & 1, (int)(2 * bw_random_uniform(&random))};
+      child[c] = own[of[kind]];
+    }
+    for (int i = 0; i < 9; i++)
+      g[i] = bw_random_normal(&random);
+    bwi_block_stiffness(size, child, block);
+    linear(size, g, u);
+    double part = energy(block, u) / repeated_energy(child, g);
+    assert_true(part < 1 + 1e-9);
+    if (kind == 0)
+      least = fmin(least, part);
+    if (kind == 1)
+      check_near(part, 1, 1e-9);
+    if (kind == 2)
+      hinged = fmin(hinged, part);
+  }
+  assert_true(least < 0.9);
+  assert_true(hinged > 0.45); /* 0.14 in a medium of the block's own stiffness */
+}
+
 static void a_turned_block_is_the_block_turned(void **state) {
   bw_context *context = check_context(state);
   double own[3][576], block[576], turned[576], image[576];
@@ -155,9 +232,11 @@ static void features_are_logarithms(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(a_homogeneous_box_is_that_box), check_test(bending_locks_less),
-      check_test(between_reuss_and_voigt), check_test(a_turned_block_is_the_block_turned),
-      check_test(features_are_logarithms)};
+  const struct CMUnitTest tests[] = {check_test(a_homogeneous_box_is_that_box),
+                                     check_test(bending_locks_less),
+                                     check_test(between_reuss_and_voigt),
+                                     check_test(surroundings_give_way),
+                                     check_test(a_turned_block_is_the_block_turned),
+                                     check_test(features_are_logarithms)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,72 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- How the scene fibers depends on its fibres: number, radius, turns. For each set the fine bar's stretch and
+-- twist, and at each level the naive error, and that of a library grown for the bar from nothing.
+--   build/barwright scripts/data_driven/fibre_sets.lua [--only NUMBER] [--directions 20] [--threads N]
+-- About a minute of the processor for each set.
+local folder = arg[0]:match "^(.*)/[^/]*$" or "."
+package.path = folder .. "/?.lua;" .. package.path
+local bw = require "barwright"
+local compare = require "compare"
+local scenes = require "scenes"
+local winding = require "winding"
+
+local sets = {
+  {rings = {{16, 12}, {8, 6}}, radius = 1.6, turns = 1}, -- the scene's
+  {rings = {{16, 12}, {8, 6}}, radius = 1.6, turns = 0.5},
+  {rings = {{16, 12}}, radius = 1.6, turns = 0.5},
+  {rings = {{16, 12}, {8, 6}}, radius = 1.1, turns = 1},
+  {rings = {{8, 11}, {4, 5}}, radius = 2.2, turns = 0.5},
+  {rings = {{8, 11}, {4, 5}}, radius = 2.2, turns = 1},
+  {rings = {{8, 11}}, radius = 3.2, turns = 0.25},
+}
+
+local wish, i = {directions = 20}, 1
+while arg[i] do
+  local name, value = arg[i]:match "^%-%-(.+)$", math.tointeger(tonumber(arg[i + 1]))
+  local most = ({only = #sets, directions = 5000, threads = 1024})[name]
+  if not most or not value or value < 1 or value > most then
+    io.stderr:write(("fibre_sets: '%s %s' is not understood\n"):format(arg[i], arg[i + 1] or ""))
+    os.exit(2)
+  end
+  wish[name] = value
+  i = i + 2
+end
+if wish.threads then bw.threads(wish.threads) end
+
+-- Stretch of the bar, and how far its end has turned, in degrees.
+local function pulled(grid, u)
+  local box, nodes = grid.box, assert(grid:nodes {side = "high y"})
+  local at, moved = grid.points:gather(nodes):totable(), u:gather(nodes):totable()
+  local x0, z0 = (box.low[1] + box.high[1]) / 2, (box.low[3] + box.high[3]) / 2
+  local along, across, stretch = 0, 0, 0
+  for k, p in ipairs(at) do
+    local x, z, v = p[1] - x0, p[3] - z0, moved[k]
+    along = along + x * (x + v[1]) + z * (z + v[3])
+    across = across + z * (x + v[1]) - x * (z + v[3])
+    stretch = stretch + v[2] / #at
+  end
+  return stretch / (box.high[2] - box.low[2]), math.deg(math.atan(across, along))
+end
+
+for number = wish.only or 1, wish.only or #sets do
+  local set, rings = sets[number], {}
+  for k, ring in ipairs(set.rings) do rings[k] = ("%d at %g"):format(ring[1], ring[2]) end
+  local scene = winding(set)
+  local fine = assert(scenes.solid(scene, scenes.palette()))
+  local reference = assert(compare.solve_fine(fine))
+  print(("%d: %s, radius %g cells, turns %g: stretch %.4f, twist %.1f degrees"):format(number,
+    table.concat(rings, ", "), set.radius, set.turns, pulled(fine.grid, reference.displacement)))
+  local grown = assert(bw.metamaterial.grow(scenes.palette(), fine.grid, {levels = 2,
+    directions = wish.directions}))
+  for level = 1, 2 do
+    local error, line = {}, ("   level %d:"):format(level)
+    for _, method in ipairs {"naive", "grown"} do
+      local solution = assert(assert(fine:coarsen(method == "naive" and method or grown, level)):solve())
+      error[method] = solution:error(reference)
+      local stretch, twist = pulled(fine.grid, solution.fine_displacement)
+      line = line .. ("  %s %.2e (stretch %.4f, twist %.1f)"):format(method, error[method], stretch, twist)
+    end
+    print(line .. ("  ratio %.1f"):format(error.naive / error.grown))
+  end
+  io.stdout:flush()
+end
