@@ -61,6 +61,7 @@ static double trace(const double *stiffness) {
 /* Everything that condensing needs on the way. */
 typedef struct scratch {
   int nodes, rows, free; /* rows = 3 nodes; fluctuations in all */
+  bool solid;            /* no void */
   double coarse[BWI_BLOCK_NODES][8];
   double stiffness[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE];
   double fluctuation[BWI_BLOCK_SIZE * BWI_FREE]; /* rows x free, periodic ones first */
@@ -240,7 +241,7 @@ static bool relax_affine(scratch *s, int periodic, double *shape) {
   double own, loose;
   if (!relax(s, 0, periodic, 0, shape))
     return false;
-  if (periodic == s->free)
+  if (periodic == s->free || !s->solid)
     return true;
   own = shear_energy(s, s->stiffness, shape);
   coarse_shapes(s, shape);
@@ -270,6 +271,7 @@ bool bwi_condense(const int32_t size[3], const double *const child[8], bwi_conde
   out->weak = WEAK * mean / present / trace(empty);
   out->nodes = s.nodes = (size[0] + 1) * (size[1] + 1) * (size[2] + 1);
   s.rows = 3 * s.nodes;
+  s.solid = present == size[0] * size[1] * size[2];
   assemble(size, child, out->weak, &s);
   out->periodic = functions(size, child, &s);
   for (int r = 0; r < s.rows; r++)
