@@ -6,7 +6,6 @@
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
-local compare = require "compare"
 local scenes = require "scenes"
 local winding = require "winding"
 
@@ -53,7 +52,7 @@ for number = wish.only or 1, wish.only or #sets do
   for k, ring in ipairs(set.rings) do rings[k] = ("%d at %g"):format(ring[1], ring[2]) end
   local scene = winding(set)
   local fine = assert(scenes.solid(scene, scenes.palette()))
-  local reference = assert(compare.solve_fine(fine))
+  local reference = assert(fine:solve())
   print(("%d: %s, radius %g cells, turns %g: stretch %.4f, twist %.1f degrees"):format(number,
     table.concat(rings, ", "), set.radius, set.turns, pulled(fine.grid, reference.displacement)))
   local grown = assert(bw.metamaterial.grow(scenes.palette(), fine.grid, {levels = 2,
