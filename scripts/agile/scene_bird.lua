@@ -41,10 +41,10 @@ return {
       return boundary:box({-8, 0.5, -1}, {12, 13, 2.2})
     end, {-5, 0, 0}},
   },
-  session = {heat = 10, threshold = 0.45, thresholds = { -- wider joints where limbs move
+  session = {heat = 10, threshold = 0.35, thresholds = { -- wider joints where limbs move
     ["left thigh"] = 0.9, ["left shank"] = 0.9, ["left foot"] = 0.9, ["right thigh"] = 0.9,
     ["right shank"] = 0.9, ["right foot"] = 0.9, ["left wing"] = 0.85, ["right wing"] = 0.85,
-    tail = 0.85, head = 0.85}},
+    tail = 0.65, head = 0.45, neck = 0.45}},
   edits = {
     {"looks to the left", function(session) return session:bone("neck"):rotate {z = 7} end},
     {"a larger head", function(session) return session:bone("head"):scale {1.1, 1.1, 1.1} end},

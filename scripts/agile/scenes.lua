@@ -7,7 +7,8 @@ local figure = require "figure"
 
 local scenes = {names = {"opener", "bird", "horse", "dinosaur", "earphone"}}
 
--- Table 1 (tetrahedra, domains of type R, tetrahedra of type F) and table 3 (largest von Mises stress before) of agile.
+-- Table 1 (tetrahedra, domains of type R, tetrahedra of type F) and table 3 (largest von Mises stress
+-- before) of agile.
 scenes.paper = {
   opener = {elements = 38729, bones = 3, blended = 5436, von_mises = 89.95e6},
   bird = {elements = 58911, bones = 12, blended = 11915, von_mises = 164.86e6},
