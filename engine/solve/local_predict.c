@@ -71,9 +71,11 @@ static double bound(double spread, double digits) {
 /* Over levels: iterations do not depend on the shape, but on the mesh. Without experience, the rate
  * that good meshes have: an iteration halves the error. */
 #define LEVELS_RATE 1.45
+/* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured). */
+#define LEVELS_PASS 1.85
 /* Of eight right-hand sides side by side over one; of following a shape over an iteration, where
  * there are no levels yet to count. */
-#define LEVELS_SIDES 2.0
+#define LEVELS_SIDES 3.0
 #define LEVELS_BEGIN 8.0
 
 static void predict_levels(const bw_local_system *local, double tolerance, double passes,
@@ -86,7 +88,7 @@ static void predict_levels(const bw_local_system *local, double tolerance, doubl
     return;
   double bytes = inner->levels ? bwi_multilevel_bytes(inner->levels)
                                : 1.5 * bwi_sweeps_bytes(graph->pair_count - graph->node_count);
-  double one = bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
+  double one = LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
   if (!inner->levels)
     follow = LEVELS_BEGIN * one;
   else if (!inner->levels_known)
