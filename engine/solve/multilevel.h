@@ -8,7 +8,23 @@
 #include "solve/coarse.h"
 #include "solve/sweeps.h"
 
-typedef struct bwi_multilevel bwi_multilevel;
+typedef struct bwi_multilevel {
+  bw_object object;
+  bwi_coarse *coarse;
+  bwi_sweeps *sweeps;
+  /* By corner: the rows of its own node and of the middles next to it. */
+  int64_t *child_start;
+  int32_t *child;
+  int32_t *parent;         /* by row x 2: corners; twice its own */
+  bw_numbering *numbering; /* retained: of the shape followed */
+  int32_t held_count;      /* rows that are held in some direction, or in all */
+  int32_t *held;
+  /* room for `width` fields */
+  int width;
+  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are computed anew */
+  float *z, *rest, *floats;
+  double *corner; /* SIDES x 3 corners */
+} bwi_multilevel;
 
 /* Of a mesh for which bwi_coarse_fits, with its graph; even: as in bwi_sweeps_create. Release with
  * bw_release. */
@@ -22,6 +38,15 @@ bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *levels, con
  * a shape. */
 double bwi_multilevel_bytes(const bwi_multilevel *levels);
 double bwi_multilevel_flops(const bwi_multilevel *levels);
+
+/* Room for `width` fields side by side, 1 or BWI_SWEEP_SIDES. */
+bw_status bwi_multilevel_room(bw_context *context, bwi_multilevel *levels, int width);
+/* z of the residuals in `floats`, of which `used` are real: a sweep forwards, the corners, a sweep
+ * backwards. */
+bw_status bwi_multilevel_precondition(bw_context *context, bwi_multilevel *levels, int width,
+                                      int used);
+
+/* ---- multilevel_solve.c --------------------------------------------------------------------- */
 
 typedef struct bwi_multilevel_problem {
   double tolerance;

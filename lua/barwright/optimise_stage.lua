@@ -13,7 +13,7 @@ stage.__index = stage
 
 -- Errors in energy, relative: of the solutions that steps are judged by, of the one that is the answer,
 -- and of adjoint solutions. The highest stress is off by less than a tenth of that.
-local close, exact, slopes_close = 1e-5, 1e-6, 1e-3
+local close, exact, slopes_close = 3e-5, 3e-6, 3e-3
 local hope = 0.3 -- of the iterations predicted, which the slenderest of parts would need
 local displacements, adjoints = 4, 8 -- of each load case, that are kept to begin others with
 

@@ -1,0 +1,492 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Conjugate gradients over a coarse space (multilevel.h), for one right-hand side or up to eight
+ * side by side, each with its own coefficients.
+ *
+ * The equations are taken times a power of two for the matrix and one for each right-hand side, so
+ * that floats hold what the preconditioner works on. The next direction is made conjugate to the
+ * last one by the product at hand (Polak and Ribiere): the preconditioner, in floats, is not quite
+ * symmetric.
+ *
+ * A right-hand side is done as in conjugate.c: when its error in energy is below the tolerance, and
+ * so is its residual, computed anew; or the first alone. The error in energy is r . K^-1 r, between
+ * r . z and that over the smallest eigenvalue of the preconditioned matrix; the largest is 1. */
+#include "solve/multilevel.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { SIDES = BWI_SWEEP_SIDES, ROWS = BWI_SWEEP_ROWS, STARTS = 4 };
+
+/* In one iteration the energy of the error falls by at least this fraction of what the residual
+ * falls by, and mostly by this (as in conjugate.c). */
+#define ENERGY_FALLS 0.03
+#define ENERGY_FALLS_MOSTLY 0.3
+
+/* That smallest eigenvalue: 0.09 on meshes of limbed bodies, more on regular ones. */
+#define SMALLEST 0.09
+
+/* ---- one block of right-hand sides ---------------------------------------------------------- */
+
+typedef struct column {
+  bool done, fresh; /* fresh: its next direction is its z alone */
+  double unit;      /* the force was taken times it */
+  double rz, step, back;
+  double load, energy; /* |f| and f . M f, of the force taken times its unit */
+  double size, residual;
+  int starts;
+} column;
+
+typedef struct iteration {
+  bw_context *context;
+  bwi_multilevel *l;
+  bwi_multilevel_problem *problem;
+  int width, used;
+  const double *force; /* of the first field */
+  double *solution;
+  column column[SIDES];
+  double *part; /* by chunk of rows: 2 x SIDES sums */
+  double sum[2 * SIDES];
+} iteration;
+
+static bw_status summed(iteration *it, bw_body *body) {
+  bw_status status = BW_OK;
+  int64_t chunks = (it->l->sweeps->count + ROWS - 1) / ROWS;
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, body, it));
+  for (int i = 0; i < 2 * SIDES; i++) {
+    it->sum[i] = 0;
+    for (int64_t c = 0; c < chunks; c++)
+      it->sum[i] += it->part[2 * SIDES * c + i];
+  }
+done:
+  return status;
+}
+
+/* What of a vector at a node is along its unknowns; the two may be the same. */
+static void held_out(const bw_numbering *numbering, int64_t node, const double *f, double out[3]) {
+  int32_t row = numbering->frame_of[node];
+  const uint8_t *state = numbering->state + 3 * node;
+  if (row < 0) {
+    for (int d = 0; d < 3; d++)
+      out[d] = state[d] == BW_UNKNOWN ? f[d] : 0;
+    return;
+  }
+  const double *frame = numbering->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
+  out[0] = out[1] = out[2] = 0;
+  for (int c = 0; c < 3; c++) {
+    double along = state[c] == BW_UNKNOWN ? bw_dot(frame + 3 * c, from) : 0;
+    for (int d = 0; d < 3; d++)
+      out[d] += along * frame[3 * c + d];
+  }
+}
+
+/* Fields of doubles at the unknowns alone. */
+static void keep_unknowns(const bwi_multilevel *l, int width, double *field) {
+  for (int32_t h = 0; h < l->held_count; h++) {
+    double *x = field + 3 * (int64_t)width * l->held[h];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {x[f], x[width + f], x[2 * width + f]};
+      held_out(l->numbering, l->sweeps->node[l->held[h]], value, value);
+      for (int d = 0; d < 3; d++)
+        x[d * width + f] = value[d];
+    }
+  }
+}
+
+/* q = K p at the unknowns */
+static bw_status multiply(iteration *it, const double *p, double *q) {
+  bw_status status = BW_OK;
+  BW_TRY(bwi_sweeps_product(it->context, it->l->sweeps, it->width, p, q));
+  keep_unknowns(it->l, it->width, q);
+done:
+  return status;
+}
+
+/* p . q and p . r */
+static bw_status curve(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      double p = l->p[i * width + f];
+      sum[f] += p * l->q[i * width + f];
+      sum[SIDES + f] += p * l->r[i * width + f];
+    }
+  return BW_OK;
+}
+
+/* r = f - K u (where `renewed`; else f) with its floats, and r . r */
+static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool renewed) {
+  bwi_multilevel *l = it->l;
+  int width = it->width;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  int64_t size = 3 * (int64_t)l->sweeps->count;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t k = begin; k < end; k++) {
+    int64_t node = l->sweeps->node[k];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {0, 0, 0};
+      if (f < it->used && renewed) {
+        double rest[3];
+        for (int d = 0; d < 3; d++)
+          rest[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
+                    l->ku[(3 * k + d) * width + f];
+        held_out(l->numbering, node, rest, value);
+      } else if (f < it->used)
+        held_out(l->numbering, node, it->force + f * size + 3 * node, value);
+      for (int d = 0; d < 3; d++) {
+        l->r[(3 * k + d) * width + f] = value[d];
+        l->floats[(3 * k + d) * width + f] = (float)value[d];
+        sum[f] += value[d] * value[d];
+      }
+    }
+  }
+  return BW_OK;
+}
+
+static bw_status take_new(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  return take_force(data, begin, end, false);
+}
+
+static bw_status take_again(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  return take_force(data, begin, end, true);
+}
+
+/* r times the units, and the floats; u = 0 */
+static bw_status scale(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  bwi_multilevel *l = it->l;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < it->width; f++) {
+      int64_t at = i * it->width + f;
+      l->r[at] *= it->column[f].unit;
+      l->floats[at] = (float)l->r[at];
+      l->u[at] = 0;
+    }
+  return BW_OK;
+}
+
+/* u += step p, r -= step q; r . r */
+static bw_status advance(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  bwi_multilevel *l = it->l;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS), step[SIDES];
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int f = 0; f < width; f++)
+    step[f] = it->column[f].step;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      int64_t at = i * width + f;
+      l->u[at] += step[f] * l->p[at];
+      double r = l->r[at] - step[f] * l->q[at];
+      l->r[at] = r;
+      l->floats[at] = (float)r;
+      sum[f] += r * r;
+    }
+  return BW_OK;
+}
+
+/* r . z and z . q */
+static bw_status look(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      int64_t at = i * width + f;
+      double z = (double)l->z[at];
+      sum[f] += l->r[at] * z;
+      sum[SIDES + f] += z * l->q[at];
+    }
+  return BW_OK;
+}
+
+/* p = z + back p */
+static bw_status turn(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  int width = it->width;
+  double back[SIDES];
+  for (int f = 0; f < width; f++)
+    back[f] = it->column[f].back;
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      int64_t at = i * width + f;
+      l->p[at] = (double)l->z[at] + back[f] * l->p[at];
+    }
+  return BW_OK;
+}
+
+/* That, without what the floats of z leave along directions that are held. */
+static bw_status turn_all(iteration *it) {
+  bw_status status = BW_OK;
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, turn, it));
+  keep_unknowns(it->l, it->width, it->l->p);
+done:
+  return status;
+}
+
+static bw_status hand_over(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  const bwi_multilevel *l = it->l;
+  int64_t size = 3 * (int64_t)l->sweeps->count;
+  for (int64_t k = begin; k < end; k++)
+    for (int d = 0; d < 3; d++)
+      for (int f = 0; f < it->used; f++)
+        it->solution[f * size + 3 * (int64_t)l->sweeps->node[k] + d] =
+            l->u[(3 * k + d) * it->width + f] * (l->sweeps->unit / it->column[f].unit);
+  return BW_OK;
+}
+
+/* The size to which rounding lets the residual of field f fall, as bwi_residual_noise has it. */
+static double noise(const iteration *it, int f) {
+  const bwi_multilevel *l = it->l;
+  double sum = 0;
+  for (int64_t k = 0; k < l->sweeps->count; k++)
+    for (int d = 0; d < 3; d++) {
+      double term = 0;
+      for (int c = 0; c < 3; c++)
+        term += fabs(l->sweeps->diagonal[9 * k + 3 * c + d] * l->u[(3 * k + c) * it->width + f]);
+      sum += term * term;
+    }
+  return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum);
+}
+
+static double allowed(const iteration *it, int f) {
+  const column *c = &it->column[f];
+  if (it->problem->energy_alone)
+    return INFINITY;
+  double most = it->problem->tolerance * c->load;
+  return c->size <= most ? most : fmax(most, noise(it, f));
+}
+
+/* r = f, z = M r, p = z, for all fields; forces that are 0 are done at once. */
+static bw_status begin(iteration *it) {
+  bw_status status = BW_OK;
+  const bwi_multilevel_problem *problem = it->problem;
+  BW_TRY(summed(it, take_new));
+  for (int f = 0; f < it->width; f++) {
+    column *c = &it->column[f];
+    double size = sqrt(it->sum[f]);
+    int exponent = 0;
+    *c = (column){.done = !(size > 0), .unit = 1};
+    if (c->done)
+      continue;
+    frexp(size, &exponent);
+    c->unit = ldexp(1, -exponent);
+    c->size = c->unit * size;
+    c->load = problem->load ? c->unit * problem->load[f] : c->size;
+    c->residual = c->size / c->load;
+  }
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, scale, it));
+  BW_TRY(bwi_multilevel_precondition(it->context, it->l, it->width, it->used));
+  size_t numbers = 3 * (size_t)it->l->sweeps->count * (size_t)it->width;
+  memset(it->l->q, 0, numbers * sizeof *it->l->q);
+  memset(it->l->p, 0, numbers * sizeof *it->l->p);
+  BW_TRY(summed(it, look));
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    c->rz = c->energy = it->sum[f];
+    if (problem
+            ->energy) /* in equations taken times units: u . f goes with unit^2 over the matrix' */
+      c->energy = fmax(c->energy, problem->energy[f] * c->unit * c->unit / it->l->sweeps->unit);
+  }
+  BW_TRY(turn_all(it));
+done:
+  return status;
+}
+
+/* What r . z is to fall to. Where solutions are to be as exact as a direct one, errors must be
+ * small beside any part of the solution that is seen, and the energy of a load at a support, say,
+ * is that of its neighbourhood: ten times less. */
+static double aim(const bwi_multilevel_problem *problem) {
+  return sqrt(SMALLEST) * problem->tolerance * (problem->energy_alone ? 1 : 0.1);
+}
+
+/* Fields whose iteration ended: is the residual, computed anew, small enough too? Those for which
+ * it is not, and still falls, start again from it: they are fresh. */
+static bw_status judge(iteration *it, const bool *ended) {
+  bw_status status = BW_OK;
+  bwi_multilevel *l = it->l;
+  bool any = false;
+  for (int f = 0; f < it->used; f++) {
+    any |= ended[f];
+    if (it->problem->energy_alone)
+      it->column[f].done |= ended[f];
+  }
+  if (!any || it->problem->energy_alone)
+    return BW_OK;
+  BW_TRY(multiply(it, l->u, l->ku));
+  BW_TRY(summed(it, take_again)); /* of the others too: they go on with these */
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    if (!ended[f])
+      continue;
+    c->size = sqrt(it->sum[f]);
+    double residual = c->size / c->load;
+    bool helped = residual < 0.5 * c->residual;
+    c->residual = residual;
+    c->fresh = c->size > allowed(it, f) && helped && ++c->starts < STARTS;
+    c->done = !c->fresh;
+  }
+done:
+  return status;
+}
+
+/* z = M r, and from it what the next directions take of the last ones. Those that are done by it go
+ * to `ended`. `once_more`: for those that are fresh, after it was called for all. */
+static bw_status look_ahead(iteration *it, bool once_more, bool *ended) {
+  bw_status status = BW_OK;
+  double tolerance = aim(it->problem);
+  BW_TRY(bwi_multilevel_precondition(it->context, it->l, it->width, it->used));
+  BW_TRY(summed(it, look));
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    double rz = it->sum[f];
+    ended[f] = false;
+    if (c->done || c->fresh)
+      c->back = 0;
+    else if (!once_more) {
+      ended[f] = rz <= tolerance * tolerance * c->energy && c->size <= allowed(it, f);
+      c->back = -c->step * it->sum[SIDES + f] / c->rz;
+    }
+    if (!c->done)
+      c->rz = rz;
+    c->fresh = false;
+  }
+done:
+  return status;
+}
+
+/* Fields whose residual has fallen so far that r . z surely has too. */
+static bool find_sure(const iteration *it, const double *before, bool *ended) {
+  double tolerance = aim(it->problem);
+  double least = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
+  bool any = false;
+  for (int f = 0; f < it->used; f++) {
+    const column *c = &it->column[f];
+    double fall = c->size / (before[f] * least);
+    ended[f] = !c->done && fall < 1 && c->rz * fall * fall <= tolerance * tolerance * c->energy &&
+               c->size <= allowed(it, f);
+    any |= ended[f];
+  }
+  return any;
+}
+
+static bool going_on(const iteration *it) {
+  for (int f = 0; f < it->used; f++)
+    if (!it->column[f].done)
+      return true;
+  return false;
+}
+
+static bool any_fresh(const iteration *it) {
+  for (int f = 0; f < it->used; f++)
+    if (it->column[f].fresh)
+      return true;
+  return false;
+}
+
+/* Along the directions; *sound is false where the matrix is not positive definite. */
+static bw_status step_on(iteration *it, double *before, bool *sound) {
+  bw_status status = BW_OK;
+  BW_TRY(multiply(it, it->l->p, it->l->q));
+  BW_TRY(summed(it, curve));
+  for (int f = 0; f < it->used; f++) {
+    column *c = &it->column[f];
+    before[f] = c->size;
+    /* p . r in place of r . z: where r was computed anew the two are not the same, and only the
+       first lets no step make the error in energy larger */
+    c->step = c->done ? 0 : it->sum[SIDES + f] / it->sum[f];
+    *sound &= c->done || (it->sum[f] > 0 && isfinite(c->step));
+  }
+  if (!*sound)
+    return BW_OK;
+  BW_TRY(summed(it, advance));
+  for (int f = 0; f < it->used; f++)
+    it->column[f].size = sqrt(it->sum[f]);
+done:
+  return status;
+}
+
+static bw_status run(iteration *it) {
+  bw_status status = BW_OK;
+  bwi_multilevel_problem *problem = it->problem;
+  int iterations = 0;
+  BW_TRY(begin(it));
+  while (going_on(it)) {
+    double before[SIDES];
+    bool ended[SIDES], sound = true;
+    if (iterations >= problem->limit) {
+      problem->converged = false;
+      break;
+    }
+    iterations++;
+    BW_TRY(bw_check_cancel(it->context));
+    BW_TRY(step_on(it, before, &sound));
+    if (!sound) {
+      problem->converged = false;
+      break;
+    }
+    if (find_sure(it, before, ended))
+      BW_TRY(judge(it, ended));
+    if (!going_on(it))
+      break;
+    BW_TRY(look_ahead(it, false, ended));
+    BW_TRY(judge(it, ended));
+    if (any_fresh(it))
+      BW_TRY(look_ahead(it, true, ended));
+    BW_TRY(turn_all(it));
+  }
+  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, hand_over, it));
+done:
+  problem->iterations = iterations;
+  return status;
+}
+
+bw_status bwi_multilevel_solve(bw_context *context, bwi_multilevel *l,
+                               bwi_multilevel_problem *problem, int64_t count, const double *force,
+                               double *displacement) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)l->sweeps->count;
+  iteration it = {.context = context, .l = l, .width = count > 1 ? SIDES : 1};
+  bwi_multilevel_problem part = *problem;
+  problem->iterations = 0;
+  problem->converged = true;
+  it.problem = &part;
+  BW_TRY(bwi_multilevel_room(context, l, it.width));
+  it.part = BW_NEW(context, double, 2 * SIDES * (l->sweeps->count / ROWS + 1));
+  if (!it.part) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t first = 0; first < count && problem->converged; first += SIDES) {
+    part = *problem;
+    part.load = problem->load ? problem->load + first : NULL;
+    part.energy = problem->energy ? problem->energy + first : NULL;
+    it.used = (int)(count - first < it.width ? count - first : it.width);
+    it.force = force + first * size;
+    it.solution = displacement + first * size;
+    BW_TRY(run(&it));
+    problem->iterations =
+        part.iterations > problem->iterations ? part.iterations : problem->iterations;
+    problem->converged = part.converged;
+  }
+done:
+  bw_free(it.part);
+  return status;
+}
