@@ -41,6 +41,7 @@ static void inner_free(bwi_local *inner) {
   bw_free(inner->frame);
   bw_free(inner->supports);
   bw_free(inner->touched);
+  bw_free(inner->latest);
   bw_free(inner->experienced);
   bw_free(inner->factored_frame);
   bw_release(inner->factored);
@@ -106,10 +107,11 @@ static bw_status inner_create(bw_context *context, const bw_model *model, bool m
   inner->frame = BW_NEW(context, double, 9 * domains);
   inner->factored_frame = BW_NEW0(context, double, 9 * domains);
   inner->touched = BW_NEW0(context, uint8_t, domains);
+  inner->latest = BW_NEW0(context, uint8_t, domains);
   inner->experienced = BW_NEW0(context, uint8_t, domains);
   inner->experience = 1;
   if (!inner->element_domain || !inner->node_domain || !inner->motion || !inner->frame ||
-      !inner->factored_frame || !inner->touched || !inner->experienced) {
+      !inner->factored_frame || !inner->touched || !inner->latest || !inner->experienced) {
     inner_free(inner);
     return BW_MEMORY;
   }

@@ -60,6 +60,7 @@ static void is_current(bw_local_system *local) {
   bwi_local *inner = local->inner;
   const bw_system *view = local->system;
   memset(inner->touched, 0, (size_t)inner->domain_count);
+  inner->regret = 0;
   bw_retain(view->mesh);
   bw_release(inner->factored);
   inner->factored = view->mesh;

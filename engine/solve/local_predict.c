@@ -16,7 +16,13 @@
  * says nothing about others: experience holds for the same touched domains only. No bound by the
  * elements alone would do: a body that turns without strain in one shape strains in the other, by
  * as much as it turns, so that their stiffnesses have no ratio. What a prediction misses, the rate
- * of convergence shows after a few iterations (conjugate.c). */
+ * of convergence shows after a few iterations (conjugate.c).
+ *
+ * Levels leave the factor behind, and what it would cost to catch up grows with every edit. So they
+ * are not compared with that alone: where they cost less than the last edit's own refactoring they
+ * are better in the long run too. Where not, what they cost more is summed up, and the factor is
+ * brought up to date when the sum has reached what catching up costs: never more than twice what
+ * the better way would have cost over all edits. */
 #include <math.h>
 #include <string.h>
 
@@ -71,8 +77,11 @@ static double bound(double spread, double digits) {
 /* Over levels: iterations do not depend on the shape, but on the mesh. Without experience, the rate
  * that good meshes have: an iteration halves the error. */
 #define LEVELS_RATE 1.45
-/* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured). */
-#define LEVELS_PASS 1.85
+/* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured).
+ */
+#define LEVELS_PASS 2.0
+/* Seconds for threads to meet a dozen times. */
+#define LEVELS_MEETING 4e-3
 /* Of eight right-hand sides side by side over one; of following a shape over an iteration, where
  * there are no levels yet to count. */
 #define LEVELS_SIDES 3.0
@@ -88,7 +97,7 @@ static void predict_levels(const bw_local_system *local, double tolerance, doubl
     return;
   double bytes = inner->levels ? bwi_multilevel_bytes(inner->levels)
                                : 1.5 * bwi_sweeps_bytes(graph->pair_count - graph->node_count);
-  double one = LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
+  double one = LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND + LEVELS_MEETING, follow = 0;
   if (!inner->levels)
     follow = LEVELS_BEGIN * one;
   else if (!inner->levels_known)
@@ -101,22 +110,27 @@ static void predict_levels(const bw_local_system *local, double tolerance, doubl
       follow + cost->level_iterations * (cost->one_level_iteration + later * one * LEVELS_SIDES);
 }
 
+static double refactoring(const bwi_local *inner, const uint8_t *touched, double factor_bytes) {
+  const bwi_symbolic *symbolic = inner->factor->symbolic;
+  double flops = bwi_reach_flops(inner->reach, touched);
+  double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
+  return flops / bwi_local_flops_per_second(inner->factor->kernels->bits) +
+         2 * part * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND;
+}
+
 void bwi_local_predict(bw_local_system *local, const bw_local_options *options, double tolerance,
                        int64_t count, bwi_local_cost *cost) {
   bwi_local *inner = local->inner;
-  const bwi_symbolic *symbolic = inner->factor->symbolic;
   double factor_bytes = (double)bwi_factor_bytes(inner->factor);
   double stiffness_bytes = 72.0 * (double)local->system->graph->pair_count;
   double passes = (double)((count + SIDES - 1) / SIDES);
   double later = options->further > 0 ? (options->further + SIDES - 1) / SIDES : 0;
   double solve = 2 * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND;
-  double flops = bwi_reach_flops(inner->reach, inner->touched);
-  double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
   double pass = solve + stiffness_bytes / BWI_LOCAL_BYTES_PER_SECOND;
   double refinements = bwi_local_refinements(local, tolerance);
-  cost->refactor = flops / bwi_local_flops_per_second(inner->factor->kernels->bits) +
-                   2 * part * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND +
-                   (passes + later) * (solve + refinements * pass);
+  double solutions = (passes + later) * (solve + refinements * pass);
+  cost->refactor = refactoring(inner, inner->touched, factor_bytes) + solutions;
+  cost->again = refactoring(inner, inner->latest, factor_bytes) + solutions;
   if (inner->change < 0)
     inner->change = largest_change(local);
   bool known = memcmp(inner->experienced, inner->touched, (size_t)inner->domain_count) == 0;

@@ -148,7 +148,12 @@ static limits iterations_worth(const bw_local_system *local, bw_local_method met
   if (method != BW_LOCAL_AUTO)
     return (limits){0};
   double budget = cost->refactor - local->inner->spent;
-  limits most = {.levels = within(budget, cost->levels, cost->one_level_iteration)};
+  limits most = {0};
+  double more = cost->levels - cost->again; /* than with a factor always up to date */
+  if ((more <= 0 || local->inner->regret + more < cost->refactor - cost->again) &&
+      within(budget, cost->levels, cost->one_level_iteration) > 0)
+    most.levels =
+        (int)(2 * cost->level_iterations) + 8; /* what is close to its end is not given up */
   if (most.levels > 0)
     budget = fmin(budget, cost->levels);
   most.iterate = within(budget, cost->iterate, cost->one_iteration);
@@ -239,6 +244,8 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
     }
     if (*solved && reuse)
       reuse->method = BW_LOCAL_LEVELS;
+    if (*solved && isfinite(cost.levels))
+      inner->regret = fmax(0, inner->regret + cost.levels - cost.again);
   }
   if (reuse) {
     reuse->iterations += iterations;
@@ -281,6 +288,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
     if (reuse)
       reuse->seconds_solve += bw_seconds() - start - (reuse->seconds_factor - factor);
   }
+  local->inner->answered = true;
   if (options.check)
     BW_TRY(bwi_local_check(context, local, count, load, displacement, reuse));
 done:

@@ -211,7 +211,9 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
     touched[d] |= local->stiffness->changed[d];
     count += touched[d];
     inner->touched[d] |= touched[d];
+    inner->latest[d] = (inner->latest[d] && !inner->answered) || touched[d];
   }
+  inner->answered = false;
   memcpy(inner->motion, motion, domains * sizeof *motion);
   memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
   if (inner->factor && inner->factored)

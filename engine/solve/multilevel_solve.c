@@ -270,7 +270,7 @@ static double allowed(const iteration *it, int f) {
   const column *c = &it->column[f];
   if (it->problem->energy_alone)
     return INFINITY;
-  double most = it->problem->tolerance * c->load;
+  double most = 0.5 * it->problem->tolerance * c->load; /* whoever looks at it takes other norms */
   return c->size <= most ? most : fmax(most, noise(it, f));
 }
 

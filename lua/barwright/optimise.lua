@@ -92,7 +92,7 @@ local function descend(self, point)
     local fine, message, details = unknowns.choose(self, point)
     if not fine then return nil, message, details end
     local new = models.constrain_peaks(self, point)
-    if point.current and #self.groups > 0 then models.watch(self, point) end
+    if point.many and #self.groups > 0 then models.watch(self, point) end
     local entry = note(self, point, self.t)
     self.point = point
     local met, over = point.max <= self.wish.von_mises, #self.history > self.wish.iterations

@@ -78,7 +78,7 @@ local function solve(self, state, part, i, tolerance, further, known)
   end
   self.counts.solves = self.counts.solves + 1
   return {result = result, model = record.model, system = record.system, von_mises = result.von_mises,
-    current = current, exact = tolerance <= exact or current and reuse.precision == 64}
+    many = current or reuse.method == "levels", exact = tolerance <= exact or current and reuse.precision == 64}
 end
 
 -- The highest stress under any load.
@@ -108,7 +108,7 @@ local function present(self, part, i)
   if not record then return nil end
   self.near[i] = {displacements = {last.result.displacement}, adjoints = {}}
   return {result = last.result, model = record.model, system = record.system,
-    von_mises = last.result.von_mises, current = true, exact = true}
+    von_mises = last.result.von_mises, many = true, exact = true}
 end
 
 --- The point with these factors. `further`: how many slopes of stresses will be asked for there.
@@ -129,7 +129,7 @@ function stage:at(scales, further)
       if not case then return nil, message, details end
     end
     point.cases[i] = case
-    point.current = case.current -- of the last case: the factor is that of this shape
+    point.many = case.many -- of the last case: slopes of many nodes cost little more than of one
     self.last = {point = point, case = i}
   end
   find_highest(point)

@@ -26,7 +26,7 @@ return {
     {"a hand lifts the handle", function(boundary) return boundary:box({-63, -9, -4}, {-46, 9, -2.5}) end,
       {0, 0, 39}},
   },
-  session = {heat = 6, threshold = 0.69}, -- 15 % of the elements blended, 14 % of the paper's
+  session = {heat = 10, threshold = 0.8},
   edits = {
     {"a thicker handle", function(session) return session:bone("handle"):scale {1, 1.08, 1.08} end},
     {"a wider ring", function(session) return session:bone("ring"):scale {1.05, 1.05, 1} end},
