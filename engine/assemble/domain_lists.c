@@ -197,28 +197,6 @@ static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, 
   return count;
 }
 
-/* Mark pairs of nodes that share a facet of the boundary. */
-static void mark_surface(const bw_graph *graph, uint8_t *surface) {
-  const bw_mesh *mesh = graph->mesh;
-  int n = mesh->nodes_per_facet;
-  for (int64_t f = 0; f < mesh->facet_count; f++)
-    for (int a = 0; a < n; a++)
-      for (int b = 0; b < n; b++) {
-        int32_t row = mesh->facet[f * n + a], column = mesh->facet[f * n + b];
-        if (column >= row)
-          continue;
-        int64_t low = graph->start[row], high = graph->start[row + 1];
-        while (high - low > 1) {
-          int64_t middle = low + (high - low) / 2;
-          if (graph->column[middle] <= column)
-            low = middle;
-          else
-            high = middle;
-        }
-        surface[low] = 1;
-      }
-}
-
 /* The domains of each section. */
 static bw_status list_blocks(bw_context *context, int32_t domain_count, const set_table *sets,
                              bwi_domain_coefficients *c) {
@@ -327,7 +305,7 @@ static bw_status list_sections(bw_context *context, const bw_graph *graph, int32
   for (int32_t d = 0; d < domain_count; d++)
     mark[d] = -1;
   memset(c->section_size, 0, (size_t)c->inside_count * sizeof *c->section_size);
-  mark_surface(graph, surface);
+  bwi_graph_mark_surface(graph, graph->mesh, surface);
   for (int64_t pair = 0; pair < graph->pair_count; pair++) {
     if (pair % PAIRS_PER_CHECK == 0)
       BW_TRY(bw_check_cancel(context));

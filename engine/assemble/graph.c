@@ -262,3 +262,23 @@ bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_me
                  own->node_count, own->element_count, own->nodes_per_element, mesh->node_count,
                  mesh->element_count, mesh->nodes_per_element);
 }
+
+void bwi_graph_mark_surface(const bw_graph *graph, const bw_mesh *mesh, uint8_t *surface) {
+  int n = mesh->nodes_per_facet;
+  for (int64_t f = 0; f < mesh->facet_count; f++)
+    for (int a = 0; a < n; a++)
+      for (int b = 0; b < n; b++) {
+        int32_t row = mesh->facet[f * n + a], column = mesh->facet[f * n + b];
+        if (column >= row)
+          continue;
+        int64_t low = graph->start[row], high = graph->start[row + 1];
+        while (high - low > 1) {
+          int64_t middle = low + (high - low) / 2;
+          if (graph->column[middle] <= column)
+            low = middle;
+          else
+            high = middle;
+        }
+        surface[low] = 1;
+      }
+}

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "assemble/internal.h"
 #include "solve/sweeps.h"
 
 enum { ROWS = BWI_SWEEP_ROWS };
@@ -227,23 +228,6 @@ static void sort_row(entry *row, int64_t count) {
   }
 }
 
-/* The pairs of two nodes of one facet of the boundary. */
-static void mark_facets(const bw_mesh *mesh, const bw_graph *graph, uint8_t *odd) {
-  for (int64_t f = 0; f < mesh->facet_count; f++) {
-    const int32_t *node = mesh->facet + f * mesh->nodes_per_facet;
-    for (int a = 0; a < mesh->nodes_per_facet; a++)
-      for (int b = 0; b < mesh->nodes_per_facet; b++) {
-        int64_t low = graph->start[node[a]], high = graph->start[node[a] + 1];
-        while (node[b] < node[a] && high - low > 1) {
-          int64_t middle = (low + high) / 2;
-          *(graph->column[middle] <= node[b] ? &low : &high) = middle;
-        }
-        if (node[b] < node[a])
-          odd[low] = 1;
-      }
-  }
-}
-
 static bw_status make_part(bw_context *context, bwi_sweep_part *part, int64_t rows, int64_t entries,
                            int numbers) {
   part->start = BW_NEW0(context, int64_t, rows + 1);
@@ -298,7 +282,7 @@ static bw_status make_rows(bw_context *context, bwi_sweeps *s, const bw_mesh *me
     return BW_MEMORY;
   memset(odd, !even, (size_t)pairs);
   if (even)
-    mark_facets(mesh, graph, odd);
+    bwi_graph_mark_surface(graph, mesh, odd);
   for (int64_t i = 0; i < s->count; i++) {
     int64_t length =
         graph->start[i + 1] - graph->start[i] + graph->upper_start[i + 1] - graph->upper_start[i];
