@@ -65,6 +65,7 @@ core.classes.static.__properties.reused = function(static) return reused[static]
 local methods = {
   refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_kept) end,
   iterate = function(reuse) return ("the factor as it was, %d iterations"):format(reuse.iterations) end,
+  levels = function(reuse) return ("levels in place of a factor, %d iterations"):format(reuse.iterations) end,
   scratch = function() return "nothing of the factor" end,
 }
 
@@ -82,7 +83,8 @@ end
 local function complete_new(reuse, pieces)
   reuse.pattern, reuse.ordering = false, false
   reuse.pieces, reuse.pieces_kept, reuse.pieces_turned = pieces, 0, 0
-  reuse.pieces_touched, reuse.factor_kept, reuse.method = pieces, 0, "scratch"
+  reuse.pieces_touched, reuse.factor_kept = pieces, 0
+  if reuse.method ~= "levels" then reuse.method = "scratch" end
 end
 
 local solutions = 2 -- of each load case, that are kept to begin iterations with

@@ -37,6 +37,17 @@ describe("a solve", function()
     assert(session:solve {check = true})
   end)
 
+  it("over levels says so, from the first solution on", function()
+    local session = body()
+    for k = 1, 2 do
+      local result = assert(session:solve {method = "levels", check = true})
+      assert.equal("levels", result.reused.method)
+      assert.truthy(tostring(result.reused):find "levels in place of a factor, %d+ iterations")
+      assert.is_true(result.reused.iterations > 3 and result.reused.difference_solution < 1e-8)
+      assert(session:bone("trunk"):scale {1, 1 + 0.1 * k, 1})
+    end
+  end)
+
   it("of a part turned as a whole keeps every domain and the factor", function()
     local session = beam()
     assert(session:bone("lower"):rotate {y = 20})
