@@ -21,8 +21,8 @@
  * Levels leave the factor behind, and what it would cost to catch up grows with every edit. So they
  * are not compared with that alone: where they cost less than the last edit's own refactoring they
  * are better in the long run too. Where not, what they cost more is summed up, and the factor is
- * brought up to date when the sum has reached what catching up costs: never more than twice what
- * the better way would have cost over all edits. */
+ * brought up to date when the sum has reached what catching up costs: as far as predictions hold,
+ * never more than twice what the better way would have cost over all edits. */
 #include <math.h>
 #include <string.h>
 
