@@ -347,8 +347,8 @@ function class.design(self, given)
   local total = #wish.starts + 1
   for i, name in ipairs(wish.starts) do
     if not starts[name] then
-      raise(("design: start '%s' is not known: did you mean '%s'?"):format(tostring(name),
-        core.nearest(tostring(name), order_of_starts)))
+      raise(("design: start '%s' is not known: %s"):format(tostring(name),
+        core.suggestion(tostring(name), order_of_starts)))
     end
     local problem = problem_of(self.wish, {holes = wish.holes, rounds = wish.rounds})
     local found, message = shape_design.search(problem, starts[name](self.wish),
@@ -400,8 +400,8 @@ function bridge.create(given)
   else
     local start = starts[wish.start]
     if not start then
-      raise(("bridge: start '%s' is not known: did you mean '%s'?"):format(wish.start,
-        core.nearest(wish.start, order_of_starts)))
+      raise(("bridge: start '%s' is not known: %s"):format(wish.start,
+        core.suggestion(wish.start, order_of_starts)))
     end
     outline, message, details = start(wish):outline()
     if not outline then return nil, message, details end

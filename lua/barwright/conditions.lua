@@ -26,8 +26,8 @@ local function add_heat(list, tag, one, component, where)
   if c == nil then return end
   for key in pairs(type(c) == "table" and c or {}) do
     if key ~= "coefficient" and key ~= "temperature" then
-      raise(("%s: convection of '%s': unknown key '%s': did you mean '%s'?"):format(where, tag,
-        tostring(key), core.nearest(tostring(key), {"coefficient", "temperature"})))
+      raise(("%s: convection of '%s': unknown key '%s': %s"):format(where, tag,
+        tostring(key), core.suggestion(tostring(key), {"coefficient", "temperature"})))
     end
   end
   local coefficient = type(c) == "table" and c.coefficient
@@ -76,8 +76,8 @@ function conditions.read(where, given, components, word)
       local known = false
       for _, name in ipairs(keys) do known = known or key == name end
       if not known then
-        raise(("%s: condition of '%s': unknown key '%s': did you mean '%s'?"):format(where, tag,
-          tostring(key), core.nearest(tostring(key), keys)))
+        raise(("%s: condition of '%s': unknown key '%s': %s"):format(where, tag,
+          tostring(key), core.suggestion(tostring(key), keys)))
       end
     end
     if one.traction then add_pair(loads, tag, "traction", one.traction, where) end

@@ -245,8 +245,8 @@ local function end_of(skeleton, name)
   if contains(skeleton.bone_names, name) then return skeleton:bone(name).index, 1 end
   local known = skeleton.joint_names
   for _, bone in ipairs(skeleton.bone_names) do known[#known + 1] = bone end
-  raise(("reach: there is no joint or bone '%s': did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), known)))
+  raise(("reach: there is no joint or bone '%s': %s"):format(tostring(name),
+    core.suggestion(tostring(name), known)))
 end
 
 local function read_list(skeleton, list)

@@ -48,8 +48,8 @@ function static:picture(path, given)
     if not about then
       local names = {}
       for name in pairs(shown) do names[#names + 1] = name end
-      raise(("picture: unknown field '%s': did you mean '%s'?"):format(field,
-        core.nearest(field, names)))
+      raise(("picture: unknown field '%s': %s"):format(field,
+        core.suggestion(field, names)))
     end
     values = self[field]
     wish.unit, wish.scale = wish.unit or about[1], wish.scale or about[2]

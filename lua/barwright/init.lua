@@ -74,7 +74,7 @@ return setmetatable(bw, {
   __index = function(_, name)
     local names = {}
     for known in pairs(bw) do names[#names + 1] = known end
-    raise(("barwright has no '%s': did you mean '%s'?"):format(tostring(name),
-      core.nearest(tostring(name), names)))
+    raise(("barwright has no '%s': %s"):format(tostring(name),
+      core.suggestion(tostring(name), names)))
   end,
 })

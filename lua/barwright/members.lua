@@ -16,7 +16,7 @@ return function(what, class, properties)
     for key in pairs(class) do
       if not key:find "^__" then names[#names + 1] = key end
     end
-    raise(("%s has no '%s': did you mean '%s'?"):format(what, tostring(name),
-      core.nearest(tostring(name), names)))
+    raise(("%s has no '%s': %s"):format(what, tostring(name),
+      core.suggestion(tostring(name), names)))
   end
 end

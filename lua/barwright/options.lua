@@ -42,23 +42,12 @@ local function check(where, key, value, rule)
     for _, word in ipairs(rule.one_of) do
       if word == value then return end
     end
-    fail(where, key, ("'%s' is not known: did you mean '%s'?"):format(value,
-      core.nearest(value, rule.one_of)))
+    fail(where, key, ("'%s' is not known: %s"):format(value,
+      core.suggestion(value, rule.one_of)))
   end
 end
 
--- The nearest name where it can be what was meant, else all of them.
-local function suggestion(key, known)
-  local near = core.nearest(key, known)
-  if not near then return "there are none" end
-  if #known > 12 or key:sub(1, 1) == near:sub(1, 1) or key:find(near, 1, true) or near:find(key, 1, true) then
-    return ("did you mean '%s'?"):format(near)
-  end
-  table.sort(known)
-  return "known are " .. table.concat(known, ", ")
-end
-
---- The options with defaults filled in. Raises for unknown keys, naming the nearest known one, or all.
+--- The options with defaults filled in. Raises for unknown keys.
 function options.read(where, given, rules)
   if given == nil then given = {} end
   if type(given) ~= "table" then
@@ -73,7 +62,7 @@ function options.read(where, given, rules)
       if type(key) ~= "string" then
         raise(("%s: options are named: {name = value}"):format(where))
       end
-      raise(("%s: unknown option '%s': %s"):format(where, key, suggestion(key, known)))
+      raise(("%s: unknown option '%s': %s"):format(where, key, core.suggestion(key, known)))
     end
     check(where, key, value, rule)
     out[key] = value

@@ -73,8 +73,8 @@ local function check_keys(where, given)
     local known = math.type(key) == "integer"
     for _, name in ipairs(loop_keys) do known = known or key == name end
     if not known then
-      raise(("%s: unknown option '%s': did you mean '%s'?"):format(where, tostring(key),
-        core.nearest(tostring(key), loop_keys)))
+      raise(("%s: unknown option '%s': %s"):format(where, tostring(key),
+        core.suggestion(tostring(key), loop_keys)))
     end
   end
 end
@@ -217,8 +217,8 @@ function methods:loop(wanted)
   if not loop then
     local names = {}
     for i, one in ipairs(loops) do names[i] = one.name end
-    raise(("there is no loop '%s': did you mean '%s'?"):format(tostring(wanted),
-      core.nearest(tostring(wanted), names)))
+    raise(("there is no loop '%s': %s"):format(tostring(wanted),
+      core.suggestion(tostring(wanted), names)))
   end
   local list = {name = loop.name, region = loop.region, tags = {}}
   for i = 1, loop.count do

@@ -44,8 +44,8 @@ local function joint_number(value, joints, names, number, where)
   local known = {}
   for _, name in ipairs(names) do known[#known + 1] = name or nil end
   if type(value) == "string" and #known > 0 then
-    raise(("skeleton.create: %s: there is no joint '%s': did you mean '%s'?"):format(where, value,
-      core.nearest(value, known)))
+    raise(("skeleton.create: %s: there is no joint '%s': %s"):format(where, value,
+      core.suggestion(value, known)))
   end
   raise(("skeleton.create: %s: the name or number of a joint expected, got %s"):format(where,
     tostring(value)))

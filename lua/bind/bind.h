@@ -197,8 +197,12 @@ int lbw_word_option(lua_State *L, int index, const char *function, const char *k
                     const char *const words[], int otherwise);
 int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected);
 
-/* The candidate nearest to a word by edit distance; NULL for an empty list. */
+/* The candidate that a word may have been meant for; NULL where none resembles it. */
 const char *lbw_nearest(const char *word, const char *const *candidate, size_t count);
+/* The rest of a sentence that says that there is no such name: "did you mean 'steel'?", or which
+ * names are known. It is pushed. */
+const char *lbw_suggestion(lua_State *L, const char *word, const char *const *candidate,
+                           size_t count);
 
 /* ---- arrays ---------------------------------------------------------------------------------- */
 
@@ -238,6 +242,7 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
 
 /* Each adds its functions to the table on the top of the stack. */
 void lbw_open_raise(lua_State *L);
+void lbw_open_suggestions(lua_State *L);
 void lbw_open_array(lua_State *L);
 void lbw_open_surface(lua_State *L);
 void lbw_open_thickness(lua_State *L);

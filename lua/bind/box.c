@@ -158,7 +158,7 @@ static const char *const *names_in(lua_State *L, int methods, int properties, si
   n = 0;
   for (int t = 0; t < 2; t++)
     for (lua_pushnil(L); lua_next(L, tables[t]); lua_pop(L, 1))
-      if (lua_type(L, -2) == LUA_TSTRING)
+      if (lua_type(L, -2) == LUA_TSTRING && strncmp(lua_tostring(L, -2), "__", 2) != 0)
         name[n++] = lua_tostring(L, -2);
   *count = n;
   return name;
@@ -169,9 +169,9 @@ static int unknown_field(lua_State *L, lbw_box *box) {
     return lbw_error(L, "a %s cannot be indexed with %s", box->class->name, lbw_type_name(L, 2));
   size_t count;
   const char *const *name = names_in(L, lua_upvalueindex(1), lua_upvalueindex(2), &count);
-  const char *near = lbw_nearest(lua_tostring(L, 2), name, count);
-  return lbw_error(L, "a %s has no '%s': did you mean '%s'?", box->class->name, lua_tostring(L, 2),
-                   near ? near : "");
+  const char *wrong = lua_tostring(L, 2);
+  return lbw_error(L, "a %s has no '%s': %s", box->class->name, wrong,
+                   lbw_suggestion(L, wrong, name, count));
 }
 
 /* upvalues: methods, properties, the class's own __index or nil */

@@ -6,50 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { LONGEST_WORD = 63 };
-
-/* Edit distance where a swap of neighbours counts once: the commonest slip of a hand. */
-static int edit_distance(const char *a, const char *b) {
-  int row[3][LONGEST_WORD + 1];
-  int n = (int)strnlen(a, LONGEST_WORD), m = (int)strnlen(b, LONGEST_WORD);
-  int *before = row[0], *last = row[1], *now = row[2];
-  for (int j = 0; j <= m; j++)
-    before[j] = last[j] = j;
-  for (int i = 1; i <= n; i++) {
-    now[0] = i;
-    for (int j = 1; j <= m; j++) {
-      int best = last[j - 1] + (a[i - 1] != b[j - 1]);
-      if (last[j] + 1 < best)
-        best = last[j] + 1;
-      if (now[j - 1] + 1 < best)
-        best = now[j - 1] + 1;
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
-          before[j - 2] + 1 < best)
-        best = before[j - 2] + 1;
-      now[j] = best;
-    }
-    int *spare = before;
-    before = last;
-    last = now;
-    now = spare;
-  }
-  return last[m];
-}
-
-const char *lbw_nearest(const char *word, const char *const *candidate, size_t count) {
-  const char *best = NULL;
-  int least = INT_MAX;
-  for (size_t i = 0; i < count; i++) {
-    int distance = edit_distance(word, candidate[i]);
-    /* Ties go to the alphabet: the order of a table must not show. */
-    if (distance < least || (distance == least && strcmp(candidate[i], best) < 0)) {
-      least = distance;
-      best = candidate[i];
-    }
-  }
-  return best;
-}
-
 bool lbw_to_vector(lua_State *L, int index, double vector[3]) {
   index = lua_absindex(L, index);
   const bw_array *array = (const bw_array *)lbw_test(L, index, &lbw_array_class);
@@ -200,9 +156,9 @@ static void unknown_option(lua_State *L, const char *function, const lbw_option 
   size_t count = 0;
   for (const lbw_option *option = options; option->key && count < 64; option++)
     name[count++] = option->key;
-  const char *near = lbw_nearest(lua_tostring(L, -2), name, count);
-  lbw_error(L, "%s: unknown option '%s': did you mean '%s'?", function, lua_tostring(L, -2),
-            near ? near : "");
+  const char *wrong = lua_tostring(L, -2);
+  lbw_error(L, "%s: unknown option '%s': %s", function, wrong,
+            lbw_suggestion(L, wrong, name, count));
 }
 
 void lbw_options(lua_State *L, int index, const char *function, const lbw_option *options,
@@ -242,10 +198,11 @@ int lbw_word_option(lua_State *L, int index, const char *function, const char *k
     for (; words[count]; count++)
       if (type == LUA_TSTRING && strcmp(words[count], lua_tostring(L, -1)) == 0)
         found = (int)count;
-    if (found < 0)
-      lbw_error(L, "%s: option '%s': '%s' is not known: did you mean '%s'?", function, key,
-                luaL_tolstring(L, -1, NULL),
-                lbw_nearest(luaL_tolstring(L, -1, NULL), words, count));
+    if (found < 0) {
+      const char *wrong = luaL_tolstring(L, -1, NULL);
+      lbw_error(L, "%s: option '%s': '%s' is not known: %s", function, key, wrong,
+                lbw_suggestion(L, wrong, words, count));
+    }
   }
   lua_pop(L, 1);
   return found;

@@ -113,8 +113,8 @@ lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
             (const char **)lua_newuserdatauv(L, (size_t)outline->tag_count * sizeof *name, 0);
         for (int32_t t = 0; t < outline->tag_count; t++)
           name[t] = outline->tag[t].text;
-        lbw_error(L, "%s: the outline has no tag '%s': did you mean '%s'?", what, tag ? tag : "",
-                  lbw_nearest(tag ? tag : "", name, (size_t)outline->tag_count));
+        lbw_error(L, "%s: the outline has no tag '%s': %s", what, tag ? tag : "",
+                  lbw_suggestion(L, tag ? tag : "", name, (size_t)outline->tag_count));
       }
     }
     lua_pop(L, 1);

@@ -106,8 +106,8 @@ double lbw_unit_option(lua_State *L, int options, const char *function, double o
         metres = units[i].metres;
     }
     if (metres == 0)
-      lbw_error(L, "%s: unknown unit '%s': did you mean '%s'? (m dm cm mm um km inch ft mil)",
-                function, wanted, lbw_nearest(wanted, name, UNITS));
+      lbw_error(L, "%s: unknown unit '%s': %s", function, wanted,
+                lbw_suggestion(L, wanted, name, UNITS));
     break;
   }
   default:

@@ -129,8 +129,8 @@ static int32_t check_tag(lua_State *L, int index, const bw_flow *flow) {
         (const char **)lua_newuserdatauv(L, ((size_t)outline->tag_count + 1) * sizeof *name, 0);
     for (int32_t t = 0; t < outline->tag_count; t++)
       name[t] = outline->tag[t].text;
-    lbw_error(L, "the outline has no tag '%s': did you mean '%s'?", text,
-              lbw_nearest(text, name, (size_t)outline->tag_count));
+    lbw_error(L, "the outline has no tag '%s': %s", text,
+              lbw_suggestion(L, text, name, (size_t)outline->tag_count));
   }
   return tag;
 }

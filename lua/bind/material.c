@@ -81,8 +81,8 @@ static int material_named(lua_State *L) {
     found = found || strcmp(known[count - 1], name) == 0;
   }
   if (!found)
-    return lbw_error(L, "there is no material '%s': did you mean '%s'?", name,
-                     lbw_nearest(name, known, count));
+    return lbw_error(L, "there is no material '%s': %s", name,
+                     lbw_suggestion(L, name, known, count));
   lbw_box *box = lbw_box_new(L, &lbw_material_class);
   bw_material *out = NULL;
   bw_status status = bw_material_named(lbw_enter(L), name, &out);

@@ -40,8 +40,7 @@ static int32_t check_loop(lua_State *L, int index, const bw_outline *outline) {
   const char **name = (const char **)lua_newuserdatauv(L, count * sizeof *name, 0);
   for (size_t l = 0; l < count; l++)
     name[l] = outline->loop[l].name.text;
-  lbw_error(L, "there is no loop '%s': did you mean '%s'?", wanted,
-            lbw_nearest(wanted, name, count));
+  lbw_error(L, "there is no loop '%s': %s", wanted, lbw_suggestion(L, wanted, name, count));
   return -1;
 }
 

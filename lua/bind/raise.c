@@ -108,8 +108,8 @@ int lbw_check_word(lua_State *L, int argument, const char *const words[]) {
     if (strcmp(words[count], word) == 0)
       return count;
   return lbw_argument_error(L, argument,
-                            lua_pushfstring(L, "'%s' is not known: did you mean '%s'?", word,
-                                            lbw_nearest(word, words, (size_t)count)));
+                            lua_pushfstring(L, "'%s' is not known: %s", word,
+                                            lbw_suggestion(L, word, words, (size_t)count)));
 }
 
 /* raise(message) */

@@ -29,8 +29,8 @@ static int32_t check_named(lua_State *L, int argument, const char *what, int32_t
       (const char **)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *candidate, 0);
   for (int32_t i = 0; i < count; i++)
     candidate[i] = name[i].text;
-  return lbw_error(L, "there is no %s '%s': did you mean '%s'?", what, wanted,
-                   lbw_nearest(wanted, candidate, (size_t)count));
+  return lbw_error(L, "there is no %s '%s': %s", what, wanted,
+                   lbw_suggestion(L, wanted, candidate, (size_t)count));
 }
 
 int32_t lbw_check_bone(lua_State *L, int argument, const bw_skeleton *skeleton) {

@@ -297,20 +297,6 @@ static int core_fail_allocation(lua_State *L) {
   return 0;
 }
 
-static int core_nearest(lua_State *L) {
-  const char *word = lbw_check_text(L, 1, NULL);
-  lbw_check_type(L, 2, LUA_TTABLE);
-  size_t count = lua_rawlen(L, 2);
-  const char **candidate = (const char **)lua_newuserdatauv(L, (count + 1) * sizeof *candidate, 0);
-  for (size_t i = 0; i < count; i++) {
-    lua_rawgeti(L, 2, (lua_Integer)i + 1);
-    candidate[i] = lbw_check_text(L, -1, NULL);
-    lua_pop(L, 1); /* the table keeps the string alive */
-  }
-  lua_pushstring(L, lbw_nearest(word, candidate, count));
-  return 1;
-}
-
 static int core_library_versions(lua_State *L) {
   char *text = NULL;
   bw_status status = bw_library_versions(lbw_enter(L), &text);
@@ -333,7 +319,6 @@ static const luaL_Reg functions[] = {{"progress", core_progress},
                                      {"write_file", core_write_file},
                                      {"external", core_external},
                                      {"fail_allocation", core_fail_allocation},
-                                     {"nearest", core_nearest},
                                      {"library_versions", core_library_versions},
                                      {NULL, NULL}};
 
@@ -359,6 +344,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lua_setfield(L, -2, "surface_report");
   lua_setfield(L, -2, "tables");
   lbw_open_raise(L);
+  lbw_open_suggestions(L);
   lbw_open_array(L);
   lbw_open_surface(L);
   lbw_open_thickness(L);

@@ -85,8 +85,12 @@ bool program_read_command(int argc, char **argv, program_command *c) {
       i++;
       break;
     } else {
-      fprintf(stderr, "barwright: unknown option '%s': did you mean '%s'?\n", argv[i],
-              lbw_nearest(argv[i], known, KNOWN));
+      const char *near = lbw_nearest(argv[i], known, KNOWN);
+      if (near)
+        fprintf(stderr, "barwright: unknown option '%s': did you mean '%s'?\n", argv[i], near);
+      else
+        fprintf(stderr, "barwright: unknown option '%s': `barwright --help` lists what is known\n",
+                argv[i]);
       return false;
     }
   }

@@ -92,7 +92,8 @@ bool program_run_statements(lua_State *L, const char *text) {
          program_call(L, 0, 0);
 }
 
-/* name: what barwright.command says of it: true when it is a command; else a name that is near */
+/* name: what barwright.command says of it: true when it is a command; else what it may be meant for
+ */
 static int is_command(lua_State *L) {
   lua_getglobal(L, "require");
   lua_pushliteral(L, "barwright.command");
@@ -102,7 +103,7 @@ static int is_command(lua_State *L) {
   lua_call(L, 1, 1);
   if (lua_toboolean(L, -1))
     return 1;
-  lua_getfield(L, -2, "nearest");
+  lua_getfield(L, -2, "suggestion");
   lua_pushvalue(L, 1);
   lua_call(L, 1, 1);
   return 1;
@@ -147,9 +148,8 @@ int program_run_word(lua_State *L, const program_command *c) {
   if (!lua_isboolean(L, -1)) {
     if (access(c->script, F_OK) == 0)
       return run_script(L, c) ? EXIT_SUCCESS : EXIT_FAILURE;
-    fprintf(stderr,
-            "barwright: there is no command '%s' and no file: did you mean 'barwright %s'?\n",
-            c->script, lua_tostring(L, -1));
+    fprintf(stderr, "barwright: there is no command '%s' and no file: %s\n", c->script,
+            lua_tostring(L, -1));
     return PROGRAM_MISUSED;
   }
   lua_pop(L, 1);

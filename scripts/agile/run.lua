@@ -44,9 +44,9 @@ local function read_arguments()
       model = arg[i]
     elseif not kind then
       local names = {}
-      for key in pairs(known) do names[#names + 1] = key end
-      usage(("unknown option --%s: did you mean --%s?"):format(name,
-        require "barwright.core".nearest(name, names)))
+      for key in pairs(known) do names[#names + 1] = "--" .. key end
+      usage(("unknown option %s: %s"):format(arg[i],
+        require "barwright.core".suggestion("--" .. name, names)))
     elseif kind == "flag" then
       wish[name] = true
     else

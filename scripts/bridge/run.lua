@@ -43,9 +43,9 @@ local function read_arguments()
     if arg[i] == "-h" or arg[i] == "--help" then help() end
     if not name or not known[name] then
       local names = {}
-      for key in pairs(known) do names[#names + 1] = key end
-      stop(REFUSED, ("unknown option %s: did you mean --%s?"):format(arg[i],
-        require "barwright.core".nearest(name or arg[i], names)))
+      for key in pairs(known) do names[#names + 1] = "--" .. key end
+      stop(REFUSED, ("unknown option %s: %s"):format(arg[i],
+        require "barwright.core".suggestion("--" .. (name or arg[i]), names)))
     end
     if not arg[i]:find("=", 1, true) then
       i = i + 1

@@ -17,7 +17,7 @@ local library_of = require "library"
 local motion = require "motion"
 local page = require "page"
 local scenes = require "scenes"
-local nearest = require "barwright.core".nearest
+local suggestion = require "barwright.core".suggestion
 
 local SOLVED, NOT_SOLVED, REFUSED, INTERRUPTED = 0, 1, 2, 130
 
@@ -36,9 +36,9 @@ local function split(text)
   return list
 end
 
-local function keys(of)
+local function options_of(rules)
   local list = {}
-  for key in pairs(of) do list[#list + 1] = key end
+  for key in pairs(rules) do list[#list + 1] = "--" .. key end
   return list
 end
 
@@ -47,8 +47,8 @@ local function read_arguments()
   while arg[i] do
     local name = arg[i]:match "^%-%-(.+)$"
     if not name or known[name] == nil then
-      stop(REFUSED, ("'%s' is not known: did you mean '--%s'?"):format(arg[i],
-        nearest(name or arg[i], keys(known))))
+      stop(REFUSED, ("'%s' is not known: %s"):format(arg[i],
+        suggestion(arg[i], options_of(known))))
     end
     if known[name] == "flag" then
       wish[name] = true
@@ -66,7 +66,7 @@ local function read_arguments()
       local known_name = false
       for _, one in ipairs(names) do known_name = known_name or one == name end
       if not known_name then
-        stop(REFUSED, ("there is no %s '%s': did you mean '%s'?"):format(what, name, nearest(name, names)))
+        stop(REFUSED, ("there is no %s '%s': %s"):format(what, name, suggestion(name, names)))
       end
     end
   end

@@ -49,10 +49,10 @@ local function read_arguments()
       os.exit(MET, true)
     end
     if not name or (wish[name] == nil and name ~= "out") then
-      local names = {"out"}
-      for key in pairs(wish) do names[#names + 1] = key end
-      stop(REFUSED, ("'%s' is not known: did you mean '--%s'?"):format(arg[i],
-        require "barwright.core".nearest(name or arg[i], names)))
+      local names = {"--out"}
+      for key in pairs(wish) do names[#names + 1] = "--" .. key end
+      stop(REFUSED, ("'%s' is not known: %s"):format(arg[i],
+        require "barwright.core".suggestion(arg[i], names)))
     end
     local value = arg[i + 1]
     if type(wish[name]) == "number" then

@@ -46,8 +46,8 @@ local function read_arguments()
       wish[name] = arg[i + 1]
       i = i + 1
     else
-      stop(REFUSED, ("'%s' is not known, or lacks its value: did you mean '--%s'?"):format(arg[i],
-        core.nearest(name or arg[i], {"quick", "full", "out", "only", "again", "list", "help"})))
+      stop(REFUSED, ("'%s' is not known, or lacks its value: %s"):format(arg[i],
+        core.suggestion(arg[i], {"--quick", "--full", "--out", "--only", "--again", "--list", "--help"})))
     end
     i = i + 1
   end

@@ -63,10 +63,10 @@ local function value_of(name, text)
   usage(("option --%s: a %s%s expected, got '%s'"):format(name, kind, range, text))
 end
 
-local function nearest(name)
+local function suggestion(name)
   local names = {}
-  for key in pairs(known) do names[#names + 1] = key end
-  return require "barwright.core".nearest(name, names)
+  for key in pairs(known) do names[#names + 1] = "--" .. key end
+  return require "barwright.core".suggestion("--" .. name, names)
 end
 
 local function read_arguments()
@@ -81,7 +81,7 @@ local function read_arguments()
       if model then usage(("one MODEL expected, got %s and %s"):format(model, arg[i])) end
       model = arg[i]
     elseif not known[name] then
-      usage(("unknown option --%s: did you mean --%s?"):format(name, nearest(name)))
+      usage(("unknown option --%s: %s"):format(name, suggestion(name)))
     elseif known[name][1] == "flag" then
       wish[name] = true
     elseif arg[i]:find("=", 1, true) then

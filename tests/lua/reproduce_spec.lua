@@ -68,7 +68,7 @@ describe("scripts/reproduce", function()
   it("refuses what it does not know", function()
     local status, _, err = reproduce "--quik"
     assert.equal(2, status)
-    assert.truthy(err:find("did you mean '--quick'", 1, true), err)
+    assert.truthy(err:find("did you mean --quick?", 1, true), err)
     assert.equal(2, (reproduce("--tiny --only nothing --out " .. check.folder())))
     local out
     status, out = reproduce "--full --list"

@@ -99,7 +99,7 @@ function arguments.value(rule, text)
     if #words <= 6 then
       return nil, ("one of %s expected, got %s"):format(table.concat(words, ", "), quoted(text))
     end
-    return nil, ("%s is not known: did you mean '%s'?"):format(quoted(text), core.nearest(text, words))
+    return nil, ("%s is not known: %s"):format(quoted(text), core.suggestion(text, words))
   end
   return value
 end
@@ -123,7 +123,7 @@ local function read_option(known, names, words, i, wish, given)
   if name == "-h" then name = "--help" end
   local rule = known[name]
   if not rule then
-    return nil, ("unknown option %s: did you mean %s?"):format(name, core.nearest(name, names))
+    return nil, ("unknown option %s: %s"):format(name, core.suggestion(name, names))
   end
   if given[name] and not rule.many and rule.type ~= "flag" then
     return nil, ("option %s is given twice"):format(name)

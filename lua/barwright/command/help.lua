@@ -14,8 +14,8 @@ return {
     elseif commands.known(wish.command) then
       out:say(help_text.of(wish.command, commands.load(wish.command)))
     else
-      return out:misuse(("there is no command '%s': did you mean '%s'?"):format(wish.command,
-        commands.nearest(wish.command)))
+      return out:misuse(("there is no command '%s': %s"):format(wish.command,
+        commands.suggestion(wish.command)))
     end
     local names = commands.names()
     out:json {commands = names}

@@ -63,9 +63,9 @@ function commands.load(name)
   return require(module_of(name))
 end
 
---- "did you mean" for a word that is neither a command nor a file.
-function commands.nearest(word)
-  return core.nearest(word, commands.names())
+--- The rest of a sentence that says that a word is no command.
+function commands.suggestion(word)
+  return core.suggestion(word, commands.names())
 end
 
 --- The text of `barwright --help`.

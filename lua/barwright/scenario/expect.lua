@@ -17,8 +17,8 @@ local Expectation = {__name = "barwright.expectation"}
 
 function Expectation.__index(_, name)
   if fields[name] then return nil end
-  return methods[name] or raise(("expect has no '%s': did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), {"below", "above", "between", "near", "equals", "is_true", "fails_with",
+  return methods[name] or raise(("expect has no '%s': %s"):format(tostring(name),
+    core.suggestion(tostring(name), {"below", "above", "between", "near", "equals", "is_true", "fails_with",
       "same_modes", "matches_baseline"})))
 end
 

@@ -69,7 +69,7 @@ return setmetatable(scenario, {
   __call = function(_, title, given, work) state(title, given, work) end,
   __tostring = function() return "barwright.scenario" end,
   __index = function(_, name)
-    raise(("bw.scenario has no '%s': did you mean '%s'?"):format(tostring(name),
-      core.nearest(tostring(name), {"expect", "about"})))
+    raise(("bw.scenario has no '%s': %s"):format(tostring(name),
+      core.suggestion(tostring(name), {"expect", "about"})))
   end,
 })

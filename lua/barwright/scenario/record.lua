@@ -104,8 +104,8 @@ function Test.__index(_, name)
     running.scratch = running.scratch or files.scratch()
     return running.scratch
   end
-  return methods[name] or raise(("a test has no '%s': did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), {"require", "skip", "note", "table", "picture_of", "folder"})))
+  return methods[name] or raise(("a test has no '%s': %s"):format(tostring(name),
+    core.suggestion(tostring(name), {"require", "skip", "note", "table", "picture_of", "folder"})))
 end
 
 -- ---- pictures ----------------------------------------------------------------------------------------------

@@ -52,8 +52,8 @@ function grid.levels(problem, wish, where)
   local by_name = type(wish) == "table" and wish or {}
   for name in pairs(by_name) do
     if not problem.variable[name] then
-      raise(("%s: levels: '%s' is no variable: did you mean '%s'?"):format(where, tostring(name),
-        core.nearest(tostring(name), problem.sorted)))
+      raise(("%s: levels: '%s' is no variable: %s"):format(where, tostring(name),
+        core.suggestion(tostring(name), problem.sorted)))
     end
   end
   local out = {}

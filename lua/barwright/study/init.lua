@@ -149,8 +149,8 @@ study.module = setmetatable({
   hypervolume = front.hypervolume,
 }, {__call = function(_, given) return study.create(given) end,
   __index = function(_, name)
-    raise(("bw.study has no '%s': did you mean '%s'?"):format(tostring(name),
-      core.nearest(tostring(name), {"salvage", "designs", "hypervolume"})))
+    raise(("bw.study has no '%s': %s"):format(tostring(name),
+      core.suggestion(tostring(name), {"salvage", "designs", "hypervolume"})))
   end})
 
 return study

@@ -32,8 +32,8 @@ function says.known(trials, where, name)
   if item then return item, true end
   item = says.find(problem.measures, name)
   if item then return item, false end
-  raise(("%s: '%s' is no variable and no measure: did you mean '%s'?"):format(where, tostring(name),
-    core.nearest(tostring(name), says.names_of(problem))))
+  raise(("%s: '%s' is no variable and no measure: %s"):format(where, tostring(name),
+    core.suggestion(tostring(name), says.names_of(problem))))
 end
 
 --- Whether results are there and keep the constraints.

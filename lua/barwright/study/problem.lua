@@ -52,8 +52,8 @@ end
 
 local function known_measure(self, where, what, name)
   if self.measure[name] then return end
-  raise(("%s: %s '%s' is no measure: did you mean '%s'?"):format(where, what, name,
-    core.nearest(name, names_of(self.measures))))
+  raise(("%s: %s '%s' is no measure: %s"):format(where, what, name,
+    core.suggestion(name, names_of(self.measures))))
 end
 
 --- From the options of bw.study.
@@ -106,8 +106,8 @@ function problem:check(point, where)
   local out = {}
   for name in pairs(point) do
     if not self.variable[name] then
-      raise(("%s: '%s' is no variable: did you mean '%s'?"):format(where, tostring(name),
-        core.nearest(tostring(name), self.sorted)))
+      raise(("%s: '%s' is no variable: %s"):format(where, tostring(name),
+        core.suggestion(tostring(name), self.sorted)))
     end
   end
   for _, v in ipairs(self.variables) do

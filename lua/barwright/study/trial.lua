@@ -23,7 +23,7 @@ function meta.__index(self, name)
   local names = {"number", "key", "seed", "point", "study"}
   for known in pairs(methods) do names[#names + 1] = known end
   for known in pairs(getters) do names[#names + 1] = known end
-  raise(("a trial has no '%s': did you mean '%s'?"):format(tostring(name), core.nearest(tostring(name), names)))
+  raise(("a trial has no '%s': %s"):format(tostring(name), core.suggestion(tostring(name), names)))
 end
 
 function meta.__tostring(self)
@@ -99,8 +99,8 @@ local function checked(problem, results)
     if not problem.measure[name] then
       local names = {}
       for i, m in ipairs(problem.measures) do names[i] = m.name end
-      return nil, ("run returned '%s', which is no measure: did you mean '%s'?"):format(tostring(name),
-        core.nearest(tostring(name), names))
+      return nil, ("run returned '%s', which is no measure: %s"):format(tostring(name),
+        core.suggestion(tostring(name), names))
     end
   end
   for _, measure in ipairs(problem.measures) do

@@ -77,8 +77,8 @@ local function known_column(self, name)
   local names = {}
   for _, v in ipairs(problem.variables) do names[#names + 1] = v.name end
   for _, m in ipairs(problem.measures) do names[#names + 1] = m.name end
-  raise(("column: '%s' is no variable and no measure: did you mean '%s'?"):format(tostring(name),
-    core.nearest(tostring(name), names)))
+  raise(("column: '%s' is no variable and no measure: %s"):format(tostring(name),
+    core.suggestion(tostring(name), names)))
 end
 
 --- The values of a variable, a measure, or of number, seconds, peak_bytes, ..., one for each trial that is

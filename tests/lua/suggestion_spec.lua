@@ -1,0 +1,57 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What an unknown name is answered with: what it resembles, or what there is.
+local bw = require "barwright"
+local check = require "check"
+local core = require "barwright.core"
+
+local keys = {"pressure", "force", "modes", "regions", "elements", "temperature", "mm", "m", "von_mises"}
+
+describe("A name that is not known", function()
+  it("is answered with the one that it resembles", function()
+    for word, meant in pairs {
+      preasure = "pressure", presure = "pressure", pressuer = "pressure", -- more, less, swapped
+      fource = "force", ["Force"] = "force", ["FORCES"] = "force", mods = "modes", rejoins = "regions",
+      temp = "temperature", elementsize = "elements", -- a beginning
+      MM = "mm", ["von-mises"] = "von_mises", vonmises = "von_mises",
+    } do
+      assert.equal(("did you mean '%s'?"):format(meant), core.suggestion(word, keys), word)
+    end
+    assert.equal("did you mean --force?", core.suggestion("--forse", {"--force", "--out"}))
+    assert.equal("did you mean 'Größe'?", core.suggestion("Grösse", {"Länge", "Größe"}))
+    assert.equal("did you mean 'ab'?", core.suggestion("aa", {"ac", "ab"})) -- ties go to the alphabet
+  end)
+
+  it("that resembles none is answered with what there is", function()
+    for _, word in ipairs {"", "x", "te", "zebra", "colour", "pre", "fortune", "bananas", "--", "\xff\xfe\x80",
+      ("a"):rep(1000)} do
+      local told = core.suggestion(word, {"steel", "pla", "abs"})
+      assert.equal("known are abs, pla, steel", told, word)
+    end
+    assert.equal("known is only pla", core.suggestion("steel", {"pla"}))
+    assert.equal("there are none", core.suggestion("steel", {}))
+    local many = {}
+    for i = 1, 25 do many[i] = ("name%02d"):format(i) end
+    assert.equal("none of the 25 known names resembles it", core.suggestion("steel", many))
+    assert.equal("known are --force, --out", core.suggestion("--zzz", {"--out", "--force"}))
+  end)
+
+  it("is answered alike wherever names are read", function()
+    local body = bw.mesh.box {high = {1, 1, 1}, cells = {2, 2, 2}}
+    local part = bw.model {mesh = body, material = bw.material.pla}
+    local skeleton = assert(bw.skeleton.create {joints = {{0, 0, 0}, {1, 0, 0}}, bones = {{1, 2, name = "shank"}}})
+    local outline = assert(bw.outline {name = "rim", {0, 0}, {1, 0}, {1, 1}, {0, 1}})
+    check.raises("there is no material 'unobtainium': known are abs,", function() return bw.material.unobtainium end)
+    check.raises("unknown option 'zzz': known are ", bw.model, {zzz = 1})
+    check.raises("a model has no 'qqq': ", function() return part.qqq end)
+    check.raises("a model has no 'boundary_of_all_things': known are clear_loads,", function()
+      return part.boundary_of_all_things
+    end)
+    check.raises("none of the", function() return bw.zebra end)
+    check.raises("there is no bone 'q': known is only shank", function() skeleton:bone "q" end)
+    check.raises("did you mean 'shank'?", function() skeleton:bone "shnak" end)
+    check.raises("there is no loop 'hole 7': known is only outline", function() outline:loop "hole 7" end)
+    check.raises("'xyz' is not known: known are ", function()
+      bw.grid.box {size = {1, 1, 1}, cells = {1, 1, 1}}:nodes {side = "xyz"}
+    end)
+  end)
+end)
