@@ -107,11 +107,18 @@ static bw_status newer(bw_context *context, const char *path, int32_t version) {
   return status;
 }
 
+static bool only_zeros(const unsigned char *head) {
+  for (int i = 0; i < BWI_HEADER; i++)
+    if (head[i])
+      return false;
+  return true;
+}
+
 static bw_status judge_head(bw_context *context, const char *path, const unsigned char *head,
                             ssize_t got) {
   bool ours = bwi_big_endian(head + BWI_MARK_AT) == bwi_mark;
   if (memcmp(head, bwi_magic, sizeof bwi_magic) != 0) {
-    if (ours)
+    if (ours || only_zeros(head)) /* no program's files begin with nothing */
       return bwi_database_say(context, BW_FORMAT, "damaged", path,
                               "the file is damaged: its first bytes are not those of a database; "
                               "what is readable can be copied to a new one (salvage)");

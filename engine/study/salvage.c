@@ -15,6 +15,7 @@
 
 #include "barwright/confine.h"
 #include "study/internal.h"
+#include "study/salvage.h"
 
 /* In one gap: so many row numbers one by one, then in strides that double after some more. */
 enum { TRIES = 1 << 12, TRIES_OF_A_STRIDE = 32, NAME = BWI_LONGEST_PATH + 32, SIDE = NAME + 16 };
@@ -330,8 +331,13 @@ done:
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-/* Makes anew what the schema lists: tables with their rows, or everything else. */
-static bw_status copy_schema(salvage *s, bool tables) {
+typedef enum part { TABLES, ROWS, THE_REST } part;
+
+/* Makes anew what the schema lists. All tables come first, so that they begin where those of a new
+ * file do (salvage_tables.c); then their rows; then indices and views. */
+static bw_status copy_schema(salvage *s, part what) {
+  bool tables = what != THE_REST;
+  int count = 0;
   sqlite3_stmt *row = NULL;
   bw_status status = BW_OK;
   int code = sqlite3_prepare_v2(s->from,
@@ -347,10 +353,9 @@ static bw_status copy_schema(salvage *s, bool tables) {
       status = no_memory(s);
       break;
     }
-    status = bw_database_execute(s->context, s->to, sql);
-    if (status == BW_OK && tables)
-      status = copy_table(s, name);
-    else if (status == BW_INVALID || status == BW_INFEASIBLE) {
+    count++;
+    status = what == ROWS ? copy_table(s, name) : bw_database_execute(s->context, s->to, sql);
+    if (what != ROWS && (status == BW_INVALID || status == BW_INFEASIBLE)) {
       bw_remark(s->context, "%s could not be made again: %s", name, bw_message(s->context));
       s->report.whole = false;
       status = BW_OK;
@@ -360,7 +365,7 @@ static bw_status copy_schema(salvage *s, bool tables) {
     code = SQLITE_OK;
   }
   if (status == BW_OK && code != SQLITE_DONE && code != SQLITE_OK) {
-    if (!is_damage(code) || (tables && s->report.tables == 0))
+    if (!is_damage(code) || (tables && count == 0))
       status = bwi_database_say(s->context, BW_FORMAT, "damaged", s->damaged,
                                 "the list of its tables is damaged (%s): nothing can be saved",
                                 sqlite3_errmsg(s->from));
@@ -372,6 +377,8 @@ static bw_status copy_schema(salvage *s, bool tables) {
 }
 
 static bw_status open_copy(salvage *s) {
+  sqlite3_close_v2(s->from);
+  s->from = NULL;
   int code = sqlite3_open_v2(s->copy, &s->from, SQLITE_OPEN_READWRITE, NULL);
   /* A schema with errors in it is read all the same. */
   if (code == SQLITE_OK)
@@ -380,8 +387,25 @@ static bw_status open_copy(salvage *s) {
   return code == SQLITE_OK ? BW_OK : read_failure(s, code);
 }
 
+/* Opens the copy; where its list of tables is gone, with the list that the schema gives. */
+static bw_status open_with_tables(salvage *s, const char *schema) {
+  bw_status status = open_copy(s);
+  if (!schema || (status != BW_OK && status != BW_FORMAT))
+    return status;
+  char scratch[SIDE];
+  side_name(s->copy, ".tables", scratch);
+  remove_files(scratch);
+  status = bwi_salvage_tables(s->context, s->from, schema, s->copy, scratch, &s->report.relisted);
+  remove_files(scratch);
+  if (status != BW_OK || !s->report.relisted)
+    return status;
+  s->report.whole = false;
+  bw_remark(s->context, "the list of tables was damaged and is taken to be that of a new file");
+  return open_copy(s);
+}
+
 bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
-                              bw_salvage_report *report) {
+                              const char *schema, bw_salvage_report *report) {
   struct stat about;
   if (strlen(damaged) + 32 >= NAME || strlen(to) + 32 >= NAME)
     return bw_fail(context, BW_INVALID, "a path is too long");
@@ -397,12 +421,20 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   bw_status status;
   snprintf(s.copy, sizeof s.copy, "%s.reading", to);
   BW_TRY(make_copy(&s));
-  BW_TRY(open_copy(&s));
+  BW_TRY(open_with_tables(&s, schema));
   BW_TRY(bw_database_open(context, to, NULL, &s.to));
   BW_TRY(bw_database_execute(context, s.to, "BEGIN"));
-  BW_TRY(copy_schema(&s, true));
-  BW_TRY(copy_schema(&s, false));
+  BW_TRY(copy_schema(&s, TABLES));
+  BW_TRY(copy_schema(&s, ROWS));
+  BW_TRY(copy_schema(&s, THE_REST));
   BW_TRY(bw_database_execute(context, s.to, "COMMIT"));
+  if (s.report.relisted && s.report.rows == 0) {
+    status =
+        bwi_database_say(context, BW_FORMAT, "damaged", damaged,
+                         "the list of its tables is damaged, and no row is where one would be: "
+                         "nothing can be saved");
+    goto done;
+  }
   if (!s.report.whole)
     bw_remark(context, "a damaged page whose order still holds cannot be told from a sound one: "
                        "look at what the rows say");

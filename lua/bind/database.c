@@ -193,18 +193,17 @@ static int database_change(lua_State *L) {
   return run(L, change);
 }
 
-/* salvage(damaged, to): {tables, rows, lost, whole, log} */
+/* salvage(damaged, to[, schema]): {tables, rows, lost, whole, relisted, log} */
 static int core_salvage(lua_State *L) {
   const char *damaged = lbw_check_text(L, 1, NULL), *to = lbw_check_text(L, 2, NULL);
+  const char *schema = lua_isnoneornil(L, 3) ? NULL : lbw_check_text(L, 3, NULL);
   bw_salvage_report report = {0};
   bw_context *context = lbw_enter(L);
-  int remarks = 0;
-  while (bw_remark_at(context, remarks))
-    remarks++;
-  int failed = leave(L, bw_database_salvage(context, damaged, to, &report), 0);
+  bw_clear_remarks(context); /* of earlier calls: there is room for so many only */
+  int failed = leave(L, bw_database_salvage(context, damaged, to, schema, &report), 0);
   if (failed)
     return failed;
-  lua_createtable(L, 0, 5);
+  lua_createtable(L, 0, 6);
   lua_pushinteger(L, report.tables);
   lua_setfield(L, -2, "tables");
   lua_pushinteger(L, report.rows);
@@ -213,10 +212,12 @@ static int core_salvage(lua_State *L) {
   lua_setfield(L, -2, "lost");
   lua_pushboolean(L, report.whole);
   lua_setfield(L, -2, "whole");
+  lua_pushboolean(L, report.relisted);
+  lua_setfield(L, -2, "relisted");
   lua_newtable(L);
-  for (int i = remarks; bw_remark_at(context, i); i++) {
+  for (int i = 0; bw_remark_at(context, i); i++) {
     lua_pushstring(L, bw_remark_at(context, i));
-    lua_rawseti(L, -2, i - remarks + 1);
+    lua_rawseti(L, -2, i + 1);
   }
   lua_setfield(L, -2, "log");
   return 1;

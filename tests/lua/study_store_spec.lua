@@ -112,10 +112,11 @@ describe("a file", function()
     local whole = assert(study(path, 100):run())
     local text = check.read(path)
     local refused = 0
-    -- Page after page, but for the first, which says where everything else is.
-    for page = 1, #text // 4096 - 1, full and 1 or 3 do
+    -- Page after page; the first, which says where everything else is, too.
+    for page = 0, #text // 4096 - 1, full and 1 or 3 do
       local bad, new = ("%s/bad%d.study"):format(folder, page), ("%s/new%d.study"):format(folder, page)
-      check.write(bad, text:sub(1, page * 4096) .. ("\xa5"):rep(4096) .. text:sub(page * 4096 + 4097))
+      local filling = page == 0 and "\0" or "\xa5"
+      check.write(bad, text:sub(1, page * 4096) .. filling:rep(4096) .. text:sub(page * 4096 + 4097))
       local fine, message, details = study(bad, 100):run()
       if not fine then
         check.fails("damaged", "barwright study salvage " .. bad, fine, message, details)
@@ -132,5 +133,43 @@ describe("a file", function()
       assert.equal(100, #assert(study(new, 100):trials()))
     end
     assert.is_true(refused > 0)
+  end)
+
+  it("whose list of tables is damaged gives all its trials, and all of them again from what was saved", function()
+    local folder = check.folder()
+    local path = folder .. "/whole.study"
+    local whole = assert(study(path, 300):run())
+    local text = check.read(path)
+    -- The whole first page, its second half where the statements stand, one letter of a table's name, then the
+    -- file that was saved from the first.
+    local ways = {("\xa5"):rep(4096) .. text:sub(4097), text:sub(1, 2048) .. ("\0"):rep(2048) .. text:sub(4097),
+      (text:gsub("tabletrialstrials", "tabletrialstrialz", 1):gsub("CREATE TABLE trials", "CREATE TALBE trials", 1)),
+      false}
+    for i, damaged in ipairs(ways) do
+      local bad, new = ("%s/bad%d.study"):format(folder, i), ("%s/new%d.study"):format(folder, i)
+      check.write(bad, damaged or ("\xff"):rep(4096) .. check.read(folder .. "/new1.study"):sub(4097))
+      local saved = assert(bw.study.salvage(bad, new))
+      assert.is_true(saved.relisted, i)
+      assert.truthy(tostring(saved):find "list of tables was damaged")
+      local trials = assert(study(new, 300):trials())
+      assert.equal(300, #trials)
+      for k, trial in ipairs(trials) do
+        assert.equal(whole[k].key, trial.key)
+        assert.equal("done", trial.status)
+        assert.equal(whole[k].results.y, trial.results.y)
+        assert.equal(whole[k].point.x, trial.point.x)
+      end
+      local db <close> = assert(core.database(new))
+      assert.is_true((db:check()))
+      assert.equal(300, assert(db:rows "SELECT count(*) AS n FROM overview WHERE y IS NOT NULL")[1].n)
+    end
+    -- Without the definition too, or in a file of something else, there is nothing to go by.
+    local bad = folder .. "/bad.study"
+    check.write(bad, ("\xa5"):rep(8192) .. text:sub(8193))
+    check.fails("damaged", "nothing can be saved", bw.study.salvage(bad, folder .. "/none.study"))
+    check.write(bad, ("solid cow\n"):rep(1000))
+    check.fails("damaged", "nothing can be saved", bw.study.salvage(bad, folder .. "/none.study"))
+    assert.is_nil(io.open(folder .. "/none.study"))
+    assert.equal("", io.popen(("ls %s | grep -E 'reading|tables'"):format(folder)):read "a")
   end)
 end)

@@ -77,14 +77,19 @@ bw_status bw_statement_value(bw_context *context, bw_statement *statement, int c
 
 /* Copy what can be read of a damaged file into a new one: tables row by row, past what is
  * unreadable, then indices and views. The damaged file is not touched. What was saved and what was
- * lost, table by table, are remarks of the context. */
+ * lost, table by table, are remarks of the context.
+ *
+ * `schema`: the statements that make the tables of such a file, in their order; where the list of
+ * tables is gone it is taken from a file made by them (`relisted`). NULL: it is not known, and
+ * without a list nothing can be saved. */
 typedef struct bw_salvage_report {
   int64_t tables, rows;
-  int64_t lost; /* rows that there were, at most: places in the tables that could not be read */
-  bool whole;   /* nothing was in the way */
+  int64_t lost;  /* rows that there were, at most: places in the tables that could not be read */
+  bool whole;    /* nothing was in the way */
+  bool relisted; /* the list of tables is the schema's */
 } bw_salvage_report;
 bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
-                              bw_salvage_report *report);
+                              const char *schema, bw_salvage_report *report);
 
 /* ---- points that fill a cube evenly ---------------------------------------------------------- */
 

@@ -149,8 +149,19 @@ function merge.salvage(path, into)
   if type(path) ~= "string" or type(into) ~= "string" then
     core.raise "study.salvage: the damaged file and the new one expected"
   end
-  local report, message, details = core.salvage(path, into)
+  local report, message, details = core.salvage(path, into, store.schema())
   if not report then return nil, message, details end
+  if report.relisted then -- which columns there are is told by the file itself
+    local definition
+    definition, message, details = store.remembered(into)
+    os.remove(into)
+    if not definition then
+      return nil, ("%s: the list of tables and the definition of the study are both damaged: nothing can be saved")
+        :format(path), {status = "damaged", file = path}
+    end
+    report, message, details = core.salvage(path, into, store.schema(definition))
+    if not report then return nil, message, details end
+  end
   local fine
   fine, message, details = store.mend(into)
   if not fine then return nil, message, details end

@@ -36,15 +36,21 @@ local function give_up(message, details) error(setmetatable({message = message, 
 local runner = {}
 runner.__index = runner
 
+-- New trials take the least numbers that are free, so that those that a damaged file lost get their own again.
+local function to_next_free(self)
+  while self.taken[self.next] do self.next = self.next + 1 end
+end
+
 -- The trials of the file, and those that are asked for, by key.
 local function load(self)
   local list, message, details = self.store:load()
   if not list then return nil, message, details end
-  self.by_key, self.next = {}, 1
+  self.by_key, self.taken, self.next = {}, {}, 1
   for _, record in ipairs(list) do
     self.by_key[record.key] = trials.present(record, self.study.problem, self.study)
-    self.next = math.max(self.next, record.number + 1)
+    self.taken[record.number] = true
   end
+  to_next_free(self)
   return true
 end
 
@@ -56,7 +62,8 @@ local function trial_of(self, point, fresh)
   if not record then
     record = trials.present({number = self.next, key = name, seed = key.seed(study.seed, name),
       status = "asked", attempts = 0, point = point}, study.problem, study)
-    self.next = self.next + 1
+    self.taken[self.next] = true
+    to_next_free(self)
     self.by_key[name] = record
     fresh[#fresh + 1] = record
   end
@@ -172,7 +179,8 @@ local function ask(self, points)
       if self.wish.evaluations and #self.order >= self.wish.evaluations then
         cut = true
         if fresh[#fresh] == record then -- it was not asked for
-          fresh[#fresh], self.by_key[record.key], self.next = nil, nil, self.next - 1
+          fresh[#fresh], self.by_key[record.key] = nil, nil
+          self.taken[record.number], self.next = nil, record.number
         end
         break
       end

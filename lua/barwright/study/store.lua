@@ -104,11 +104,15 @@ local function column_list(columns, rule)
   return #out > 0 and ", " .. table.concat(out, ", ") or ""
 end
 
+-- The statements that make the tables of a file with these columns. Their order is a part of the format:
+-- salvage knows by it where in a file each table begins.
 local function schema(self)
-  local points, results = {}, {}
-  for i, name in ipairs(self.point_columns) do points[i] = ("p.%s AS %s"):format(quote(name), quote(name)) end
-  for i, name in ipairs(self.result_columns) do
-    results[i] = ("r.%s AS %s"):format(quote(name), quote(name))
+  local shown = {}
+  for _, name in ipairs(self.point_columns) do
+    shown[#shown + 1] = (", p.%s AS %s"):format(quote(name), quote(name))
+  end
+  for _, name in ipairs(self.result_columns) do
+    shown[#shown + 1] = (", r.%s AS %s"):format(quote(name), quote(name))
   end
   return {
     "CREATE TABLE study (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
@@ -123,9 +127,9 @@ local function schema(self)
       .. " attempts INTEGER NOT NULL DEFAULT 0, gradients TEXT, script INTEGER, manifest INTEGER)",
     ("CREATE TABLE points (number INTEGER PRIMARY KEY%s)"):format(column_list(self.point_columns)),
     ("CREATE TABLE results (number INTEGER PRIMARY KEY%s)"):format(column_list(self.result_columns)),
-    ("CREATE VIEW overview AS SELECT t.number, t.key, t.seed, t.status, t.message, t.seconds, t.peak_bytes, %s, %s"
+    ("CREATE VIEW overview AS SELECT t.number, t.key, t.seed, t.status, t.message, t.seconds, t.peak_bytes%s"
       .. " FROM trials t JOIN points p ON p.number = t.number LEFT JOIN results r ON r.number = t.number")
-      :format(table.concat(points, ", "), table.concat(results, ", ")),
+      :format(table.concat(shown)),
   }
 end
 
@@ -388,6 +392,24 @@ function store:load()
     if trial and trial.status == "done" then trial.results = values end
   end
   return list
+end
+
+--- The statements that make a file of a study with this definition, in their order; without a definition
+--- the tables `points` and `results` have no columns but the number.
+function store.schema(definition)
+  return table.concat(schema {point_columns = columns_of(definition and definition.variables or {}),
+    result_columns = columns_of(definition and definition.measures or {})}, ";\n")
+end
+
+--- The definition that a file remembers, or nil where it was lost or changed.
+function store.remembered(path)
+  local db <close>, message, details = core.database(path)
+  if not db then return nil, message, details end
+  local about = {}
+  for _, row in ipairs(db:rows "SELECT name, value FROM study" or {}) do about[row.name] = row.value end
+  local text = about.definition
+  if text and core.sha256_of(text) == about.definition_sha256 then return json.decode(text) end
+  return nil, path .. ": the definition of its study is lost", {status = "damaged", file = path}
 end
 
 --- After a file was saved from a damaged one: what lost a part of itself is to be run again.

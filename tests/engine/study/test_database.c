@@ -293,7 +293,7 @@ static void test_full_disk(void **state) {
 static void save(bw_context *context, const char *path, int least, int most, bool exact) {
   bw_salvage_report report;
   unlink(path_of("saved"));
-  check_ok(context, bw_database_salvage(context, path, path_of("saved"), &report));
+  check_ok(context, bw_database_salvage(context, path, path_of("saved"), NULL, &report));
   bw_database *d = open_file(context, path_of("saved"));
   int rows = count_rows(context, d);
   if (rows < least || rows > most)
@@ -365,22 +365,39 @@ static void test_damage(void **state) {
   save(context, path, ROWS / 10, ROWS - 1, false);
 }
 
+/* The first page is gone: with the statements that made the tables, every row is there. */
+static void test_lost_list(void **state) {
+  bw_context *context = check_context(state);
+  bw_salvage_report report;
+  const char *path = path_of("a");
+  make_file(context, path, ROWS);
+  overwrite(path, 0, 4096, -1);
+  check_fails(context, BW_FORMAT, "nothing can be saved",
+              bw_database_salvage(context, path, path_of("b"), NULL, &report));
+  check_ok(context, bw_database_salvage(context, path, path_of("b"), schema, &report));
+  assert_true(report.relisted && !report.whole);
+  assert_int_equal(report.lost, 0);
+  bw_database *d = open_file(context, path_of("b"));
+  assert_int_equal(count_rows(context, d), ROWS);
+  bw_release(d);
+}
+
 static void test_nothing_to_save(void **state) {
   bw_context *context = check_context(state);
   bw_salvage_report report;
   const char *path = path_of("a");
   make_file(context, path, 100);
   check_fails(context, BW_IO, "there is a file already",
-              bw_database_salvage(context, path, path, &report));
+              bw_database_salvage(context, path, path, NULL, &report));
   check_fails(context, BW_IO, "No such file",
-              bw_database_salvage(context, path_of("none"), path_of("b"), &report));
+              bw_database_salvage(context, path_of("none"), path_of("b"), NULL, &report));
   overwrite(path, 100, 3996, 255);
   check_fails(context, BW_FORMAT, "nothing can be saved",
-              bw_database_salvage(context, path, path_of("b"), &report));
+              bw_database_salvage(context, path, path_of("b"), NULL, &report));
   assert_int_equal(access(path_of("b"), F_OK), -1);
   assert_int_equal(truncate(path, 300), 0);
   check_fails(context, BW_FORMAT, "only 300 bytes",
-              bw_database_salvage(context, path, path_of("b"), &report));
+              bw_database_salvage(context, path, path_of("b"), NULL, &report));
 }
 
 /* Whatever bytes are overwritten: a status, never a crash. */
@@ -403,7 +420,7 @@ static void test_random_damage(void **state) {
                 1 + (int64_t)(bw_random_uniform(&random) * 299), -1);
     check_damaged(context, path, false);
     bw_salvage_report report;
-    bw_status status = bw_database_salvage(context, path, path_of("saved"), &report);
+    bw_status status = bw_database_salvage(context, path, path_of("saved"), NULL, &report);
     if (status != BW_OK && status != BW_FORMAT)
       fail_msg("%s (%s)", bw_message(context), bw_status_word(status));
     if (status == BW_OK) {
@@ -468,7 +485,7 @@ static void test_allocation_failures(void **state) {
     BW_TRY(bw_database_open(context, path_of("a"), NULL, &d));
     BW_TRY(bw_database_execute(context, d, schema));
     BW_TRY(add_row(context, d, 1));
-    BW_TRY(bw_database_salvage(context, path_of("a"), path_of("saved"), &report));
+    BW_TRY(bw_database_salvage(context, path_of("a"), path_of("saved"), schema, &report));
   done:
     bw_fail_allocation(0, false);
     bw_release(d);
@@ -479,11 +496,17 @@ static void test_allocation_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_file_test(test_opening),          check_file_test(test_refused),
-      check_file_test(test_read_only_folder), check_file_test(test_two_openers),
-      check_file_test(test_full_disk),        check_file_test(test_damage),
-      check_file_test(test_nothing_to_save),  check_file_test(test_random_damage),
-      check_file_test(test_statements),       check_file_test(test_allocation_failures),
+      check_file_test(test_opening),
+      check_file_test(test_refused),
+      check_file_test(test_read_only_folder),
+      check_file_test(test_two_openers),
+      check_file_test(test_full_disk),
+      check_file_test(test_damage),
+      check_file_test(test_lost_list),
+      check_file_test(test_nothing_to_save),
+      check_file_test(test_random_damage),
+      check_file_test(test_statements),
+      check_file_test(test_allocation_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
