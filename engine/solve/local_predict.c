@@ -29,8 +29,10 @@
 #include "solve/local.h"
 
 #define SPREAD 20.0
-/* Right-hand sides that one pass over the factor serves. */
+/* Right-hand sides that one pass over the factor serves, and what it costs over a pass for one
+ * (measured). */
 enum { SIDES = 8 };
+#define SOLVE_SIDES 1.6
 
 /* Edges from the first corner, seen from the frame: columns of a matrix. */
 static void edges(const bw_mesh *mesh, const int32_t *node, const double *frame, double *out) {
@@ -80,12 +82,10 @@ static double bound(double spread, double digits) {
 /* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured).
  */
 #define LEVELS_PASS 2.0
-/* Seconds for threads to meet a dozen times. */
-#define LEVELS_MEETING 4e-3
-/* Of eight right-hand sides side by side over one; of following a shape over an iteration, where
- * there are no levels yet to count. */
-#define LEVELS_SIDES 3.0
-#define LEVELS_BEGIN 8.0
+/* Of eight right-hand sides side by side over one (measured); of following a shape over an
+ * iteration, where there are no levels yet to count. */
+#define LEVELS_SIDES 2.5
+#define LEVELS_BEGIN 12.0
 
 static void predict_levels(const bw_local_system *local, double tolerance, double passes,
                            double later, bool many, bwi_local_cost *cost) {
@@ -97,7 +97,7 @@ static void predict_levels(const bw_local_system *local, double tolerance, doubl
     return;
   double bytes = inner->levels ? bwi_multilevel_bytes(inner->levels)
                                : 1.5 * bwi_sweeps_bytes(graph->pair_count - graph->node_count);
-  double one = LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND + LEVELS_MEETING, follow = 0;
+  double one = LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
   if (!inner->levels)
     follow = LEVELS_BEGIN * one;
   else if (!inner->levels_known)
@@ -128,7 +128,8 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   double solve = 2 * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND;
   double pass = solve + stiffness_bytes / BWI_LOCAL_BYTES_PER_SECOND;
   double refinements = bwi_local_refinements(local, tolerance);
-  double solutions = (passes + later) * (solve + refinements * pass);
+  double all = passes * (count > 1 ? SOLVE_SIDES : 1), solved = all + later * SOLVE_SIDES;
+  double solutions = solved * (solve + refinements * pass);
   cost->refactor = refactoring(inner, inner->touched, factor_bytes) + solutions;
   cost->again = refactoring(inner, inner->latest, factor_bytes) + solutions;
   if (inner->change < 0)
@@ -140,6 +141,6 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   cost->iterations =
       1 + refinements + cost->factor * bound(SPREAD * inner->change, log(2 / tolerance));
   predict_levels(local, tolerance, passes, later, count > 1, cost);
-  cost->one_iteration = passes * pass;
-  cost->iterate = cost->iterations * (passes + later) * pass;
+  cost->one_iteration = all * pass;
+  cost->iterate = cost->iterations * solved * pass;
 }

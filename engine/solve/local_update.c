@@ -190,6 +190,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   same = same && numbering->frame_count == system->numbering->frame_count;
   BW_TRY(bwi_local_supports(context, local, numbering, frame, &supports));
   double unknowns = bw_seconds() - start;
+  uint64_t revision = local->stiffness->revision;
   BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
   double stiffness = bw_seconds() - start - unknowns;
 
@@ -219,7 +220,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   if (inner->factor && inner->factored)
     forget_undone(inner, model->mesh, numbering, touched);
   inner->spent = 0;
-  inner->levels_known = false;
+  inner->levels_known &= same && count == 0 && local->stiffness->revision == revision;
   inner->change = -1;
   bw_retain(model);
   bw_release(inner->model);

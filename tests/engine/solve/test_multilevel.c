@@ -192,6 +192,35 @@ static void chosen_by_cost(void **state) {
   bar_clear(&b);
 }
 
+/* Levels follow a shape once: not again for the same shape, always for another, be it only turned.
+ */
+static void followed_once(void **state) {
+  bw_context *context = check_context(state);
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    bw_local_system *local = local_of(context, &b);
+    const bwi_local *inner = local->inner;
+    for (int edit = 0; edit < 4 && local->system->numbering->motion_count == 0; edit++) {
+      if (edit == 1)
+        b.now.scale[1][1] *= 1.1;
+      if (edit == 3)
+        turn_domain(&b, 0, 0.3);
+      bw_model *model = posed(context, &b);
+      assert_non_null(model);
+      check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
+      assert_true(inner->levels_known == (edit == 2));
+      bw_reuse reuse = {0};
+      compare(context, local, model, BW_LOCAL_LEVELS, &reuse);
+      assert_true(inner->levels_known);
+      bw_release(model);
+    }
+    bw_release(local);
+    bar_clear(&b);
+  }
+}
+
 static void no_memory(void **state) {
   bw_context *context = check_context(state);
   bar b;
@@ -222,7 +251,7 @@ int main(void) {
       check_test(as_a_factor),         check_test(linear_elements_are_refused),
       check_test(sizes_do_not_matter), check_test(many_sides),
       check_test(same_bits),           check_test(chosen_by_cost),
-      check_test(no_memory),
+      check_test(followed_once),       check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
