@@ -271,14 +271,7 @@ void bwi_graph_mark_surface(const bw_graph *graph, const bw_mesh *mesh, uint8_t 
         int32_t row = mesh->facet[f * n + a], column = mesh->facet[f * n + b];
         if (column >= row)
           continue;
-        int64_t low = graph->start[row], high = graph->start[row + 1];
-        while (high - low > 1) {
-          int64_t middle = low + (high - low) / 2;
-          if (graph->column[middle] <= column)
-            low = middle;
-          else
-            high = middle;
-        }
-        surface[low] = 1;
+        surface[bwi_sorted_place(graph->column, graph->start[row], graph->start[row + 1], column)] =
+            1;
       }
 }

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Sorting the columns of a row of a graph. */
+/* The columns of a row of a graph: sorting them, and finding one again. */
 #ifndef BWI_BASE_SORT_H
 #define BWI_BASE_SORT_H
 
@@ -20,6 +20,19 @@ static inline void bwi_sort_columns(int32_t *list, int64_t count) {
         list[j] = list[j - gap];
       list[j] = item;
     }
+}
+
+/* The place of a column in list[begin, end), which ascends and has it. */
+static inline int64_t bwi_sorted_place(const int32_t *list, int64_t begin, int64_t end,
+                                       int32_t column) {
+  while (end - begin > 1) {
+    int64_t middle = begin + (end - begin) / 2;
+    if (list[middle] <= column)
+      begin = middle;
+    else
+      end = middle;
+  }
+  return begin;
 }
 
 #endif

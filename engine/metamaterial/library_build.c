@@ -1,25 +1,17 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Building a library: a fit for each orbit of keys, then, for level 2, one for each representative.
- *
- * Every fit depends on its block, the options and a seed made of its key alone, and is rounded as
- * it is packed. So neither threads nor kills nor the order of a checkpoint show in the result. */
+ * fits.c runs them. */
 #include <string.h>
 
-#include "metamaterial/library.h"
+#include "metamaterial/fits.h"
 
 typedef struct builder {
-  bw_context *context;
   bw_library *library;
-  bwi_checkpoint *checkpoint; /* may be NULL */
   int level;
-  int32_t todo_count, *todo; /* fits that the checkpoint did not have */
-  int32_t done;              /* of this level; atomic */
-  int workers;
-  bwi_fit_workspace **workspace; /* workers; made at first use */
-  double before, start;          /* seconds of earlier runs; when this one began */
+  bwi_fits fits;
 } builder;
 
-/* ---- one fit -------------------------------------------------------------------------------- */
+/* ---- fits ----------------------------------------------------------------------------------- */
 
 static uint64_t seed_of(const bw_library *library, int level, int32_t fit) {
   if (level == 1)
@@ -32,10 +24,11 @@ static uint64_t seed_of(const bw_library *library, int level, int32_t fit) {
   return bwi_fit_seed(library, 2, code);
 }
 
-static bw_status make_block(builder *it, int32_t fit, bwi_block *block,
-                            bw_solid_material *owned[8]) {
+static bw_status make_block(void *data, int32_t fit, bwi_block *block, bw_solid_material *owned[8],
+                            uint64_t *seed) {
+  const builder *it = (const builder *)data;
   const bw_library *library = it->library;
-  block->size[0] = block->size[1] = block->size[2] = 2;
+  *seed = seed_of(library, it->level, fit);
   if (it->level == 1) {
     int32_t key[8];
     bwi_key_of(library->inner->keys->base, library->inner->keys->first[fit], key);
@@ -43,78 +36,18 @@ static bw_status make_block(builder *it, int32_t fit, bwi_block *block,
       block->child[c] = library->palette->material[key[c]];
     return BW_OK;
   }
-  bw_status status = bwi_level2_block(it->context, library, fit, owned);
+  bw_status status = bwi_level2_block(it->fits.context, library, fit, owned);
   for (int c = 0; c < 8; c++)
     block->child[c] = owned[c];
   return status;
 }
 
-/* Keep a fit as it reads back from its bytes. */
-static bw_status keep(builder *it, int32_t fit, const bwi_pack *packed) {
-  bw_library *library = it->library;
-  bwi_unpack from = {
-      it->context, "a new fit", "bytes", packed->bytes, packed->bytes + packed->count, false};
-  return bwi_unpack_fit(&from, it->level, fit, &library->inner->fit[it->level - 1][fit],
-                        &library->inner->error[it->level - 1][fit]);
-}
-
-static bw_status fit_one(builder *it, int32_t fit, bwi_fit_workspace *workspace) {
-  bw_status status = BW_OK;
-  bwi_block block;
-  bw_solid_material *owned[8] = {NULL}, *material = NULL;
-  bw_fit_error error;
-  bwi_pack packed;
-  bwi_pack_begin(&packed, it->context);
-  BW_TRY(make_block(it, fit, &block, owned));
-  BW_TRY(bwi_fit(it->context, &block, &it->library->options, seed_of(it->library, it->level, fit),
-                 workspace, &material, &error));
-  bwi_pack_fit(&packed, material, &error);
-  BW_TRY(packed.status);
-  BW_TRY(keep(it, fit, &packed));
-  if (it->checkpoint)
-    BW_TRY(bwi_checkpoint_add(it->context, it->checkpoint, it->level, fit, NULL,
-                              it->before + bw_seconds() - it->start, &packed));
-done:
-  bwi_pack_clear(&packed);
-  bw_release(material);
-  for (int c = 0; c < 8; c++)
-    bw_release(owned[c]);
-  return status;
-}
-
-static bw_status fit_some(void *data, int64_t begin, int64_t end, int worker) {
-  builder *it = (builder *)data;
-  bw_status status = BW_OK;
-  static const char *const stage[] = {"fits of level 1", "fits of level 2"};
-  for (int64_t i = begin; i < end; i++) {
-    BW_TRY(bw_check_cancel(it->context));
-    if (!it->workspace[worker])
-      BW_TRY(bwi_fit_workspace_create(it->context, &it->library->options, &it->workspace[worker]));
-    BW_TRY(fit_one(it, it->todo[i], it->workspace[worker]));
-    int32_t done = __atomic_add_fetch(&it->done, 1, __ATOMIC_RELAXED);
-    if (worker == 0) /* the caller's thread */
-      bw_progress(it->context, stage[it->level - 1],
-                  (double)done / it->library->fit_count[it->level - 1]);
-  }
-done:
-  return status;
-}
-
 static bw_status fit_level(builder *it, int level) {
+  static const char *const stage[] = {"fits of level 1", "fits of level 2"};
   bw_library *library = it->library;
-  bw_solid_material *const *fit = library->inner->fit[level - 1];
-  int32_t count = library->fit_count[level - 1];
   it->level = level;
-  it->todo_count = 0;
-  bw_free(it->todo);
-  it->todo = BW_NEW(it->context, int32_t, count);
-  if (!it->todo)
-    return BW_MEMORY;
-  for (int32_t f = 0; f < count; f++)
-    if (!fit[f])
-      it->todo[it->todo_count++] = f;
-  it->done = count - it->todo_count;
-  return bw_parallel(it->context, it->todo_count, 1, fit_some, it);
+  return bwi_fits_run(&it->fits, level, stage[level - 1], library->fit_count[level - 1], NULL, 0,
+                      library->inner->fit[level - 1], library->inner->error[level - 1]);
 }
 
 /* ---- checkpoints ------------------------------------------------------------------------------
@@ -136,7 +69,7 @@ static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
                       bw_solid_material *material, const bw_fit_error *error) {
   taker *to = (taker *)data;
   bw_library *library = to->it->library;
-  bw_context *context = to->it->context;
+  bw_context *context = to->it->fits.context;
   later *second = &to->second;
   if (key) {
     bw_release(material);
@@ -177,9 +110,9 @@ static bw_status begin_level2(builder *it, later *second) {
   bw_status status = BW_OK;
   bw_library *library = it->library;
   bwi_library *inner = library->inner;
-  BW_TRY(bwi_levels_create(it->context, inner->keys, inner->fit[0],
+  BW_TRY(bwi_levels_create(it->fits.context, inner->keys, inner->fit[0],
                            library->options.representatives, &inner->levels));
-  BW_TRY(bwi_library_room(it->context, library, 2, inner->levels->chosen_count[3]));
+  BW_TRY(bwi_library_room(it->fits.context, library, 2, inner->levels->chosen_count[3]));
   for (size_t f = 0; f < second->count && f < (size_t)library->fit_count[1]; f++) {
     inner->fit[1][f] = second->fit[f];
     inner->error[1][f] = second->error[f];
@@ -202,35 +135,26 @@ bw_status bw_library_build(bw_context *context, const bw_palette *palette,
   bw_library_options_default(&options);
   if (given)
     options = *given;
-  it.context = context;
-  it.start = bw_seconds();
   to.it = &it;
+  BW_TRY(bwi_fits_begin(context, make_block, &it, &it.fits));
   BW_TRY(bwi_library_begin(context, palette, &options, &library));
   it.library = library;
-  it.workers = bw_threads(context);
-  it.workspace = BW_NEW0(context, bwi_fit_workspace *, it.workers);
-  if (!it.workspace) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  it.fits.library = library;
   if (checkpoint)
-    BW_TRY(bwi_checkpoint_open(context, checkpoint, palette, &options, take, &to, &it.before,
-                               &it.checkpoint));
+    BW_TRY(bwi_checkpoint_open(context, checkpoint, palette, &options, take, &to, &it.fits.before,
+                               &it.fits.checkpoint));
   if (options.levels > 0)
     BW_TRY(fit_level(&it, 1));
   if (options.levels == 2) {
     BW_TRY(begin_level2(&it, &to.second));
     BW_TRY(fit_level(&it, 2));
   }
-  library->seconds = it.before + bw_seconds() - it.start;
+  library->seconds = it.fits.before + bw_seconds() - it.fits.start;
   *out = library;
   library = NULL;
 done:
-  bwi_checkpoint_close(it.checkpoint);
-  for (int w = 0; it.workspace && w < it.workers; w++)
-    bwi_fit_workspace_free(it.workspace[w]);
-  bw_free(it.workspace);
-  bw_free(it.todo);
+  bwi_checkpoint_close(it.fits.checkpoint);
+  bwi_fits_clear(&it.fits);
   for (size_t f = 0; f < to.second.count; f++)
     bw_release(to.second.fit[f]);
   bw_free(to.second.fit);

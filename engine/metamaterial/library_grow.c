@@ -2,24 +2,18 @@
 /* Growing a library for a grid: fits for the blocks that occur there and have none of their own.
  *
  * First the blocks of 2 x 2 x 2 that are not in the library, since blocks of 4 x 4 x 4 are made of
- * their fits; then these. A fit depends on its block and the library's options alone, and is
- * rounded as it is packed: threads, checkpoints and other blocks do not show in it. */
+ * their fits; then these. fits.c runs them; a seed is made of its block alone, so that other blocks
+ * do not show in a fit. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "metamaterial/coarse.h"
-#include "metamaterial/library.h"
+#include "metamaterial/fits.h"
 
 typedef struct grower {
-  bw_context *context;
-  const bw_library *library;  /* that the blocks of this level are made of: with all cells */
-  bwi_checkpoint *checkpoint; /* may be NULL */
   int level;
   bwi_grown fresh[2]; /* of each level; fits that the checkpoint did not have are NULL */
-  int32_t *todo, todo_count, done; /* of this level; `done` is atomic */
-  int workers;
-  bwi_fit_workspace **workspace; /* workers; made at first use */
-  double before, start;          /* seconds of earlier runs; when this one began */
+  bwi_fits fits; /* its library is that which the blocks of this level are made of: all cells */
 } grower;
 
 /* ---- what is missing ------------------------------------------------------------------------ */
@@ -62,13 +56,13 @@ static bw_status find_missing(grower *it, const bw_grid *fine,
                 elements = coarsening[it->level - 1]->coarse->element_count;
   size_t w = (size_t)width;
   int32_t count = 0;
-  uint8_t *key = BW_NEW(it->context, uint8_t, (int64_t)width * elements), own[64];
+  uint8_t *key = BW_NEW(it->fits.context, uint8_t, (int64_t)width * elements), own[64];
   bwi_fine_block block;
   if (!key)
     return BW_MEMORY;
   for (int32_t e = 0; e < elements; e++) {
     if (e % 4096 == 0)
-      BW_TRY(bw_check_cancel(it->context));
+      BW_TRY(bw_check_cancel(it->fits.context));
     bwi_block_gather(fine, coarsening, it->level, e, &block);
     for (int32_t p = 0; p < width; p++)
       own[p] = (uint8_t)block.key[p];
@@ -77,11 +71,11 @@ static bw_status find_missing(grower *it, const bw_grid *fine,
   count = sort_unique(width, key, elements);
   int32_t missing = 0;
   for (int32_t i = 0; i < count; i++)
-    if (!has(it->library, it->level, key + w * (size_t)i)) {
+    if (!has(it->fits.library, it->level, key + w * (size_t)i)) {
       memmove(key + w * (size_t)missing, key + w * (size_t)i, w);
       missing++;
     }
-  BW_TRY(bwi_grown_room(it->context, width, missing, &it->fresh[it->level - 1]));
+  BW_TRY(bwi_grown_room(it->fits.context, width, missing, &it->fresh[it->level - 1]));
   if (missing > 0)
     memcpy(it->fresh[it->level - 1].key, key, w * (size_t)missing);
 done:
@@ -91,14 +85,15 @@ done:
 
 /* ---- fits ----------------------------------------------------------------------------------- */
 
-/* The eight children of a block: materials of the palette, or fits of level 1, turned, which
- * `owned` gets to be released. */
-static bw_status make_block(const grower *it, const uint8_t *key, bwi_block *block,
+/* Children are materials of the palette, or fits of level 1, turned. */
+static bw_status make_block(void *data, int32_t entry, bwi_block *block,
                             bw_solid_material *owned[8], uint64_t *seed) {
   bw_status status = BW_OK;
-  const bw_library *library = it->library;
+  const grower *it = (const grower *)data;
+  const bwi_grown *fresh = &it->fresh[it->level - 1];
+  const uint8_t *key = fresh->key + (size_t)fresh->width * (size_t)entry;
+  const bw_library *library = it->fits.library;
   int32_t base = library->inner->keys->base, cell[8], code[8];
-  block->size[0] = block->size[1] = block->size[2] = 2;
   for (int c = 0; c < 8; c++) {
     for (int p = 0; p < 8; p++)
       cell[p] = it->level == 1 ? key[p] : key[8 * c + p];
@@ -106,56 +101,11 @@ static bw_status make_block(const grower *it, const uint8_t *key, bwi_block *blo
     if (it->level == 2 && code[c] > 0) {
       int symmetry = 0;
       const bw_solid_material *fit = bwi_library_cell(library, cell, &symmetry);
-      BW_TRY(bwi_material_turned(it->context, fit, symmetry, &owned[c]));
+      BW_TRY(bwi_material_turned(it->fits.context, fit, symmetry, &owned[c]));
     }
     block->child[c] = it->level == 1 ? library->palette->material[key[c]] : owned[c];
   }
   *seed = bwi_fit_seed(library, it->level, code);
-done:
-  return status;
-}
-
-static bw_status fit_one(grower *it, int32_t entry, bwi_fit_workspace *workspace) {
-  bw_status status = BW_OK;
-  bwi_grown *fresh = &it->fresh[it->level - 1];
-  const uint8_t *key = fresh->key + (size_t)fresh->width * (size_t)entry;
-  bwi_block block;
-  bw_solid_material *owned[8] = {NULL}, *material = NULL;
-  bw_fit_error error;
-  uint64_t seed;
-  bwi_pack packed;
-  bwi_pack_begin(&packed, it->context);
-  BW_TRY(make_block(it, key, &block, owned, &seed));
-  BW_TRY(bwi_fit(it->context, &block, &it->library->options, seed, workspace, &material, &error));
-  bwi_pack_fit(&packed, material, &error);
-  BW_TRY(packed.status);
-  bwi_unpack from = {it->context, "a new fit", "bytes", packed.bytes, packed.bytes + packed.count,
-                     false};
-  BW_TRY(bwi_unpack_fit(&from, it->level, entry, &fresh->fit[entry], &fresh->error[entry]));
-  if (it->checkpoint)
-    BW_TRY(bwi_checkpoint_add(it->context, it->checkpoint, it->level, 0, key,
-                              it->before + bw_seconds() - it->start, &packed));
-done:
-  bwi_pack_clear(&packed);
-  bw_release(material);
-  for (int c = 0; c < 8; c++)
-    bw_release(owned[c]);
-  return status;
-}
-
-static bw_status fit_some(void *data, int64_t begin, int64_t end, int worker) {
-  grower *it = (grower *)data;
-  bw_status status = BW_OK;
-  static const char *const stage[] = {"blocks of level 1", "blocks of level 2"};
-  for (int64_t i = begin; i < end; i++) {
-    BW_TRY(bw_check_cancel(it->context));
-    if (!it->workspace[worker])
-      BW_TRY(bwi_fit_workspace_create(it->context, &it->library->options, &it->workspace[worker]));
-    BW_TRY(fit_one(it, it->todo[i], it->workspace[worker]));
-    int32_t done = __atomic_add_fetch(&it->done, 1, __ATOMIC_RELAXED);
-    if (worker == 0) /* the caller's thread */
-      bw_progress(it->context, stage[it->level - 1], (double)done / it->fresh[it->level - 1].count);
-  }
 done:
   return status;
 }
@@ -170,7 +120,7 @@ static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
   (void)fit;
   if (!key) {
     bw_release(material);
-    return bw_fail(it->context, BW_INVALID,
+    return bw_fail(it->fits.context, BW_INVALID,
                    "the checkpoint is of a library that is being built, not grown: name another "
                    "file");
   }
@@ -188,6 +138,7 @@ static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
 
 static bw_status grow_level(grower *it, int level, const bw_grid *fine,
                             const bw_coarsening *const *coarsening, const char *checkpoint) {
+  static const char *const stage[] = {"blocks of level 1", "blocks of level 2"};
   bw_status status = BW_OK;
   bwi_grown *fresh = &it->fresh[level - 1];
   it->level = level;
@@ -195,36 +146,27 @@ static bw_status grow_level(grower *it, int level, const bw_grid *fine,
   if (fresh->count == 0)
     return BW_OK;
   if (checkpoint)
-    BW_TRY(bwi_checkpoint_open(it->context, checkpoint, it->library->palette, &it->library->options,
-                               take, it, &it->before, &it->checkpoint));
-  bw_free(it->todo);
-  it->todo_count = 0;
-  it->todo = BW_NEW(it->context, int32_t, fresh->count);
-  if (!it->todo) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int32_t i = 0; i < fresh->count; i++)
-    if (!fresh->fit[i])
-      it->todo[it->todo_count++] = i;
-  it->done = fresh->count - it->todo_count;
-  BW_TRY(bw_parallel(it->context, it->todo_count, 1, fit_some, it));
+    BW_TRY(bwi_checkpoint_open(it->fits.context, checkpoint, it->fits.library->palette,
+                               &it->fits.library->options, take, it, &it->fits.before,
+                               &it->fits.checkpoint));
+  BW_TRY(bwi_fits_run(&it->fits, level, stage[level - 1], fresh->count, fresh->key, fresh->width,
+                      fresh->fit, fresh->error));
 done:
-  bwi_checkpoint_close(it->checkpoint);
-  it->checkpoint = NULL;
+  bwi_checkpoint_close(it->fits.checkpoint);
+  it->fits.checkpoint = NULL;
   return status;
 }
 
 /* The library with what was fitted so far. */
 static bw_status join(grower *it, bw_library **out) {
   bw_status status = BW_OK;
-  const bwi_library *inner = it->library->inner;
+  const bwi_library *inner = it->fits.library->inner;
   bwi_grown grown[2] = {{0}};
   for (int l = 0; l < 2; l++) {
     it->fresh[l].width = l == 0 ? 8 : 64;
-    BW_TRY(bwi_grown_join(it->context, &inner->grown[l], &it->fresh[l], &grown[l]));
+    BW_TRY(bwi_grown_join(it->fits.context, &inner->grown[l], &it->fresh[l], &grown[l]));
   }
-  BW_TRY(bwi_library_with(it->context, it->library, grown, out));
+  BW_TRY(bwi_library_with(it->fits.context, it->fits.library, grown, out));
 done:
   for (int l = 0; l < 2; l++)
     bwi_grown_clear(&grown[l]);
@@ -239,35 +181,25 @@ bw_status bw_library_grow(bw_context *context, const bw_library *library, const 
   bw_coarsening *coarsening[2] = {NULL};
   grower it;
   memset(&it, 0, sizeof it);
-  it.context = context;
-  it.library = library;
-  it.start = bw_seconds();
-  it.workers = bw_threads(context);
   if (levels < 1 || levels > 2)
     return bw_fail(context, BW_INVALID, "growing for %d levels; 1 or 2", levels);
   BW_TRY(bwi_coarse_check(context, library, palette, fine));
-  it.workspace = BW_NEW0(context, bwi_fit_workspace *, it.workers);
-  if (!it.workspace) {
-    status = BW_MEMORY;
-    goto done;
-  }
+  BW_TRY(bwi_fits_begin(context, make_block, &it, &it.fits));
+  it.fits.library = library;
   for (int l = 0; l < levels; l++)
     BW_TRY(bw_coarsening_create(context, l ? coarsening[0]->coarse : fine, &coarsening[l]));
   BW_TRY(grow_level(&it, 1, fine, (const bw_coarsening *const *)coarsening, checkpoint));
   if (levels == 2) {
     BW_TRY(join(&it, &with_cells));
     bwi_grown_clear(&it.fresh[0]);
-    it.library = with_cells;
+    it.fits.library = with_cells;
     BW_TRY(grow_level(&it, 2, fine, (const bw_coarsening *const *)coarsening, checkpoint));
   }
   BW_TRY(join(&it, &grown));
-  grown->seconds = it.before + bw_seconds() - it.start;
+  grown->seconds = it.fits.before + bw_seconds() - it.fits.start;
   *out = grown;
 done:
-  for (int w = 0; it.workspace && w < it.workers; w++)
-    bwi_fit_workspace_free(it.workspace[w]);
-  bw_free(it.workspace);
-  bw_free(it.todo);
+  bwi_fits_clear(&it.fits);
   for (int l = 0; l < 2; l++) {
     bwi_grown_clear(&it.fresh[l]);
     bw_release(coarsening[l]);

@@ -118,15 +118,7 @@ static bw_status fill_columns(void *data, int64_t begin, int64_t end, int worker
 }
 
 int64_t bwi_plane_pair(const bw_plane_graph *graph, int32_t row, int32_t column) {
-  int64_t low = graph->start[row], high = graph->start[row + 1];
-  while (high - low > 1) {
-    int64_t middle = low + (high - low) / 2;
-    if (graph->column[middle] <= column)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
+  return bwi_sorted_place(graph->column, graph->start[row], graph->start[row + 1], column);
 }
 
 /* gather_start is complete: fill contributions and mirrors. mark[j] is where the next contribution

@@ -140,10 +140,10 @@ describe("a file", function()
     local path = folder .. "/whole.study"
     local whole = assert(study(path, 300):run())
     local text = check.read(path)
-    -- The whole first page, its second half where the statements stand, one letter of a table's name, then the
+    -- The whole first page, its second half where the statements stand, two letters of one of them, then the
     -- file that was saved from the first.
     local ways = {("\xa5"):rep(4096) .. text:sub(4097), text:sub(1, 2048) .. ("\0"):rep(2048) .. text:sub(4097),
-      (text:gsub("tabletrialstrials", "tabletrialstrialz", 1):gsub("CREATE TABLE trials", "CREATE TALBE trials", 1)),
+      (text:gsub("CREATE TABLE trials", "CREATE TALBE trials", 1)),
       false}
     for i, damaged in ipairs(ways) do
       local bad, new = ("%s/bad%d.study"):format(folder, i), ("%s/new%d.study"):format(folder, i)

@@ -38,7 +38,8 @@ describe("A name that is not known", function()
   it("is answered alike wherever names are read", function()
     local body = bw.mesh.box {high = {1, 1, 1}, cells = {2, 2, 2}}
     local part = bw.model {mesh = body, material = bw.material.pla}
-    local skeleton = assert(bw.skeleton.create {joints = {{0, 0, 0}, {1, 0, 0}}, bones = {{1, 2, name = "shank"}}})
+    local skeleton = assert(bw.skeleton.create {joints = {{0, 0, 0}, {1, 0, 0}},
+      bones = {{1, 2, name = "shank"}}})
     local outline = assert(bw.outline {name = "rim", {0, 0}, {1, 0}, {1, 1}, {0, 1}})
     check.raises("there is no material 'unobtainium': known are abs,", function() return bw.material.unobtainium end)
     check.raises("unknown option 'zzz': known are ", bw.model, {zzz = 1})

@@ -152,8 +152,7 @@ function merge.salvage(path, into)
   local report, message, details = core.salvage(path, into, store.schema())
   if not report then return nil, message, details end
   if report.relisted then -- which columns there are is told by the file itself
-    local definition
-    definition, message, details = store.remembered(into)
+    local definition = store.remembered(into)
     os.remove(into)
     if not definition then
       return nil, ("%s: the list of tables and the definition of the study are both damaged: nothing can be saved")
