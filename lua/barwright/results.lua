@@ -3,6 +3,7 @@
 -- manifest.json (what made them). Files are written beside their target and renamed.
 local core = require "barwright.core"
 local json = require "barwright.json"
+local writable = require "barwright.writable"
 
 local results = {}
 results.__index = results
@@ -80,9 +81,8 @@ function results.open(folder, about)
   local fine, message = core.make_folder(folder)
   if not fine then return nil, message, {status = "io", file = folder} end
   -- A folder that nothing can be written into is found now, not after the work.
-  local probe, why, details = core.write_file(folder .. "/result.json.probe", "{}\n")
-  if not probe then return nil, why, details end
-  os.remove(folder .. "/result.json.probe")
+  local fits, why, details = writable(folder .. "/result.json")
+  if not fits then return nil, why, details end
   local self = setmetatable({folder = folder}, results)
   local files = json.list {}
   for _, path in ipairs(about.inputs or {}) do

@@ -7,6 +7,7 @@
  * next step of the script. The program then ends with status 130. A third one ends it at once. */
 #include "program.h"
 
+#include <errno.h>
 #include <locale.h>
 #include <lualib.h>
 #include <malloc.h>
@@ -140,10 +141,32 @@ static void keep_freed_memory(void) {
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 }
 
+/* What a script printed may be lost without a word: its exit status says so. A command has told. */
+static int all_written(int status) {
+  bool lost = ferror(stdout) != 0;
+  errno = 0;
+  lost = fflush(stdout) != 0 || lost;
+  if (!lost || status != EXIT_SUCCESS)
+    return status;
+  fprintf(stderr, "barwright: standard output: %s\n",
+          errno ? strerror(errno) : "not all could be written");
+  return EXIT_FAILURE;
+}
+
+/* The engine takes what it can use of it, and all processors otherwise. */
+static bool threads_can_be_read(void) {
+  const char *text = getenv("BARWRIGHT_THREADS");
+  char *end;
+  if (!text || !text[0] || (strtol(text, &end, 10) >= 1 && *end == '\0'))
+    return true;
+  fprintf(stderr, "barwright: BARWRIGHT_THREADS: a number of threads expected, got '%s'\n", text);
+  return false;
+}
+
 int main(int argc, char **argv) {
   program_command c;
   keep_freed_memory();
-  if (!program_read_command(argc, argv, &c))
+  if (!program_read_command(argc, argv, &c) || !threads_can_be_read())
     return PROGRAM_MISUSED;
   if (c.limits.sandbox || c.limits.memory > 0 || c.limits.seconds > 0) {
     int status = program_watch(&c.limits);
@@ -173,5 +196,5 @@ int main(int argc, char **argv) {
   program_ignore_interrupt();
   program_progress_clear();
   lua_close(L);
-  return status;
+  return all_written(status);
 }

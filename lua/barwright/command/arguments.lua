@@ -90,6 +90,14 @@ function arguments.value(rule, text)
   elseif text == "" then
     return nil, "a value expected, got an empty one"
   end
+  if rule.endings then
+    local ending, known = (text:match "%.(%w+)$" or ""):lower(), false
+    for _, one in ipairs(rule.endings) do known = known or one == ending end
+    if not known then
+      return nil, ("a file that ends in .%s expected, got %s"):format(table.concat(rule.endings, ", ."),
+        quoted(text))
+    end
+  end
   if rule.one_of then
     for _, word in ipairs(rule.one_of) do
       if word == value then return value end
@@ -222,7 +230,7 @@ end
 local types = {string = true, number = true, integer = true, flag = true, file = true, folder = true}
 local rule_keys = {name = true, value = true, type = true, default = true, one_of = true, what = true,
   optional = true, many = true, needed = true, unit = true, least = true, most = true, above = true,
-  below = true}
+  below = true, endings = true}
 local command_keys = {summary = "string", about = "string", arguments = "table", options = "table",
   examples = "table", run = "function", server = "boolean"}
 

@@ -7,6 +7,7 @@ local edit_script = require "barwright.edit_script"
 local kinds = require "barwright.live_plane_kinds"
 local live = require "barwright.live"
 local plane_edits = require "barwright.live_plane_edits"
+local script_file = require "barwright.script_file"
 
 -- One sentence that ends the command: caught where it is run.
 local function fail(text, status)
@@ -16,6 +17,8 @@ end
 -- ---- sessions --------------------------------------------------------------------------------------
 
 local function read(path)
+  local refusal = script_file.refusal(path)
+  if refusal then fail(refusal) end
   local file, why = io.open(path, "rb")
   if not file then fail(why) end
   local text = file:read "a"
@@ -41,7 +44,10 @@ local function name_for(file, save)
 end
 
 local function checked(what, value, message, ...)
-  if value == nil or value == false then fail(what .. ": " .. tostring(message)) end
+  if value == nil or value == false then
+    message = tostring(message)
+    fail(message:sub(1, #what) == what and message or what .. ": " .. message)
+  end
   return value, message, ...
 end
 
@@ -69,7 +75,10 @@ local function open_outline(wish, object, about, save)
 end
 
 local function open_script(wish)
+  local before = rawget(_G, "arg")
+  rawset(_G, "arg", {[0] = wish.file}) -- the words of this command are none of the script's
   local fine, made, about = pcall(dofile, wish.file)
+  rawset(_G, "arg", before)
   if not fine then fail(tostring(made)) end
   if made == nil and type(about) == "string" then fail(wish.file .. ": " .. about) end
   local save = wish.save or wish.file:gsub("%.lua$", "") .. ".edits.lua"

@@ -2,7 +2,7 @@
 -- What the commands share: reading a MODEL, whatever it is, making a mesh of it, and telling in sentences how
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
-local core = require "barwright.core"
+local writable = require "barwright.writable"
 
 local model = {}
 
@@ -204,15 +204,16 @@ end
 -- What the command is to write, told to be impossible before the work and not after it.
 local function check_outputs(wish)
   for _, name in ipairs {"report", "picture", "vtu"} do
-    local path = wish[name]
-    if path then
-      local fine, message, details = core.write_file(path .. ".probe", "")
+    if wish[name] then
+      local fine, message, details = writable(wish[name])
       if not fine then return nil, message, details end
-      os.remove(path .. ".probe")
     end
   end
   return true
 end
+
+--- Endings of the files of bodies with fields.
+model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
 
 --- The body that is asked about, told as it is read and filled: mesh, material.
 function model.body(wish, out)

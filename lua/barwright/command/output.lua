@@ -16,11 +16,17 @@ function output.create(name, wish)
   return setmetatable({name = name, machine = wish.json, quiet = wish.quiet, object = {}}, output)
 end
 
+-- What cannot be written is told once, at the end.
+local function write(self, text)
+  local fine, why = io.stdout:write(text, "\n")
+  if not fine then self.unwritten = self.unwritten or why end
+end
+
 --- A line for people; with more arguments a format and its values.
 function output:say(text, ...)
   if self.machine or self.quiet then return end
   if select("#", ...) > 0 then text = text:format(...) end
-  io.stdout:write(text, "\n")
+  write(self, text)
 end
 
 --- Fields of the object that --json prints; later ones are added to earlier ones.
@@ -78,11 +84,11 @@ function output:finish(code)
       io.stderr:write("barwright ", self.name, ": ", tostring(text), "\n")
       return output.FAILED
     end
-    io.stdout:write(text, "\n")
+    write(self, text)
   end
   local fine, why = io.stdout:flush()
-  if not fine then
-    io.stderr:write("barwright ", self.name, ": standard output: ", tostring(why), "\n")
+  if self.unwritten or not fine then
+    io.stderr:write("barwright ", self.name, ": standard output: ", tostring(self.unwritten or why), "\n")
     return output.FAILED
   end
   return code

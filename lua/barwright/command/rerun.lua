@@ -75,7 +75,8 @@ local function check_inputs(manifest)
   for _, input in ipairs(manifest.inputs or {}) do
     local digest, message = core.sha256(input.file)
     if not digest then
-      faults[#faults + 1] = message
+      faults[#faults + 1] = message .. (input.file:sub(1, 1) == "/" and ""
+        or " from here; was the run started in another folder?")
     elseif digest ~= input.sha256 then
       faults[#faults + 1] = ("%s: is not the file it was: its SHA-256 is %s, %s expected"):format(input.file,
         digest, tostring(input.sha256))

@@ -5,6 +5,7 @@ local json = require "barwright.json"
 local output = require "barwright.command.output"
 local merge = require "barwright.study.merge"
 local plots = require "barwright.study.plots"
+local script_file = require "barwright.script_file"
 
 local actions = {}
 
@@ -44,6 +45,8 @@ local function load_study(path, wish, out)
     return nil, out:misuse(("%s holds trials: the study's script is expected there (and --file %s, if the script "
       .. "does not name that file)"):format(path, path))
   end
+  local refusal = script_file.refusal(path)
+  if refusal then return nil, out:misuse(refusal) end
   local chunk, message = loadfile(path, "t")
   if not chunk then
     return nil, out:misuse(message)

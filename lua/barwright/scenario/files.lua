@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Files of scenarios: which there are under a path, what one states when it is loaded, and folders.
+local script_file = require "barwright.script_file"
 local files = {}
 
 local function quoted(path)
@@ -71,6 +72,8 @@ function files.find(paths)
     local kind = files.kind(path)
     if not kind then return nil, path .. ": there is no such file or folder" end
     if kind == "file" then
+      local refusal = script_file.refusal(path)
+      if refusal then return nil, refusal end
       add(path)
     else
       local top, found = path:gsub("(.)/+$", "%1"), {}
