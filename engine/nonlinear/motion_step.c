@@ -7,6 +7,7 @@
  * whose gradient is the equation of motion at the step's end with a and v as in bwi_motion_rule. */
 #include "nonlinear/motion.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -199,6 +200,7 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
     newton.cg_tolerance = o->tolerance;
   newton.allow_inverted = o->allow_inverted;
   walk.newton = inner->newton;
+  newton.most_iterations = INT_MAX; /* a step has one load step */
   walk.options = &newton;
   walk.report = &report;
   BW_TRY(bwi_walk_create(&walk));

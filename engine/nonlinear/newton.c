@@ -32,7 +32,10 @@
 #define NEARBY 1e-2
 /* Displacements over the solid's size that no solid in balance has. */
 #define AWAY 1e4
-enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8 };
+/* So many steps in succession that are shorter than this lead nowhere. */
+#define SHORT 1e-2
+enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8, CREEPING = 8, MOST = 500, MOST_OF_STEP = 20 };
+#define CG ((int64_t)100) /* iterations that are worth one of Newton's */
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
   *at = (bwi_balance){0};
@@ -130,7 +133,6 @@ void bwi_walk_accept(bwi_walk *walk) {
 static bw_status record(bwi_walk *walk, double step, int32_t cg, double residual) {
   bw_newton_report *report = walk->report;
   report->iterations++;
-  report->cg_iterations += cg;
   if (!bw_grow(walk->context, (void **)&report->history, &walk->history_capacity,
                (size_t)report->history_count, 1, sizeof *report->history))
     return BW_MEMORY;
@@ -291,17 +293,29 @@ done:
   return status;
 }
 
+double bwi_newton_left(const bwi_walk *walk, int64_t *of_cg) {
+  const bw_newton_options *o = walk->options;
+  const bw_newton_report *report = walk->report;
+  int64_t most = CG * (o->most_iterations > 0 ? o->most_iterations
+                                              : MOST + (int64_t)MOST_OF_STEP * (o->steps - 1));
+  int64_t left =
+      most - CG * report->iterations - report->cg_iterations - report->stability_iterations;
+  if (of_cg)
+    *of_cg = left > 0 ? left : 0;
+  return left > 0 ? (double)left / (double)most : 0;
+}
+
 bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
   bw_status status = BW_OK;
   const bw_newton_options *options = walk->options;
   bwi_tangent kind = BWI_PLAIN;
   bool moving;
   double plain_below = 1; /* residual below which the tangent may be tried as it is again */
-  int escapes = 0, projected = 0;
+  int escapes = 0, projected = 0, creeping = 0;
   *found = false;
   walk->load = load;
   walk->obstacle = BWI_NO_OBSTACLE;
-  walk->part = walk->previous = walk->shift = 0;
+  walk->part = walk->previous = walk->shift = walk->lift = 0;
   walk->step = 1;
   walk->have_tangent = walk->negative = false;
   if (walk->contact)
@@ -313,7 +327,8 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     int32_t cg = 0;
     double slope = 0, step = 0;
     if (!walk->quadratic)
-      bw_progress(walk->context, "equilibrium", walk->reached);
+      bw_progress(walk->context, "equilibrium",
+                  fmax(walk->reached, 1 - bwi_newton_left(walk, NULL)));
     BW_TRY(bw_check_cancel(walk->context));
     bwi_walk_measure(walk);
     if (!walk->quadratic && largest(walk->now.u, walk->size) > AWAY * size_of(walk->solid->grid)) {
@@ -347,6 +362,10 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     }
     if (k == options->iterations)
       break;
+    if (bwi_newton_left(walk, NULL) <= 0) {
+      walk->obstacle = BWI_WORK;
+      goto done;
+    }
     double residual = walk->relative;
     if (walk->iterative) {
       bool by_factor;
@@ -364,7 +383,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
         BW_TRY(bwi_tangent_set(walk, kind, &definite));
       }
       if (!definite) {
-        walk->obstacle = BWI_STIFFNESS;
+        walk->obstacle = kind == BWI_SHIFTED ? BWI_CRUSHED : BWI_STIFFNESS;
         goto done;
       }
     }
@@ -419,6 +438,11 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
     walk->previous = residual;
     walk->step = step;
     BW_TRY(record(walk, step, cg, residual));
+    creeping = step < SHORT ? creeping + 1 : 0;
+    if (creeping == CREEPING) {
+      walk->obstacle = BWI_CREEPING;
+      goto done;
+    }
     if (kind != BWI_PLAIN && step >= 1) {
       bwi_walk_measure(walk);
       if (walk->relative <= fmin(plain_below, NEAR))

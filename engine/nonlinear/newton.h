@@ -76,11 +76,14 @@ typedef struct bwi_choice {
 /* Why an equilibrium was not found. */
 typedef enum bwi_obstacle {
   BWI_NO_OBSTACLE,
-  BWI_ITERATIONS, /* as many as allowed */
+  BWI_ITERATIONS, /* as many as allowed in a load step */
+  BWI_WORK,       /* or in all load steps */
   BWI_SEARCH,     /* no step along a direction lowers the potential */
+  BWI_CREEPING,   /* one short step follows on another */
   BWI_INVERTING,  /* moving what is held would turn elements inside out */
   BWI_UNSTABLE,   /* from one unstable equilibrium to the next */
-  BWI_STIFFNESS,  /* no tangent to solve with */
+  BWI_STIFFNESS,  /* no tangent to solve with: something is free to move */
+  BWI_CRUSHED,    /* none with any shift: elements are badly out of shape */
   BWI_INVERTED    /* an equilibrium, with elements inside out */
 } bwi_obstacle;
 const char *bwi_obstacle_text(bwi_obstacle obstacle); /* "the iterations did not suffice" */
@@ -114,6 +117,7 @@ typedef struct bwi_walk {
   bwi_tangent tangent; /* the last one */
   bool have_tangent;
   double step;  /* the last length along a direction */
+  double lift;  /* that of projected tangents, which followers may need; or 0 */
   double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */
   bool iterative; /* solutions by conjugate gradients, without a matrix */
   bool negative;  /* the last of those met a direction of negative curvature */
@@ -157,6 +161,9 @@ static inline double bwi_walk_target(const bwi_walk *walk, int64_t i) {
 }
 double bwi_walk_dot(const bwi_walk *walk, const double *a, const double *b); /* free components */
 
+/* What is left of the iterations that all load steps may take together, as a part of them and in
+ * iterations of conjugate gradients. */
+double bwi_newton_left(const bwi_walk *walk, int64_t *of_cg);
 /* Equilibrium at `load` from walk->now.u, which is left where it ends. BW_OK with *found false and
  * walk->obstacle where there is none to be found. */
 bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found);

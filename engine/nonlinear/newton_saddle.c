@@ -67,7 +67,7 @@ static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found,
     goto done;
   }
   BW_TRY(random_forces(walk, r));
-  for (int k = 0; k < walk->options->cg_iterations; k++) {
+  for (int k = 0; k < walk->options->cg_iterations && bwi_newton_left(walk, NULL) > 0; k++) {
     BW_TRY(bw_check_cancel(context));
     if (walk->iterative)
       BW_TRY(bwi_precondition_apply(context, walk->precondition, r, z));

@@ -169,6 +169,9 @@ done:
  * is needed; after a short one above it, as where to go is seen no further than that. */
 #define FIRST_SHIFT 1e-3
 #define LEAST_SHIFT 1e-7
+/* Projected tangents with followers, or of a solid that floors alone hold, may need one too. */
+#define LEAST_LIFT 1e-9
+#define LIFT_GROWTH 30
 
 bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
   bw_status status = BW_OK;
@@ -210,9 +213,14 @@ bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
     BW_TRY(factor_shifted(walk, shift, GROWTH, definite));
     goto done;
   }
-  BW_TRY(factor(walk, definite));
-  if (kind == BWI_PROJECTED && !*definite)
-    BW_TRY(factor_shifted(walk, 1e-9, 30, definite));
+  double lift = kind == BWI_PROJECTED ? walk->lift / LIFT_GROWTH : 0;
+  if (lift < LEAST_LIFT)
+    BW_TRY(factor(walk, definite));
+  walk->lift = 0;
+  if (kind == BWI_PROJECTED && !*definite) {
+    BW_TRY(factor_shifted(walk, fmax(lift, LEAST_LIFT), LIFT_GROWTH, definite));
+    walk->lift = walk->shift;
+  }
   if (kind == BWI_PROJECTED)
     walk->shift = 0;
 done:
@@ -258,12 +266,16 @@ static bw_status solve(bwi_walk *walk, const double *force, double tolerance, do
   *iterations = 0;
   if (walk->iterative) {
     bwi_cg_report report;
+    int64_t left;
+    bwi_newton_left(walk, &left);
+    int32_t limit = bwi_choice_limit(walk);
+    limit = left < limit ? (int32_t)left + 1 : limit;
     double *x = BW_NEW(walk->context, double, walk->size); /* force may be displacement */
     if (!x)
       return BW_MEMORY;
-    bw_status status =
-        bwi_cg_solve(walk->context, walk->precondition, walk->follows ? 1e-8 : tolerance,
-                     bwi_choice_limit(walk), force, x, &report);
+    bw_status status = bwi_cg_solve(walk->context, walk->precondition,
+                                    walk->follows ? 1e-8 : tolerance, limit, force, x, &report);
+    walk->report->cg_iterations += report.iterations;
     memcpy(displacement, x, (size_t)walk->size * sizeof *x);
     bw_free(x);
     walk->negative = report.negative;

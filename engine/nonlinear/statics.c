@@ -7,7 +7,10 @@
  * equilibrium of another case leads on from there, and a path exists in any case.
  *
  * A load step that fails is halved, with what the failure said about how far it could have gone;
- * steps grow again after two that went well. */
+ * steps grow again after two that went well. A load that failed is not tried again until it is a
+ * quarter as far away, but come near by halves: past collapse each try takes all iterations. That
+ * bounds the work, and options bound it further: Newton iterations and those of conjugate gradients
+ * over all load steps (bwi_newton_left). Each of Newton's has at most some ten factors. */
 #include "grid/internal.h"
 #include "nonlinear/newton.h"
 
@@ -109,6 +112,10 @@ static bw_status check(bw_context *context, const bw_solid *solid, const bw_soli
                    "conjugate gradients to a tolerance of %g in %d iterations; it must lie between "
                    "0 (by itself) and 1, in at least one iteration",
                    o->cg_tolerance, o->cg_iterations);
+  if (o->most_iterations < 0)
+    return bw_fail(context, BW_INVALID,
+                   "%d iterations over all load steps; at least one, or 0: by itself",
+                   o->most_iterations);
   if (o->iterations < 1 || o->steps < 1)
     return bw_fail(context, BW_INVALID, "%d iterations in each of %d load steps; at least one",
                    o->iterations, o->steps);
@@ -210,6 +217,9 @@ done:
   return status;
 }
 
+/* Loads that failed are tried again from this part of how far they were away. */
+#define AGAIN 0.25
+
 /* What goes wrong in a load step. */
 typedef struct failure {
   bwi_obstacle obstacle;
@@ -221,10 +231,13 @@ const char *bwi_obstacle_text(bwi_obstacle obstacle) {
   static const char *const why[] = {
       [BWI_NO_OBSTACLE] = "",
       [BWI_ITERATIONS] = "the iterations did not suffice",
+      [BWI_WORK] = "all iterations that are allowed together were used up",
+      [BWI_CREEPING] = "only very short steps lower the potential",
       [BWI_SEARCH] = "no step lowers the potential any more",
       [BWI_INVERTING] = "moving what is held turns elements inside out",
       [BWI_UNSTABLE] = "one unstable equilibrium followed on another",
       [BWI_STIFFNESS] = "something can move without any force",
+      [BWI_CRUSHED] = "elements are so far out of shape that there is no tangent to solve with",
       [BWI_INVERTED] = "the equilibrium has elements that are inside out"};
   return why[obstacle];
 }
@@ -243,13 +256,15 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
       inverted                       ? BW_GEOMETRY
       : f->obstacle == BWI_STIFFNESS ? BW_FREE
                                      : BW_CONVERGENCE,
-      "no %sequilibrium beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; "
-      "element "
-      "%d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted). The load may be "
-      "more than the solid carries; otherwise take smaller or more load steps, or smaller cells",
+      "no %sequilibrium found beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; "
+      "element %d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted; %d "
+      "iterations in %d load steps, %d of which failed). The load may be more than the solid "
+      "carries; otherwise take smaller or more load steps, %s",
       inverted ? "regular " : "", reached, f->load, bwi_obstacle_text(f->obstacle), f->residual,
       walk->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.least_ratio,
-      (long long)f->shape.inverted);
+      (long long)f->shape.inverted, walk->report->iterations,
+      walk->report->load_steps + walk->report->failed_steps, walk->report->failed_steps,
+      f->obstacle == BWI_WORK ? "or allow more iterations (most_iterations)" : "or smaller cells");
   bw_detail_number(context, "load", reached);
   bw_detail_number(context, "residual", f->residual);
   bw_detail_number(context, "element", e + 1);
@@ -267,15 +282,23 @@ static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, doub
   size_t size = (size_t)walk->size * sizeof(double),
          contact = walk->contact ? (size_t)walk->contact->count * sizeof(double) : 0;
   double step = 1.0 / o->steps, least = fmin(o->least_step, step);
+  double barrier = 2, away = 0; /* the least load that failed, and from how far */
   int good = 0;
   failed->obstacle = BWI_NO_OBSTACLE;
   while (*reached < 1) {
     double load = *reached + step > 1 - 1e-9 ? 1 : *reached + step;
     bool found;
+    if (load >= barrier) {
+      bool near = barrier - *reached <= fmax(AGAIN * away, 2 * least);
+      load = near ? barrier : 0.5 * (*reached + barrier);
+    }
+    step = load - *reached;
     walk->reached = *reached;
     BW_TRY(bwi_newton_equilibrium(walk, load, &found));
     if (found) {
       *reached = load;
+      if (load >= barrier)
+        barrier = 2;
       memcpy(u, walk->now.u, size);
       if (contact)
         memcpy(multiplier, walk->contact->multiplier, contact);
@@ -293,9 +316,12 @@ static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, doub
     if (contact)
       memcpy(walk->contact->multiplier, multiplier, contact);
     good = 0;
-    step = load - *reached;
-    if (step <= least * (1 + 1e-9))
+    if (step <= least * (1 + 1e-9) || walk->obstacle == BWI_WORK)
       break;
+    if (!(walk->part > 0)) {
+      barrier = load;
+      away = step;
+    }
     step = fmax(least, step * (walk->part > 0 ? fmin(0.5, fmax(0.1, 0.8 * walk->part)) : 0.5));
   }
 done:

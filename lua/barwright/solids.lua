@@ -345,7 +345,7 @@ local solve_rules = {
   start = {type = "any"},
 }
 for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "integer",
-  least_step = "number", cg_tolerance = "number", cg_iterations = "integer",
+  most_iterations = "integer", least_step = "number", cg_tolerance = "number", cg_iterations = "integer",
   allow_inverted = "boolean", linear = "string", coarse = "any"} do
   solve_rules[key] = {type = kind}
 end
@@ -407,7 +407,8 @@ local function own_coarse(self, wanted)
   return rawget(self, "under") or nil
 end
 
---- Equilibrium: {tolerance =, iterations =, steps = load steps to begin with, path = parts of the path
+--- Equilibrium: {tolerance =, iterations = in a load step, most_iterations = in all of them, steps =
+--- load steps to begin with, least_step = where to give up, path = parts of the path
 --- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
 --- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
 --- allow_inverted =}. Returns the result; or nil, message, details, where details.reached is the last

@@ -349,6 +349,7 @@ static int solid_solve(lua_State *L) {
       {"tolerance", LBW_REAL, offsetof(bw_newton_options, tolerance)},
       {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
       {"steps", LBW_INT, offsetof(bw_newton_options, steps)},
+      {"most_iterations", LBW_INT, offsetof(bw_newton_options, most_iterations)},
       {"least_step", LBW_REAL, offsetof(bw_newton_options, least_step)},
       {"cg_tolerance", LBW_REAL, offsetof(bw_newton_options, cg_tolerance)},
       {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},

@@ -3143,9 +3143,12 @@ function Solid:floor(options) end
 ---other (turns: of at most 30 degrees); `steps`: load steps to begin with; `linear`: "direct",
 ---"jacobi", or "coarse": conjugate gradients over a coarse solid, `coarse` or those that are made. By
 ---default a factor ("direct") or the last, whichever costs less by counted operations and bytes and the
----iterations that were needed so far. On failure details.reached is the last
----equilibrium on the way.
----@param options? {tolerance?: number, iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array}
+---iterations that were needed so far. Loads that are more than the solid carries end in a failure that
+---says how far it came: details.reached is the last equilibrium on the way. The work until then is
+---bounded: `iterations` in a load step (100), `most_iterations` in all of them, where 100 of conjugate
+---gradients count as one more (500, and 20 for each of `steps` beyond the first), load steps no smaller
+---than `least_step` (1/256).
+---@param options? {tolerance?: number, iterations?: integer, most_iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array}
 ---@return bw.SolidResult?
 ---@return string? message
 ---@return table? details

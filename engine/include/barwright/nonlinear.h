@@ -231,6 +231,9 @@ typedef struct bw_newton_options {
   double tolerance;    /* |residual| over the norms of applied forces, reactions and pushes of
                           floors, added up; default 1e-6 */
   int iterations;      /* Newton iterations in a load step; default 100 */
+  int most_iterations; /* in all load steps together, failed ones included, where every 100 of
+                          conjugate gradients count as one more; default 0: 500, and 20 more for
+                          each load step to begin with beyond the first */
   int steps;           /* load steps to begin with; default 1; made smaller where one fails */
   double least_step;   /* of the load factor before giving up; default 1/256 */
   double cg_tolerance; /* relative; default: by Eisenstat and Walker */

@@ -38,6 +38,134 @@ static void test_limit_point(void **state) {
   }
 }
 
+/* Seen from outside while a solution goes on. */
+typedef struct watch {
+  bw_context *context;
+  int calls, stop_at; /* 0: not at all */
+  double fraction;
+} watch;
+
+static void look(void *data, const char *stage, double fraction) {
+  watch *w = (watch *)data;
+  if (strcmp(stage, "equilibrium") != 0)
+    return; /* of a factor */
+  assert_true(fraction >= w->fraction - 1e-12 && fraction <= 1);
+  w->fraction = fraction;
+  if (++w->calls == w->stop_at)
+    bw_cancel(w->context);
+}
+
+/* A block of rubber far past what it carries, in every way to solve: the work is bounded by what is
+ * allowed, progress never goes back and ends at its whole, what was reached is an equilibrium, and
+ * it can be stopped on the way. */
+static void test_bounded(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 2, 8};
+  const double size[3] = {0.04, 0.04, 0.12}, gravity[3] = {0, 0, -20000};
+  for (int linear = 0; linear < 3; linear++)
+    for (int k = 0; k < 4; k++) {
+      box b;
+      bw_coarse *coarse;
+      bw_solid *below;
+      bw_solid_static *result = NULL;
+      bw_newton_options options;
+      watch w = {.context = context, .stop_at = k == 2 ? 3 : k == 3 ? 30 : 0};
+      box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 1000);
+      box_hold(context, &b, 2, 0, true, true, true, 0);
+      check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
+      check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.palette, b.grid, 1, &coarse));
+      check_ok(context, bw_solid_create(context, coarse->grid, coarse->palette, NULL, &below));
+      const bw_coarsening *coarsening = coarse->coarsening[0];
+      const bw_solid *one = below;
+      bw_newton_options_default(&options);
+      options.linear = (bw_newton_linear)linear;
+      options.coarse_count = 1;
+      options.coarsening = &coarsening;
+      options.coarse = &one;
+      options.most_iterations = k == 1 ? 40 : 0;
+      bw_set_progress(context, look, &w);
+      bw_status status = bw_solid_statics(context, b.solid, b.the, NULL, &options, &result);
+      bw_set_progress(context, NULL, NULL);
+      if (w.stop_at) {
+        assert_int_equal(status, BW_CANCELLED);
+        assert_null(result);
+        assert_int_equal(w.calls, w.stop_at);
+        bw_clear_cancel(context);
+      } else {
+        const bw_newton_report *r = &result->report;
+        int64_t most = k ? 40 : 500;
+        assert_int_equal(status, BW_CONVERGENCE);
+        assert_non_null(strstr(bw_message(context), "load factor"));
+        assert_false(result->complete);
+        assert_true(r->iterations <= most);
+        assert_true(r->cg_iterations + r->stability_iterations <= 100 * (most + 1));
+        assert_true(r->factorisations <= 12 * (r->iterations + r->failed_steps + 1));
+        assert_true(k || r->residual <= options.tolerance);
+        assert_true(r->failed_steps <= 16);
+        if (k) {
+          assert_non_null(strstr(bw_message(context), "most_iterations"));
+          assert_true(w.fraction > 0.9);
+        }
+      }
+      bw_release(result);
+      bw_release(below);
+      bw_release(coarse);
+      box_free(&b);
+    }
+  box b;
+  bw_solid_static *result = NULL;
+  bw_newton_options options;
+  bw_newton_options_default(&options);
+  options.most_iterations = -1;
+  box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 1000);
+  box_hold(context, &b, 2, 0, true, true, true, 0);
+  check_fails(context, BW_INVALID, "over all load steps",
+              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  box_free(&b);
+}
+
+/* A load that failed is not tried again from as far: the limit of a bar that lies at 0.47 of its
+ * load is come near by halves, with half of the load tried three times instead of five. */
+static void test_barrier(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {1, 1, 2};
+  const double size[3] = {0.2, 0.2, 0.4};
+  box b;
+  bw_solid_static *result = NULL;
+  box_make(context, &b, cells, size, BW_ST_VENANT_KIRCHHOFF, 1, 0, 0);
+  box_symmetric(context, &b);
+  box_force(context, &b, 2, 1, 0, 0, -1 / (3 * sqrt(3)) * 0.04 / 0.47);
+  bw_status status = bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result);
+  assert_true(status == BW_CONVERGENCE || status == BW_GEOMETRY);
+  const bw_newton_report *r = &result->report;
+  assert_true(r->load <= 0.47 && r->load > 0.47 - 1.0 / 256);
+  int at_half = 0;
+  for (int i = 0; i < r->history_count; i++)
+    at_half += (i == 0 || r->history[i - 1].load != r->history[i].load) &&
+               fabs(r->history[i].load - 0.5) < 1e-12;
+  assert_int_equal(at_half, 3);
+  assert_int_equal(r->failed_steps, 7);
+  bw_release(result);
+  box_free(&b);
+}
+
+/* Loads on what has next to no stiffness only move by very short steps: given up early. */
+static void test_creeping(void **state) {
+  bw_context *context = check_context(state);
+  const int32_t cells[3] = {2, 2, 4};
+  const double size[3] = {0.04, 0.04, 0.08};
+  box b;
+  bw_solid_static *result = NULL;
+  box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e-3, 0.3, 0);
+  box_hold(context, &b, 2, 0, true, true, true, 0);
+  box_force(context, &b, 2, 1, 0, 0, -100);
+  check_fails(context, BW_CONVERGENCE, "very short steps",
+              bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+  assert_true(result->report.iterations <= 9 * 8);
+  bw_release(result);
+  box_free(&b);
+}
+
 /* A slender column pressed straight down buckles, whichever way the solution is made. */
 static void test_buckling(void **state) {
   bw_context *context = check_context(state);
@@ -328,7 +456,8 @@ static void test_no_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_limit_point), check_test(test_buckling),  check_test(test_column),
+      check_test(test_limit_point), check_test(test_bounded),   check_test(test_barrier),
+      check_test(test_creeping),    check_test(test_buckling),  check_test(test_column),
       check_test(test_undecided),   check_test(test_twist),     check_test(test_crushed),
       check_test(test_cancel),      check_test(test_no_memory),
   };
