@@ -103,9 +103,10 @@ static void plain_fonts(cairo_t *cairo) {
 }
 
 bw_status bwi_ruler_open(bw_context *context, cairo_t **ruler) {
-  cairo_surface_t *image = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
-  cairo_t *out = cairo_create(image);
-  cairo_surface_destroy(image); /* held by the context */
+  /* Without bounds: outlines of letters far outside of a surface are left out by Cairo. */
+  cairo_surface_t *endless = cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, NULL);
+  cairo_t *out = cairo_create(endless);
+  cairo_surface_destroy(endless); /* held by the context */
   bw_status status = bwi_cairo_status(context, cairo_status(out), "measuring text");
   if (status != BW_OK) {
     cairo_destroy(out);

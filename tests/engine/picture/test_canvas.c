@@ -175,6 +175,27 @@ static void text_is_as_wide_as_measured(void **state) {
   bw_release(canvas);
 }
 
+/* Each letter of a long text is there, on whichever side of its place it lies. */
+static void long_texts_are_whole(void **state) {
+  enum { LETTERS = 300 };
+  bw_context *context = check_context(state);
+  char text[LETTERS + 1];
+  memset(text, 'l', LETTERS); /* one outline each */
+  text[LETTERS] = '\0';
+  for (int way = 0; way < 3; way++) {
+    bw_canvas *canvas = canvas_of(context, 300, 60);
+    bw_label label = {.x = 150, .y = 40, .size = 12, .align = way / 2.0, .colour = {0, 0, 0, 1}};
+    check_ok(context, bw_canvas_text(context, canvas, &label, text));
+    char *svg = svg_of(context, canvas, true);
+    int outlines = 0;
+    for (const char *at = strstr(svg, " d=\"M"); *at; at++)
+      outlines += *at == 'M';
+    assert_int_equal(outlines, LETTERS);
+    bw_free(svg);
+    bw_release(canvas);
+  }
+}
+
 static void images_are_fitted_and_large_ones_reduced(void **state) {
   bw_context *context = check_context(state);
   char *path = path_of("large.png");
@@ -368,6 +389,7 @@ int main(void) {
       check_test(what_is_drawn_lies_where_it_was_put),
       check_test(drawings_within_are_moved_scaled_and_cut),
       check_test(text_is_as_wide_as_measured),
+      check_test(long_texts_are_whole),
       check_test(images_are_fitted_and_large_ones_reduced),
       check_test(broken_images_are_refused),
       check_test(misuse_is_refused),
