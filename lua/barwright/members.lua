@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- __index of classes in Lua: methods, then properties (functions of the object); any other name is an
--- error that names the nearest known one.
+-- error that says what is known.
 local core = require "barwright.core"
 
 local raise = core.raise

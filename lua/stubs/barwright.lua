@@ -6,7 +6,8 @@
 --
 -- Units are SI: metre, kilogram, second, newton, pascal, radian. Indices count from 1. A vector is a
 -- table {x, y, z}, or an array of three numbers; a matrix is a table of rows. Tensors are stored
--- xx yy zz yz zx xy. Options are tables; an unknown key raises an error that names the nearest known.
+-- xx yy zz yz zx xy. Options are tables; an unknown key raises an error that names the known one that
+-- it resembles, or all.
 -- Misuse raises. What the world can cause (a bad file, no convergence, no memory) returns nil, a
 -- message, and a table of details with a `status` word: io format geometry free singular
 -- convergence infeasible limit memory cancelled unsupported internal. Objects are released by the
