@@ -41,7 +41,9 @@ describe("A name that is not known", function()
     local skeleton = assert(bw.skeleton.create {joints = {{0, 0, 0}, {1, 0, 0}},
       bones = {{1, 2, name = "shank"}}})
     local outline = assert(bw.outline {name = "rim", {0, 0}, {1, 0}, {1, 1}, {0, 1}})
-    check.raises("there is no material 'unobtainium': known are abs,", function() return bw.material.unobtainium end)
+    check.raises("there is no material 'unobtainium': known are abs,", function()
+      return bw.material.unobtainium
+    end)
     check.raises("unknown option 'zzz': known are ", bw.model, {zzz = 1})
     check.raises("a model has no 'qqq': ", function() return part.qqq end)
     check.raises("a model has no 'boundary_of_all_things': known are clear_loads,", function()
