@@ -309,7 +309,7 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
   bw_status status = BW_OK;
   const bw_newton_options *options = walk->options;
   bwi_tangent kind = BWI_PLAIN;
-  bool moving;
+  bool moving, crushed = false;
   double plain_below = 1; /* residual below which the tangent may be tried as it is again */
   int escapes = 0, projected = 0, creeping = 0;
   *found = false;
@@ -379,6 +379,13 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       BW_TRY(bwi_tangent_set(walk, kind, &definite));
       if (!definite && kind == BWI_PLAIN) {
         kind = walk->relative < NEAR || projected > PATIENCE ? BWI_SHIFTED : BWI_PROJECTED;
+        plain_below = fmin(plain_below, walk->relative) * 1e-2;
+        BW_TRY(bwi_tangent_set(walk, kind, &definite));
+      }
+      if (!definite && kind == BWI_SHIFTED && !crushed) { /* what elements need, at least once */
+        crushed = true;
+        kind = BWI_PROJECTED;
+        projected = 0;
         plain_below = fmin(plain_below, walk->relative) * 1e-2;
         BW_TRY(bwi_tangent_set(walk, kind, &definite));
       }
