@@ -76,10 +76,26 @@ describe("the experiments of data-driven", function()
     assert.is_truthy(complaint:find("--bodies many", 1, true))
   end)
 
+  it("tell what a coarse grid can do at best", function()
+    local code, said, complaint = check.run(("scripts/data_driven/bound.lua --scene twisting --levels 1 "
+      .. "--methods naive,lookup --library %s --json %s/bound.json"):format(library, folder))
+    assert.message(complaint).are.equal(0, code)
+    assert.is_truthy(said:find("best", 1, true))
+    local row = assert(bw.json.decode(check.read(folder .. "/bound.json"))).rows[1]
+    local naive, lookup = row.methods.naive, row.methods.lookup
+    assert.is_true(row.best < lookup.error and 3 * lookup.error < naive.error)
+    assert.is_true(naive.factor > 2 and math.abs(lookup.factor - 1) < 0.1)
+    assert.is_true(naive.after_factor < naive.error)
+    code, said, complaint = check.run "scripts/data_driven/bound.lua --scene twistin"
+    assert.equal(2, code)
+    assert.equal("", said)
+    assert.is_truthy(complaint:find("no scene 'twistin': did you mean 'twisting'", 1, true))
+  end)
+
   it("refuse what they do not know", function()
     for _, each in ipairs {
       {"--scene bendin --out x", "did you mean 'bending'"},
-      {"--scene bending --out x --method naive", "did you mean '--methods'"},
+      {"--scene bending --out x --method naive", "did you mean --methods?"},
       {"--scene bending --out x --methods lookup,guess", "there is no method 'guess'"},
       {"--scene bending --out x --levels 3", "whole number from 1 to 2"},
       {"--scene bending", "--out DIR expected"},
@@ -107,5 +123,35 @@ describe("an equilibrium", function()
     assert(bw.grid.picture(folder .. "/panel.png", {panel, result:panel("materials")}))
     assert(result:picture(folder .. "/one.png", {values = "von_mises"}))
     check.raises("values: \"von_mises\"", function() result:picture(folder .. "/x.png", {values = "stress"}) end)
+  end)
+end)
+
+describe("the best field of a coarse grid", function()
+  local best = assert(loadfile "scripts/data_driven/best.lua")()
+  local grid = assert(bw.grid.box {size = 0.4, cells = 4})
+  local function coarse_of(by)
+    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
+    return assert(solid:hold({side = "low z"}, by):coarsen("naive", 1))
+  end
+  local points = grid.points
+  local u = bw.array.map("b*p.x*p.z", {b = bw.array.new {{0.1, 0.2, -0.3}}:gather(
+    bw.array.zeros(#points, 1, "i32") + 1), p = points})
+
+  it("is a trilinear field itself", function()
+    assert.is_true(grid:difference(best.of(grid, coarse_of {0, 0, 0}, u), u) < 1e-9)
+  end)
+
+  it("keeps what is held, and has the least mean distance", function()
+    local field = best.of(grid, coarse_of {0, 0, 0.01}, u)
+    local low = grid:nodes {side = "low z"}
+    check.near(0.01, field:gather(low):column(3):min(), 1e-15)
+    check.near(0.01, field:gather(low):column(3):max(), 1e-15)
+    assert.is_true(grid:difference(field, u) < grid:difference(best.of(grid, coarse_of {0, 0, 0.02}, u), u))
+  end)
+
+  it("has factors for the whole and for each axis", function()
+    check.near(0.5, best.factor(u * 2, u), 1e-15)
+    local times = best.factors(best.times(u, {2, 4, 5}), u)
+    for c, each in ipairs {0.5, 0.25, 0.2} do check.near(each, times[c], 1e-15) end
   end)
 end)

@@ -1,0 +1,107 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- What coarse grids can do, whatever their materials: the fine solution's best approximation by trilinear
+-- displacements of the coarse grid, supports held, beside the errors of coarse solids; and how much of these
+-- is left when the coarse displacement is multiplied by one factor (the whole too stiff or too soft), or by
+-- one for each axis.
+--   build/barwright scripts/data_driven/bound.lua --scene NAME[,NAME...]|all [--library FILE.bwm]
+--       [--methods naive,lookup,grown] [--levels N] [--json FILE] [--threads N]
+-- Scenes as of run.lua. Without a library only naive and grown (from nothing). Exit status 0: done. 1: a
+-- scene has no fine solution. 2: refused.
+local folder = arg[0]:match "^(.*)/[^/]*$" or "."
+package.path = folder .. "/?.lua;" .. package.path
+local bw = require "barwright"
+local best = require "best"
+local compare = require "compare"
+local scenes = require "scenes"
+local suggestion = require "barwright.core".suggestion
+
+local function refuse(message)
+  io.stderr:write("bound: ", message, "\n")
+  os.exit(2)
+end
+
+local wish, i = {methods = "naive,lookup,grown", levels = 2}, 1
+while arg[i] do
+  local name, value = arg[i]:match "^%-%-(.+)$", arg[i + 1]
+  local most = ({levels = 2, threads = 1024})[name]
+  local number = math.tointeger(tonumber(value))
+  if not value or not (most or ({scene = true, library = true, methods = true, json = true})[name]) then
+    refuse(("'%s %s' is not understood"):format(arg[i], value or ""))
+  elseif most and not (number and number >= 1 and number <= most) then
+    refuse(("--%s %s: a whole number from 1 to %d expected"):format(name, value, most))
+  end
+  wish[name] = most and number or value
+  i = i + 2
+end
+if not wish.scene then refuse "--scene NAME|all expected" end
+if wish.threads then bw.threads(wish.threads) end
+
+local names = wish.scene == "all" and scenes.order or {}
+if wish.scene ~= "all" then
+  for name in wish.scene:gmatch "[^,]+" do
+    local known = false
+    for _, one in ipairs(scenes.order) do known = known or one == name end
+    if not known then
+      refuse(("there is no scene '%s': %s"):format(name, suggestion(name, scenes.order)))
+    end
+    names[#names + 1] = name
+  end
+end
+
+local library, message
+if wish.library then
+  library, message = bw.metamaterial.read(wish.library)
+  if not library then refuse(message) end
+end
+
+local rows, status = bw.json.list {}, 0
+for _, name in ipairs(names) do
+  local scene = scenes[name]
+  local fine = assert(scenes.solid(scene, scenes.palette()))
+  local reference
+  reference, message = fine:solve(scene.solve)
+  if not reference then
+    print(("%-12s no fine solution: %s"):format(name, message))
+    status = 1
+  else
+    local u = reference.displacement
+    local by = {naive = "naive", lookup = library}
+    if wish.methods:find "grown" then
+      by.grown = assert(bw.metamaterial.grow(library or scenes.palette(), fine.grid, {levels = scene.levels}))
+    end
+    for level = 1, math.min(scene.levels, wish.levels) do
+      local coarse = assert(fine:coarsen("naive", level))
+      local field = best.of(fine.grid, coarse, u)
+      local row = {scene = name, level = level, moved = compare.movement(reference),
+        best = fine.grid:difference(field, u), methods = {}}
+      print(("%-12s %d  moved %.2e, best %.2e"):format(name, level, row.moved, row.best))
+      for method in wish.methods:gmatch "[^,]+" do
+        local of = by[method]
+        local solid = of and (of == "naive" and coarse or of.levels >= level and fine:coarsen(of, level))
+        local solution
+        if solid then solution, message = solid:solve(scene.solve) end
+        if solution then
+          local v = solution.fine_displacement
+          local one, all = best.factor(v, u), best.factors(v, u)
+          local part = {error = solution:error(reference), factor = one, factors = all,
+            after_factor = fine.grid:difference(v * one, u),
+            after_factors = fine.grid:difference(best.times(v, all), u)}
+          row.methods[method] = part
+          print(("   %-7s error %.2e, %5.1f times the best; times %.3f: %.2e; times %.3f, %.3f, %.3f: %.2e")
+            :format(method, part.error, part.error / row.best, one, part.after_factor, all[1], all[2], all[3],
+              part.after_factors))
+        elseif solid then
+          print(("   %-7s no solution: %s"):format(method, message))
+        end
+      end
+      rows[#rows + 1] = row
+      io.stdout:flush()
+    end
+  end
+end
+if wish.json then
+  local file = assert(io.open(wish.json, "w"))
+  file:write(bw.json.encode {rows = rows})
+  file:close()
+end
+os.exit(status, true)
