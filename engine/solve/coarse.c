@@ -39,7 +39,17 @@ static void coarse_destroy(void *object) {
   bw_free(c);
 }
 
-static const bw_kind coarse_kind = {"coarse space", coarse_destroy, NULL};
+/* The fine mesh is its user's. */
+static size_t coarse_bytes(const void *object) {
+  const bwi_coarse *c = object;
+  size_t pairs = c->graph ? (size_t)c->graph->pair_count : 0;
+  return sizeof *c + (size_t)c->count * (9 * sizeof(double) + 5 * sizeof(int32_t)) +
+         2 * (size_t)c->fine->node_count * sizeof(int32_t) + pairs * 9 * sizeof(double) +
+         bw_bytes(c->mesh) + bw_bytes(c->graph) + bw_bytes(c->symbolic) + bw_bytes(c->reach) +
+         bw_bytes(c->factor);
+}
+
+static const bw_kind coarse_kind = {"coarse space", coarse_destroy, coarse_bytes};
 
 /* Corners in ascending order, and between which of them every node lies. */
 static void find_parents(bwi_coarse *c) {
@@ -190,6 +200,11 @@ done:
   return status;
 }
 
+bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_numbering *numbering) {
+  number_corners(c, numbering);
+  return bring_symbolic(context, c);
+}
+
 /* In floats, which is as good for a preconditioner, unless they lack the digits for a pivot. */
 static bw_status bring_factor(bw_context *context, bwi_coarse *c, const bwi_matrix *matrix) {
   bw_status status = BW_OK;
@@ -225,8 +240,7 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   BW_TRY(bw_mesh_moved(context, c->mesh, node, &moved));
   bw_release(c->mesh);
   c->mesh = moved;
-  number_corners(c, numbering);
-  BW_TRY(bring_symbolic(context, c));
+  BW_TRY(bwi_coarse_count(context, c, numbering));
   BW_TRY(bw_stiffness(context, c->graph, c->mesh, model->material, c->stiffness));
   bwi_matrix matrix = {.graph = c->graph, .stiffness = c->stiffness, .numbering = &c->numbering};
   status = bring_factor(context, c, &matrix);
@@ -258,4 +272,12 @@ double bwi_coarse_bytes(const bwi_coarse *c) {
 
 double bwi_coarse_flops(const bwi_coarse *c) {
   return c->symbolic ? c->symbolic->flops : 0;
+}
+
+double bwi_coarse_entries(const bwi_coarse *c) {
+  return c->symbolic ? (double)c->symbolic->panel[c->symbolic->order->super_count] : 0;
+}
+
+int32_t bwi_coarse_unknowns(const bwi_coarse *c) {
+  return c->symbolic ? c->symbolic->unknowns : 0;
 }

@@ -18,6 +18,8 @@ typedef struct bwi_coarse bwi_coarse;
 bool bwi_coarse_fits(const bw_mesh *mesh, const bw_numbering *numbering);
 /* Of a mesh of quadratic elements. Release with bw_release. */
 bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out);
+/* Unknowns, order and size of its factor for these supports; nothing is factored yet. */
+bw_status bwi_coarse_count(bw_context *context, bwi_coarse *coarse, const bw_numbering *numbering);
 /* The space on a shape, factored. *usable is false where its matrix is singular, and before. */
 bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *coarse, const bw_model *model,
                             const bw_numbering *numbering, bool *usable);
@@ -26,8 +28,11 @@ bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *coarse, int64_
 int32_t bwi_coarse_corners(const bwi_coarse *coarse);
 /* By node x 2: the corners between which it lies; twice itself. */
 const int32_t *bwi_coarse_parents(const bwi_coarse *coarse);
-/* Bytes that a solution reads; operations of its factor. 0 before a shape is followed. */
+/* Bytes that a solution reads; 0 before a shape is followed. */
 double bwi_coarse_bytes(const bwi_coarse *coarse);
+/* Operations of its factor, numbers in it, unknowns: 0 before they are counted. */
 double bwi_coarse_flops(const bwi_coarse *coarse);
+double bwi_coarse_entries(const bwi_coarse *coarse);
+int32_t bwi_coarse_unknowns(const bwi_coarse *coarse);
 
 #endif

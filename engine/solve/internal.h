@@ -302,6 +302,14 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
 
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
+/* Graph and stiffness: no mass, no factor yet. `previous` as in bw_system_create, and of the same
+ * topology. */
+bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                           const bw_numbering *numbering, const bw_system *previous,
+                           bw_system **system);
+/* bw_system_factor with what of an order fits (or NULL), and the bytes that a factor may take. */
+bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old, double room);
+
 /* Zero the components of a global field whose state's bit (1u << bw_unknown_state) is not in
  * `states`, in each node's frame. */
 void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *field);
@@ -320,6 +328,8 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
                            const bw_numbering *numbering, int32_t domain_count,
                            const int32_t *element_domain, const bw_edits *edits, bwi_symbolic *old,
                            bwi_symbolic **symbolic);
+/* Bytes that making a factor of doubles takes, at their peak. */
+double bwi_factor_room(const bwi_symbolic *symbolic, int threads);
 /* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
 bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
                              double *force);

@@ -68,10 +68,14 @@ void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t
   }
 }
 
+size_t bw_local_system_levels_bytes(const bw_local_system *local) {
+  return bw_bytes(local->inner->levels);
+}
+
 static size_t local_bytes(const void *object) {
   const bw_local_system *local = object;
   return sizeof *local + bw_bytes(local->stiffness) + bw_bytes(local->system->graph) +
-         bw_bytes(local->inner->factor);
+         bw_bytes(local->inner->factor) + bw_bytes(local->inner->levels);
 }
 
 static const bw_kind local_kind = {"local system", local_destroy, local_bytes};

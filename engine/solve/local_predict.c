@@ -76,17 +76,6 @@ static double bound(double spread, double digits) {
   return spread > 0 ? digits / log((2 + spread) / spread) : 0;
 }
 
-/* Over levels: iterations do not depend on the shape, but on the mesh. Without experience, the rate
- * that good meshes have: an iteration halves the error. */
-#define LEVELS_RATE 1.45
-/* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured).
- */
-#define LEVELS_PASS 2.0
-/* Of eight right-hand sides side by side over one (measured); of following a shape over an
- * iteration, where there are no levels yet to count. */
-#define LEVELS_SIDES 2.5
-#define LEVELS_BEGIN 12.0
-
 static void predict_levels(const bw_local_system *local, double tolerance, double passes,
                            double later, bool many, bwi_local_cost *cost) {
   const bwi_local *inner = local->inner;
@@ -97,17 +86,17 @@ static void predict_levels(const bw_local_system *local, double tolerance, doubl
     return;
   double bytes = inner->levels ? bwi_multilevel_bytes(inner->levels)
                                : 1.5 * bwi_sweeps_bytes(graph->pair_count - graph->node_count);
-  double one = LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
+  double one = BWI_LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
   if (!inner->levels)
-    follow = LEVELS_BEGIN * one;
+    follow = BWI_LEVELS_BEGIN * one;
   else if (!inner->levels_known)
     follow = bwi_multilevel_flops(inner->levels) / bwi_local_flops_per_second(32) +
              (216 + 6 * 72.0) * (double)graph->pair_count / BWI_LOCAL_BYTES_PER_SECOND;
   double factor = inner->levels_experience > 0 ? inner->levels_experience : 1;
-  cost->level_iterations = 1 + factor * LEVELS_RATE * log(2 / tolerance);
-  cost->one_level_iteration = one * passes * (many ? LEVELS_SIDES : 1);
-  cost->levels =
-      follow + cost->level_iterations * (cost->one_level_iteration + later * one * LEVELS_SIDES);
+  cost->level_iterations = 1 + factor * BWI_LEVELS_RATE * log(2 / tolerance);
+  cost->one_level_iteration = one * passes * (many ? BWI_LEVELS_SIDES : 1);
+  cost->levels = follow + cost->level_iterations *
+                              (cost->one_level_iteration + later * one * BWI_LEVELS_SIDES);
 }
 
 static double refactoring(const bwi_local *inner, const uint8_t *touched, double factor_bytes) {

@@ -34,7 +34,16 @@ static void multilevel_destroy(void *object) {
   bw_free(l);
 }
 
-static const bw_kind multilevel_kind = {"levels of elements", multilevel_destroy, NULL};
+static size_t multilevel_bytes(const void *object) {
+  const bwi_multilevel *l = object;
+  size_t rows = (size_t)l->sweeps->count, corners = (size_t)bwi_coarse_corners(l->coarse);
+  size_t fields = 5 * sizeof(double) + 3 * sizeof(float);
+  return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->sweeps) + (corners + 1) * sizeof(int64_t) +
+         5 * rows * sizeof(int32_t) +
+         3 * (size_t)l->width * (rows * fields + corners * sizeof(double));
+}
+
+static const bw_kind multilevel_kind = {"levels of elements", multilevel_destroy, multilevel_bytes};
 
 /* ---- between the levels -------------------------------------------------------------------- */
 
@@ -124,11 +133,22 @@ done:
 bw_status bwi_multilevel_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                                 bool even, bwi_multilevel **out) {
   bw_status status = BW_OK;
+  bwi_coarse *coarse = NULL;
+  BW_TRY(bwi_coarse_create(context, mesh, &coarse));
+  BW_TRY(bwi_multilevel_create_over(context, coarse, mesh, graph, even, out));
+done:
+  bw_release(coarse);
+  return status;
+}
+
+bw_status bwi_multilevel_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
+                                     const bw_graph *graph, bool even, bwi_multilevel **out) {
+  bw_status status = BW_OK;
   bwi_multilevel *l = BW_NEW0(context, bwi_multilevel, 1);
   if (!l)
     return BW_MEMORY;
   bw_object_init(l, &multilevel_kind);
-  BW_TRY(bwi_coarse_create(context, mesh, &l->coarse));
+  l->coarse = bw_retain(coarse);
   BW_TRY(bwi_sweeps_create(context, mesh, graph, even, &l->sweeps));
   BW_TRY(join_levels(context, l));
 done:

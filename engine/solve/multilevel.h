@@ -26,10 +26,24 @@ typedef struct bwi_multilevel {
   double *corner; /* SIDES x 3 corners */
 } bwi_multilevel;
 
+/* What counting says of a solution, on the model's machine (local.h). Iterations do not depend on
+ * the shape, but on the mesh; these good ones have: an iteration halves the error. */
+#define BWI_LEVELS_RATE 1.45
+/* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured).
+ */
+#define BWI_LEVELS_PASS 2.0
+/* Of eight right-hand sides side by side over one (measured); of following a shape over an
+ * iteration, where there are no levels yet to count. */
+#define BWI_LEVELS_SIDES 2.5
+#define BWI_LEVELS_BEGIN 12.0
+
 /* Of a mesh for which bwi_coarse_fits, with its graph; even: as in bwi_sweeps_create. Release with
  * bw_release. */
 bw_status bwi_multilevel_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                                 bool even, bwi_multilevel **out);
+/* The same over a coarse space of that mesh that there is already, from now on its own. */
+bw_status bwi_multilevel_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
+                                     const bw_graph *graph, bool even, bwi_multilevel **levels);
 /* The equations of a shape. *usable is false where they are not positive definite. */
 bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *levels, const bw_model *model,
                                 const bw_numbering *numbering, const double *stiffness,
@@ -57,6 +71,7 @@ typedef struct bwi_multilevel_problem {
   /* out */
   int iterations;
   bool converged;
+  double reached; /* where they did not: the largest residual, relative to the load */
 } bwi_multilevel_problem;
 /* K u = f for `count` fields in global directions, those of force taken at the unknowns; u is 0
  * elsewhere. Not converged is no failure. The two may not be the same block. */

@@ -387,6 +387,23 @@ static bool find_sure(const iteration *it, const double *before, bool *ended) {
   return any;
 }
 
+/* How far the slowest has come, in digits. */
+static double fraction_done(const iteration *it) {
+  double wanted = log(aim(it->problem)), least = 1;
+  for (int f = 0; f < it->used; f++)
+    if (!it->column[f].done)
+      least = fmin(least, 0.5 * log(it->column[f].rz / it->column[f].energy) / wanted);
+  return fmax(0, least);
+}
+
+static double largest_residual(const iteration *it) {
+  double most = 0;
+  for (int f = 0; f < it->used; f++)
+    if (!it->column[f].done)
+      most = fmax(most, it->column[f].size / it->column[f].load);
+  return most;
+}
+
 static bool going_on(const iteration *it) {
   for (int f = 0; f < it->used; f++)
     if (!it->column[f].done)
@@ -437,6 +454,7 @@ static bw_status run(iteration *it) {
     }
     iterations++;
     BW_TRY(bw_check_cancel(it->context));
+    bw_progress(it->context, "iterate", fraction_done(it));
     BW_TRY(step_on(it, before, &sound));
     if (!sound) {
       problem->converged = false;
@@ -453,6 +471,7 @@ static bw_status run(iteration *it) {
     BW_TRY(turn_all(it));
   }
   BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, hand_over, it));
+  problem->reached = largest_residual(it);
 done:
   problem->iterations = iterations;
   return status;
@@ -485,6 +504,7 @@ bw_status bwi_multilevel_solve(bw_context *context, bwi_multilevel *l,
     problem->iterations =
         part.iterations > problem->iterations ? part.iterations : problem->iterations;
     problem->converged = part.converged;
+    problem->reached = part.reached;
   }
 done:
   bw_free(it.part);

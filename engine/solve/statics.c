@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions: u = u0 + v with u0 the prescribed values, K v = f - K u0 at the unknowns. */
+/* Static solutions, however K v = f is solved: u = u0 + v with u0 the prescribed values, K v = f -
+ * K u0 at the unknowns. */
 #include <math.h>
 #include <string.h>
 
@@ -84,17 +85,6 @@ done:
   bw_free(part);
   bw_free(text);
   return status;
-}
-
-/* A system for the model: the one given where it fits, else a new one that reuses what it can. */
-static bw_status system_for(bw_context *context, const bw_model *model,
-                            const bw_numbering *numbering, bw_system *given, bw_system **system) {
-  if (given && given->factor && given->mesh == model->mesh && given->material == model->material &&
-      bwi_same_supports(given->numbering, numbering)) {
-    *system = bw_retain(given);
-    return BW_OK;
-  }
-  return bw_system_create(context, model->mesh, model->material, numbering, given, system);
 }
 
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,
@@ -199,31 +189,5 @@ done:
   bw_free(work);
   bw_free(step);
   bw_free(product);
-  return status;
-}
-
-static bw_status solve_system(bw_context *context, void *data, const double *force,
-                              double *displacement) {
-  return bw_system_solve(context, data, 1, force, displacement);
-}
-
-bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
-                     const bw_statics_options *options, bw_static **out) {
-  bw_status status = BW_OK;
-  bw_numbering *numbering = NULL;
-  bw_static *result = NULL;
-  BW_TRY(bw_numbering_create(context, model, &numbering));
-  BW_TRY(bwi_static_begin(context, model, options, numbering, &result));
-  BW_TRY(system_for(context, model, numbering, system, &result->system));
-  bwi_static_solver solver = {
-      .solve = solve_system, .data = result->system, .refine_to = bwi_refine_to};
-  BW_TRY(bwi_static_solve(context, numbering, result->system->graph, result->system->stiffness,
-                          &solver, result));
-done:
-  bw_release(numbering);
-  if (status == BW_OK)
-    *out = result;
-  else
-    bw_release(result);
   return status;
 }

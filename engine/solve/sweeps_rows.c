@@ -318,7 +318,22 @@ static void sweeps_destroy(void *object) {
   bw_free(s);
 }
 
-static const bw_kind sweeps_kind = {"sweeps", sweeps_destroy, NULL};
+static size_t part_bytes(const bwi_sweep_part *part, size_t rows, size_t numbers) {
+  size_t entries = part->start ? (size_t)part->start[rows] : 0;
+  return (rows + 1) * sizeof *part->start +
+         entries * (sizeof *part->column + sizeof *part->pair +
+                    numbers * (sizeof *part->value + sizeof *part->exact));
+}
+
+/* The graph is its user's. */
+static size_t sweeps_bytes(const void *object) {
+  const bwi_sweeps *s = object;
+  size_t rows = (size_t)s->count;
+  return sizeof *s + rows * (2 * sizeof(int32_t) + 9 * (sizeof(float) + sizeof(double))) +
+         part_bytes(&s->even, rows, 6) + part_bytes(&s->odd, rows, 9);
+}
+
+static const bw_kind sweeps_kind = {"sweeps", sweeps_destroy, sweeps_bytes};
 
 bw_status bwi_sweeps_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                             bool even, bwi_sweeps **out) {

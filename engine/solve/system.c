@@ -8,10 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "solve/internal.h"
-
-/* What is left of a residual after a direct solution is about as much as bwi_residual_noise says
- * without this factor (measured: 0.9 to 2). */
+#include "barwright/job.h"
+#include "solve/static_levels.h"
 
 static void system_destroy(void *object) {
   bw_system *system = object;
@@ -20,6 +18,7 @@ static void system_destroy(void *object) {
   bw_release(system->numbering);
   bw_release(system->graph);
   bw_release(system->factor);
+  bw_release(system->levels);
   bw_free(system->stiffness);
   bw_free(system->mass);
   bw_free(system);
@@ -28,8 +27,8 @@ static void system_destroy(void *object) {
 static size_t system_bytes(const void *object) {
   const bw_system *system = object;
   size_t pairs = system->graph ? (size_t)system->graph->pair_count : 0;
-  return sizeof *system + pairs * 10 * sizeof(double) + bw_bytes(system->graph) +
-         bw_bytes(system->factor);
+  return sizeof *system + pairs * (system->mass ? 10 : 9) * sizeof(double) +
+         bw_bytes(system->graph) + bw_bytes(system->factor) + bw_bytes(system->levels);
 }
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};
@@ -106,11 +105,10 @@ bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t nod
   return BW_SINGULAR;
 }
 
-bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_numbering *numbering, const bw_system *previous,
                            bw_system **out) {
   bw_status status = BW_OK;
-  bwi_symbolic *symbolic = NULL;
   if (numbering->mesh != mesh && !bwi_same_topology(numbering->mesh, mesh))
     return bw_fail(context, BW_INVALID, "the numbering belongs to another mesh");
   bw_system *system = BW_NEW0(context, bw_system, 1);
@@ -121,8 +119,6 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   system->material = bw_retain(material);
   system->numbering = bw_retain(numbering);
   system->density = material->density > 0 ? material->density : 1;
-  if (previous && !bwi_same_topology(previous->mesh, mesh))
-    previous = NULL;
 
   double start = bw_seconds();
   bw_progress(context, "assemble", 0);
@@ -133,27 +129,78 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   system->times.graph = bw_seconds() - start;
 
   start = bw_seconds();
-  int64_t pairs = system->graph->pair_count;
-  system->stiffness = BW_NEW(context, double, 9 * pairs);
-  system->mass = BW_NEW(context, double, pairs);
-  if (!system->stiffness || !system->mass) {
+  system->stiffness = BW_NEW(context, double, 9 * system->graph->pair_count);
+  if (!system->stiffness) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(bw_stiffness(context, system->graph, mesh, material, system->stiffness));
-  BW_TRY(bw_mass(context, system->graph, mesh, system->mass));
-  for (int64_t k = 0; k < pairs; k++)
-    system->mass[k] *= system->density;
   system->times.stiffness = bw_seconds() - start;
+done:
+  if (status == BW_OK)
+    *out = system;
+  else
+    bw_release(system);
+  return status;
+}
 
-  start = bw_seconds();
+static bw_status bring_mass(bw_context *context, bw_system *system) {
+  int64_t pairs = system->graph->pair_count;
+  if (system->mass)
+    return BW_OK;
+  double *mass = BW_NEW(context, double, pairs);
+  if (!mass)
+    return BW_MEMORY;
+  bw_status status = bw_mass(context, system->graph, system->mesh, mass);
+  if (status != BW_OK) {
+    bw_free(mass);
+    return status;
+  }
+  for (int64_t k = 0; k < pairs; k++)
+    mass[k] *= system->density;
+  system->mass = mass;
+  return BW_OK;
+}
+
+double bwi_factor_room(const bwi_symbolic *symbolic, int threads) {
+  const bwi_plan *plan = &symbolic->plan;
+  double stack = 0;
+  for (int32_t t = 0; t < plan->task_count; t++)
+    stack = fmax(stack, (double)plan->task[t].stack);
+  stack = fmax(stack * threads, (double)plan->top_stack);
+  return sizeof(double) *
+         ((double)symbolic->panel[symbolic->order->super_count] + (double)plan->own + stack);
+}
+
+/* Not even begun: memory given out but never there would end the process, or all others. */
+static bw_status check_room(bw_context *context, const bwi_symbolic *symbolic, double room) {
+  double wanted = bwi_factor_room(symbolic, bw_threads(context));
+  if (wanted <= room)
+    return BW_OK;
+  bw_fail(context, BW_MEMORY,
+          "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB that there are "
+          "for it. Take fewer elements; or a machine with more memory; a static solution on "
+          "quadratic elements that supports hold needs no factor (with = \"levels\"), and several "
+          "machines can share one (with = \"petsc\")",
+          (int)symbolic->unknowns, wanted / 1e9, room / 1e9);
+  bw_detail_number(context, "bytes", wanted);
+  bw_detail_number(context, "free_bytes", room);
+  return BW_MEMORY;
+}
+
+bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old,
+                            double room) {
+  bw_status status = BW_OK;
+  bwi_symbolic *symbolic = NULL;
+  double start = bw_seconds();
+  if (system->factor)
+    return BW_OK;
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL, NULL,
-                          previous && previous->factor ? previous->factor->symbolic : NULL,
-                          &symbolic));
-  system->times.order = bw_seconds() - start;
-  system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
-  system->times.factor_flops = symbolic->flops;
+  BW_TRY(
+      bwi_symbolic_for(context, system->graph, system->numbering, 0, NULL, NULL, old, &symbolic));
+  BW_TRY(check_room(context, symbolic, room));
+  BW_TRY(bring_mass(context, system));
+  system->times.order += bw_seconds() - start;
 
   start = bw_seconds();
   bw_progress(context, "factor", 0);
@@ -162,10 +209,35 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   int32_t bad = 0;
   status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
   if (status == BW_SINGULAR)
-    status = bwi_say_singular(context, mesh, bad);
-  system->times.factor = bw_seconds() - start;
+    status = bwi_say_singular(context, system->mesh, bad);
+  if (status != BW_OK)
+    goto done;
+  system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
+  system->times.factor_flops = symbolic->flops;
+  system->times.factor += bw_seconds() - start;
+  bw_release(system->levels); /* of no more use */
+  system->levels = NULL;
 done:
   bw_release(symbolic);
+  return status;
+}
+
+bw_status bw_system_factor(bw_context *context, bw_system *system) {
+  return bwi_system_factor(context, system, NULL, bw_free_memory());
+}
+
+bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                           const bw_numbering *numbering, const bw_system *previous,
+                           bw_system **out) {
+  bw_status status = BW_OK;
+  bw_system *system = NULL;
+  if (previous && !bwi_same_topology(previous->mesh, mesh))
+    previous = NULL;
+  BW_TRY(bwi_system_begin(context, mesh, material, numbering, previous, &system));
+  BW_TRY(bwi_system_factor(context, system,
+                           previous && previous->factor ? previous->factor->symbolic : NULL,
+                           bw_free_memory()));
+done:
   if (status == BW_OK)
     *out = system;
   else
@@ -226,6 +298,10 @@ done:
 bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
   if (system->factor)
     return BW_OK;
+  if (system->levels)
+    return bw_fail(context, BW_INVALID,
+                   "the system was made for solutions over levels of elements and has no factor: "
+                   "make it first (bw_system_factor)");
   return bw_fail(context, BW_INVALID,
                  "the system follows an edited shape and its factor is not up to date: bring it up "
                  "to date first (bw_local_system_refactor)");
@@ -285,6 +361,8 @@ bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b) {
           memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof(double)) == 0);
 }
 
+/* What is left of a residual after a direct solution is about as much as this says without its
+ * factor (measured: 0.9 to 2). */
 double bwi_residual_noise(const bw_graph *graph, const double *stiffness, const double *u) {
   double sum = 0;
   for (int64_t i = 0; i < graph->node_count; i++) {

@@ -263,7 +263,9 @@ static int local_view(lua_State *L) {
 
 /* ---- views ----------------------------------------------------------------------------------- */
 
-/* local:memory(): bytes of the factor, of the update matrices, of the domains' coefficients */
+/* local:memory(): bytes of the factor, of the update matrices, of the domains' coefficients, of
+ * levels
+ */
 static int local_memory(lua_State *L) {
   const bw_local_system *local = self(L);
   size_t factor = 0, updates = 0;
@@ -272,7 +274,8 @@ static int local_memory(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)updates);
   lua_pushinteger(L,
                   local->stiffness ? (lua_Integer)bw_domain_stiffness_bytes(local->stiffness) : 0);
-  return 3;
+  lua_pushinteger(L, (lua_Integer)bw_local_system_levels_bytes(local));
+  return 4;
 }
 
 /* local:baseline(own_order): seconds of stiffness, analysis, factor, solve from scratch; flops,

@@ -271,9 +271,10 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
   if (status != BW_OK)
     return status;
   if (old && old->mesh == model->mesh && old->material == model->material &&
-      same_unknowns(old->numbering, numbering))
+      same_unknowns(old->numbering, numbering)) {
+    status = bw_system_factor(context, old);
     *system = old;
-  else {
+  } else {
     status = bw_system_create(context, model->mesh, model->material, numbering, old, &new);
     if (status == BW_OK) {
       bw_release(old);
@@ -285,22 +286,36 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
   return status;
 }
 
-/* Options of a solver outside of the engine, by name: `word` is its name here ("petsc"). */
+/* Which solver, and the options of one outside of the engine. */
 typedef struct outside_wish {
+  int with; /* place in the names */
   bool outside;
   bw_outside_options options;
 } outside_wish;
 
-static void read_outside(lua_State *L, const char *function, const char *word, outside_wish *wish) {
-  const char *const names[] = {"factor", word, NULL};
+/* `names`: of solvers, the one outside of the engine last. */
+static void read_outside(lua_State *L, const char *function, const char *const names[],
+                         outside_wish *wish) {
   static const char *const methods[] = {"auto", "cg", "cholesky", NULL};
-  wish->outside = lbw_word_option(L, 2, function, "with", names, 0) == 1;
+  int last = 0;
+  while (names[last + 1])
+    last++;
+  wish->with = lbw_word_option(L, 2, function, "with", names, 0);
+  wish->outside = wish->with == last;
   wish->options.method =
       (bw_outside_method)lbw_word_option(L, 2, function, "method", methods, BW_OUTSIDE_AUTO);
-  static const char *const own[] = {"method", "rtol", "iterations"};
-  for (int i = 0; i < 3 && !wish->outside; i++)
+  static const char *const own[] = {"method", "rtol"};
+  for (int i = 0; i < 2 && !wish->outside; i++)
     if (lbw_option_get(L, 2, own[i]) != LUA_TNIL)
-      lbw_error(L, "%s: option '%s' belongs to with = \"%s\"", function, own[i], word);
+      lbw_error(L, "%s: option '%s' belongs to with = \"%s\"", function, own[i], names[last]);
+  lua_settop(L, 2);
+}
+
+/* An option that only some of the solvers have. */
+static void check_belongs(lua_State *L, const char *function, const char *key, bool belongs,
+                          const char *to) {
+  if (!belongs && lbw_option_get(L, 2, key) != LUA_TNIL)
+    lbw_error(L, "%s: option '%s' belongs to %s", function, key, to);
   lua_settop(L, 2);
 }
 
@@ -329,7 +344,7 @@ static bool outside_ready(lua_State *L) {
   return false;
 }
 
-/* model:solve{inertia_relief, tolerance, with = "petsc", method, rtol, iterations} */
+/* model:solve{inertia_relief, tolerance, with, iterations, memory_limit, method, rtol} */
 static int model_solve(lua_State *L) {
   struct wish {
     bw_statics_options options;
@@ -339,15 +354,22 @@ static int model_solve(lua_State *L) {
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, options.inertia_relief)},
       {"tolerance", LBW_REAL, offsetof(struct wish, options.tolerance)},
       {"with", LBW_OTHER, 0},
+      {"memory_limit", LBW_REAL, offsetof(struct wish, options.memory)},
       {"method", LBW_OTHER, 0},
       {"rtol", LBW_REAL, offsetof(struct wish, with.options.rtol)},
       {"iterations", LBW_INT, offsetof(struct wish, with.options.iterations)},
       {NULL, LBW_OTHER, 0}};
+  static const char *const names[] = {"auto", "factor", "levels", "petsc", NULL};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
   bw_outside_options_default(&wish.with.options);
   lbw_options(L, 2, "solve", list, &wish);
-  read_outside(L, "solve", "petsc", &wish.with);
+  read_outside(L, "solve", names, &wish.with);
+  check_belongs(L, "solve", "iterations", wish.with.outside || wish.with.with == BW_STATICS_LEVELS,
+                "with = \"levels\" and with = \"petsc\"");
+  check_belongs(L, "solve", "memory_limit",
+                wish.with.with == BW_STATICS_AUTO || wish.with.with == BW_STATICS_FACTOR,
+                "with = \"auto\" and with = \"factor\"");
   if (wish.with.outside && !outside_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
@@ -357,9 +379,12 @@ static int model_solve(lua_State *L) {
   if (wish.with.outside)
     status = bw_statics_outside(context, (const bw_model *)model->object, &wish.options,
                                 &wish.with.options, &result);
-  else
+  else {
+    wish.options.method = (bw_statics_method)wish.with.with;
+    wish.options.iterations = wish.with.options.iterations;
     status = bw_statics(context, (const bw_model *)model->object, (bw_system *)model->extra,
                         &wish.options, &result);
+  }
   if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(result->system);
@@ -394,7 +419,9 @@ static int model_modes(lua_State *L) {
   bw_modes_options_default(&wish.options);
   bw_outside_options_default(&wish.with.options);
   lbw_options(L, 2, "modes", list, &wish);
-  read_outside(L, "modes", "slepc", &wish.with);
+  static const char *const names[] = {"factor", "slepc", NULL};
+  read_outside(L, "modes", names, &wish.with);
+  check_belongs(L, "modes", "iterations", wish.with.outside, "with = \"slepc\"");
   if (wish.with.outside && wish.laplacian)
     return lbw_error(L, "modes: Laplacian modes are the engine's own: no with = \"slepc\" there");
   if (wish.with.outside && !outside_ready(L))

@@ -168,7 +168,7 @@ static int static_material(lua_State *L) {
 }
 
 static void push_times(lua_State *L, const bw_solve_times *times) {
-  lua_createtable(L, 0, 7);
+  lua_createtable(L, 0, 8);
   lua_pushnumber(L, times->graph);
   lua_setfield(L, -2, "graph");
   lua_pushnumber(L, times->stiffness);
@@ -177,6 +177,8 @@ static void push_times(lua_State *L, const bw_solve_times *times) {
   lua_setfield(L, -2, "order");
   lua_pushnumber(L, times->factor);
   lua_setfield(L, -2, "factor");
+  lua_pushnumber(L, times->levels);
+  lua_setfield(L, -2, "levels");
   lua_pushnumber(L, times->solve);
   lua_setfield(L, -2, "solve");
   lua_pushinteger(L, times->factor_entries);
@@ -225,7 +227,32 @@ static int push_outside(lua_State *L, const char *with, const bw_outside_report 
 }
 
 static int static_solver(lua_State *L) {
-  return push_outside(L, "petsc", self(L)->outside);
+  const bw_static *result = self(L);
+  const bw_statics_report *report = &result->report;
+  if (report->method == BW_STATICS_AUTO) /* by a solver outside, or in an edit session */
+    return push_outside(L, "petsc", result->outside);
+  lua_createtable(L, 0, 8);
+  lua_pushstring(L, report->method == BW_STATICS_LEVELS ? "levels" : "factor");
+  lua_setfield(L, -2, "with");
+  lua_pushinteger(L, report->iterations);
+  lua_setfield(L, -2, "iterations");
+  lua_pushnumber(L, result->residual);
+  lua_setfield(L, -2, "residual");
+  lua_pushnumber(L, report->factor_bytes);
+  lua_setfield(L, -2, "factor_bytes");
+  lua_pushnumber(L, report->factor_flops);
+  lua_setfield(L, -2, "factor_flops");
+  if (report->method == BW_STATICS_LEVELS) {
+    lua_pushinteger(L, report->coarse_unknowns);
+    lua_setfield(L, -2, "coarse_unknowns");
+  }
+  if (report->predicted_factor > 0) {
+    lua_pushnumber(L, report->predicted_factor);
+    lua_setfield(L, -2, "predicted_factor");
+    lua_pushnumber(L, report->predicted_levels);
+    lua_setfield(L, -2, "predicted_levels");
+  }
+  return 1;
 }
 
 static int static_tostring(lua_State *L) {
@@ -235,11 +262,14 @@ static int static_tostring(lua_State *L) {
     double length = bw_norm(result->displacement + 3 * i);
     largest = length > largest ? length : largest;
   }
-  char text[200];
+  char text[240], how[60] = "";
+  if (result->report.method == BW_STATICS_LEVELS)
+    snprintf(how, sizeof how, ", in %d iterations over levels", result->report.iterations);
   snprintf(text, sizeof text,
            "static solution on %d nodes: largest displacement %.4g mm, strain energy %.4g J, "
-           "residual %.1e",
-           (int)result->model->mesh->node_count, largest * 1e3, result->energy, result->residual);
+           "residual %.1e%s",
+           (int)result->model->mesh->node_count, largest * 1e3, result->energy, result->residual,
+           how);
   lua_pushstring(L, text);
   return 1;
 }

@@ -85,6 +85,12 @@ bw_status bw_job_result(bw_context *context, const bw_job *job, const unsigned c
  * release of a running job does the same. */
 void bw_job_cancel(bw_job *job);
 
+/* Bytes that this process may still take: the least of what the machine has free and of what a
+ * job's limit, one on address space and one on the control group leave; INFINITY where nothing of
+ * this can be told. Memory given out is there only once it is touched, so that asking for more than
+ * this succeeds, and ends the process later. */
+double bw_free_memory(void);
+
 #ifdef __cplusplus
 }
 #endif

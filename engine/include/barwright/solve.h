@@ -9,16 +9,20 @@ extern "C" {
 #endif
 
 typedef struct bw_solve_times {
-  double graph, stiffness, order, factor, solve; /* seconds spent so far */
-  int64_t factor_entries;                        /* of L */
+  double graph, stiffness, order, factor, levels, solve; /* seconds spent so far */
+  int64_t factor_entries;                                /* of L; 0 where there is no factor */
   double factor_flops;
 } bw_solve_times;
 
 /* The equations of a body: stiffness, mass, numbering and the factor of the reduced stiffness. One
- * factor serves statics, modes, objectives and stresses. Immutable once made: solves may not run
- * on one system from two threads at once (the context is busy); a solve itself uses all threads. */
+ * factor serves statics, modes, objectives and stresses. Solves may not run on one system from two
+ * threads at once (the context is busy); a solve itself uses all threads. The equations never
+ * change; only how they are solved may: those that bw_statics made to be solved over levels of
+ * elements have no factor and no mass until bw_system_factor is called, or a static solution finds
+ * that by now a factor would have been cheaper. */
 typedef struct bw_system bw_system;
 struct bwi_factor;
+struct bwi_levels;
 struct bw_system {
   bw_object object;
   const bw_mesh *mesh;           /* retained */
@@ -28,7 +32,8 @@ struct bw_system {
   double *stiffness;             /* 9 per pair */
   double *mass; /* 1 per pair, times density (density 1 when the material has none) */
   double density;
-  struct bwi_factor *factor;
+  struct bwi_factor *factor; /* or NULL */
+  struct bwi_levels *levels; /* or NULL */
   bw_solve_times times;
 };
 /* `previous` (may be NULL): a system of the same topology whose graph, ordering and analysis are
@@ -36,6 +41,10 @@ struct bw_system {
 bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_numbering *numbering, const bw_system *previous,
                            bw_system **system);
+/* Mass and factor, where the system has none yet: then it is one as bw_system_create makes it. On
+ * failure it is as it was. BW_MEMORY, before any is taken, where the factor is larger than what is
+ * free (bw_free_memory): so says bw_system_create too. */
+bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once (node_count x 3 each, one
  * after the other; force and displacement may be the same block). Where rigid motions are free, the
  * force is first balanced by inertia (f - M r <r, f>; no change for a balanced force) and the
@@ -44,6 +53,25 @@ bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                           const double *force, double *displacement);
 
 /* ---- statics --------------------------------------------------------------------------------- */
+
+typedef enum bw_statics_method {
+  BW_STATICS_AUTO,   /* the factor, unless it would be dear or large and levels are not */
+  BW_STATICS_FACTOR, /* a sparse factor of the stiffness, which other solutions and modes can use */
+  BW_STATICS_LEVELS  /* conjugate gradients, preconditioned by sweeps over the nodes and the linear
+                        elements on the same corners: a tenth of the memory; quadratic elements and
+                        supports that hold the body alone (BW_INVALID otherwise) */
+} bw_statics_method;
+
+/* How a static solution was found. */
+typedef struct bw_statics_report {
+  bw_statics_method method; /* FACTOR or LEVELS; AUTO: neither (an edit session, outside) */
+  int iterations;           /* over levels; where the method is FACTOR: those that were in vain */
+  int32_t coarse_unknowns;  /* of the linear elements that were factored; 0 by factor */
+  double factor_flops, factor_bytes; /* of the factor: counted, or where there is none as foreseen
+                                        from the linear elements' */
+  double predicted_factor, predicted_levels; /* s of the model's machine, that the choice was by;
+                                                0 where there was none */
+} bw_statics_report;
 
 typedef struct bw_static {
   bw_object object;
@@ -55,15 +83,30 @@ typedef struct bw_static {
   double energy;                     /* strain energy, J */
   double residual;                   /* |K u - f| at unknowns over |f| */
   struct bw_outside_report *outside; /* how a solver outside of the engine did it, or NULL */
+  bw_statics_report report;
 } bw_static;
 typedef struct bw_statics_options {
   bool
       inertia_relief; /* balance a load on a free body by inertia instead of refusing; default no */
   double tolerance;   /* a load is balanced when its part along free motions is below this fraction
                          of its size; default 1e-6 */
+  /* Of bw_statics alone. */
+  bw_statics_method method;
+  int iterations; /* over levels, at most; default 2000 */
+  double memory;  /* bytes that a factor may take; default: what is free (bw_free_memory) */
 } bw_statics_options;
 /* BW_FREE names the free rigid motions when the load is not balanced against them. `system` may be
- * NULL or the system of an earlier solve (reused when mesh, material and supports are the same). */
+ * NULL or the system of an earlier solve (reused when mesh, material and supports are the same; it
+ * may gain a factor, or lose what it has to solve over levels).
+ *
+ * Left to itself, a static solution is by a factor where there is one already, where that counts as
+ * cheap (less than five seconds of the model's machine), where levels do not apply and where they
+ * would cost more than half as much; else over levels, and so where the factor would take more than
+ * four gigabytes or more than `memory`. Costs are operations and bytes, counted, over the rates of
+ * one fixed machine, so that the choice is the same everywhere. Solutions over levels are kept
+ * account of: when the next one would make their sum more than the factor, that is made. Where
+ * iterating does not converge, a factor takes its place, and a remark says so; BW_CONVERGENCE where
+ * there is no room for one, or levels were asked for. */
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                      const bw_statics_options *options, bw_static **result);
 
@@ -185,6 +228,8 @@ bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, b
                             bw_baseline_times *times);
 /* Bytes: of the factor, and of the update matrices kept beside it. */
 void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
+/* Bytes of what solves over levels of elements; 0 until it is first used. */
+size_t bw_local_system_levels_bytes(const bw_local_system *local);
 
 /* ---- modes --------------------------------------------------------------------------------- */
 

@@ -192,6 +192,59 @@ static void chosen_by_cost(void **state) {
   bar_clear(&b);
 }
 
+/* Of a block all of whose factor an edit does again, levels are chosen, and serve as well: a thick
+ * body's factor is dear for its size. What they hold is counted. */
+static void chosen_for_a_thick_body(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  memset(&b, 0, sizeof b);
+  b.mesh = body_box(context, 1, 1, 1, 10, 10, 10, 2);
+  b.material = body_material(context);
+  int64_t size = 3 * (int64_t)b.mesh->node_count;
+  b.element_domain = calloc((size_t)b.mesh->element_count, sizeof(int32_t));
+  b.node_domain = calloc((size_t)b.mesh->node_count, sizeof(int32_t));
+  b.node = numbers(size);
+  check_ok(context, bw_model_create(context, b.mesh, b.material, &b.model));
+  bw_selection *root = face(context, b.mesh, 0, 0);
+  const double gravity[3] = {1, 2, -9.81};
+  check_ok(context, bw_model_fix(context, b.model, root));
+  check_ok(context, bw_model_gravity(context, b.model, gravity));
+  bw_local_system *local = NULL;
+  check_ok(context, bw_local_system_create(context, b.model, false, 1, b.element_domain,
+                                           b.node_domain, NULL, &local));
+  size_t before = bw_bytes(local), factor, updates;
+  assert_true(bw_local_system_levels_bytes(local) == 0);
+  bw_mesh *moved = NULL;
+  bw_model *model = NULL;
+  bw_static *result = NULL;
+  bw_domain_motion motion;
+  bw_domain_motion_rest(&motion);
+  motion.linear[4] = 1.25;
+  for (int64_t i = 0; i < size; i++)
+    b.node[i] = (i % 3 == 1 ? 1.25 : 1) * b.mesh->node[i];
+  check_ok(context, bw_mesh_moved(context, b.mesh, b.node, &moved));
+  check_ok(context, bw_model_moved(context, b.model, moved, &model));
+  bw_reuse r = {0};
+  check_ok(context, bw_local_system_update(context, local, model, &motion, &r));
+  check_ok(context, bw_local_statics(context, local, model, NULL, NULL, &result, &r));
+  assert_int_equal(r.method, BW_LOCAL_LEVELS);
+  assert_true(r.predicted_levels < r.predicted_refactor &&
+              r.predicted_levels < r.predicted_iterate);
+  assert_in_range(r.iterations, 5, 60);
+  assert_true(result->residual < 1e-10);
+  assert_false(bwi_local_current(local));
+  bw_local_system_memory(local, &factor, &updates);
+  size_t levels = bw_local_system_levels_bytes(local);
+  assert_in_range(levels, factor / 10, factor); /* a third: the body is small */
+  assert_true(bw_bytes(local) >= before + levels);
+  bw_release(result);
+  bw_release(model);
+  bw_release(moved);
+  bw_release(root);
+  bw_release(local);
+  bar_clear(&b);
+}
+
 /* Levels follow a shape once: not again for the same shape, always for another, be it only turned.
  */
 static void followed_once(void **state) {
@@ -248,10 +301,15 @@ static void no_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(as_a_factor),         check_test(linear_elements_are_refused),
-      check_test(sizes_do_not_matter), check_test(many_sides),
-      check_test(same_bits),           check_test(chosen_by_cost),
-      check_test(followed_once),       check_test(no_memory),
+      check_test(as_a_factor),
+      check_test(linear_elements_are_refused),
+      check_test(sizes_do_not_matter),
+      check_test(many_sides),
+      check_test(same_bits),
+      check_test(chosen_by_cost),
+      check_test(chosen_for_a_thick_body),
+      check_test(followed_once),
+      check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,277 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions of a model: by the factor of its system, or over levels of elements without one.
+ *
+ * A factor serves whatever comes next: other loads, modes, the worst case. So it is left alone
+ * where it costs little. Where it costs much, levels are taken, which serve one solution; those
+ * that follow are counted, and when they would come to more than the factor, that is made: whatever
+ * comes, no more than twice the better way. */
+#include <math.h>
+
+#include "barwright/job.h"
+#include "solve/local.h"
+#include "solve/static_levels.h"
+
+enum {
+  ITERATIONS = 2000, /* no way to solve */
+  SMALL = 30000      /* unknowns: the factor, without a thought */
+};
+/* Seconds of the model's machine that a factor may take, and bytes: there are machines with less
+ * memory than this, but few. */
+#define CHEAP 5.0
+#define LARGE 4e9
+/* Of the factor's cost that levels may be at most: it may serve again. */
+#define WORTH 0.5
+
+typedef struct statics {
+  bw_context *context;
+  const bw_model *model;
+  bw_statics_options wish;
+  double room;       /* bytes that a factor may take */
+  bwi_symbolic *old; /* of a former system, or NULL */
+  bw_static *result;
+  int limit, passes;
+  bool levels;
+} statics;
+
+static bw_status check_options(bw_context *context, const bw_statics_options *given,
+                               bw_statics_options *wish) {
+  *wish = given ? *given : (bw_statics_options){0};
+  if (wish->method < BW_STATICS_AUTO || wish->method > BW_STATICS_LEVELS)
+    return bw_fail(context, BW_INVALID, "there is no method %d of static solutions",
+                   (int)wish->method);
+  if (wish->iterations == 0)
+    wish->iterations = ITERATIONS;
+  if (wish->iterations < 1)
+    return bw_fail(context, BW_INVALID, "%d iterations are allowed; at least 1", wish->iterations);
+  if (!(wish->memory >= 0))
+    return bw_fail(context, BW_INVALID, "%g bytes of memory are allowed; a positive number",
+                   wish->memory);
+  return BW_OK;
+}
+
+/* The equations: those given where they fit, else new ones that reuse what they can. */
+static bw_status bring_system(statics *s, const bw_numbering *numbering, bw_system *given) {
+  const bw_model *model = s->model;
+  if (given && !bwi_same_topology(given->mesh, model->mesh))
+    given = NULL;
+  if (given && (given->factor || given->levels) && given->mesh == model->mesh &&
+      given->material == model->material && bwi_same_supports(given->numbering, numbering)) {
+    s->result->system = bw_retain(given);
+    return BW_OK;
+  }
+  s->old = given && given->factor ? given->factor->symbolic : NULL;
+  return bwi_system_begin(s->context, model->mesh, model->material, numbering, given,
+                          &s->result->system);
+}
+
+/* ---- the choice ---------------------------------------------------------------------------- */
+
+static double next_by_levels(const bwi_forecast *cost) {
+  return (1 + BWI_LEVELS_RATE * log(2 / bwi_refine_to)) * cost->one_iteration;
+}
+
+static bool has_room(const statics *s, const bwi_forecast *cost) {
+  return cost->factor_bytes <= s->room;
+}
+
+static bool levels_are_better(const statics *s, const bw_system *system) {
+  const bwi_levels *levels = system->levels;
+  const bwi_forecast *cost = &levels->forecast;
+  if (cost->factor_bytes > LARGE || !has_room(s, cost))
+    return true;
+  if (levels->multilevel)
+    return levels->spent + next_by_levels(cost) <= cost->factor;
+  return cost->factor >= CHEAP && cost->levels <= WORTH * cost->factor;
+}
+
+static bw_status choose(statics *s) {
+  bw_status status = BW_OK;
+  bw_system *system = s->result->system;
+  bw_statics_method method = s->wish.method;
+  bool fit = bwi_levels_fit(system);
+  s->levels = false;
+  if (method == BW_STATICS_LEVELS && !fit)
+    return bw_fail(s->context, BW_INVALID,
+                   "a solution over levels needs quadratic elements, and supports that hold the "
+                   "body: %s",
+                   system->mesh->order == 2 ? "this one is free to move" : "these are linear");
+  if (method == BW_STATICS_FACTOR || !fit || (method == BW_STATICS_AUTO && system->factor) ||
+      (method == BW_STATICS_AUTO && system->numbering->unknown_count < SMALL))
+    return BW_OK;
+  if (!system->levels)
+    BW_TRY(bwi_levels_foresee(s->context, system));
+  s->levels = method == BW_STATICS_LEVELS || levels_are_better(s, system);
+done:
+  return status;
+}
+
+/* As many iterations as the factor would have cost, where there is room for it. */
+static int limit_of(const statics *s, const bwi_forecast *cost) {
+  if (s->wish.method == BW_STATICS_LEVELS || !has_room(s, cost))
+    return s->wish.iterations;
+  double worth = fmax(cost->factor, 2 * next_by_levels(cost)) / cost->one_iteration;
+  return worth < s->wish.iterations ? (int)worth : s->wish.iterations;
+}
+
+/* ---- over levels --------------------------------------------------------------------------- */
+
+static bw_status fail_convergence(const statics *s, double reached) {
+  const bw_system *system = s->result->system;
+  int iterations = s->result->report.iterations;
+  double bytes = system->levels->forecast.factor_bytes;
+  bw_fail(
+      s->context, BW_CONVERGENCE,
+      "conjugate gradients over levels of elements came to a residual of %.2g of the load in %d "
+      "iterations, and %.0e was asked for: elements are very flat, walls thinner than elements "
+      "are long, the material is nearly incompressible, or the body nearly a mechanism. Solve "
+      "by a factor (with = \"factor\"), which would take about %.3g GB of memory, or mesh again "
+      "with elements as thick as long",
+      reached, iterations, bwi_refine_to, bytes / 1e9);
+  bw_detail_number(s->context, "iterations", iterations);
+  bw_detail_number(s->context, "residual", reached);
+  bw_detail_number(s->context, "factor_bytes", bytes);
+  return BW_CONVERGENCE;
+}
+
+static bw_status solve_over(bw_context *context, void *data, const double *force,
+                            double *displacement) {
+  bw_status status = BW_OK;
+  statics *s = data;
+  bw_system *system = s->result->system;
+  bwi_levels *levels = system->levels;
+  bwi_multilevel_problem problem = {.tolerance = bwi_refine_to, .limit = s->limit};
+  double start = bw_seconds();
+  BW_TRY(bwi_multilevel_solve(context, levels->multilevel, &problem, 1, force, displacement));
+  s->result->report.iterations += problem.iterations;
+  levels->spent += (1 + problem.iterations) * levels->forecast.one_iteration;
+  system->times.solve += bw_seconds() - start;
+  if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */
+    status = fail_convergence(s, problem.reached);
+  s->passes++;
+done:
+  return status;
+}
+
+static bw_status run(statics *s, const bwi_static_solver *solver) {
+  const bw_system *system = s->result->system;
+  return bwi_static_solve(s->context, system->numbering, system->graph, system->stiffness, solver,
+                          s->result);
+}
+
+static bw_status solve_by_levels(statics *s) {
+  bw_status status = BW_OK;
+  bw_system *system = s->result->system;
+  bool usable;
+  const bwi_static_solver solver = {.solve = solve_over, .data = s, .refine_to = bwi_refine_to};
+  BW_TRY(bwi_levels_make(s->context, s->model, system, &usable));
+  if (!usable) {
+    status =
+        bw_fail(s->context, BW_SINGULAR,
+                "the stiffness of the linear elements is singular, or so nearly that double "
+                "precision cannot tell, although the body cannot move freely: parts touch only "
+                "in a node or an edge, or elements have almost no volume (with = \"factor\" "
+                "says where)");
+    goto done;
+  }
+  s->limit = limit_of(s, &system->levels->forecast);
+  BW_TRY(run(s, &solver));
+  s->result->report.method = BW_STATICS_LEVELS;
+  s->result->report.coarse_unknowns = bwi_coarse_unknowns(system->levels->coarse);
+done:
+  return status;
+}
+
+/* ---- by a factor --------------------------------------------------------------------------- */
+
+static bw_status solve_system(bw_context *context, void *data, const double *force,
+                              double *displacement) {
+  return bw_system_solve(context, data, 1, force, displacement);
+}
+
+static bw_status solve_by_factor(statics *s) {
+  bw_status status = BW_OK;
+  bw_system *system = s->result->system;
+  bw_statics_report *report = &s->result->report;
+  const bwi_static_solver solver = {
+      .solve = solve_system, .data = system, .refine_to = bwi_refine_to};
+  if (system->levels) { /* their memory first */
+    bw_release(system->levels->multilevel);
+    system->levels->multilevel = NULL;
+  }
+  BW_TRY(bwi_system_factor(s->context, system, s->old, s->room));
+  report->method = BW_STATICS_FACTOR;
+  report->factor_flops = system->times.factor_flops;
+  report->factor_bytes = (double)bwi_factor_bytes(system->factor);
+  BW_TRY(run(s, &solver));
+done:
+  return status;
+}
+
+static void note_forecast(statics *s) {
+  const bwi_levels *levels = s->result->system->levels;
+  bw_statics_report *report = &s->result->report;
+  if (!levels)
+    return;
+  report->factor_flops = levels->forecast.factor_flops;
+  report->factor_bytes = levels->forecast.factor_bytes;
+  report->predicted_factor = levels->forecast.factor;
+  report->predicted_levels = levels->forecast.levels;
+}
+
+/* Whether a failure of one way is no failure while the other may do. */
+static bool other_way(const statics *s, bw_status status) {
+  const bw_system *system = s->result->system;
+  if (s->wish.method != BW_STATICS_AUTO)
+    return false;
+  if (s->levels)
+    return (status == BW_CONVERGENCE && has_room(s, &system->levels->forecast)) ||
+           status == BW_SINGULAR;
+  return status == BW_MEMORY && bwi_levels_fit(system) && system->numbering->unknown_count >= SMALL;
+}
+
+static bw_status solve(statics *s) {
+  bw_status status = BW_OK;
+  bw_context *context = s->context;
+  BW_TRY(choose(s));
+  note_forecast(s);
+  status = s->levels ? solve_by_levels(s) : solve_by_factor(s);
+  if (status == BW_OK || !other_way(s, status))
+    goto done;
+  bw_clear_failure(context);
+  if (s->levels) {
+    if (status == BW_CONVERGENCE)
+      bw_remark(context,
+                "iterating over levels of elements did not converge in %d iterations; the solution "
+                "is by a factor",
+                s->result->report.iterations);
+    BW_TRY(solve_by_factor(s));
+  } else {
+    s->room = 0; /* there is none */
+    if (!s->result->system->levels)
+      BW_TRY(bwi_levels_foresee(context, s->result->system));
+    note_forecast(s);
+    BW_TRY(solve_by_levels(s));
+  }
+done:
+  return status;
+}
+
+bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
+                     const bw_statics_options *options, bw_static **out) {
+  bw_status status = BW_OK;
+  bw_numbering *numbering = NULL;
+  statics s = {.context = context, .model = model};
+  BW_TRY(check_options(context, options, &s.wish));
+  BW_TRY(bw_numbering_create(context, model, &numbering));
+  BW_TRY(bwi_static_begin(context, model, options, numbering, &s.result));
+  BW_TRY(bring_system(&s, numbering, system));
+  s.room = s.wish.memory > 0 ? s.wish.memory : bw_free_memory();
+  BW_TRY(solve(&s));
+done:
+  bw_release(numbering);
+  if (status == BW_OK)
+    *out = s.result;
+  else
+    bw_release(s.result);
+  return status;
+}

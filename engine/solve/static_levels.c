@@ -1,0 +1,111 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Levels of elements of a plain system (static_levels.h).
+ *
+ * What a factor costs is known when its order is, which takes seconds where this matters. The
+ * linear elements on the same corners, which have to be ordered in any case, have a seventh of the
+ * unknowns and tell it too. An order by nested dissection cuts both alike: with a third of the
+ * unknowns in each direction's step, that is with u times as many unknowns in all, of which the
+ * length of a body takes a factor 2, a separator has u / 2 times as many. Fronts are dense, so
+ * entries go with the square of that and operations with its cube, for blocks, bars and plates
+ * alike; what is left over was measured on these (statics.c in the tests holds the forecast to it).
+ */
+#include "solve/static_levels.h"
+
+#include <math.h>
+
+#include "assemble/internal.h"
+#include "solve/local.h"
+
+/* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
+#define MORE_ENTRIES 1.35
+#define MORE_FLOPS 1.25
+/* Seconds of the model's machine to order a pair of nodes. */
+#define ORDER_PAIR 5e-7
+
+static void levels_destroy(void *object) {
+  bwi_levels *l = object;
+  bw_release(l->multilevel);
+  bw_release(l->coarse);
+  bw_free(l);
+}
+
+/* With the levels made, the coarse space is theirs too. */
+static size_t levels_bytes(const void *object) {
+  const bwi_levels *l = object;
+  return sizeof *l + (l->multilevel ? bw_bytes(l->multilevel) : bw_bytes(l->coarse));
+}
+
+static const bw_kind levels_kind = {"levels of a system", levels_destroy, levels_bytes};
+
+bool bwi_levels_fit(const bw_system *system) {
+  return bwi_coarse_fits(system->mesh, system->numbering);
+}
+
+static bwi_forecast foresee(const bw_system *system, const bwi_coarse *coarse) {
+  bwi_forecast cost = {0};
+  double pairs = (double)(system->graph->pair_count - system->graph->node_count);
+  double unknowns = bwi_coarse_unknowns(coarse);
+  double wider = unknowns > 0 ? system->numbering->unknown_count / (2 * unknowns) : 0;
+  cost.factor_flops = MORE_FLOPS * wider * wider * wider * bwi_coarse_flops(coarse);
+  cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
+  cost.factor = cost.factor_flops / bwi_local_flops_per_second(64) +
+                4 * cost.factor_bytes / BWI_LOCAL_BYTES_PER_SECOND + ORDER_PAIR * pairs;
+  double bytes = bwi_sweeps_bytes((int64_t)pairs) + 8 * bwi_coarse_entries(coarse);
+  cost.one_iteration = BWI_LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND;
+  cost.levels =
+      (BWI_LEVELS_BEGIN + 1 + BWI_LEVELS_RATE * log(2 / bwi_refine_to)) * cost.one_iteration +
+      bwi_coarse_flops(coarse) / bwi_local_flops_per_second(32);
+  return cost;
+}
+
+bw_status bwi_levels_foresee(bw_context *context, bw_system *system) {
+  bw_status status = BW_OK;
+  bwi_levels *l = BW_NEW0(context, bwi_levels, 1);
+  if (!l)
+    return BW_MEMORY;
+  bw_object_init(l, &levels_kind);
+  bw_progress(context, "order", 0);
+  BW_TRY(bwi_coarse_create(context, system->mesh, &l->coarse));
+  BW_TRY(bwi_coarse_count(context, l->coarse, system->numbering));
+  l->forecast = foresee(system, l->coarse);
+done:
+  if (status == BW_OK)
+    system->levels = l;
+  else
+    bw_release(l);
+  return status;
+}
+
+/* Blocks are symmetric where elements are straight and of one material. */
+static bw_status find_even(bw_context *context, const bw_system *system, bool *even) {
+  int32_t *number = NULL;
+  int64_t curved = 0;
+  bw_status status = bwi_find_curved(context, system->mesh, &number, &curved);
+  *even = curved == 0 && !system->material->turns;
+  bw_free(number);
+  return status;
+}
+
+bw_status bwi_levels_make(bw_context *context, const bw_model *model, bw_system *system,
+                          bool *usable) {
+  bw_status status = BW_OK;
+  bwi_levels *l = system->levels;
+  bwi_multilevel *made = NULL;
+  bool even;
+  double start = bw_seconds();
+  *usable = true;
+  if (l->multilevel)
+    return BW_OK;
+  bw_progress(context, "factor", 0);
+  BW_TRY(find_even(context, system, &even));
+  BW_TRY(bwi_multilevel_create_over(context, l->coarse, system->mesh, system->graph, even, &made));
+  BW_TRY(bwi_multilevel_follow(context, made, model, system->numbering, system->stiffness, usable));
+  if (*usable) {
+    l->multilevel = made;
+    made = NULL;
+    system->times.levels += bw_seconds() - start;
+  }
+done:
+  bw_release(made);
+  return status;
+}
