@@ -978,10 +978,14 @@ function Model:force_vector() end
 function Model:free_motions() end
 
 ---Static solution. A load that is not balanced on a free body is refused, unless inertia relief is
----asked for. with "petsc": by PETSc on all processes that mpirun started (docs/howto_cluster.md), method
----"cg" (default: conjugate gradients with multigrid) or "cholesky" (MUMPS), down to a residual of rtol
+---asked for. with "auto" (default): by a factor, or over levels where that counts as much cheaper or the
+---factor would take more than 4 GB or more than memory_limit bytes (what is free); "factor": a sparse factor, which other
+---loads, modes and the worst case then use; "levels": conjugate gradients over linear and quadratic elements without
+---one, in a tenth of the memory, at most that many iterations (2000): quadratic elements, and supports that hold the
+---body (docs/theory/solving.md). with "petsc": by PETSc on all processes that mpirun started (docs/howto_cluster.md),
+---method "cg" (default: conjugate gradients with multigrid) or "cholesky" (MUMPS), down to a residual of rtol
 ---(1e-10) in at most that many iterations (2000).
----@param options? {inertia_relief?: boolean, tolerance?: number, with?: "factor"|"petsc", method?: "auto"|"cg"|"cholesky", rtol?: number, iterations?: integer}
+---@param options? {inertia_relief?: boolean, tolerance?: number, with?: "auto"|"factor"|"levels"|"petsc", memory_limit?: number, iterations?: integer, method?: "auto"|"cg"|"cholesky", rtol?: number}
 ---@return bw.Static?
 ---@return string? message
 ---@return table? details
@@ -1049,8 +1053,8 @@ function Model:close() end
 ---@field residual number |K u - f| / |f|
 ---@field mesh bw.Mesh
 ---@field material bw.Material
----@field times table? seconds of graph, stiffness, order, factor, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
----@field solver table? of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil for the engine's own factor
+---@field times table? seconds of graph, stiffness, order, factor, levels, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
+---@field solver table? with ("factor", "levels"), iterations (over levels), residual, factor_bytes and factor_flops (over levels: as foreseen), coarse_unknowns (of the linear elements), and where a choice was made predicted_factor and predicted_levels (s, of the model's machine); of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil in an edit session
 ---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, predicted_levels, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
@@ -2146,10 +2150,12 @@ function LocalSystem:refactor(reused) end
 ---@return table? details
 function LocalSystem:view() end
 
----Bytes of the factor, of what is kept for updating it, of the pieces' coefficients.
+---Bytes of the factor, of what is kept for updating it, of the pieces' coefficients, and of what solves over
+---levels (0 until it is first used).
 ---@return integer factor
 ---@return integer updates
 ---@return integer coefficients
+---@return integer levels
 function LocalSystem:memory() end
 
 ---What the current shape would cost from scratch: seconds of its stiffness from all elements, and of

@@ -315,6 +315,13 @@ describe("commands that compute", function()
     status, object = answer("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g")
     assert.equal(0, status)
     check.near(7850 * 0.1 ^ 2 * 9.80665 * 1 / (8 * 210e9 * moment), object.max_displacement_m, 0.05)
+    assert.equal("factor", object.solver.with)
+    local before = object.max_displacement_m
+    status, object = answer("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g --with levels")
+    assert.equal(0, status)
+    check.near(before, object.max_displacement_m, 1e-8)
+    assert.equal("levels", object.solver.with)
+    assert.is_true(object.solver.iterations > 5 and object.solver.residual < 1e-9)
   end)
 
   it("modes rings as a beam does, free and held", function()

@@ -158,6 +158,41 @@ describe("a model", function()
     assert.is_nil(laplacian.frequencies)
   end)
 
+  it("is solved over levels of elements as by a factor, and says so", function()
+    local part, mesh = bar(2)
+    part:fix(mesh.boundary:below(1, 0)):gravity {1, 2, -9.81}
+    local over = assert(part:solve {with = "levels"})
+    local solver = over.solver
+    assert.equal("levels", solver.with)
+    assert.is_true(solver.iterations > 5 and solver.iterations < 60)
+    assert.is_true(solver.residual < 1e-8 and solver.residual == over.residual) -- slender: rounding
+    assert.is_true(solver.factor_bytes > 0 and solver.predicted_levels > 0 and solver.coarse_unknowns > 0)
+    assert.truthy(tostring(over):find("in %d+ iterations over levels"))
+    assert.equal(0, over.times.factor_entries)
+    -- the factor is made when something needs it: another solution by it, modes, the system
+    local modes = assert(part:modes {count = 2})
+    local direct = assert(part:solve())
+    assert.equal("factor", direct.solver.with)
+    assert.equal(0, direct.solver.iterations)
+    assert.falsy(tostring(direct):find "levels")
+    assert.equal(direct.times.factor_entries * 8, direct.solver.factor_bytes)
+    assert.equal(2, modes.count)
+    local most = direct.displacement:map "norm(a)":max()
+    assert.is_true((over.displacement - direct.displacement):map "norm(a)":max() < 1e-9 * most)
+    check.near(over:error_estimate(), direct:error_estimate(), 1e-8)
+    local down = over:reaction_on(mesh.boundary:below(1, 0))
+    for i, g in ipairs {1, 2, -9.81} do check.near(-8000 * mesh.volume * g, down[i], 1e-9) end
+    check.fails("convergence", "with = \"factor\"", part:solve {with = "levels", iterations = 2})
+    check.fails("memory", "the factor of", bw.model {mesh = mesh, material = part.material}
+      :fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}:solve {with = "factor", memory_limit = 1e4})
+    part:clear_supports()
+    check.raises("free to move", part.solve, part:clear_loads(), {with = "levels"})
+    check.raises("belongs to with = \"levels\"", part.solve, part, {iterations = 7})
+    check.raises("belongs to with = \"auto\"", part.solve, part, {with = "levels", memory_limit = 7})
+    check.raises("belongs to with = \"petsc\"", part.solve, part, {with = "levels", rtol = 1e-3})
+    check.raises("'levls' is not known: did you mean 'levels'?", part.solve, part, {with = "levls"})
+  end)
+
   it("gives its system, which solves for forces", function()
     local part, mesh = bar()
     part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1e6, 0, 0}}

@@ -1,0 +1,58 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Static solutions of one load case, over levels of elements beside the factor: seconds, processor
+-- seconds, memory, iterations, and how far the two are apart.
+--
+--   build/barwright scripts/bench/statics.lua [BODY:CELLS[:levels] ...]
+--
+-- Bodies, of cubes of six tet10 each: `block` N x N x N, `bar` 8N x N x N, `plate` 16N x 16N x N; ":levels" leaves
+-- the factor out. Each solution is a process of its own, from the mesh to the displacements; the ratio is that of
+-- processor seconds. Prints a Markdown table.
+local bw = require "barwright"
+
+local shapes = {block = {1, 1, 1}, bar = {8, 1, 1}, plate = {16, 16, 1}}
+
+local function processor()
+  local fields = {}
+  local line = io.open "/proc/self/stat":read "a"
+  for field in line:match "%) (.*)":gmatch "%S+" do fields[#fields + 1] = field end
+  return (tonumber(fields[12]) + tonumber(fields[13])) / 100
+end
+
+local function measure(body, cells, with)
+  local n, size = {}, {}
+  for i, k in ipairs(shapes[body]) do n[i], size[i] = k * cells, k end
+  local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = size, cells = n, order = 2})
+  local part = bw.model {mesh = mesh, material = bw.material.steel}
+  part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, size[1]), force = {1e3, 0, -1e3}}
+  local function peak()
+    return tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
+  end
+  local seconds, spent = bw.seconds(), processor()
+  local static = assert(part:solve {with = with})
+  seconds, spent = bw.seconds() - seconds, processor() - spent
+  local solver = static.solver
+  local tip = static.displacement:column(3):min()
+  print(("| %s %d, %d tet10 | %d | %s | %.1f | %.1f | %s | %.2f | %.2f | %.1e | %.12g |"):format(body, cells,
+    mesh.element_count, mesh.node_count * 3, solver.with, seconds, spent,
+    solver.with == "levels" and solver.iterations or "", peak() / 1e9, solver.factor_bytes / 1e9, static.residual,
+    tip))
+end
+
+if arg[1] == "one" then
+  measure(arg[2], tonumber(arg[3]), arg[4])
+  return
+end
+
+local program = io.popen "readlink /proc/$PPID/exe":read "l"
+print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB | factor, GB | residual "
+  .. "| largest fall, m |")
+print "|---|---|---|---|---|---|---|---|---|---|"
+for _, wish in ipairs(#arg > 0 and arg or {"block:12", "block:19", "block:26", "block:37:levels"}) do
+  local body, cells, only = wish:match "^(%a+):(%d+):?(%a*)$"
+  assert(shapes[body] and (only == "" or only == "levels"), "usage: see the head of the script")
+  for _, with in ipairs {"levels", "factor"} do
+    if only == "" or with == only then
+      os.execute(("BARWRIGHT_QUIET=1 %s %s one %s %s %s"):format(program, arg[0], body, cells, with))
+    end
+  end
+end
