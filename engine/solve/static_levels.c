@@ -1,14 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Levels of elements of a plain system (static_levels.h).
  *
- * What a factor costs is known when its order is, which takes seconds where this matters. The
- * linear elements on the same corners, which have to be ordered in any case, have a seventh of the
- * unknowns and tell it too. An order by nested dissection cuts both alike: with a third of the
- * unknowns in each direction's step, that is with u times as many unknowns in all, of which the
- * length of a body takes a factor 2, a separator has u / 2 times as many. Fronts are dense, so
- * entries go with the square of that and operations with its cube, for blocks, bars and plates
- * alike; what is left over was measured on these (statics.c in the tests holds the forecast to it).
- */
+ * What a factor costs is known when its order is, and making that takes seconds where it matters. The
+ * linear elements on the same corners have to be ordered in any case, have a seventh of the unknowns,
+ * and tell it too, since nested dissection cuts both bodies alike. Let the quadratic ones have w times
+ * as many unknowns. Along the length of a body there are twice as many, so that a separator has w / 2
+ * times as many. Fronts are dense: entries go with the square of that, operations with its cube, for
+ * blocks, bars and plates alike, whose w differ. What is left over was measured on these. */
 #include "solve/static_levels.h"
 
 #include <math.h>
