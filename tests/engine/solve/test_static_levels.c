@@ -220,6 +220,41 @@ static void large_bodies(void **state) {
   clear_block(&b);
 }
 
+/* A block of 37,000 unknowns on three sliding planes, pulled: a linear field, exact. */
+static void block_in_tension(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 2, 1, 1, 20, 8, 10, 2);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  const double traction[3] = {1e6, 0, 0};
+  double normal[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  for (int c = 0; c < 3; c++) {
+    bw_selection *plane = face(context, mesh, c, 0);
+    check_ok(context, bw_model_slide(context, model, plane, normal[c]));
+    bw_release(plane);
+  }
+  bw_selection *end = face(context, mesh, 0, 2);
+  check_ok(context, bw_model_traction(context, model, end, traction));
+  bw_static *result = NULL;
+  check_ok(context, bw_statics(context, model, NULL, &by_levels, &result));
+  double strain = 1e6 / material->young[0], reaction = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *x = mesh->node + 3 * i, *u = result->displacement + 3 * i;
+    check_near(u[0], strain * x[0], 1e-10 * strain);
+    check_near(u[1], -material->poisson[0] * strain * x[1], 1e-10 * strain);
+    check_near(u[2], -material->poisson[0] * strain * x[2], 1e-10 * strain);
+    reaction += result->reaction[3 * i];
+  }
+  check_near(reaction, -1e6, 1e-3);
+  check_near(result->energy, 0.5 * 1e6 * strain * 2, 1e-9);
+  bw_release(result);
+  bw_release(end);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
 /* Too few iterations: an error that says what to do, or, where there is room, the factor and a
  * remark. */
 static void not_converged(void **state) {
@@ -328,10 +363,10 @@ static void free_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(as_a_factor),  check_test(curved_elements), check_test(factor_is_foreseen),
-      check_test(small_bodies), check_test(large_bodies),    check_test(not_converged),
-      check_test(mechanism),    check_test(same_bits),       check_test(no_memory),
-      check_test(free_memory),
+      check_test(as_a_factor),  check_test(curved_elements),  check_test(factor_is_foreseen),
+      check_test(small_bodies), check_test(large_bodies),     check_test(not_converged),
+      check_test(mechanism),    check_test(same_bits),        check_test(no_memory),
+      check_test(free_memory),  check_test(block_in_tension),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
