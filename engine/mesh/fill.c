@@ -189,7 +189,7 @@ static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
 bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
                        const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log) {
   bw_fill_options defaults;
-  bw_mesh *made = NULL;
+  bw_mesh *made = NULL, *other = NULL;
   bw_fill_options_default(&defaults);
   bwi_filler f = {.context = context, .options = options ? options : &defaults};
   bw_status status;
@@ -218,11 +218,13 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
                        (long long)gone, moved);
   }
   if (f.options->order == 2) {
-    bw_mesh *wide;
-    BW_TRY(bw_mesh_with_order(context, made, 2, &wide));
+    BW_TRY(bw_mesh_with_order(context, made, 2, &other));
     bw_release(made);
-    made = wide;
+    made = other;
   }
+  BW_TRY(bw_mesh_renumbered(context, made, NULL, NULL, &other));
+  bw_release(made);
+  made = other;
   BW_TRY(report(&f, made, log));
   bw_progress(context, "fill", 1);
   *mesh = made;

@@ -294,6 +294,25 @@ static int mesh_subset(lua_State *L) {
   return leave(L, box, out, status);
 }
 
+/* mesh:renumbered(): the mesh, the old numbers of its nodes, of its elements */
+static int mesh_renumbered(lua_State *L) {
+  const bw_mesh *mesh = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
+  int32_t *numbers[2] = {NULL, NULL}, counts[2] = {mesh->node_count, mesh->element_count};
+  int32_t *to[2];
+  for (int n = 0; n < 2; n++)
+    to[n] = (int32_t *)lbw_push_array(L, BW_I32, counts[n], 1)->data;
+  bw_mesh *out = NULL;
+  bw_status status = bw_mesh_renumbered(lbw_enter(L), mesh, &numbers[0], &numbers[1], &out);
+  for (int n = 0; n < 2; n++) {
+    for (int32_t i = 0; i < counts[n] && status == BW_OK; i++)
+      to[n][i] = numbers[n][i] + 1;
+    bw_free(numbers[n]);
+  }
+  lbw_box_fill(L, box, out);
+  return lbw_leave(L, status, 3);
+}
+
 static bw_status boundary_of(bw_context *context, const void *mesh, bw_surface **surface,
                              int32_t **node) {
   return bw_mesh_boundary(context, (const bw_mesh *)mesh, surface, node);
@@ -493,10 +512,11 @@ static int mesh_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"write", mesh_write},     {"with_order", mesh_with_order}, {"moved", mesh_moved},
-    {"subset", mesh_subset},   {"surface", mesh_surface},       {"locate", mesh_locate},
-    {"quality", mesh_quality}, {"to_nodes", mesh_to_nodes},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"write", mesh_write},           {"with_order", mesh_with_order},
+                                   {"moved", mesh_moved},           {"subset", mesh_subset},
+                                   {"renumbered", mesh_renumbered}, {"surface", mesh_surface},
+                                   {"locate", mesh_locate},         {"quality", mesh_quality},
+                                   {"to_nodes", mesh_to_nodes},     {NULL, NULL}};
 static const luaL_Reg properties[] = {{"nodes", mesh_nodes},
                                       {"elements", mesh_elements},
                                       {"regions", mesh_regions},

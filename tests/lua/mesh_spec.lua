@@ -117,6 +117,18 @@ end)
 describe("a mesh", function()
   local beam = check.beam()
 
+  it("is numbered anew along a curve, with the old numbers", function()
+    local mesh, nodes, elements = assert(beam:renumbered())
+    assert.equal(beam.node_count, #nodes)
+    assert.truthy((mesh.nodes - beam.nodes:gather(nodes)):norm() == 0)
+    check.near(beam.volume, mesh.volume, 1e-15)
+    for _, e in ipairs {1, mesh.element_count} do
+      for a = 1, 4 do
+        assert.equal(beam.elements(math.tointeger(elements[e]), a), nodes[mesh.elements(e, a)])
+      end
+    end
+  end)
+
   it("is a grid, and says so", function()
     assert.equal(240, beam.element_count)
     check.near(0.01, beam.volume, 1e-12)

@@ -76,6 +76,98 @@ static void test_grid(void **state) {
   }
 }
 
+static int ascending(const void *a, const void *b) {
+  int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+  return (x > y) - (x < y);
+}
+
+/* How far apart, in numbers, the nodes of an element are: the median. */
+static double median_span(const bw_mesh *mesh) {
+  int32_t *span = malloc(sizeof(int32_t) * (size_t)mesh->element_count);
+  for (int32_t i = 0; i < mesh->element_count; i++) {
+    int32_t low = INT32_MAX, high = 0;
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      int32_t n = mesh->element[mesh->nodes_per_element * i + a];
+      low = n < low ? n : low;
+      high = n > high ? n : high;
+    }
+    span[i] = high - low;
+  }
+  qsort(span, (size_t)mesh->element_count, sizeof *span, ascending);
+  int32_t median = span[mesh->element_count / 2];
+  free(span);
+  return median;
+}
+
+/* Numbers change and nothing else, and what is near in space is near in numbers: of n^3 cells a
+ * curve that fills space keeps an element's nodes within some n^2 numbers at worst, mostly far
+ * less.
+ */
+static void test_renumbered(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = box(context, 8, 8, 8, order), *shuffled, *out;
+    int32_t nodes = mesh->node_count, elements = mesh->element_count, width = order == 1 ? 4 : 10;
+    double *place = malloc(3 * sizeof(double) * (size_t)nodes);
+    int32_t *element = malloc(sizeof(int32_t) * (size_t)(width * elements));
+    int32_t *region = malloc(sizeof(int32_t) * (size_t)elements), *node_from, *element_from;
+    uint8_t *seen = calloc((size_t)(nodes + elements), 1);
+    /* 1009 is prime: a permutation that takes neighbours apart */
+    for (int32_t i = 0; i < nodes; i++)
+      memcpy(place + 3 * (i * INT64_C(1009) % nodes), mesh->node + 3 * i, 3 * sizeof(double));
+    for (int32_t e = 0; e < elements; e++) {
+      int32_t to = (int32_t)(e * INT64_C(1009) % elements);
+      for (int a = 0; a < width; a++)
+        element[width * to + a] = (int32_t)(mesh->element[width * e + a] * INT64_C(1009) % nodes);
+      region[to] = e % 7;
+    }
+    check_ok(context,
+             bw_mesh_copy(context, order, nodes, place, elements, element, region, &shuffled));
+    check_ok(context, bw_mesh_renumbered(context, shuffled, &node_from, &element_from, &out));
+    assert_int_equal(out->node_count, nodes);
+    for (int32_t i = 0; i < nodes; i++) {
+      assert_int_equal(seen[node_from[i]]++, 0);
+      assert_memory_equal(out->node + 3 * i, place + 3 * node_from[i], 3 * sizeof(double));
+    }
+    for (int32_t e = 0; e < elements; e++) {
+      int32_t old = element_from[e];
+      assert_int_equal(seen[nodes + old]++, 0);
+      assert_int_equal(out->region[e], region[old]);
+      assert_true(out->volume[e] == shuffled->volume[old]);
+      for (int a = 0; a < width; a++)
+        assert_int_equal(node_from[out->element[width * e + a]],
+                         shuffled->element[width * old + a]);
+    }
+    assert_true(median_span(shuffled) > 0.5 * nodes);
+    assert_true(median_span(out) < 0.06 * nodes);
+    bw_release(out);
+    check_ok(context, bw_mesh_renumbered(context, mesh, NULL, NULL, &out));
+    assert_true(median_span(out) < 0.06 * nodes); /* wherever it came from */
+    for (int64_t n = 1;; n++) {
+      bw_mesh *again = NULL;
+      int32_t *from = NULL;
+      bw_fail_allocation(n, true);
+      bw_status status = bw_mesh_renumbered(context, mesh, &from, NULL, &again);
+      bw_fail_allocation(0, false);
+      bw_release(again);
+      bw_free(from);
+      if (status == BW_OK)
+        break;
+      assert_int_equal(status, BW_MEMORY);
+      bw_clear_failure(context);
+    }
+    bw_release(out);
+    bw_release(shuffled);
+    bw_release(mesh);
+    bw_free(node_from);
+    bw_free(element_from);
+    free(place);
+    free(element);
+    free(region);
+    free(seen);
+  }
+}
+
 static void test_order(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *one = box(context, 3, 2, 2, 1), *two, *back, *same;
@@ -296,9 +388,10 @@ static void test_allocation_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_one_element), check_test(test_grid),  check_test(test_order),
-      check_test(test_refusals),    check_test(test_moved), check_test(test_subset_and_boundary),
-      check_test(test_mapped),      check_test(test_hub),   check_test(test_allocation_failures),
+      check_test(test_one_element),         check_test(test_grid),     check_test(test_order),
+      check_test(test_renumbered),          check_test(test_refusals), check_test(test_moved),
+      check_test(test_subset_and_boundary), check_test(test_mapped),   check_test(test_hub),
+      check_test(test_allocation_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
