@@ -38,9 +38,10 @@ typedef struct bwi_local {
   /* what solves without the factor; made and followed when first needed at a shape */
   bwi_multilevel *levels;
   bool levels_known, levels_usable; /* of the present shape */
-  double levels_experience; /* iterations needed over predicted, when last used; 0: not yet */
-  uint8_t *latest;          /* domain_count: touched since the system was last solved */
-  bool answered;            /* it was solved since the last update */
+  double levels_experience[2]; /* iterations needed over predicted, when last used: from nothing,
+                                  from a solution near by; 0: not yet */
+  uint8_t *latest;             /* domain_count: touched since the system was last solved */
+  bool answered;               /* it was solved since the last update */
   double regret; /* s: what solutions over levels cost more than bringing a factor up to date would
                     have cost that had always been, since it last was */
   double change; /* of the touched domains' shape since it was factored; negative: not known */
@@ -90,6 +91,7 @@ typedef struct bwi_local_cost {
   double iterations;        /* predicted */
   double factor;            /* what the bound was multiplied by: experience or hope */
   double again;             /* refactor, had the factor been up to date before the last edit */
+  bool near;                /* a guess has done a part of it */
   double levels;            /* over levels, for all right-hand sides; INFINITY: there are none */
   double one_level_iteration, level_iterations;
 } bwi_local_cost;

@@ -235,8 +235,8 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
     int needed = iterations - before;
     inner->spent += needed * cost.one_level_iteration;
     if (needed > 1 && cost.level_iterations > 0) {
-      double before_factor = inner->levels_experience > 0 ? inner->levels_experience : 1;
-      inner->levels_experience = fmin(fmax(before_factor * needed / cost.level_iterations, 0.2), 5);
+      double fair = 1 + BWI_LEVELS_RATE * log(2 / left->tolerance);
+      inner->levels_experience[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
     }
     if (!*solved && options->method == BW_LOCAL_LEVELS) {
       status = fail_levels(context, local, iterations, options->tolerance);
