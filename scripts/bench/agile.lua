@@ -96,7 +96,7 @@ for name in wish.scenes:gmatch "[^,]+" do
     end
   end
   local everything
-  for _ = 1, 3 do
+  for _ = 1, 4 do -- the shortest of four, as of stiffness directly
     local once = timed(session, function(s) return s:pose(all) end)
     local better = once and (not everything or once.seconds_stiffness < everything.seconds_stiffness)
     if better then everything = once end
@@ -107,7 +107,7 @@ for name in wish.scenes:gmatch "[^,]+" do
   local function scratch()
     local system = assert(session:synchronise())
     local once, own = assert(system:baseline()), assert(system:baseline(true))
-    return {stiffness = once.stiffness, factor = once.factor, solve = once.solve,
+    return {stiffness = math.min(once.stiffness, own.stiffness), factor = once.factor, solve = once.solve,
       total = once.factor + once.solve, own_factor = own.factor, own_solve = own.solve,
       own_total = own.factor + own.solve, flops = once.flops, own_flops = own.flops}
   end
