@@ -58,8 +58,8 @@ describe("designs of levels", function()
     assert.same({1, 3, 5}, {points[1].n, points[2].n, points[3].n})
     check.raises("more than 10000000", run, {"grid", levels = 1000}, {variables = reals(4), measures = {"y"}},
       nothing)
-    check.raises("'b' is no variable: known is only a", run, {"grid", levels = {b = 1}}, {variables = {variables[1]},
-      measures = {"y"}}, nothing)
+    check.raises("'b' is no variable: known is only a", run, {"grid", levels = {b = 1}},
+      {variables = {variables[1]}, measures = {"y"}}, nothing)
     check.raises("levels 'a' has is missing", run, {"grid"}, {variables = variables, measures = {"y"}}, nothing)
   end)
 
