@@ -47,28 +47,32 @@ static void linear_elements_are_refused(void **state) {
   bar_clear(&b);
 }
 
+/* A block of cubes, nx by n by n of them, in one domain, held at one end and bearing its weight. */
+static bw_local_system *block_of(bw_context *context, int nx, int n, bar *b) {
+  const double gravity[3] = {1, 2, -9.81};
+  bw_local_system *local = NULL;
+  memset(b, 0, sizeof *b);
+  b->mesh = body_box(context, (double)nx / n, 1, 1, nx, n, n, 2);
+  b->material = body_material(context);
+  b->element_domain = calloc((size_t)b->mesh->element_count, sizeof(int32_t));
+  b->node_domain = calloc((size_t)b->mesh->node_count, sizeof(int32_t));
+  b->node = numbers(3 * (int64_t)b->mesh->node_count);
+  check_ok(context, bw_model_create(context, b->mesh, b->material, &b->model));
+  bw_selection *root = face(context, b->mesh, 0, 0);
+  check_ok(context, bw_model_fix(context, b->model, root));
+  check_ok(context, bw_model_gravity(context, b->model, gravity));
+  check_ok(context, bw_local_system_create(context, b->model, false, 1, b->element_domain,
+                                           b->node_domain, NULL, &local));
+  bw_release(root);
+  return local;
+}
+
 /* Iterations to 1e-10 for a bar of cubes of `cells` elements along an edge. */
 static int iterations_of(bw_context *context, int cells) {
   bar b;
-  bar_make(context, 1, 2, &b);
-  bw_release(b.model);
-  bw_release(b.mesh);
-  free(b.element_domain);
-  free(b.node_domain);
-  b.mesh = body_box(context, 2, 1, 1, 2 * cells, cells, cells, 2);
-  b.element_domain = calloc((size_t)b.mesh->element_count, sizeof(int32_t));
-  b.node_domain = calloc((size_t)b.mesh->node_count, sizeof(int32_t));
-  check_ok(context, bw_model_create(context, b.mesh, b.material, &b.model));
-  bw_selection *root = face(context, b.mesh, 0, 0);
-  const double gravity[3] = {1, 2, -9.81};
-  check_ok(context, bw_model_fix(context, b.model, root));
-  check_ok(context, bw_model_gravity(context, b.model, gravity));
-  bw_local_system *local = NULL;
-  check_ok(context, bw_local_system_create(context, b.model, false, 1, b.element_domain,
-                                           b.node_domain, NULL, &local));
+  bw_local_system *local = block_of(context, 2 * cells, cells, &b);
   bw_reuse reuse = {0};
   compare(context, local, b.model, BW_LOCAL_LEVELS, &reuse);
-  bw_release(root);
   bw_release(local);
   bar_clear(&b);
   return reuse.iterations;
@@ -170,7 +174,7 @@ static void same_bits(void **state) {
 }
 
 /* Left to itself, a system takes the factor where it is at hand, and else what it says to be the
- * cheapest. Of a body as small as this one that is not the levels (threads would meet too often).
+ * cheapest. Of a body as small as this one that is not the levels.
  */
 static void chosen_by_cost(void **state) {
   bw_context *context = check_context(state);
@@ -197,21 +201,8 @@ static void chosen_by_cost(void **state) {
 static void chosen_for_a_thick_body(void **state) {
   bw_context *context = check_context(state);
   bar b;
-  memset(&b, 0, sizeof b);
-  b.mesh = body_box(context, 1, 1, 1, 10, 10, 10, 2);
-  b.material = body_material(context);
+  bw_local_system *local = block_of(context, 10, 10, &b);
   int64_t size = 3 * (int64_t)b.mesh->node_count;
-  b.element_domain = calloc((size_t)b.mesh->element_count, sizeof(int32_t));
-  b.node_domain = calloc((size_t)b.mesh->node_count, sizeof(int32_t));
-  b.node = numbers(size);
-  check_ok(context, bw_model_create(context, b.mesh, b.material, &b.model));
-  bw_selection *root = face(context, b.mesh, 0, 0);
-  const double gravity[3] = {1, 2, -9.81};
-  check_ok(context, bw_model_fix(context, b.model, root));
-  check_ok(context, bw_model_gravity(context, b.model, gravity));
-  bw_local_system *local = NULL;
-  check_ok(context, bw_local_system_create(context, b.model, false, 1, b.element_domain,
-                                           b.node_domain, NULL, &local));
   size_t before = bw_bytes(local), factor, updates;
   assert_true(bw_local_system_levels_bytes(local) == 0);
   bw_mesh *moved = NULL;
@@ -240,7 +231,6 @@ static void chosen_for_a_thick_body(void **state) {
   bw_release(result);
   bw_release(model);
   bw_release(moved);
-  bw_release(root);
   bw_release(local);
   bar_clear(&b);
 }
