@@ -695,9 +695,9 @@ function Mesh:scale(factor) end
 ---@return bw.Mesh?
 function Mesh:subset(mask) end
 
----The same mesh with nodes and elements numbered along a curve that fills space (Hilbert's): solutions
----and edits take up to a third less time than with numbers of a mesh generator. Meshes made by
----bw.mesh.fill are numbered so already.
+---The same mesh with nodes and elements numbered along a curve that fills space (Hilbert's): an
+---optimisation of an edit session takes a tenth to a fifth less processor time than with numbers of a
+---mesh generator. Meshes made by bw.mesh.fill are numbered so already.
 ---@return bw.Mesh?
 ---@return bw.Array|string nodes of every node the number that it had, or the message
 ---@return bw.Array|table elements of every element the number that it had, or details

@@ -13,7 +13,7 @@ local bw = require "barwright"
 local best = require "best"
 local compare = require "compare"
 local scenes = require "scenes"
-local suggestion = require "barwright.core".suggestion
+local core = require "barwright.core"
 
 local function refuse(message)
   io.stderr:write("bound: ", message, "\n")
@@ -36,17 +36,21 @@ end
 if not wish.scene then refuse "--scene NAME|all expected" end
 if wish.threads then bw.threads(wish.threads) end
 
-local names = wish.scene == "all" and scenes.order or {}
-if wish.scene ~= "all" then
-  for name in wish.scene:gmatch "[^,]+" do
-    local known = false
-    for _, one in ipairs(scenes.order) do known = known or one == name end
-    if not known then
-      refuse(("there is no scene '%s': %s"):format(name, suggestion(name, scenes.order)))
+-- Names of a list with commas, each one of those known.
+local function names_of(list, what, known)
+  local names, is_known = {}, {}
+  for _, name in ipairs(known) do is_known[name] = true end
+  for name in list:gmatch "[^,]+" do
+    if not is_known[name] then
+      refuse(("there is no %s '%s': %s"):format(what, name, core.suggestion(name, known)))
     end
     names[#names + 1] = name
   end
+  return names
 end
+
+local names = wish.scene == "all" and scenes.order or names_of(wish.scene, "scene", scenes.order)
+local methods = names_of(wish.methods, "method", {"naive", "lookup", "grown"})
 
 local library, message
 if wish.library then
@@ -75,7 +79,7 @@ for _, name in ipairs(names) do
       local row = {scene = name, level = level, moved = compare.movement(reference),
         best = fine.grid:difference(field, u), methods = {}}
       print(("%-12s %d  moved %.2e, best %.2e"):format(name, level, row.moved, row.best))
-      for method in wish.methods:gmatch "[^,]+" do
+      for _, method in ipairs(methods) do
         local of = by[method]
         local solid = of and (of == "naive" and coarse or of.levels >= level and fine:coarsen(of, level))
         local solution
@@ -100,8 +104,11 @@ for _, name in ipairs(names) do
   end
 end
 if wish.json then
-  local file = assert(io.open(wish.json, "w"))
-  file:write(bw.json.encode {rows = rows})
-  file:close()
+  local written
+  written, message = core.write_file(wish.json, bw.json.encode {rows = rows})
+  if not written then
+    io.stderr:write("bound: ", message, "\n")
+    status = 1
+  end
 end
 os.exit(status, true)

@@ -86,10 +86,13 @@ describe("the experiments of data-driven", function()
     assert.is_true(row.best < lookup.error and 3 * lookup.error < naive.error)
     assert.is_true(naive.factor > 2 and math.abs(lookup.factor - 1) < 0.1)
     assert.is_true(naive.after_factor < naive.error)
-    code, said, complaint = check.run "scripts/data_driven/bound.lua --scene twistin"
-    assert.equal(2, code)
-    assert.equal("", said)
-    assert.is_truthy(complaint:find("no scene 'twistin': did you mean 'twisting'", 1, true))
+    for words, told in pairs {["--scene twistin"] = "did you mean 'twisting'?",
+      ["--scene twisting --methods naive,lokup"] = "there is no method 'lokup': did you mean 'lookup'?"} do
+      code, said, complaint = check.run("scripts/data_driven/bound.lua " .. words)
+      assert.equal(2, code)
+      assert.equal("", said)
+      assert.truthy(complaint:find(told, 1, true), complaint)
+    end
   end)
 
   it("refuse what they do not know", function()

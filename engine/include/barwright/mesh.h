@@ -195,9 +195,9 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
 /* tet4 -> tet10 with straight edges; tet10 -> tet4. The same order returns a new reference. */
 bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order, bw_mesh **out);
 /* Nodes and elements along a curve that fills space, so that what is near in space is near in
- * memory: assembly and products take up to a third less time than with a mesh generator's numbers.
- * The old numbers, when asked for, are blocks of node_count and element_count for the caller to
- * bw_free. */
+ * memory: edits and their equations take less time than with a mesh generator's numbers
+ * (docs/benchmarks.md). The old numbers, when asked for, are blocks of node_count and element_count
+ * for the caller to bw_free. */
 bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t **node_from,
                              int32_t **element_from, bw_mesh **out);
 /* The elements with keep[e] != 0 only, unused nodes dropped. */
