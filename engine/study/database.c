@@ -12,7 +12,7 @@
 #include "barwright/confine.h"
 #include "study/internal.h"
 
-enum { STEPS_BETWEEN_QUESTIONS = 20000, URI = 3 * BWI_LONGEST_PATH + 32 };
+enum { STEPS_BETWEEN_QUESTIONS = 20000 };
 
 const char bwi_magic[16] = "SQLite format 3";
 const int32_t bwi_mark = 0x62777374; /* "bwst" */
@@ -203,20 +203,7 @@ static int write_ahead(bw_database *d) {
   }
 }
 
-/* In a confined process no statement reaches another file. */
-static int authorize(void *data, int action, const char *first, const char *second,
-                     const char *database, const char *trigger) {
-  (void)data, (void)second, (void)database, (void)trigger;
-  bool reaches_out = action == SQLITE_ATTACH ||
-                     (action == SQLITE_PRAGMA && first && strstr(first, "_directory")) ||
-                     (action == SQLITE_FUNCTION && second && strcmp(second, "load_extension") == 0);
-  return reaches_out ? SQLITE_DENY : SQLITE_OK;
-}
-
 static bw_status set_up(bw_context *context, bw_database *d, bool read_only) {
-  if (bw_confined())
-    sqlite3_set_authorizer(d->connection, authorize, NULL);
-  sqlite3_extended_result_codes(d->connection, 1);
   sqlite3_busy_handler(d->connection, on_busy, d);
   sqlite3_progress_handler(d->connection, STEPS_BETWEEN_QUESTIONS, on_progress, d);
   int64_t mark = 0, version = 0, tables = 0;
@@ -253,19 +240,10 @@ static bw_status set_up(bw_context *context, bw_database *d, bool read_only) {
   return code == SQLITE_OK ? BW_OK : bwi_database_failure(context, d, code);
 }
 
-/* "file:" + path with what a URI reserves escaped + "?immutable=1" */
-static void immutable_name(const char *path, char uri[URI]) {
-  size_t at = (size_t)snprintf(uri, URI, "file:");
-  for (; *path; path++)
-    at += (size_t)snprintf(uri + at, URI - at, strchr("%?#", *path) ? "%%%02X" : "%c",
-                           (unsigned char)*path);
-  snprintf(uri + at, URI - at, "?immutable=1");
-}
-
-static bw_status connect_to(bw_context *context, bw_database *d, const char *name, int flags) {
+static bw_status connect_to(bw_context *context, bw_database *d, int flags) {
   sqlite3_close_v2(d->connection);
   d->connection = NULL;
-  int code = sqlite3_open_v2(name, &d->connection, flags | SQLITE_OPEN_EXRESCODE, NULL);
+  int code = bwi_connect(d->path, flags, &d->connection);
   return code == SQLITE_OK ? set_up(context, d, (flags & SQLITE_OPEN_READONLY) != 0)
                            : bwi_database_failure(context, d, code);
 }
@@ -298,16 +276,13 @@ bw_status bw_database_open(bw_context *context, const char *path,
   d->busy_seconds = options->busy_seconds;
   d->context = context;
   snprintf(d->path, sizeof d->path, "%s", path);
-  status = connect_to(context, d, path,
+  status = connect_to(context, d,
                       options->read_only ? SQLITE_OPEN_READONLY
                                          : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
-  if (status == BW_IO && options->read_only && !has_changes_ahead(path)) {
-    /* In a folder that may not be written, SQLite cannot make the files of write-ahead mode; where
-     * there is nothing ahead, the file alone is all. */
-    char uri[URI];
-    immutable_name(path, uri);
-    status = connect_to(context, d, uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
-  }
+  /* In a folder that may not be written, SQLite cannot make the files of write-ahead mode; where
+   * there is nothing ahead, the file alone is all. */
+  if (status == BW_IO && options->read_only && !has_changes_ahead(path))
+    status = connect_to(context, d, SQLITE_OPEN_READONLY | BWI_IMMUTABLE);
   if (status != BW_OK) {
     bw_release(d);
     return status;

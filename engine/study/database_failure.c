@@ -105,9 +105,11 @@ static bw_status describe(bw_context *context, sqlite3 *connection, int code, co
   case SQLITE_CANTOPEN:
   case SQLITE_PERM:
   case SQLITE_READONLY:
-  case SQLITE_AUTH:
   case SQLITE_NOLFS:
     return refused(context, path, words, error);
+  case SQLITE_AUTH:
+    return bwi_database_say(context, BW_INVALID, "sql", path,
+                            "%s: only statements that studies need work on it", words);
   default:
     return bwi_database_say(context, BW_INVALID, "sql", path, "%s", words);
   }

@@ -31,6 +31,11 @@ struct bw_database {
   char path[BWI_LONGEST_PATH];
 };
 
+/* Opens a file of results; `flags` are SQLite's. On the connection only what studies need works
+ * (connection.c). Returns SQLite's extended result; the connection is to be closed in any case. */
+enum { BWI_IMMUTABLE = SQLITE_OPEN_URI }; /* a flag: nobody writes the file meanwhile */
+int bwi_connect(const char *path, int flags, sqlite3 **connection);
+
 /* Every use of a database begins with it: refused in another process than the opener's. */
 bw_status bwi_database_enter(bw_context *context, bw_database *database);
 /* A statement has ended well: notes how many rows it changed. */

@@ -256,24 +256,28 @@ static bw_status copy_rows(salvage *s, sqlite3_stmt *row, const char *insertion,
 }
 
 /* ", "a", "b"" of the table's columns, and as many question marks; to be released with
- * sqlite3_free. */
+ * sqlite3_free. NULL where the table could not be made again. */
 static bw_status columns_of(salvage *s, const char *table, char **names, char **marks) {
   sqlite3_stmt *row = NULL;
   sqlite3_str *list = sqlite3_str_new(NULL), *questions = sqlite3_str_new(NULL);
-  int code = sqlite3_prepare_v2(
-      s->to->connection, "SELECT name FROM pragma_table_xinfo(?) WHERE hidden = 0", -1, &row, NULL);
-  if (code == SQLITE_OK)
-    code = sqlite3_bind_text(row, 1, table, -1, SQLITE_TRANSIENT);
-  while (code == SQLITE_OK && sqlite3_step(row) == SQLITE_ROW) {
+  enum { COLUMN_NAME = 1, HIDDEN = 6 };
+  char *sql = sqlite3_mprintf("PRAGMA table_xinfo(\"%w\")", table);
+  int code = sql ? sqlite3_prepare_v2(s->to->connection, sql, -1, &row, NULL) : SQLITE_NOMEM;
+  sqlite3_free(sql);
+  while (code == SQLITE_OK && (code = sqlite3_step(row)) == SQLITE_ROW) {
+    code = SQLITE_OK;
+    if (sqlite3_column_int(row, HIDDEN) != 0)
+      continue;
     bool first = sqlite3_str_length(list) == 0;
     sqlite3_str_appendf(list, "%s\"%w\"", first ? "" : ", ",
-                        (const char *)sqlite3_column_text(row, 0));
+                        (const char *)sqlite3_column_text(row, COLUMN_NAME));
     sqlite3_str_appendf(questions, "%s?", first ? "" : ", ");
   }
   sqlite3_finalize(row);
+  bool any = sqlite3_str_length(list) > 0;
   *names = sqlite3_str_finish(list);
   *marks = sqlite3_str_finish(questions);
-  return *names && *marks ? BW_OK : no_memory(s);
+  return (code & 0xff) != SQLITE_NOMEM && any == (*names && *marks) ? BW_OK : no_memory(s);
 }
 
 static void tell(salvage *s, const char *table, int64_t saved, const gap *gaps) {
@@ -302,6 +306,8 @@ static bw_status copy_table(salvage *s, const char *table) {
   gap gaps = {0, 0, false};
   bw_status status;
   BW_TRY(columns_of(s, table, &names, &marks));
+  if (!names)
+    goto done;
   selection = sqlite3_mprintf(
       "SELECT rowid, %s FROM \"%w\" NOT INDEXED WHERE rowid >= ? ORDER BY rowid", names, table);
   insertion = sqlite3_mprintf("INSERT OR IGNORE INTO \"%w\" (%s) VALUES (%s)", table, names, marks);
@@ -342,7 +348,7 @@ static bw_status copy_schema(salvage *s, part what) {
   bw_status status = BW_OK;
   int code = sqlite3_prepare_v2(s->from,
                                 tables ? "SELECT name, sql FROM sqlite_master WHERE type = 'table' "
-                                         "AND name NOT LIKE 'sqlite_%' AND sql IS NOT NULL"
+                                         "AND sql IS NOT NULL"
                                        : "SELECT name, sql FROM sqlite_master WHERE type <> "
                                          "'table' AND sql IS NOT NULL",
                                 -1, &row, NULL);
@@ -352,6 +358,10 @@ static bw_status copy_schema(salvage *s, part what) {
     if (!name || !sql) {
       status = no_memory(s);
       break;
+    }
+    if (sqlite3_strnicmp(name, "sqlite_", 7) == 0) { /* SQLite makes its own tables by itself */
+      code = SQLITE_OK;
+      continue;
     }
     count++;
     status = what == ROWS ? copy_table(s, name) : bw_database_execute(s->context, s->to, sql);
@@ -379,11 +389,15 @@ static bw_status copy_schema(salvage *s, part what) {
 static bw_status open_copy(salvage *s) {
   sqlite3_close_v2(s->from);
   s->from = NULL;
-  int code = sqlite3_open_v2(s->copy, &s->from, SQLITE_OPEN_READWRITE, NULL);
-  /* A schema with errors in it is read all the same. */
+  int code = bwi_connect(s->copy, SQLITE_OPEN_READWRITE, &s->from);
+  /* A schema with errors in it is read all the same, and a file whose end is missing; the
+   * statements that read it are those of this file. */
   if (code == SQLITE_OK)
-    code = sqlite3_exec(s->from, "PRAGMA writable_schema=ON; PRAGMA cell_size_check=ON", NULL, NULL,
-                        NULL);
+    code = sqlite3_db_config(s->from, SQLITE_DBCONFIG_DEFENSIVE, 0, NULL);
+  if (code == SQLITE_OK)
+    code = sqlite3_db_config(s->from, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, NULL);
+  if (code == SQLITE_OK)
+    code = sqlite3_exec(s->from, "PRAGMA cell_size_check=ON", NULL, NULL, NULL);
   return code == SQLITE_OK ? BW_OK : read_failure(s, code);
 }
 

@@ -21,9 +21,9 @@ static int connect_to_empty(const char *path, const char *schema, sqlite3 **empt
   char marks[96];
   sqlite3_snprintf(sizeof marks, marks, "PRAGMA application_id=%d; PRAGMA user_version=%d",
                    (int)bwi_mark, (int)BW_DATABASE_FORMAT);
-  int code = sqlite3_open_v2(path, empty, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, NULL);
+  int code = bwi_connect(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, empty);
   if (code == SQLITE_OK)
-    code = sqlite3_exec(*empty, "PRAGMA journal_mode=OFF; BEGIN", NULL, NULL, NULL);
+    code = sqlite3_exec(*empty, "PRAGMA journal_mode=MEMORY; BEGIN", NULL, NULL, NULL);
   if (code == SQLITE_OK)
     code = sqlite3_exec(*empty, schema, NULL, NULL, NULL);
   if (code == SQLITE_OK)

@@ -52,11 +52,14 @@ static bw_statement *look_up(bw_database *d, const char *sql, bool *found) {
 static bw_status compile(bw_context *context, bw_database *d, const char *text,
                          sqlite3_stmt **handle) {
   const char *rest = NULL;
-  int code = sqlite3_prepare_v3(d->connection, text, -1, SQLITE_PREPARE_PERSISTENT, handle, &rest);
+  int code = sqlite3_prepare_v3(d->connection, text, -1,
+                                SQLITE_PREPARE_PERSISTENT | SQLITE_PREPARE_NO_VTAB, handle, &rest);
   if (code != SQLITE_OK)
     return bwi_database_failure(context, d, code);
   if (!*handle)
     return bw_fail(context, BW_INVALID, "a statement of SQL expected, got \"%.200s\"", text);
+  if (sqlite3_stmt_isexplain(*handle))
+    return bw_fail(context, BW_INVALID, "EXPLAIN does not work on files of results");
   rest += strspn(rest, " \t\r\n;");
   if (*rest)
     return bw_fail(context, BW_INVALID, "one statement expected, but more follows: \"%.200s\"",

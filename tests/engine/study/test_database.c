@@ -303,7 +303,10 @@ static void save(bw_context *context, const char *path, int least, int most, boo
   assert_int_equal(report.tables, 2);
   assert_int_equal(report.rows, rows + 2); /* with those of study */
   assert_int_equal(report.whole, rows == ROWS && exact);
-  check_ok(context, bw_database_execute(context, d, "SELECT count(*) FROM light"));
+  sqlite3 *plain; /* a view is for other programs */
+  assert_int_equal(sqlite3_open(path_of("saved"), &plain), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(plain, "SELECT count(*) FROM light", NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(plain);
   char *problems = NULL;
   check_ok(context, bw_database_check(context, d, 10, &problems));
   assert_null(problems);
@@ -463,10 +466,11 @@ static void test_statements(void **state) {
   check_ok(context, add_row(context, d, 21));
   assert_int_equal(bw_database_changed(d), 1);
   bw_cancel(context);
-  check_fails(context, BW_CANCELLED, "",
-              bw_database_execute(context, d,
-                                  "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n "
-                                  "WHERE i < 1e9) SELECT max(i) FROM n"));
+  check_fails(
+      context, BW_CANCELLED, "",
+      bw_database_execute(context, d,
+                          "SELECT count(*) FROM trial a, trial b, trial c, trial d, trial e, "
+                          "trial f, trial g, trial h"));
   bw_clear_cancel(context);
   assert_int_equal(count_rows(context, d), 21);
   bw_release(d);
