@@ -368,10 +368,10 @@ static bw_status fail(bw_context *context, const char *name, int64_t byte, const
 
 static bw_status find_sections(bw_context *context, const char *name, const unsigned char *bytes,
                                size_t count, packed_section section[BWI_SECTIONS]) {
-  bwi_unpack from = {context, name, "file", bytes, bytes + count, false};
   size_t known = count < MARK_BYTES ? count : MARK_BYTES;
   if (count == 0 || memcmp(bytes, mark, known) != 0)
     return fail(context, name, 0, "this is no library file of barwright (.bwm)");
+  bwi_unpack from = {context, name, "file", bytes, bytes + count, false};
   bwi_unpack_bytes(&from, MARK_BYTES);
   uint32_t version = bwi_unpack_u32(&from), sections = bwi_unpack_u32(&from);
   if (!from.short_of && version != VERSION && version != VERSION_GROWN) {
@@ -420,7 +420,8 @@ bw_status bw_library_parse(bw_context *context, const char *name, const unsigned
   bw_status status = find_sections(context, name, bytes, count, packed);
   if (status != BW_OK)
     return status;
-  memset(section, 0, sizeof section);
+  for (int s = 0; s < BWI_SECTIONS; s++)
+    section[s] = (bwi_section){bytes, 0}; /* an older version lacks the last one */
   for (int s = 0; s < BWI_SECTIONS && packed[s].bytes; s++) {
     uLongf size = (uLongf)packed[s].raw;
     uLong used = (uLong)packed[s].packed;
