@@ -37,28 +37,47 @@ static bw_status io_failure(bw_context *context, const char *path) {
                           strerror(errno));
 }
 
-/* A file that does not exist is no failure when it is `optional`. */
-static bw_status copy_file(bw_context *context, const char *from, const char *to, bool optional) {
-  bw_status status = BW_OK;
-  unsigned char block[1 << 15];
-  int in = open(from, O_RDONLY | O_CLOEXEC), out = -1;
-  if (in < 0 && optional && errno == ENOENT)
+/* Opened without waiting for the other end of a pipe. A device or a pipe has no end. */
+static bw_status open_regular(bw_context *context, const char *path, int *file, int64_t *bytes) {
+  struct stat about;
+  *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (*file < 0 || fstat(*file, &about) != 0)
+    return io_failure(context, path);
+  *bytes = about.st_size;
+  if (S_ISREG(about.st_mode))
     return BW_OK;
-  if (in < 0)
-    return io_failure(context, from);
-  out = open(to, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (out < 0)
-    status = io_failure(context, to);
-  while (status == BW_OK) {
-    ssize_t got = read(in, block, sizeof block);
+  return bwi_database_say(context, BW_IO, NULL, path, "a file expected, this is a %s",
+                          S_ISDIR(about.st_mode) ? "folder" : "device or a pipe");
+}
+
+/* As many bytes as the file has now: it may be growing. A file that does not exist is no failure
+ * when it is `optional`. */
+static bw_status copy_file(bw_context *context, const char *from, const char *to, bool optional) {
+  unsigned char block[1 << 15];
+  int64_t rest = 0;
+  int in = -1, out = -1;
+  if (optional && access(from, F_OK) != 0 && errno == ENOENT)
+    return BW_OK;
+  bw_status status = open_regular(context, from, &in, &rest);
+  if (status == BW_OK) {
+    out = open(to, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    status = out < 0 ? io_failure(context, to) : BW_OK;
+  }
+  while (status == BW_OK && rest > 0) {
+    size_t wanted = rest < (int64_t)sizeof block ? (size_t)rest : sizeof block;
+    ssize_t got = read(in, block, wanted);
     if (got == 0)
       break;
+    rest -= got;
     if (got < 0)
       status = io_failure(context, from);
     else if (write(out, block, (size_t)got) != got)
       status = io_failure(context, to);
+    else
+      status = bw_check_cancel(context);
   }
-  close(in);
+  if (in >= 0)
+    close(in);
   if (out >= 0 && close(out) != 0 && status == BW_OK)
     status = io_failure(context, to);
   return status;

@@ -77,6 +77,41 @@ describe("a database", function()
     assert.same({}, db:rows "SELECT * FROM sqlite_master")
   end)
 
+  it("is a file whatever its name begins with", function()
+    local folder = check.folder()
+    check.write(folder .. "/s.lua", [[
+      local core = require "barwright.core"
+      for _, name in ipairs {"file:x?mode=memory", "file:y?vfs=none", ":memory:", "file:%2e%2e/z"} do
+        local db = assert(core.database(name))
+        assert(db:execute "CREATE TABLE t (a)")
+        assert(db.path == name)
+        db:close()
+        assert(#assert(core.database(name, {read_only = true})):rows "SELECT * FROM t" == 0)
+        assert(assert(core.salvage(name, name .. ".new")).whole)
+      end
+    ]])
+    assert.is_true((os.execute(("cd '%s' && mkdir 'file:%%2e%%2e' && '%s' s.lua"):format(folder, check.program))))
+    local names = {}
+    for line in io.popen(("cd '%s' && find . -type f"):format(folder)):lines() do
+      local of_sqlite = line:find "%-wal$" or line:find "%-shm$" -- a reader leaves them
+      if not of_sqlite then names[#names + 1] = line end
+    end
+    table.sort(names)
+    assert.same({"./:memory:", "./:memory:.new", "./file:%2e%2e/z", "./file:%2e%2e/z.new", "./file:x?mode=memory",
+      "./file:x?mode=memory.new", "./file:y?vfs=none", "./file:y?vfs=none.new", "./s.lua"}, names)
+  end)
+
+  it("is saved from regular files only, which end", function()
+    local folder = check.folder()
+    os.execute(("mkfifo '%s/pipe'"):format(folder))
+    for _, name in ipairs {"/dev/full", "/dev/zero", folder .. "/pipe", folder} do
+      local start = core.seconds()
+      check.fails("io", "a file expected", core.salvage(name, folder .. "/new"))
+      assert.is_nil(io.open(folder .. "/new.reading"))
+      assert.is_true(core.seconds() - start < 60)
+    end
+  end)
+
   it("is not used by a job, which may have one of its own on the same file", function()
     local path = check.folder() .. "/a.study"
     local db = filled(path, 5)
