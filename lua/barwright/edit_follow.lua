@@ -60,7 +60,7 @@ end
 local reused = setmetatable({}, {__mode = "k"})
 
 --- Of a result of an edit session: what its solve reused, and what it cost.
-core.classes.static.__properties.reused = function(static) return reused[static] end
+core.classes.static.properties.reused = function(static) return reused[static] end
 
 local methods = {
   refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_kept) end,

@@ -22,7 +22,7 @@ local shown = {
   reaction = {"reaction, N", 1},
 }
 
-local static = core.classes.static.__methods
+local static = core.classes.static.methods
 
 --- Displacement, stress and what follows from it, as .vtu (or what the ending says).
 function static:write(path, given)
@@ -69,7 +69,7 @@ function static:reaction_on(selection)
   return self.reaction:gather(selection.nodes):column_sums()
 end
 
-local modes = core.classes.modes.__methods
+local modes = core.classes.modes.methods
 
 --- The shapes as .vtu, one field for each mode.
 function modes:write(path, given)
@@ -99,7 +99,7 @@ function modes:picture(i, path, given)
   return core.picture(surface, path, wish)
 end
 
-local surface = core.classes.surface.__methods
+local surface = core.classes.surface.methods
 
 -- ---- what a check and a repair found, in words ----
 
@@ -135,7 +135,7 @@ function surface:picture(path, given)
   return core.picture(self, path, given)
 end
 
-local mesh = core.classes.mesh.__methods
+local mesh = core.classes.mesh.methods
 
 --- The same mesh with all lengths times a factor.
 function mesh:scale(factor)

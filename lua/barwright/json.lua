@@ -103,7 +103,7 @@ function write(value, out, indent, depth, seen)
       write_object(value, out, indent, depth, seen)
     end
     seen[value] = nil
-  elseif kind == "userdata" and getmetatable(value).__name == "barwright.array" then
+  elseif core.class_name(value) == "array" then
     write(value:totable(), out, indent, depth, seen)
   else
     error(("json: a value of type %s"):format(kind), 0)

@@ -11,9 +11,7 @@ local function fail(where, key, text)
 end
 
 local function kind_of(value)
-  local meta = getmetatable(value)
-  return type(value) == "userdata" and meta and meta.__name and meta.__name:match "[^.]+$"
-    or math.type(value) == "integer" and "integer" or type(value)
+  return core.class_name(value) or math.type(value) == "integer" and "integer" or type(value)
 end
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,

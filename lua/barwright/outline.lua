@@ -16,8 +16,7 @@ for name, make in pairs(shapes) do outline[name] = make end
 outline.read = core.outline.read
 
 local function kind_of(value)
-  local meta = getmetatable(value)
-  return type(value) == "userdata" and meta and tostring(meta.__name):match "[^.]+$" or type(value)
+  return core.class_name(value) or type(value)
 end
 
 local function is_pair(value)
@@ -205,7 +204,7 @@ setmetatable(outline, {__call = function(_, given) return create(given) end})
 
 -- ---- methods -------------------------------------------------------------------------------------
 
-local methods = core.classes.outline.__methods
+local methods = core.classes.outline.methods
 
 --- A loop as a list: what bw.outline takes, with name, region (none: a hole) and tags.
 function methods:loop(wanted)
@@ -377,13 +376,8 @@ end
 
 -- ---- in words ------------------------------------------------------------------------------------
 
-local meta = core.classes.outline
-local plain = meta.__tostring
-
 --- Size, area and the loops, a line each.
-function meta:__tostring()
-  local text = plain(self)
-  if text:find "closed" then return text end
+function core.classes.outline.tostring(self)
   local about, mm = self:measure(), 1e3
   local size = {about.box.high[1] - about.box.low[1], about.box.high[2] - about.box.low[2]}
   local lines = {("outline, %.4g x %.4g mm: area %.4g mm2, perimeter %.4g mm, %d edges"):format(

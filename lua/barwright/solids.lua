@@ -49,7 +49,7 @@ end
 -- ---- what acts -----------------------------------------------------------------------------------
 
 local function is_array(value)
-  return getmetatable(value) == core.classes.array
+  return core.class_name(value) == "array"
 end
 
 -- Numbers of nodes from 1 to `count`.
@@ -175,7 +175,7 @@ end
 function solid:pressure(on, given)
   check_self("pressure", self)
   check_where("pressure", on)
-  local surface = getmetatable(on) == core.classes.surface
+  local surface = core.class_name(on) == "surface"
   if surface and on.triangle_count < 1 then raise "pressure: the surface has no triangle" end
   local wish = options.read("pressure", given, {
     pressure = {type = "any", needed = true},

@@ -487,11 +487,8 @@ void lbw_add_array_operations(lua_State *L) {
                                        {"__pow", array_power},
                                        {"__unm", array_negate},
                                        {NULL, NULL}};
-  lua_rawgetp(L, LUA_REGISTRYINDEX, &lbw_array_class);
-  luaL_setfuncs(L, operators, 0);
-  lua_getfield(L, -1, "__methods");
-  luaL_setfuncs(L, methods, 0);
-  lua_pop(L, 2);
+  lbw_add_operators(L, &lbw_array_class, operators);
+  lbw_add_methods(L, &lbw_array_class, methods);
 }
 
 void lbw_add_array_functions(lua_State *L) {

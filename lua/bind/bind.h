@@ -21,8 +21,19 @@
 
 /* ---- one state per Lua state ----------------------------------------------------------------- */
 
+typedef struct lbw_class lbw_class;
+typedef struct lbw_late lbw_late;
+typedef struct lbw_guard {
+  const struct lbw_guard *outer;
+  lua_State *caller; /* the state's, from before */
+  int running;
+  bool open;
+} lbw_guard;
+
 typedef struct lbw_state {
   bw_context *context;
+  const lbw_guard *guard;         /* the innermost; NULL: no bound function runs */
+  lbw_late *late;                 /* what is released when it ends */
   lua_State *caller;              /* of the engine call that runs */
   volatile sig_atomic_t running;  /* 1 while the engine works; read by a signal handler */
   volatile sig_atomic_t stopping; /* set when an interrupt was asked for */
@@ -66,15 +77,33 @@ void lbw_field_begin(lbw_field *field, bw_context *context);
 void lbw_field_end(lbw_field *field, bw_context *context);
 double lbw_field_value(void *field, const double at[3]);
 
+/* ---- guards (guard.c) ------------------------------------------------------------------------ */
+
+/* An open guard stands around a script's function that may close what it likes. Between the two no
+ * error may be raised. */
+void lbw_guard_begin(lbw_state *state, lbw_guard *guard, bool open);
+void lbw_guard_end(lbw_state *state, const lbw_guard *guard);
+/* A bound function works on objects: nothing may be closed. */
+bool lbw_busy(const lbw_state *state);
+/* bw_release, once nothing is busy. */
+void lbw_release_unused(lbw_state *state, const void *object);
+/* Pushes the function so that it runs under a guard, and only with an open box of the class as its
+ * first argument (NULL: with anything). */
+void lbw_push_guarded(lua_State *L, lua_CFunction function, const lbw_class *class);
+/* What the pushed function is in C; upvalues: the function, the class (light userdata) or nil. */
+int lbw_guarded(lua_State *L);
+/* Guards the plain functions of C in a table, in the tables in it, and in their metatables. */
+void lbw_guard_functions(lua_State *L, int table);
+
 /* ---- classes and boxes ----------------------------------------------------------------------- */
 
-typedef struct lbw_class {
+struct lbw_class {
   const char *name;           /* "mesh": also the name of the metatable, with "barwright." */
   const luaL_Reg *methods;    /* called with the box first */
   const luaL_Reg *properties; /* getters: one value from the box */
   const luaL_Reg *meta;       /* further metamethods; NULL: none */
   size_t (*bytes)(const void *object); /* what the box accounts for; NULL: bw_bytes */
-} lbw_class;
+};
 
 typedef struct lbw_box {
   const lbw_class *class;
@@ -83,9 +112,17 @@ typedef struct lbw_box {
   size_t bytes;      /* accounted */
 } lbw_box;
 
+extern const char lbw_classes_key; /* registry: metatable -> class */
+
+/* The module is on the top of the stack. The methods, properties and metamethods are called with an
+ * open box of the class as their first argument, and under a guard. */
 void lbw_class_register(lua_State *L, const lbw_class *class);
-/* Further methods of a registered class, from another file. */
+/* Further methods of a registered class, from another file; likewise. */
 void lbw_add_methods(lua_State *L, const lbw_class *class, const luaL_Reg *methods);
+/* Metamethods whose second argument may be the box. */
+void lbw_add_operators(lua_State *L, const lbw_class *class, const luaL_Reg *operators);
+/* The box at `index`, of whatever class, open or closed; NULL: there is none. */
+lbw_box *lbw_any_box(lua_State *L, int index);
 /* Pushes an empty box. */
 lbw_box *lbw_box_new(lua_State *L, const lbw_class *class);
 /* Takes over one reference and tells the collector the size. */
@@ -241,6 +278,7 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
 /* ---- the parts ------------------------------------------------------------------------------- */
 
 /* Each adds its functions to the table on the top of the stack. */
+void lbw_open_classes(lua_State *L);
 void lbw_open_raise(lua_State *L);
 void lbw_open_suggestions(lua_State *L);
 void lbw_open_array(lua_State *L);

@@ -175,11 +175,8 @@ static int run(lua_State *L, lua_CFunction body) {
   lua_insert(L, 1);
   lua_pushlightuserdata(L, &c);
   lua_insert(L, 2);
-  /* A finaliser that runs meanwhile may close the box. */
-  bw_retain(c.database);
   int failure = lua_pcall(L, lua_gettop(L) - 1, LUA_MULTRET, 0);
   bw_statement_put_back(c.statement);
-  bw_release(c.database);
   return failure == LUA_OK ? lua_gettop(L) : lua_error(L);
 }
 

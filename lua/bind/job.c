@@ -103,8 +103,12 @@ static bw_status child_work(bw_context *context, void *data, bw_job_stream *out)
   lua_pushcfunction(L, run);
   lua_pushvalue(L, c->work);
   lua_pushlightuserdata(L, out);
+  lbw_state *state = lbw_state_of(L);
+  lbw_guard guard;
+  lbw_guard_begin(state, &guard, true);
   int failure = lua_pcall(L, 2, 1, handler);
-  lbw_state_of(L)->running = 0;
+  lbw_guard_end(state, &guard);
+  state->running = 0;
   if (failure == LUA_OK)
     return (bw_status)lua_tointeger(L, -1);
   if (failure == LUA_ERRMEM)

@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* core.minimise: NLopt's minimisers of Lua functions.
  *
- * The functions may call the engine: between two of NLopt's steps nothing of it is at work, so the
- * state is marked as idle while they run. They run protected; an error is kept on the stack, the
+ * The functions may call the engine: between two of NLopt's steps nothing of it is at work, so they
+ * run under an open guard. They run protected; an error is kept on the stack, the
  * minimiser told to stop, and the error raised when it has. */
 #include <math.h>
 #include <string.h>
@@ -69,10 +69,10 @@ static bw_status ask(bw_context *context, void *data, int which, const double *x
   lua_pushcfunction(L, call);
   lua_pushlightuserdata(L, &a);
   lua_pushvalue(L, r->functions + which);
-  state->running = 0;
+  lbw_guard guard;
+  lbw_guard_begin(state, &guard, true);
   int failure = lua_pcall(L, 2, 0, 0);
-  state->running = 1;
-  state->caller = L;
+  lbw_guard_end(state, &guard);
   if (failure == LUA_OK)
     return BW_OK;
   lua_replace(L, r->error);

@@ -40,13 +40,22 @@ int lbw_error(lua_State *L, const char *format, ...) {
   return lua_error(L);
 }
 
+/* A bound function is called by its guard, which is what the script calls. */
+static bool called_by_guard(lua_State *L, lua_Debug *caller) {
+  if (!lua_getstack(L, 1, caller))
+    return false;
+  lua_getinfo(L, "nf", caller);
+  bool guard = lua_tocfunction(L, -1) == lbw_guarded;
+  lua_pop(L, 1);
+  return guard;
+}
+
 int lbw_argument_error(lua_State *L, int argument, const char *text) {
-  lua_Debug called;
-  if (!lua_getstack(L, 0, &called))
-    return lbw_error(L, "bad argument #%d (%s)", argument, text);
-  lua_getinfo(L, "n", &called);
+  lua_Debug called = {0};
+  if (!called_by_guard(L, &called) && lua_getstack(L, 0, &called))
+    lua_getinfo(L, "n", &called);
   const char *name = called.name ? called.name : "?";
-  if (strcmp(called.namewhat, "method") == 0 && --argument == 0)
+  if (called.name && strcmp(called.namewhat, "method") == 0 && --argument == 0)
     return lbw_error(L, "calling '%s' on bad self (%s)", name, text);
   return lbw_error(L, "bad argument #%d to '%s' (%s)", argument, name, text);
 }
@@ -120,9 +129,12 @@ static int core_raise(lua_State *L) {
 /* library(): the folder of the file that calls holds the library */
 static int core_library(lua_State *L) {
   lua_Debug at;
-  if (!lua_getstack(L, 1, &at))
-    return 0;
-  lua_getinfo(L, "S", &at);
+  int level = 1;
+  do { /* past the guard */
+    if (!lua_getstack(L, level++, &at))
+      return 0;
+    lua_getinfo(L, "S", &at);
+  } while (at.what[0] == 'C');
   const char *end = at.source[0] == '@' ? strrchr(at.source, '/') : NULL;
   if (end) {
     lua_pushlstring(L, at.source, (size_t)(end - at.source) + 1);

@@ -34,6 +34,8 @@ lbw_state *lbw_state_of(lua_State *L) {
   state->context = bw_context_create();
   if (!state->context)
     lbw_error(L, "not enough memory for a context");
+  lua_pushboolean(L, false);
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &error_key);
   lua_rawsetp(L, LUA_REGISTRYINDEX, &state_key);
   return state;
 }
@@ -68,7 +70,7 @@ static void finish(lua_State *L, lbw_state *state) {
     state->callback_failed = false;
     bw_clear_cancel(state->context);
     lua_rawgetp(L, LUA_REGISTRYINDEX, &error_key);
-    lua_pushnil(L);
+    lua_pushboolean(L, false); /* not nil: to keep an error must not need memory */
     lua_rawsetp(L, LUA_REGISTRYINDEX, &error_key);
     lua_error(L);
   }
@@ -131,28 +133,40 @@ void lbw_keep_error(lbw_state *state) {
   bw_cancel(state->context);
 }
 
+/* (function, x, y, z), protected: the number that it returns */
+static int call_field(lua_State *L) {
+  lua_call(L, 3, 1);
+  if (lua_isboolean(L, -1)) /* as in formulas */
+    lua_pushnumber(L, lua_toboolean(L, -1));
+  else if (!lua_isnumber(L, -1))
+    return lbw_error(L, "a function of x, y, z must return a number, not %s", lbw_type_name(L, -1));
+  return 1;
+}
+
 double lbw_call_field(lbw_state *state, int function, const double at[3], double otherwise) {
   lua_State *L = state->caller;
   if (state->callback_failed)
     return otherwise;
+  lua_pushcfunction(L, call_field);
   lua_pushvalue(L, function);
   for (int i = 0; i < 3; i++)
     lua_pushnumber(L, at[i]);
-  if (lua_pcall(L, 3, 1, 0) != LUA_OK) {
+  if (lua_pcall(L, 4, 1, 0) != LUA_OK) {
     lbw_keep_error(state);
     return otherwise;
   }
-  int is_number;
-  double value = lua_tonumberx(L, -1, &is_number);
-  if (lua_isboolean(L, -1)) { /* as in formulas */
-    value = lua_toboolean(L, -1);
-  } else if (!is_number) {
-    lua_pushfstring(L, "a function of x, y, z must return a number, not %s", lbw_type_name(L, -1));
-    lbw_keep_error(state);
-    value = otherwise;
-  }
+  double value = lua_tonumber(L, -1);
   lua_pop(L, 1);
   return value;
+}
+
+/* (function, stage as light userdata, fraction): protected, because the copy of the text may find
+ * no memory. */
+static int call_progress(lua_State *L) {
+  lua_pushstring(L, (const char *)lua_touserdata(L, 2));
+  lua_replace(L, 2);
+  lua_call(L, 2, 1);
+  return 1;
 }
 
 /* The engine's progress: to the script's function, else to the program's line. */
@@ -167,10 +181,12 @@ static void on_progress(void *data, const char *stage, double fraction) {
       state->progress(state->progress_data, stage, fraction);
     return;
   }
-  lua_pushstring(L, stage);
+  lua_pushcfunction(L, call_progress);
+  lua_insert(L, -2);
+  lua_pushlightuserdata(L, (void *)stage);
   lua_pushnumber(L, fraction);
   state->reporting = true;
-  int failure = lua_pcall(L, 2, 1, 0);
+  int failure = lua_pcall(L, 3, 1, 0);
   state->reporting = false;
   if (failure != LUA_OK) {
     lbw_keep_error(state);
@@ -335,14 +351,13 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lua_setfield(L, -2, "version");
   lua_pushstring(L, BARWRIGHT_COMMIT);
   lua_setfield(L, -2, "commit");
-  lua_newtable(L); /* class name -> metatable, filled by lbw_class_register */
-  lua_setfield(L, -2, "classes");
   lua_newtable(L); /* metatables of tables that the engine's answers come in */
   luaL_newmetatable(L, "barwright.shape_log");
   lua_setfield(L, -2, "shape_log");
   luaL_newmetatable(L, "barwright.surface_report");
   lua_setfield(L, -2, "surface_report");
   lua_setfield(L, -2, "tables");
+  lbw_open_classes(L);
   lbw_open_raise(L);
   lbw_open_suggestions(L);
   lbw_open_array(L);
@@ -380,5 +395,11 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_motion(L);
   lbw_open_library(L);
   lbw_open_files(L);
+  /* The functions of classes are guarded already, but for close. */
+  lua_getfield(L, -1, "classes");
+  lua_pushnil(L);
+  lua_setfield(L, -3, "classes");
+  lbw_guard_functions(L, -2);
+  lua_setfield(L, -2, "classes");
   return 1;
 }

@@ -77,9 +77,9 @@ describe("the stubs", function()
   end)
 
   it("hold every class of the C module", function()
-    for name, meta in pairs(core.classes) do
+    for name, class in pairs(core.classes) do
       if not inner_class[name] then
-        same(keys(meta.__methods, meta.__properties), assert(class_of[name], name))
+        same(keys(class.methods, class.properties), assert(class_of[name], name))
       end
     end
   end)

@@ -85,7 +85,7 @@ local function open_script(wish)
   local session = made
   about = type(about) == "table" and about or {}
   if kinds.of(made) then return open_outline(wish, made, about, save) end
-  if core.classes.model and getmetatable(made) == core.classes.model then
+  if core.class_name(made) == "model" then
     session, about = checked(wish.file, edit(made, about)), {}
   elseif getmetatable(made) ~= edit.class then
     fail(wish.file .. ": the file must return a session (bw.edit), a part and options of bw.edit, or an "

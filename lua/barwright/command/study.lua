@@ -86,9 +86,9 @@ local function plain_summary(value, depth)
   if kind == "string" or kind == "number" or kind == "boolean" then return value end
   if kind ~= "table" or depth > 6 then return nil end
   local meta = getmetatable(value)
-  if meta and meta.__name == "trial" then return plain(value) end
+  if type(meta) == "table" and meta.__name == "trial" then return plain(value) end
   local copy = {}
-  if meta and meta.__name == "trials" then
+  if type(meta) == "table" and meta.__name == "trials" then
     for i, trial in ipairs(value) do copy[i] = plain(trial) end
     return json.list(copy)
   end

@@ -15,8 +15,7 @@ function data.finite(value)
 end
 
 local function is_array(value)
-  local meta = getmetatable(value)
-  return type(value) == "userdata" and type(meta) == "table" and meta.__name == "barwright.array"
+  return core.class_name(value) == "array"
 end
 
 --- A list of numbers from a list or an array of one column. nil, nan and infinite ones become nan;

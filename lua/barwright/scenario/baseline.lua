@@ -59,12 +59,13 @@ function baseline.snapshot(value, where)
   local kind = type(value)
   if kind == "number" then return numbers.plain(value) end
   if kind == "string" or kind == "boolean" then return value end
-  local class = getmetatable(value)
-  if class == core.classes.array then return of_array(value) end
-  if class == core.classes.modes then return of_modes(value) end
-  if class == core.classes.static then return of_static(value) end
-  if kind ~= "table" or class then
-    local name = type(class) == "table" and class.__name and class.__name:match "[^.]+$" or kind
+  local class = core.class_name(value)
+  if class == "array" then return of_array(value) end
+  if class == "modes" then return of_modes(value) end
+  if class == "static" then return of_static(value) end
+  local meta = getmetatable(value)
+  if kind ~= "table" or meta then
+    local name = class or type(meta) == "table" and meta.__name and meta.__name:match "[^.]+$" or kind
     core.raise(("matches_baseline: %sa %s cannot be kept: give the numbers of it that matter, "
       .. "{mass = ..., stress = ...}"):format(where and where .. ": " or "", name))
   end

@@ -70,7 +70,7 @@ end
 
 local function number_of(self, form)
   if type(self.value) == "number" then return self.value end
-  local kind = type(self.value)
+  local kind = core.class_name(self.value) or type(self.value)
   local meta = getmetatable(self.value)
   if type(meta) == "table" and meta.__name then kind = meta.__name:match "[^.]+$" end
   raise(("%s: a number expected, got %s%s"):format(form, kind, kind == "array"
@@ -310,9 +310,8 @@ function methods:same_modes(other, given)
     raise "same_modes: option 'shapes': a number or false expected"
   end
   if self.value == nil then return missing(self, "same_modes", wish) end
-  local class = core.classes.modes
   for _, object in ipairs {self.value, other} do
-    if getmetatable(object) ~= class then raise "same_modes: modes expected (part:modes)" end
+    if core.class_name(object) ~= "modes" then raise "same_modes: modes expected (part:modes)" end
   end
   if other == nil then raise "same_modes: the modes to compare with are missing" end
   local found = modes.compare(self.value, other, wish)

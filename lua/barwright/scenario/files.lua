@@ -100,7 +100,8 @@ local function load(path, collection)
   local function located(message)
     if type(message) == "string" then return message end
     local meta = getmetatable(message)
-    return meta and meta.__tostring and tostring(message) or ("%s: raised a %s"):format(path, type(message))
+    return type(meta) == "table" and meta.__tostring and tostring(message)
+      or ("%s: raised a %s"):format(path, type(message))
   end
   local fine, message = xpcall(chunk, located)
   if not fine then

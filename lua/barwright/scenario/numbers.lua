@@ -43,7 +43,7 @@ end
 --- they are shaped; nil for anything else.
 function numbers.flat(value)
   if type(value) == "number" then return {value}, "a number" end
-  if core.classes.array and getmetatable(value) == core.classes.array then
+  if core.class_name(value) == "array" then
     local rows, columns = value.row_count, value.column_count
     local out = {}
     for _, row in ipairs(value:totable()) do

@@ -174,8 +174,8 @@ end
 local function on_error(message)
   if getmetatable(message) == Stop then return message end
   local meta = getmetatable(message)
-  local text = type(message) == "string" and message or meta and meta.__tostring and tostring(message)
-    or ("raised a %s"):format(type(message))
+  local text = type(message) == "string" and message
+    or type(meta) == "table" and meta.__tostring and tostring(message) or ("raised a %s"):format(type(message))
   return {text = text, trace = trace(), line = line_of()}
 end
 

@@ -9,8 +9,7 @@ local pack = {}
 local write, read
 
 local function class_of(value)
-  local meta = getmetatable(value)
-  return type(value) == "userdata" and meta and meta.__name and meta.__name:match "[^.]+$" or type(value)
+  return core.class_name(value) or type(value)
 end
 
 local objects = {
