@@ -4,16 +4,19 @@
  *
  * Invariants: the roots are written before confined is set, and never after that; what is allowed
  * can only become less. A path is judged by where it leads with every link followed, and what does
- * not exist yet by its folder. Whoever opens a file in the engine asks bw_may_use first. Nothing a
- * confined script can do makes a link, so that what was judged is what is opened. */
+ * not exist yet by its folder. bw_open and its relatives judge by themselves, and then go down to
+ * that place folder by folder without following any link. So what is judged is what is opened, also
+ * where another process moves links about in the meantime. */
 #include "barwright/confine.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { ROOTS = 12 };
 
@@ -100,18 +103,21 @@ static bool resolve(const char *path, bool follow, char real[PATH_MAX]) {
   return true;
 }
 
+/* Whether a path may be used, and where it leads. */
+static bool allowed(const char *path, bw_use use, char real[PATH_MAX]) {
+  if (!resolve(path, use != BW_TO_REPLACE, real))
+    return false;
+  bool inside = lies_in(real, gate.folder);
+  for (int i = 0; i < gate.roots && !inside && use == BW_TO_READ; i++)
+    inside = lies_in(real, gate.root[i]);
+  /* The folder itself can be looked at, not taken away. */
+  return inside && !(use == BW_TO_REPLACE && strcmp(real, gate.folder) == 0);
+}
+
 bw_status bw_may_use(bw_context *context, const char *path, bw_use use) {
   char real[PATH_MAX];
-  if (!bw_confined())
+  if (!bw_confined() || allowed(path, use, real))
     return BW_OK;
-  if (resolve(path, use != BW_TO_REPLACE, real)) {
-    bool inside = lies_in(real, gate.folder);
-    for (int i = 0; i < gate.roots && !inside && use == BW_TO_READ; i++)
-      inside = lies_in(real, gate.root[i]);
-    /* The folder itself can be looked at, not taken away. */
-    if (inside && !(use == BW_TO_REPLACE && strcmp(real, gate.folder) == 0))
-      return BW_OK;
-  }
   bw_status status =
       bw_fail(context, BW_IO, "%s: refused in the sandbox, which %s only what lies in %s",
               path[0] ? path : "(empty name)", use == BW_TO_READ ? "reads" : "writes", gate.folder);
@@ -126,4 +132,76 @@ bw_status bw_may_start(bw_context *context, const char *what) {
   bw_status status = bw_fail(context, BW_UNSUPPORTED, "%s: refused in the sandbox", what);
   bw_detail_text(context, "sandbox", gate.folder);
   return status;
+}
+
+/* ---- opening, making, removing --------------------------------------------------------------- */
+
+/* Opens the folder in which a real path lies, without following a link; *name is what follows it
+ * there. -1 and errno where that is not possible. */
+static int open_parent(const char *path, bw_use use, char real[PATH_MAX], const char **name) {
+  if (!allowed(path, use, real)) {
+    errno = EACCES;
+    return -1;
+  }
+  int at = open("/", O_PATH | O_DIRECTORY | O_CLOEXEC);
+  char *part = real + 1, *slash;
+  for (; at >= 0 && (slash = strchr(part, '/')); part = slash + 1) {
+    *slash = 0;
+    int next = openat(at, part, O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC), why = errno;
+    close(at);
+    at = next;
+    errno = why;
+  }
+  *name = *part ? part : ".";
+  return at;
+}
+
+static int close_after(int folder, int result) {
+  int why = errno;
+  if (folder >= 0)
+    close(folder);
+  errno = why;
+  return folder < 0 ? -1 : result;
+}
+
+int bw_open(const char *path, int flags, unsigned mode) {
+  if (!bw_confined())
+    return open(path, flags | O_CLOEXEC, (mode_t)mode);
+  char real[PATH_MAX];
+  const char *name;
+  bool reads = (flags & O_ACCMODE) == O_RDONLY && !(flags & (O_CREAT | O_TRUNC));
+  int folder = open_parent(path, reads ? BW_TO_READ : BW_TO_WRITE, real, &name);
+  return close_after(
+      folder, folder < 0 ? -1 : openat(folder, name, flags | O_CLOEXEC | O_NOFOLLOW, (mode_t)mode));
+}
+
+int bw_make_folder(const char *path) {
+  if (!bw_confined())
+    return mkdir(path, 0777);
+  char real[PATH_MAX];
+  const char *name;
+  int folder = open_parent(path, BW_TO_WRITE, real, &name);
+  return close_after(folder, folder < 0 ? -1 : mkdirat(folder, name, 0777));
+}
+
+int bw_remove(const char *path) {
+  if (!bw_confined())
+    return remove(path);
+  char real[PATH_MAX];
+  const char *name;
+  int folder = open_parent(path, BW_TO_REPLACE, real, &name);
+  int result = folder < 0 ? -1 : unlinkat(folder, name, 0);
+  if (result != 0 && folder >= 0 && errno == EISDIR)
+    result = unlinkat(folder, name, AT_REMOVEDIR);
+  return close_after(folder, result);
+}
+
+int bw_rename(const char *from, const char *to) {
+  if (!bw_confined())
+    return rename(from, to);
+  char real[2][PATH_MAX];
+  const char *name[2];
+  int old = open_parent(from, BW_TO_REPLACE, real[0], &name[0]);
+  int new = old < 0 ? -1 : open_parent(to, BW_TO_REPLACE, real[1], &name[1]);
+  return close_after(old, close_after(new, new < 0 ? -1 : renameat(old, name[0], new, name[1])));
 }

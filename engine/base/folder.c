@@ -16,31 +16,31 @@ static bw_status refuse(bw_context *context, const char *path, const char *what,
 }
 
 bw_status bw_folder_make(bw_context *context, const char *path) {
-  bw_status status = BW_OK;
+  int why = 0;
   size_t length = strlen(path);
   char *part = BW_NEW(context, char, length + 1);
   if (!part)
     return BW_MEMORY;
   memcpy(part, path, length + 1);
   struct stat about;
-  for (size_t i = 1; i <= length && status == BW_OK; i++) {
+  for (size_t i = 1; i <= length && !why; i++) {
     if (path[i] != '/' && path[i])
       continue;
     part[i] = 0;
     /* Asked first: making may be refused in a folder that is there (a file system that is only
-     * read). */
-    if (stat(part, &about) == 0)
-      ;
-    else if ((status = bw_may_use(context, part, BW_TO_WRITE)) == BW_OK && mkdir(part, 0777) != 0 &&
-             errno != EEXIST)
-      status = refuse(context, path, "cannot be made as a folder", errno);
+     * read). What a confined process may not use is not looked for. */
+    if (bw_may_use(NULL, part, BW_TO_READ) == BW_OK && stat(part, &about) != 0 &&
+        bw_make_folder(part) != 0 && errno != EEXIST)
+      why = errno;
     part[i] = path[i];
   }
-  if (status == BW_OK)
-    status = bw_may_use(context, path, BW_TO_READ);
-  if (status == BW_OK && (stat(path, &about) != 0 || !S_ISDIR(about.st_mode)))
-    status = refuse(context, path, "cannot be made as a folder", length ? ENOTDIR : ENOENT);
   bw_free(part);
+  bw_status status = bw_may_use(context, path, BW_TO_READ);
+  if (status == BW_OK && (stat(path, &about) != 0 || !S_ISDIR(about.st_mode)))
+    status = refuse(context, path, "cannot be made as a folder",
+                    why      ? why
+                    : length ? ENOTDIR
+                             : ENOENT);
   return status;
 }
 
@@ -49,9 +49,14 @@ bw_status bw_folder_visit(bw_context *context, const char *path, bw_folder_entry
   bw_status status = bw_may_use(context, path, BW_TO_READ);
   if (status != BW_OK)
     return status;
-  DIR *folder = opendir(path);
-  if (!folder)
-    return refuse(context, path, "cannot be read as a folder", errno);
+  int file = bw_open(path, O_RDONLY | O_DIRECTORY, 0);
+  DIR *folder = file >= 0 ? fdopendir(file) : NULL;
+  if (!folder) {
+    int why = errno;
+    if (file >= 0)
+      close(file);
+    return refuse(context, path, "cannot be read as a folder", why);
+  }
   for (const struct dirent *at; status == BW_OK && (at = readdir(folder));) {
     struct stat about;
     if (strcmp(at->d_name, ".") == 0 || strcmp(at->d_name, "..") == 0 ||
@@ -68,7 +73,10 @@ bw_status bw_file_touch(bw_context *context, const char *path) {
   bw_status status = bw_may_use(context, path, BW_TO_WRITE);
   if (status != BW_OK)
     return status;
-  if (utimensat(AT_FDCWD, path, NULL, 0) != 0)
-    return refuse(context, path, "its time cannot be set", errno);
-  return BW_OK;
+  int file = bw_open(path, O_RDONLY | O_NONBLOCK, 0);
+  bool set = file >= 0 && futimens(file, NULL) == 0;
+  int why = errno;
+  if (file >= 0)
+    close(file);
+  return set ? BW_OK : refuse(context, path, "its time cannot be set", why);
 }

@@ -41,7 +41,7 @@ static void unlock(void *object) {
       break;
     }
   if (lock->owner == getpid()) {
-    unlink(lock->path);
+    bw_remove(lock->path);
     close(lock->file);
   }
   pthread_mutex_unlock(&guard);
@@ -76,7 +76,7 @@ static int try_once(bw_lock *lock, char holder[128]) {
     snprintf(holder, 128, "this process (%ld)", (long)getpid());
     return 0;
   }
-  int file = open(lock->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+  int file = bw_open(lock->path, O_RDWR | O_CREAT | O_NOFOLLOW, 0666);
   if (file < 0)
     return -1;
   struct flock whole;

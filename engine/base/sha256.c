@@ -95,7 +95,7 @@ bw_status bw_sha256_file(bw_context *context, const char *path, char digest[65])
   if (status != BW_OK)
     return status;
   /* Without waiting: opening a pipe to which nobody writes would never return. */
-  int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  int descriptor = bw_open(path, O_RDONLY | O_NONBLOCK, 0);
   struct stat about;
   if (descriptor < 0 || fstat(descriptor, &about) != 0)
     return refuse(context, path, descriptor, strerror(errno));

@@ -75,7 +75,7 @@ bw_status bw_read_file(bw_context *context, const char *path, unsigned char **by
   if (status != BW_OK)
     return status;
   /* O_NONBLOCK: opening a pipe that nobody writes to must not wait. */
-  int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  int file = bw_open(path, O_RDONLY | O_NONBLOCK, 0);
   if (file < 0)
     return fail_errno(context, path);
   status = read_open_file(context, path, file, bytes, count);

@@ -96,7 +96,7 @@ static bw_status open_beside(bw_writer *writer, const struct stat *old) {
       snprintf(writer->partial, bytes, "%s.partial-%ld", writer->path, (long)getpid());
     else
       snprintf(writer->partial, bytes, "%s.partial-%ld-%d", writer->path, (long)getpid(), i);
-    writer->file = open(writer->partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    writer->file = bw_open(writer->partial, O_WRONLY | O_CREAT | O_EXCL, 0666);
     if (writer->file < 0 && errno != EEXIST)
       break;
   }
@@ -133,7 +133,7 @@ bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writ
   if (exists && access(made->path, W_OK) != 0)
     BW_TRY(fail_system(context, path, "cannot write"));
   if (exists && !S_ISREG(old.st_mode)) {
-    made->file = open(made->path, O_WRONLY | O_CLOEXEC);
+    made->file = bw_open(made->path, O_WRONLY, 0);
     if (made->file < 0)
       BW_TRY(fail_system(context, path, "cannot write"));
   } else {
@@ -255,7 +255,7 @@ bw_status bw_writer_commit(bw_writer *writer) {
   if (writer->status == BW_OK && closed != 0)
     writer->status = fail_system(writer->context, writer->path, "cannot write");
   if (writer->status == BW_OK && writer->partial) {
-    if (rename(writer->partial, writer->path) != 0) {
+    if (bw_rename(writer->partial, writer->path) != 0) {
       writer->status = fail_system(writer->context, writer->path, "cannot put it in place");
     } else {
       sync_directory(writer->path);
@@ -273,10 +273,10 @@ void bw_writer_discard(bw_writer *writer) {
     return;
   if (writer->file >= 0) {
     if (writer->partial)
-      unlink(writer->partial);
+      bw_remove(writer->partial);
     close(writer->file);
   } else if (writer->partial && writer->slot >= 0) {
-    unlink(writer->partial); /* closed by a commit that failed */
+    bw_remove(writer->partial); /* closed by a commit that failed */
   }
   writer_free(writer);
 }

@@ -195,7 +195,7 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path, const bw_pa
   }
   strcpy(it->path, path);
   BW_TRY(bw_may_use(context, path, BW_TO_WRITE));
-  it->file = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  it->file = bw_open(path, O_RDWR | O_CREAT | O_APPEND, 0666);
   if (it->file < 0)
     BW_TRY(fail_system(context, path, "cannot open the checkpoint"));
   if (flock(it->file, LOCK_EX | LOCK_NB) != 0) {

@@ -145,7 +145,10 @@ static void name_of(const char *path, bool immutable, char name[NAME]) {
 
 int bwi_connect(const char *path, int flags, sqlite3 **connection) {
   char name[NAME];
+  const char *vfs = bwi_gate();
+  if (!vfs)
+    return SQLITE_ERROR;
   name_of(path, (flags & BWI_IMMUTABLE) != 0, name);
-  int code = sqlite3_open_v2(name, connection, flags | SQLITE_OPEN_EXRESCODE, NULL);
+  int code = sqlite3_open_v2(name, connection, flags | SQLITE_OPEN_EXRESCODE, vfs);
   return code == SQLITE_OK ? restrict_to_studies(*connection) : code;
 }

@@ -149,7 +149,7 @@ static bw_status judge_file(bw_context *context, const char *path, bool read_onl
     return BW_OK;
   if (about.st_size == 0)
     return bwi_database_say(context, BW_FORMAT, "foreign", path, "the file is empty");
-  int file = open(path, O_RDONLY | O_CLOEXEC);
+  int file = bw_open(path, O_RDONLY, 0);
   ssize_t got = file >= 0 ? read(file, head, sizeof head) : -1;
   int error = errno;
   if (file >= 0)

@@ -36,6 +36,9 @@ struct bw_database {
 enum { BWI_IMMUTABLE = SQLITE_OPEN_URI }; /* a flag: nobody writes the file meanwhile */
 int bwi_connect(const char *path, int flags, sqlite3 **connection);
 
+/* The name of the VFS that asks bw_may_use; NULL where SQLite has none to stand on. */
+const char *bwi_gate(void);
+
 /* Every use of a database begins with it: refused in another process than the opener's. */
 bw_status bwi_database_enter(bw_context *context, bw_database *database);
 /* A statement has ended well: notes how many rows it changed. */

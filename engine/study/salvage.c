@@ -40,7 +40,10 @@ static bw_status io_failure(bw_context *context, const char *path) {
 /* Opened without waiting for the other end of a pipe. A device or a pipe has no end. */
 static bw_status open_regular(bw_context *context, const char *path, int *file, int64_t *bytes) {
   struct stat about;
-  *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  bw_status status = bw_may_use(context, path, BW_TO_READ);
+  if (status != BW_OK)
+    return status;
+  *file = bw_open(path, O_RDONLY | O_NONBLOCK, 0);
   if (*file < 0 || fstat(*file, &about) != 0)
     return io_failure(context, path);
   *bytes = about.st_size;
@@ -51,16 +54,17 @@ static bw_status open_regular(bw_context *context, const char *path, int *file, 
 }
 
 /* As many bytes as the file has now: it may be growing. A file that does not exist is no failure
- * when it is `optional`. */
+ * when it is `optional`. The new one is made: what stands under its name may be a link. */
 static bw_status copy_file(bw_context *context, const char *from, const char *to, bool optional) {
   unsigned char block[1 << 15];
+  struct stat about;
   int64_t rest = 0;
   int in = -1, out = -1;
-  if (optional && access(from, F_OK) != 0 && errno == ENOENT)
+  if (optional && lstat(from, &about) != 0 && errno == ENOENT)
     return BW_OK;
   bw_status status = open_regular(context, from, &in, &rest);
   if (status == BW_OK) {
-    out = open(to, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    out = bw_open(to, O_WRONLY | O_CREAT | O_EXCL, 0666);
     status = out < 0 ? io_failure(context, to) : BW_OK;
   }
   while (status == BW_OK && rest > 0) {
@@ -113,7 +117,7 @@ static bw_status mend_head(salvage *s) {
   unsigned char head[BWI_HEADER];
   struct stat about;
   bw_status status = BW_OK;
-  int file = open(s->copy, O_RDWR | O_CLOEXEC);
+  int file = bw_open(s->copy, O_RDWR, 0);
   if (file < 0 || fstat(file, &about) != 0 || pread(file, head, sizeof head, 0) < 0)
     status = io_failure(s->context, s->copy);
   else if (about.st_size < 512)
@@ -152,7 +156,7 @@ static void remove_files(const char *path) {
   char name[SIDE];
   for (int i = 0; i < 4; i++) {
     side_name(path, ending[i], name);
-    unlink(name);
+    bw_remove(name);
   }
 }
 
@@ -453,6 +457,7 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   salvage s = {.context = context, .damaged = damaged, .report = {.whole = true}};
   bw_status status;
   snprintf(s.copy, sizeof s.copy, "%s.reading", to);
+  remove_files(s.copy); /* of a run that was killed */
   BW_TRY(make_copy(&s));
   BW_TRY(open_with_tables(&s, schema));
   BW_TRY(bw_database_open(context, to, NULL, &s.to));

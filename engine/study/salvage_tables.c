@@ -12,6 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "barwright/confine.h"
 #include "study/internal.h"
 #include "study/salvage.h"
 
@@ -82,7 +83,7 @@ static int judge(sqlite3 *from, sqlite3 *empty, bool *damaged) {
 static bw_status take_first_page(bw_context *context, const char *from, const char *to) {
   unsigned char head[BWI_HEADER];
   unsigned char *page = BW_NEW(context, unsigned char, LARGEST_PAGE);
-  int in = open(from, O_RDONLY | O_CLOEXEC), out = open(to, O_WRONLY | O_CLOEXEC);
+  int in = bw_open(from, O_RDONLY, 0), out = bw_open(to, O_WRONLY, 0);
   const char *failed = in < 0 ? from : out < 0 ? to : NULL;
   bw_status status = page ? BW_OK : BW_MEMORY;
   if (page && !failed) {

@@ -1,15 +1,16 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The sandbox's first wall: what Lua itself could open, start or reach.
  *
- * The tables io, os, package and debug stay, with functions of these names that ask bw_may_use
- * before the original is called, or refuse. The originals are left in upvalues of C functions,
- * which nothing that a script has can read: debug keeps traceback and what getinfo tells of places.
- * Chunks are loaded as text alone, since bytecode can do anything to the process that runs it. A
- * refusal is nil and a message, as of a file that cannot be opened, or an error where Lua's own
- * function raises. The engine asks bw_may_use by itself. */
+ * The tables io, os, package and debug stay, with functions of these names that use the engine's
+ * bw_open and its relatives, or refuse. Where an original is still called, it is left in the
+ * upvalue of a C function, which nothing that a script has can read: debug keeps traceback and what
+ * getinfo tells of places. Chunks are loaded as text alone, since bytecode can do anything to the
+ * process that runs it. A refusal is nil and a message, as of a file that cannot be opened, or an
+ * error where Lua's own function raises. The engine judges paths by itself. */
 #include "program.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <lualib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,40 +53,112 @@ static int pass(lua_State *L) {
 
 /* ---- io and os ------------------------------------------------------------------------------- */
 
+static int close_stream(lua_State *L) {
+  luaL_Stream *stream = (luaL_Stream *)luaL_checkudata(L, 1, LUA_FILEHANDLE);
+  return luaL_fileresult(L, fclose(stream->f) == 0, NULL);
+}
+
+/* The flags of open for a mode as Lua knows them: [rwa]%+?b*. -1: it is none. */
+static int flags_of(const char *mode) {
+  static const struct {
+    char letter;
+    int flags;
+  } known[] = {{'r', 0}, {'w', O_CREAT | O_TRUNC}, {'a', O_CREAT | O_APPEND}};
+  bool both = mode[0] && mode[1] == '+';
+  const char *rest = mode + (mode[0] != 0) + both;
+  for (int i = 0; i < 3; i++)
+    if (mode[0] == known[i].letter && strspn(rest, "b") == strlen(rest))
+      return known[i].flags | (both ? O_RDWR : mode[0] == 'r' ? O_RDONLY : O_WRONLY);
+  return -1;
+}
+
+/* Pushes the file under the name that is the argument; else nil, a message and a number. */
+static int open_stream(lua_State *L, int argument, const char *mode) {
+  int flags = flags_of(mode);
+  bool reads = (flags & O_ACCMODE) == O_RDONLY;
+  const char *message = judge(L, argument, reads ? BW_TO_READ : BW_TO_WRITE);
+  if (message)
+    return refuse(L, message);
+  const char *path = lua_tostring(L, argument);
+  luaL_Stream *stream = (luaL_Stream *)lua_newuserdatauv(L, sizeof *stream, 0);
+  stream->closef = NULL; /* until there is one, it counts as closed */
+  luaL_setmetatable(L, LUA_FILEHANDLE);
+  int file = bw_open(path, flags, 0666);
+  if (file < 0)
+    return luaL_fileresult(L, 0, path);
+  stream->f = fdopen(file, mode);
+  if (!stream->f) {
+    int failed = luaL_fileresult(L, 0, path);
+    close(file);
+    return failed;
+  }
+  stream->closef = close_stream;
+  return 1;
+}
+
+/* The same, raising what is wrong. */
+static void open_or_raise(lua_State *L, int argument, const char *mode) {
+  if (open_stream(L, argument, mode) != 1)
+    luaL_error(L, "%s", lua_tostring(L, -2));
+}
+
 static int io_open(lua_State *L) {
   const char *mode = luaL_optstring(L, 2, "r");
-  const char *message =
-      judge(L, 1, mode[0] == 'r' && !strchr(mode, '+') ? BW_TO_READ : BW_TO_WRITE);
-  return message ? refuse(L, message) : pass(L);
+  luaL_argcheck(L, flags_of(mode) >= 0, 2, "invalid mode");
+  return open_stream(L, 1, mode);
 }
 
+/* Of a file by its name: an iterator, nil, nil, and the file, which the loop closes. */
 static int io_lines(lua_State *L) {
-  const char *message = lua_isnoneornil(L, 1) ? NULL : judge(L, 1, BW_TO_READ);
-  return message ? luaL_error(L, "%s", message) : pass(L);
+  if (lua_isnoneornil(L, 1))
+    return pass(L);
+  int formats = lua_gettop(L) - 1;
+  luaL_checkstack(L, formats + 8, "too many arguments");
+  open_or_raise(L, 1, "r");
+  int file = lua_gettop(L);
+  lua_getfield(L, file, "lines");
+  lua_pushvalue(L, file);
+  for (int i = 0; i < formats; i++)
+    lua_pushvalue(L, 2 + i);
+  lua_call(L, formats + 1, 1);
+  lua_pushnil(L);
+  lua_pushnil(L);
+  lua_pushvalue(L, file);
+  return 4;
 }
 
-static int io_redirect(lua_State *L, bw_use use) {
-  const char *message = lua_type(L, 1) == LUA_TSTRING ? judge(L, 1, use) : NULL;
-  return message ? luaL_error(L, "%s", message) : pass(L);
+/* What Lua would take for a name is opened here; the original gets a file. */
+static int io_redirect(lua_State *L, const char *mode) {
+  if (lua_isstring(L, 1)) {
+    lua_settop(L, 1);
+    open_or_raise(L, 1, mode);
+    lua_replace(L, 1);
+  }
+  return pass(L);
 }
 
 static int io_input(lua_State *L) {
-  return io_redirect(L, BW_TO_READ);
+  return io_redirect(L, "r");
 }
 
 static int io_output(lua_State *L) {
-  return io_redirect(L, BW_TO_WRITE);
+  return io_redirect(L, "w");
 }
 
 static int os_remove(lua_State *L) {
   const char *message = judge(L, 1, BW_TO_REPLACE);
-  return message ? refuse(L, message) : pass(L);
+  if (message)
+    return refuse(L, message);
+  const char *path = lua_tostring(L, 1);
+  return luaL_fileresult(L, bw_remove(path) == 0, path);
 }
 
 static int os_rename(lua_State *L) {
   const char *message = judge(L, 1, BW_TO_REPLACE);
   message = message ? message : judge(L, 2, BW_TO_REPLACE);
-  return message ? refuse(L, message) : pass(L);
+  if (message)
+    return refuse(L, message);
+  return luaL_fileresult(L, bw_rename(lua_tostring(L, 1), lua_tostring(L, 2)) == 0, NULL);
 }
 
 /* A file in the folder. */
@@ -153,19 +226,49 @@ static int load_text(lua_State *L) {
   return pass(L);
 }
 
+/* Pushes the chunk of a file as luaL_loadfilex does, or a message: true where there is one. A first
+ * line that begins with # is none of Lua's, nor is the mark of UTF-8. */
+static bool load_path(lua_State *L, int argument) {
+  size_t count, skipped = 0;
+  unsigned char *bytes;
+  if (judge(L, argument, BW_TO_READ))
+    return false;
+  const char *path = lua_tostring(L, argument), *name = lua_pushfstring(L, "@%s", path);
+  if (bw_read_file(judging, path, &bytes, &count) != BW_OK) {
+    lua_pushstring(L, bw_message(judging));
+    bw_clear_failure(judging);
+    return false;
+  }
+  if (count >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0)
+    skipped = 3;
+  if (skipped < count && bytes[skipped] == '#')
+    while (skipped < count && bytes[skipped] != '\n')
+      skipped++;
+  int failure = luaL_loadbufferx(L, (const char *)bytes + skipped, count - skipped, name, "t");
+  bw_free(bytes);
+  return failure == LUA_OK;
+}
+
+/* The same; without a name, that of standard input. */
+static bool load_chunk(lua_State *L) {
+  return lua_isnoneornil(L, 1) ? luaL_loadfilex(L, NULL, "t") == LUA_OK : load_path(L, 1);
+}
+
 /* loadfile(path, mode, environment) */
 static int load_file(lua_State *L) {
   bool environment = !lua_isnone(L, 3);
-  const char *message = lua_isnoneornil(L, 1) ? NULL : judge(L, 1, BW_TO_READ);
-  if (message) {
+  lua_settop(L, 3);
+  if (!load_chunk(L)) {
     lua_pushnil(L);
-    lua_pushstring(L, message);
+    lua_insert(L, -2);
     return 2;
   }
-  lua_settop(L, environment ? 3 : 2);
-  lua_pushliteral(L, "t");
-  lua_replace(L, 2);
-  return pass(L);
+  if (environment) {
+    lua_pushvalue(L, 3);
+    if (!lua_setupvalue(L, -2, 1))
+      lua_pop(L, 1);
+  }
+  return 1;
 }
 
 static int continued(lua_State *L, int status, lua_KContext context) {
@@ -175,13 +278,12 @@ static int continued(lua_State *L, int status, lua_KContext context) {
 
 /* dofile(path) */
 static int do_file(lua_State *L) {
-  const char *message = lua_isnoneornil(L, 1) ? NULL : judge(L, 1, BW_TO_READ);
-  if (message)
-    return luaL_error(L, "%s", message);
-  const char *path = luaL_optstring(L, 1, NULL);
   lua_settop(L, 1);
-  if (luaL_loadfilex(L, path, "t") != LUA_OK)
+  if (!load_chunk(L))
     return lua_error(L);
+  lua_replace(L, 1); /* so that its results are all that is above */
+  lua_settop(L, 1);
+  lua_pushvalue(L, 1);
   lua_callk(L, 0, LUA_MULTRET, 0, continued);
   return continued(L, 0, 0);
 }
@@ -237,11 +339,12 @@ static int search_lua(lua_State *L) {
   if (lua_isnil(L, -2))
     return 1; /* what was looked for */
   lua_pop(L, 1);
-  if (luaL_loadfilex(L, lua_tostring(L, -1), "t") != LUA_OK)
+  int file = lua_gettop(L);
+  if (!load_path(L, file))
     return luaL_error(L, "error loading module '%s' from file '%s':\n\t%s", name,
-                      lua_tostring(L, -2), lua_tostring(L, -1));
-  lua_insert(L, -2); /* the loader, the file */
-  return 2;
+                      lua_tostring(L, file), lua_tostring(L, -1));
+  lua_pushvalue(L, file);
+  return 2; /* the loader, the file */
 }
 
 /* ---- debug ----------------------------------------------------------------------------------- */
@@ -267,6 +370,11 @@ static int debug_getinfo(lua_State *L) {
 }
 
 /* ---- putting it up --------------------------------------------------------------------------- */
+
+static void set(lua_State *L, const char *name, lua_CFunction function) {
+  lua_pushcfunction(L, function);
+  lua_setfield(L, -2, name);
+}
 
 /* table.name = function with the original as its upvalue; the table is on the top. */
 static void wrap(lua_State *L, const char *name, lua_CFunction function) {
@@ -324,24 +432,20 @@ static int put_up(lua_State *L) {
                                         "time",      "difftime", "exit",    NULL};
   static const char *const debug_kept[] = {"traceback", "getinfo", NULL};
   lua_getglobal(L, "io");
-  wrap(L, "open", io_open);
+  set(L, "open", io_open);
   wrap(L, "lines", io_lines);
   wrap(L, "input", io_input);
   wrap(L, "output", io_output);
-  lua_pushcfunction(L, io_popen);
-  lua_setfield(L, -2, "popen");
-  lua_pushcfunction(L, io_tmpfile);
-  lua_setfield(L, -2, "tmpfile");
+  set(L, "popen", io_popen);
+  set(L, "tmpfile", io_tmpfile);
   refuse_others(L, "io", io_kept);
   lua_getglobal(L, "os");
-  wrap(L, "remove", os_remove);
-  wrap(L, "rename", os_rename);
+  set(L, "remove", os_remove);
+  set(L, "rename", os_rename);
   wrap(L, "getenv", os_getenv);
   wrap(L, "setlocale", os_setlocale);
-  lua_pushcfunction(L, os_tmpname);
-  lua_setfield(L, -2, "tmpname");
-  lua_pushcfunction(L, os_execute);
-  lua_setfield(L, -2, "execute");
+  set(L, "tmpname", os_tmpname);
+  set(L, "execute", os_execute);
   refuse_others(L, "os", os_kept);
   lua_getglobal(L, "debug");
   wrap(L, "getinfo", debug_getinfo);
@@ -349,9 +453,8 @@ static int put_up(lua_State *L) {
   close_package(L);
   lua_pushglobaltable(L);
   wrap(L, "load", load_text);
-  wrap(L, "loadfile", load_file);
-  lua_pushcfunction(L, do_file);
-  lua_setfield(L, -2, "dofile");
+  set(L, "loadfile", load_file);
+  set(L, "dofile", do_file);
   return 0;
 }
 

@@ -20,8 +20,8 @@ extern "C" {
  *   BW_IO          the rest that the operating system refuses
  *   BW_INVALID     SQL that is wrong
  * Of SQL there is what studies need, whoever made the file or the statement: tables, indices, rows
- * and transactions, the functions count, max, min and sum. Views are made and not read; triggers and
- * virtual tables of a file do nothing. A name is the name of a file, never a URI.
+ * and transactions, the functions count, max, min and sum. Views are made and not read; triggers
+ * and virtual tables of a file do nothing. A name is the name of a file, never a URI.
  *
  * A transaction in which the file turned out full, damaged or unreadable is rolled back.
  *

@@ -3,7 +3,9 @@
 
 #include "barwright/confine.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -20,6 +22,13 @@ static const char *in(const char *name) {
 static void make_file(const char *name) {
   int file = open(in(name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   assert_true(file >= 0);
+  close(file);
+}
+
+static void write_letter(const char *name, char letter) {
+  int file = open(in(name), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  assert_true(file >= 0);
+  assert_int_equal(write(file, &letter, 1), 1);
   close(file);
 }
 
@@ -135,6 +144,122 @@ static bool judge_engine(bw_context *c) {
          strstr(bw_confined_to(), "/inside") != NULL;
 }
 
+static bool opens(const char *name, int flags) {
+  int file = bw_open(in(name), flags, 0666);
+  if (file >= 0)
+    close(file);
+  else if (errno != EACCES)
+    _exit(98);
+  return file >= 0;
+}
+
+static bool renames(const char *from, const char *to) {
+  char old[256];
+  snprintf(old, sizeof old, "%s", in(from));
+  return bw_rename(old, in(to)) == 0;
+}
+
+static bool judge_opening(bw_context *c) {
+  (void)c;
+  static const struct {
+    const char *name;
+    int flags;
+    bool opens;
+  } expected[] = {
+      {"inside/file", O_RDWR, true},
+      {"inside/opened", O_WRONLY | O_CREAT, true},
+      {"inside/opened", O_WRONLY | O_APPEND, true},
+      {"inside/deep/../file", O_RDONLY, true},
+      {"inside/round", O_RDONLY, true},
+      {"inside/up/inside/file", O_RDONLY, true},
+      {"inside", O_RDONLY | O_DIRECTORY, true},
+      {"inside/out", O_RDONLY, false},
+      {"inside/out", O_WRONLY | O_TRUNC, false},
+      {"inside/dangling", O_WRONLY | O_CREAT, false},
+      {"inside/dangling", O_WRONLY | O_CREAT | O_EXCL, false},
+      {"inside/up/file", O_RDONLY, false},
+      {"inside/up/new", O_WRONLY | O_CREAT, false},
+      {"file", O_RDONLY, false},
+      {"library/file", O_RDONLY, true},
+      {"library/file", O_RDWR, false},
+      {"library/file", O_RDONLY | O_TRUNC, false},
+      {"library/new", O_RDONLY | O_CREAT, false},
+  };
+  for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+    if (opens(expected[i].name, expected[i].flags) != expected[i].opens) {
+      fprintf(stderr, "%s with flags %x is opened wrongly\n", expected[i].name, expected[i].flags);
+      return false;
+    }
+  const bool as_expected[] = {
+      bw_make_folder(in("inside/built")) == 0,
+      bw_make_folder(in("made")) != 0,
+      bw_make_folder(in("inside/up/made")) != 0,
+      renames("inside/built", "inside/deep/made"),
+      !renames("inside/opened", "opened"),
+      !renames("file", "inside/stolen"),
+      !renames("inside", "inside/deep/inside"),
+      !renames("inside/opened", "inside/up/opened"),
+      bw_remove(in("inside/deep/made")) == 0,
+      bw_remove(in("inside/opened")) == 0,
+      bw_remove(in("file")) != 0,
+      bw_remove(in("inside")) != 0,
+      bw_remove(in("inside/out")) == 0 && symlink("../file", in("inside/out")) == 0,
+      access(in("file"), F_OK) == 0,
+  };
+  for (size_t i = 0; i < sizeof as_expected / sizeof *as_expected; i++)
+    if (!as_expected[i]) {
+      fprintf(stderr, "attempt %zu ends wrongly\n", i);
+      return false;
+    }
+  return true;
+}
+
+/* Another process exchanges a folder for a link to the outside, again and again: what is opened,
+ * made and removed lies inside all the same. */
+static bool judge_moving(bw_context *c) {
+  (void)c;
+  enum { TIMES = 4000 };
+  char turn[256], away[256];
+  snprintf(turn, sizeof turn, "%s", in("inside/turn"));
+  snprintf(away, sizeof away, "%s", in("inside/away"));
+  pid_t mover = fork();
+  if (mover == 0)
+    for (;;)
+      if (renameat2(AT_FDCWD, turn, AT_FDCWD, away, RENAME_EXCHANGE) != 0)
+        _exit(1);
+  bool good = true;
+  for (int i = 0; i < TIMES && good; i++) {
+    char letter = 'i';
+    int file = bw_open(in("inside/turn/letter"), O_RDONLY, 0);
+    if (file >= 0) {
+      good = read(file, &letter, 1) == 1 && letter == 'i';
+      close(file);
+    }
+    file = bw_open(in("inside/turn/made"), O_WRONLY | O_CREAT, 0666);
+    if (file >= 0)
+      close(file);
+    bw_make_folder(in("inside/turn/folder"));
+    bw_remove(in("inside/turn/kept"));
+  }
+  kill(mover, SIGKILL);
+  waitpid(mover, NULL, 0);
+  return good && access(in("made"), F_OK) != 0 && access(in("folder"), F_OK) != 0 &&
+         access(in("kept"), F_OK) == 0;
+}
+
+static void test_opening(void **state) {
+  confined(check_context(state), judge_opening);
+}
+
+static void test_moving(void **state) {
+  assert_int_equal(mkdir(in("inside/turn"), 0777), 0);
+  assert_int_equal(symlink("..", in("inside/away")), 0);
+  write_letter("letter", 'o');
+  write_letter("inside/turn/letter", 'i');
+  write_letter("kept", 'o');
+  confined(check_context(state), judge_moving);
+}
+
 static void test_paths(void **state) {
   confined(check_context(state), judge_paths);
 }
@@ -161,10 +286,8 @@ static void test_unconfined(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_unconfined),
-      check_test(test_paths),
-      check_test(test_relative),
-      check_test(test_engine),
+      check_test(test_unconfined), check_test(test_paths),   check_test(test_relative),
+      check_test(test_engine),     check_test(test_opening), check_test(test_moving),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

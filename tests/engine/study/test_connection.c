@@ -2,9 +2,12 @@
  * of statements, files that are made to do harm, names with a meaning of their own. */
 #include "check.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include "barwright/confine.h"
 #include "study/internal.h"
 
 static char folder[64];
@@ -407,11 +410,141 @@ static void test_names(void **state) {
   assert_int_equal(mkdir(folder, 0777), 0);
 }
 
+/* ---- a confined process ---------------------------------------------------------------------- */
+
+static void make_journal(const char *name, const char *database, const char *other);
+
+/* What stands beside a file, or under the names that salvage uses, leads to a file outside. 0, or
+ * the number of what was not as it should be. */
+static int try_from_inside(bw_context *context) {
+  static const char *const beside[] = {"linked", "journal", "shared", "ahead"};
+  bw_salvage_report report;
+  bw_database *d = NULL;
+  char sql[400];
+  if (bw_confine(context, path_of("in")) != BW_OK || chdir(path_of("in")) != 0)
+    return 1;
+  for (int i = 0; i < 4; i++) {
+    char name[32];
+    snprintf(name, sizeof name, "in/%s", beside[i]);
+    if (bw_database_open(context, path_of(name), NULL, &d) == BW_OK) {
+      works(context, d, "INSERT INTO t VALUES (1, 2)");
+      works(context, d, "PRAGMA journal_mode = DELETE");
+      works(context, d, "INSERT INTO t VALUES (3, 4)");
+      works(context, d, "SELECT * FROM t");
+      bw_release(d);
+      d = NULL;
+    }
+  }
+  /* A journal that appears while a file is open. */
+  if (bw_database_open(context, path_of("in/late"), NULL, &d) != BW_OK)
+    return 2;
+  works(context, d, "PRAGMA journal_mode = DELETE");
+  make_journal("in/late-journal", "in/late", "secret");
+  works(context, d, "SELECT * FROM t");
+  works(context, d, "INSERT INTO t VALUES (1, 2)");
+  bw_release(d);
+  /* A folder under whose name a URI would begin. */
+  d = NULL;
+  snprintf(sql, sizeof sql, "file:%s", path_of("made"));
+  if (bw_database_open(context, sql, NULL, &d) == BW_OK && access(path_of("made"), F_OK) == 0)
+    return 3;
+  bw_release(d);
+  if (bw_database_salvage(context, path_of("in/whole"), path_of("in/saved"), NULL, &report) !=
+      BW_OK)
+    return 4;
+  bw_clear_remarks(context);
+  if (bw_database_salvage(context, path_of("in/leak"), path_of("in/leaked"), NULL, &report) ==
+      BW_OK)
+    return 5;
+  if (bw_database_salvage(context, path_of("in/secret"), path_of("in/stolen"), NULL, &report) ==
+          BW_OK ||
+      bw_database_open(context, path_of("in/secret"), NULL, &d) == BW_OK)
+    return 6;
+  return 0;
+}
+
+/* A journal that has not been played back, and names another as the one that it belongs to. */
+static void make_journal(const char *name, const char *database, const char *other) {
+  unsigned char head[512] = {0xd9, 0xd5, 0x05, 0xf9, 0x20, 0xa1, 0x63, 0xd7};
+  struct stat about;
+  uint32_t sum = 0, length;
+  char full[256];
+  snprintf(full, sizeof full, "%s", path_of(other));
+  length = (uint32_t)strlen(full);
+  if (stat(path_of(database), &about) != 0)
+    return;
+  head[19] = (unsigned char)(about.st_size / 4096); /* its pages */
+  head[22] = 512 >> 8;
+  head[26] = 4096 >> 8;
+  for (uint32_t i = 0; i < length; i++)
+    sum += (unsigned char)full[i];
+  unsigned char tail[512], *at = tail;
+  const uint32_t numbers[] = {1073741824 / 4096 + 1, length, sum};
+  for (int i = 0; i < 4; i++)
+    *at++ = (unsigned char)(numbers[0] >> (24 - 8 * i));
+  memcpy(at, full, length);
+  at += length;
+  for (int k = 1; k < 3; k++)
+    for (int i = 0; i < 4; i++)
+      *at++ = (unsigned char)(numbers[k] >> (24 - 8 * i));
+  memcpy(at, head, 8);
+  at += 8;
+  int file = open(path_of(name), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  if (file < 0 || write(file, head, sizeof head) < 0 || write(file, tail, (size_t)(at - tail)) < 0)
+    fprintf(stderr, "%s is not written\n", name);
+  close(file);
+}
+
+static void copy(const char *from, const char *to) {
+  char command[700];
+  snprintf(command, sizeof command, "cp '%s' '%s'", path_of(from), path_of(to));
+  assert_int_equal(system(command), 0);
+}
+
+static void test_confined(void **state) {
+  static const char *const links[][2] = {{"secret", "in/linked-wal"},
+                                         {"secret", "in/shared-shm"},
+                                         {"secret", "in/ahead-journal"},
+                                         {"secret", "in/saved.reading"},
+                                         {"secret", "in/saved.reading.tables"},
+                                         {"secret-wal", "in/leak-wal"},
+                                         {"secret", "in/secret"}};
+  bw_context *context = check_context(state);
+  assert_int_equal(mkdir(path_of("in"), 0777), 0);
+  char made[256];
+  snprintf(made, sizeof made, "mkdir -p '%s/in/file:%s'", folder, folder);
+  assert_int_equal(system(made), 0);
+  bw_release(open_file(context, "secret"));
+  static const char *const files[] = {"in/whole", "in/linked", "in/shared",  "in/ahead",
+                                      "in/late",  "in/leak",   "in/journal", "kept"};
+  for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+    copy("secret", files[i]);
+  copy("secret", "secret-wal");
+  for (size_t i = 0; i < sizeof links / sizeof *links; i++)
+    assert_int_equal(symlink(path_of(links[i][0]), path_of(links[i][1])), 0);
+  make_journal("in/journal-journal", "in/journal", "secret");
+  pid_t child = fork();
+  if (child == 0)
+    _exit(try_from_inside(context));
+  int how = -1;
+  assert_int_equal(waitpid(child, &how, 0), child);
+  assert_true(WIFEXITED(how));
+  assert_int_equal(WEXITSTATUS(how), 0);
+  /* Outside all is as it was: a database, a copy of it, another copy. */
+  char command[400];
+  snprintf(command, sizeof command,
+           "cd '%s' && cmp secret kept && cmp secret-wal kept && [ \"$(ls | tr '\\n' ' ')\" = 'in "
+           "kept secret secret-wal ' ]",
+           folder);
+  assert_int_equal(system(command), 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_file_test(test_functions),      check_file_test(test_pragmas),
       check_file_test(test_statements),     check_file_test(test_hostile_files),
       check_file_test(test_hostile_schema), check_file_test(test_names),
+      check_file_test(test_confined),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
