@@ -16,6 +16,7 @@ void bwi_flow_room_clear(bwi_flow_room *room) {
   bw_free(room->prescribed);
   bw_free(room->solution);
   bw_free(room->history);
+  bw_free(room->reaction);
   bw_free(room->convect);
   bw_free(room->laplacian);
   bw_free(room->held);
@@ -37,13 +38,14 @@ bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, i
       .prescribed = BW_NEW(context, double, unknowns),
       .solution = BW_NEW(context, double, unknowns),
       .history = BW_NEW(context, double, unknowns),
+      .reaction = BW_NEW(context, double, unknowns),
       .convect = BW_NEW(context, double, 2 * (size_t)graph->node_count),
       .laplacian = BW_NEW(context, double, 3 * (size_t)graph->topology->element_count),
       .held = BW_NEW(context, uint8_t, unknowns),
   };
   if (room->block && room->vector && room->values && room->system && room->load && room->rhs &&
-      room->prescribed && room->solution && room->history && room->convect && room->laplacian &&
-      room->held)
+      room->prescribed && room->solution && room->history && room->reaction && room->convect &&
+      room->laplacian && room->held)
     return BW_OK;
   bwi_flow_room_clear(room);
   return BW_MEMORY;
@@ -54,18 +56,12 @@ static void flow_destroy(void *object) {
   struct bwi_flow *in = flow->inner;
   if (in) {
     bw_free(in->condition);
-    bw_release(in->graph);
+    bw_release(in->now);
     bw_plane_locator_free(in->locator);
     bw_stale_free(in->stale);
     bwi_flow_room_clear(&in->room);
-    bw_free(in->reaction);
-    bw_free(in->old_point);
-    bw_free(in->older_point);
     bw_free(in);
   }
-  bw_release(flow->mesh);
-  bw_free(flow->state);
-  bw_free(flow->before);
   bw_free(flow);
 }
 
@@ -74,10 +70,11 @@ static size_t flow_bytes(const void *object) {
   size_t square = (size_t)(flow->components * flow->components);
   size_t nodes = (size_t)flow->mesh->topology->nodes->node_count;
   size_t elements = (size_t)flow->mesh->topology->element_count;
-  return sizeof *flow + (2 * square * (size_t)flow->inner->graph->pair_count +
-                         8 * nodes * (size_t)flow->components +
-                         bwi_plane_room(flow->inner->graph, flow->components) + 12 * elements) *
-                            sizeof(double);
+  return sizeof *flow +
+         (2 * square * (size_t)flow->inner->now->graph->pair_count +
+          8 * nodes * (size_t)flow->components +
+          bwi_plane_room(flow->inner->now->graph, flow->components) + 12 * elements) *
+             sizeof(double);
 }
 
 static const bw_kind flow_kind = {"flow", flow_destroy, flow_bytes};
@@ -124,6 +121,8 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
   bw_status status = BW_OK;
   bw_flow *flow = NULL;
   struct bwi_flow *in = NULL;
+  bw_plane_graph *graph = NULL;
+  bw_flow_state *first = NULL;
   BW_TRY(check_description(context, description));
   BW_TRY(check_mesh(context, mesh));
   flow = BW_NEW0(context, bw_flow, 1);
@@ -135,15 +134,10 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
   }
   bw_object_init(flow, &flow_kind);
   flow->inner = in;
-  flow->mesh = bw_retain(mesh);
   flow->components = description->diffusivity > 0 ? 4 : 3;
   in->about = *description;
   in->condition = BW_NEW(context, bw_condition, description->condition_count);
-  size_t unknowns = (size_t)mesh->topology->nodes->node_count * (size_t)flow->components;
-  flow->state = BW_NEW0(context, double, unknowns);
-  flow->before = BW_NEW0(context, double, unknowns);
-  in->reaction = BW_NEW0(context, double, unknowns);
-  if (!in->condition || !flow->state || !flow->before || !in->reaction) {
+  if (!in->condition) {
     status = BW_MEMORY;
     goto done;
   }
@@ -151,14 +145,24 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
     memcpy(in->condition, description->condition,
            (size_t)description->condition_count * sizeof *in->condition);
   in->about.condition = in->condition;
-  in->known = 1;
+  BW_TRY(bw_stale_create(context, false, flow->components, &in->stale));
+  BW_TRY(bw_plane_graph_create(context, mesh->topology, &graph));
+  BW_TRY(bwi_flow_blank(context, flow, mesh, graph, &first));
+  size_t unknowns = (size_t)mesh->topology->nodes->node_count * (size_t)flow->components;
+  first->state = BW_NEW0(context, double, unknowns);
+  first->before = BW_NEW0(context, double, unknowns);
+  first->reaction = BW_NEW0(context, double, unknowns);
+  if (!first->state || !first->before || !first->reaction) {
+    status = BW_MEMORY;
+    goto done;
+  }
   if (flow->components == 4)
     for (size_t i = 3; i < unknowns; i += 4)
-      flow->state[i] = description->reference;
-  BW_TRY(bw_stale_create(context, false, flow->components, &in->stale));
-  BW_TRY(bw_plane_graph_create(context, mesh->topology, &in->graph));
-  BW_TRY(bwi_flow_room_make(context, in->graph, flow->components, &in->room));
+      first->state[i] = description->reference;
+  bwi_flow_adopt(flow, first);
 done:
+  bw_release(graph);
+  bw_release(first);
   if (status == BW_OK)
     *result = flow;
   else
@@ -166,76 +170,60 @@ done:
   return status;
 }
 
-static void exchange(double **a, double **b) {
-  double *t = *a;
-  *a = *b;
-  *b = t;
-}
-
 /* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
                          bw_kept *kept) {
   bw_status status = BW_OK;
-  struct bwi_flow *in = flow->inner;
-  const bw_plane_topology *before = flow->mesh->topology, *now = mesh->topology;
-  bool same_topology = now == before, same_nodes = now->nodes == before->nodes;
-  bw_plane_graph *graph = NULL;
-  bwi_flow_room room = {0};
-  double *state = NULL, *earlier = NULL, *reaction = NULL, *old = NULL;
+  const struct bwi_flow *in = flow->inner;
+  const bw_flow_state *now = in->now;
+  const bw_plane_topology *before = flow->mesh->topology, *after = mesh->topology;
+  bool same_topology = after == before, same_nodes = after->nodes == before->nodes;
+  const bw_plane_graph *graph = NULL;
+  bw_flow_state *next = NULL;
   bw_condition *conditions = NULL;
   int c = flow->components;
-  size_t nodes = (size_t)now->nodes->node_count;
+  size_t nodes = (size_t)after->nodes->node_count;
   double started = bw_seconds();
   BW_TRY(check_mesh(context, mesh));
-  state = BW_NEW(context, double, nodes *(size_t)c);
-  earlier = BW_NEW(context, double, nodes *(size_t)c);
-  reaction = BW_NEW0(context, double, nodes *(size_t)c);
+  if (same_topology) {
+    graph = bw_retain(now->graph);
+  } else {
+    bw_plane_graph *made = NULL;
+    BW_TRY(bw_plane_graph_create(context, after, &made));
+    graph = made;
+  }
+  BW_TRY(bwi_flow_blank(context, flow, mesh, graph, &next));
+  next->state = BW_NEW(context, double, nodes *(size_t)c);
+  next->before = BW_NEW(context, double, nodes *(size_t)c);
+  next->reaction = BW_NEW0(context, double, nodes *(size_t)c);
   if (same_nodes)
-    old = BW_NEW(context, double, 2 * nodes);
-  if (!state || !earlier || !reaction || (same_nodes && !old)) {
+    next->old_point = BW_NEW(context, double, 2 * nodes);
+  if (same_nodes && now->older_point)
+    next->older_point = BW_NEW(context, double, 2 * nodes);
+  if (!next->state || !next->before || !next->reaction || (same_nodes && !next->old_point) ||
+      (same_nodes && now->older_point && !next->older_point)) {
     status = BW_MEMORY;
     goto done;
   }
-  if (!same_nodes) /* it may be quite another outline, with the same tags in another order */
+  if (!same_nodes) { /* it may be quite another outline, with the same tags in another order */
     BW_TRY(bwi_conditions_renamed(context, flow->mesh->outline, mesh->outline,
                                   in->about.condition_count, in->condition, &conditions));
-  BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->state, state));
-  BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->before, earlier));
-  if (!same_topology) {
-    BW_TRY(bw_plane_graph_create(context, now, &graph));
-    BW_TRY(bwi_flow_room_make(context, graph, c, &room));
+    for (int i = 0; i < next->condition_count; i++)
+      next->condition[i] = conditions[i];
   }
-  /* Several moves between two steps: the mesh velocity is of all of them. */
-  if (same_nodes)
-    memcpy(old, in->old_point ? in->old_point : flow->mesh->point, 2 * nodes * sizeof *old);
-  if (!same_topology) {
-    bw_plane_graph *former = in->graph;
-    in->graph = graph;
-    graph = former;
-    bwi_flow_room former_room = in->room;
-    in->room = room;
-    room = former_room;
+  BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->state, next->state));
+  BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->before, next->before));
+  next->last_step = now->last_step;
+  /* Interpolated fields are not free of divergence: known stays 1, damp by implicit Euler. */
+  if (same_nodes) {
+    next->known = now->known;
+    /* Several moves between two steps: the mesh velocity is of all of them. */
+    memcpy(next->old_point, now->old_point ? now->old_point : flow->mesh->point,
+           2 * nodes * sizeof(double));
+    if (now->older_point)
+      memcpy(next->older_point, now->older_point, 2 * nodes * sizeof(double));
   }
-  if (conditions) {
-    bw_condition *former = in->condition;
-    in->about.condition = in->condition = conditions;
-    conditions = former;
-  }
-  exchange(&flow->state, &state);
-  exchange(&flow->before, &earlier);
-  exchange(&in->reaction, &reaction);
-  exchange(&in->old_point, &old);
-  in->reacted = false;
-  if (!same_nodes) {
-    bw_free(in->older_point);
-    in->older_point = NULL;
-    in->known = 1; /* interpolated fields are not free of divergence: damp by implicit Euler */
-  }
-  bw_plane_locator_free(in->locator);
-  in->locator = NULL;
-  bw_retain(mesh);
-  bw_release(flow->mesh);
-  flow->mesh = mesh;
+  bwi_flow_adopt(flow, next);
   if (kept) {
     kept->pattern = same_topology;
     kept->solution = true;
@@ -243,11 +231,7 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
   }
 done:
   bw_release(graph);
+  bw_release(next);
   bw_free(conditions);
-  bwi_flow_room_clear(&room);
-  bw_free(state);
-  bw_free(earlier);
-  bw_free(reaction);
-  bw_free(old);
   return status;
 }

@@ -47,6 +47,8 @@ typedef struct bwi_flow_room {
   double *values, *system; /* components^2 per pair: the matrix, and with prescribed unknowns */
   double *load, *rhs;      /* node_count x components: likewise */
   double *prescribed, *solution, *history;
+  double
+      *reaction; /* node_count x components: A x - b of the last equations, before prescriptions */
   double *convect;   /* node_count x 2 */
   double *laplacian; /* element_count x 3 */
   uint8_t *held;
@@ -55,20 +57,43 @@ bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, i
                              bwi_flow_room *room);
 void bwi_flow_room_clear(bwi_flow_room *room);
 
+/* All that an operation on a flow changes (kept.c). An operation makes the next state beside the
+ * one that stands and puts it in its place when nothing can fail any more: it happens whole or not
+ * at all, and keeping a state copies nothing. */
+struct bw_flow_state {
+  bw_object object;
+  const bw_plane_mesh *mesh;   /* retained */
+  const bw_plane_graph *graph; /* retained: of the mesh */
+  int components, condition_count;
+  bw_condition
+      *condition; /* whose tags are those of the mesh's outline; its functions are not called */
+  double time;
+  double *state, *before; /* node_count x components */
+  double *reaction;       /* node_count x components: A x - b of the last step */
+  bool reacted;           /* `reaction` is of this state and mesh */
+  double *old_point;      /* node_count x 2: where these nodes were at the last step; NULL: here */
+  double *older_point;    /* and at the step before that; NULL: where they were at the last */
+  int known;              /* states that the next step may start from: 1, or 2 with `before` */
+  double last_step;       /* between `before` and `state` */
+};
+
 struct bwi_flow {
   bw_flow_description about;
   bw_condition *condition;
-  bw_plane_graph *graph;
+  const bw_flow_state *now; /* retained; the public fields are its own */
+  /* What follows from it, or makes it faster. */
   bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
   bw_stale *stale;
-  bwi_flow_room room;
-  double *reaction;    /* node_count x components: A x - b of the last step, before prescriptions */
-  bool reacted;        /* `reaction` is of the current state and mesh */
-  double *old_point;   /* node_count x 2: where these nodes were at the last step; NULL: here */
-  double *older_point; /* and at the step before that; NULL: where they were at the last */
-  int known;           /* states that the next step may start from: 1, or 2 with `before` */
-  double last_step;    /* between `before` and `state` */
+  bwi_flow_room room; /* of the current graph; empty until it is needed */
 };
+
+/* A copy of the state that stands, as the first draft of the next on the same nodes. */
+bw_status bwi_flow_next(bw_context *context, const bw_flow *flow, bw_flow_state **next);
+/* A state without any field. */
+bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plane_mesh *mesh,
+                         const bw_plane_graph *graph, bw_flow_state **state);
+/* Puts a state in the place of the one that stands. Cannot fail. */
+void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state);
 
 /* What the boundary's conditions bring at a time: tractions and heat into room.load, the part of
  * convection that goes with the temperature into room.values. */

@@ -1,22 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A flow's state, kept and given back bit for bit. Solving again would take as long as the first
- * time, and may end elsewhere: a steady flow need not be the only one. */
+/* The states of a flow, each immutable once it stands: kept and returned to bit for bit. Solving
+ * again would take as long as the first time, and may end elsewhere: a steady flow need not be the
+ * only one. */
 #include <string.h>
 
 #include "flow/internal.h"
-
-struct bw_flow_state {
-  bw_object object;
-  const bw_plane_mesh *mesh;   /* retained */
-  const bw_plane_graph *graph; /* retained */
-  int components, condition_count, known;
-  bool reacted;
-  double time, last_step;
-  bw_condition
-      *condition; /* whose tags are those of the mesh's outline; its functions are not called */
-  double *state, *before, *reaction;
-  double *old_point, *older_point; /* NULL where the flow has none */
-};
 
 static void destroy(void *object) {
   bw_flow_state *s = object;
@@ -51,51 +39,78 @@ static bw_status copy(bw_context *context, const double *from, size_t count, dou
   return BW_OK;
 }
 
-bw_status bw_flow_keep(bw_context *context, const bw_flow *flow, bw_flow_state **out) {
-  bw_status status = BW_OK;
+bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plane_mesh *mesh,
+                         const bw_plane_graph *graph, bw_flow_state **state) {
   const struct bwi_flow *in = flow->inner;
-  size_t nodes = (size_t)flow->mesh->topology->nodes->node_count;
-  size_t unknowns = nodes * (size_t)flow->components;
   bw_flow_state *s = BW_NEW0(context, bw_flow_state, 1);
   if (!s)
     return BW_MEMORY;
   bw_object_init(s, &kind);
-  s->mesh = bw_retain(flow->mesh);
-  s->graph = bw_retain(in->graph);
+  s->mesh = bw_retain(mesh);
+  s->graph = bw_retain(graph);
   s->components = flow->components;
-  s->condition_count = in->about.condition_count;
-  s->known = in->known;
-  s->reacted = in->reacted;
   s->time = flow->time;
-  s->last_step = in->last_step;
+  s->known = 1;
+  s->condition_count = in->about.condition_count;
   s->condition = BW_NEW(context, bw_condition, s->condition_count);
   if (!s->condition) {
-    status = BW_MEMORY;
-    goto done;
+    bw_release(s);
+    return BW_MEMORY;
   }
   if (s->condition_count > 0)
     memcpy(s->condition, in->condition, (size_t)s->condition_count * sizeof *s->condition);
-  BW_TRY(copy(context, flow->state, unknowns, &s->state));
-  BW_TRY(copy(context, flow->before, unknowns, &s->before));
-  BW_TRY(copy(context, in->reaction, unknowns, &s->reaction));
-  BW_TRY(copy(context, in->old_point, 2 * nodes, &s->old_point));
-  BW_TRY(copy(context, in->older_point, 2 * nodes, &s->older_point));
+  *state = s;
+  return BW_OK;
+}
+
+bw_status bwi_flow_next(bw_context *context, const bw_flow *flow, bw_flow_state **next) {
+  bw_status status = BW_OK;
+  const bw_flow_state *now = flow->inner->now;
+  size_t nodes = (size_t)now->mesh->topology->nodes->node_count;
+  size_t unknowns = nodes * (size_t)now->components;
+  bw_flow_state *s = NULL;
+  BW_TRY(bwi_flow_blank(context, flow, now->mesh, now->graph, &s));
+  s->known = now->known;
+  s->reacted = now->reacted;
+  s->last_step = now->last_step;
+  BW_TRY(copy(context, now->state, unknowns, &s->state));
+  BW_TRY(copy(context, now->before, unknowns, &s->before));
+  BW_TRY(copy(context, now->reaction, unknowns, &s->reaction));
+  BW_TRY(copy(context, now->old_point, 2 * nodes, &s->old_point));
+  BW_TRY(copy(context, now->older_point, 2 * nodes, &s->older_point));
+  *next = s;
+  s = NULL;
 done:
-  if (status == BW_OK)
-    *out = s;
-  else
-    bw_release(s);
+  bw_release(s);
   return status;
+}
+
+void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state) {
+  struct bwi_flow *in = flow->inner;
+  const bw_flow_state *former = in->now;
+  if (former && former->graph != state->graph)
+    bwi_flow_room_clear(&in->room);
+  if (former && former->mesh != state->mesh) {
+    bw_plane_locator_free(in->locator);
+    in->locator = NULL;
+  }
+  in->now = bw_retain(state);
+  for (int i = 0; i < in->about.condition_count; i++)
+    in->condition[i].tag = state->condition[i].tag;
+  flow->mesh = state->mesh;
+  flow->state = state->state;
+  flow->before = state->before;
+  flow->time = state->time;
+  flow->object.revision++;
+  bw_release(former);
+}
+
+const bw_flow_state *bw_flow_keep(const bw_flow *flow) {
+  return bw_retain(flow->inner->now);
 }
 
 const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state) {
   return state->mesh;
-}
-
-static void exchange(double **a, double **b) {
-  double *t = *a;
-  *a = *b;
-  *b = t;
 }
 
 /* Conditions stay the flow's own but for their tags: what was kept may outlive its flow, and what
@@ -111,51 +126,10 @@ static bool fits(const bw_flow *flow, const bw_flow_state *s) {
   return true;
 }
 
-bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *s) {
-  bw_status status = BW_OK;
-  struct bwi_flow *in = flow->inner;
-  size_t nodes = (size_t)s->mesh->topology->nodes->node_count;
-  size_t unknowns = nodes * (size_t)s->components;
-  bwi_flow_room room = {0};
-  double *state = NULL, *before = NULL, *reaction = NULL, *old = NULL, *older = NULL;
-  if (!fits(flow, s))
+bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state) {
+  if (!fits(flow, state))
     return bw_fail(context, BW_INVALID, "the state that was kept is of another flow");
-  BW_TRY(copy(context, s->state, unknowns, &state));
-  BW_TRY(copy(context, s->before, unknowns, &before));
-  BW_TRY(copy(context, s->reaction, unknowns, &reaction));
-  BW_TRY(copy(context, s->old_point, 2 * nodes, &old));
-  BW_TRY(copy(context, s->older_point, 2 * nodes, &older));
-  if (s->graph != in->graph) {
-    BW_TRY(bwi_flow_room_make(context, s->graph, s->components, &room));
-    bwi_flow_room former = in->room;
-    in->room = room;
-    room = former;
-    bw_retain(s->graph);
-    bw_release(in->graph);
-    in->graph = (bw_plane_graph *)s->graph;
-  }
-  exchange(&flow->state, &state);
-  exchange(&flow->before, &before);
-  exchange(&in->reaction, &reaction);
-  exchange(&in->old_point, &old);
-  exchange(&in->older_point, &older);
-  for (int i = 0; i < s->condition_count; i++)
-    in->condition[i].tag = s->condition[i].tag;
-  in->known = s->known;
-  in->reacted = s->reacted;
-  in->last_step = s->last_step;
-  flow->time = s->time;
-  bw_plane_locator_free(in->locator);
-  in->locator = NULL;
-  bw_retain(s->mesh);
-  bw_release(flow->mesh);
-  flow->mesh = s->mesh;
-done:
-  bwi_flow_room_clear(&room);
-  bw_free(state);
-  bw_free(before);
-  bw_free(reaction);
-  bw_free(old);
-  bw_free(older);
-  return status;
+  if (state != flow->inner->now)
+    bwi_flow_adopt(flow, state);
+  return BW_OK;
 }

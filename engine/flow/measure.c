@@ -13,7 +13,7 @@ static bw_status sum_reactions(bw_context *context, const bw_flow *flow, int32_t
   const bw_plane_topology *topology = flow->mesh->topology;
   const bw_outline *outline = flow->mesh->outline;
   int64_t nodes = topology->nodes->node_count;
-  if (!flow->inner->reacted)
+  if (!flow->inner->now->reacted)
     return bw_fail(context, BW_INVALID,
                    "no step has been done on this mesh yet: forces are the reactions of one");
   if (tag < -1 || tag >= outline->tag_count)
@@ -29,7 +29,7 @@ static bw_status sum_reactions(bw_context *context, const bw_flow *flow, int32_t
     for (int end = 0; end < 2; end++) {
       int64_t node = topology->side[2 * k + end];
       if (!seen[node])
-        *sum += flow->inner->reaction[flow->components * node + component];
+        *sum += flow->inner->now->reaction[flow->components * node + component];
       seen[node] = 1;
     }
   }

@@ -55,7 +55,7 @@ static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *
   const bw_plane_topology *topology = flow->mesh->topology;
   assembly data = {context, linear, room->vector};
   int c = flow->components;
-  bw_status status = bwi_plane_assemble(context, flow->inner->graph, c, matrix_of, &data,
+  bw_status status = bwi_plane_assemble(context, flow->inner->now->graph, c, matrix_of, &data,
                                         room->block, room->values);
   memset(room->load, 0, (size_t)topology->nodes->node_count * (size_t)c * sizeof *room->load);
   for (int64_t k = 0; k < topology->element_count; k++)
@@ -111,7 +111,7 @@ static void center_pressure(const bw_flow *flow, double *state) {
  * large as that of momentum, those of heat so that its right-hand side is. (What a row is
  * multiplied by does not change the solution.) */
 static void balance(const bw_flow *flow) {
-  const bw_plane_graph *graph = flow->inner->graph;
+  const bw_plane_graph *graph = flow->inner->now->graph;
   const bwi_flow_room *room = &flow->inner->room;
   int c = flow->components;
   double diagonal[BWI_MOST] = {0}, right[BWI_MOST] = {0}, by[BWI_MOST] = {1, 1, 1, 1};
@@ -139,7 +139,7 @@ static void balance(const bw_flow *flow) {
       room->rhs[c * i + d] *= by[d];
 }
 
-/* Assembles and solves; room.solution is the first guess and the result, `reaction` follows. */
+/* Assembles and solves; room.solution is the first guess and the result, room.reaction follows. */
 static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *linear, double time,
                        const bw_flow_options *options, bw_kept *kept) {
   bw_status status = BW_OK;
@@ -147,7 +147,7 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   bwi_flow_room *room = &in->room;
   const bw_flow_description *about = &in->about;
   int c = flow->components;
-  size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
+  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
   double started = bw_seconds();
   BW_TRY(bwi_flow_recover(context, flow->mesh, c, room->solution, room->laplacian));
   BW_TRY(assemble(context, flow, linear));
@@ -160,25 +160,25 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
     room->held[2] = 1;
     room->prescribed[2] = 0;
   }
-  size_t entries = (size_t)in->graph->pair_count * (size_t)(c * c);
+  size_t entries = (size_t)in->now->graph->pair_count * (size_t)(c * c);
   memcpy(room->system, room->values, entries * sizeof *room->system);
   memcpy(room->rhs, room->load, unknowns * sizeof *room->rhs);
-  BW_TRY(bw_plane_prescribe(context, in->graph, c, room->held, room->prescribed, room->system,
+  BW_TRY(bw_plane_prescribe(context, in->now->graph, c, room->held, room->prescribed, room->system,
                             room->rhs));
   balance(flow);
   for (size_t i = 0; i < unknowns; i++)
     if (room->held[i])
       room->solution[i] = room->prescribed[i];
   kept->seconds_assemble += bw_seconds() - started;
-  BW_TRY(bw_stale_solve(context, in->stale, in->graph, room->system, room->rhs, room->solution,
+  BW_TRY(bw_stale_solve(context, in->stale, in->now->graph, room->system, room->rhs, room->solution,
                         &options->linear, kept));
-  BW_TRY(bw_plane_multiply(context, in->graph, c, room->values, room->solution, in->reaction));
+  BW_TRY(
+      bw_plane_multiply(context, in->now->graph, c, room->values, room->solution, room->reaction));
   for (size_t i = 0; i < unknowns; i++)
-    in->reaction[i] -= room->load[i];
+    room->reaction[i] -= room->load[i];
   if (enclosed)
     center_pressure(flow, room->solution);
 done:
-  in->reacted = status == BW_OK;
   return status;
 }
 
@@ -211,9 +211,9 @@ typedef struct scheme {
 static void carried_by(const bw_flow *flow, const double *state, const scheme *moving) {
   const struct bwi_flow *in = flow->inner;
   int c = flow->components;
-  const double *now = flow->mesh->point, *old = in->old_point ? in->old_point : now,
-               *older = in->older_point ? in->older_point : old;
-  for (int64_t i = 0; i < in->graph->node_count; i++)
+  const double *now = flow->mesh->point, *old = in->now->old_point ? in->now->old_point : now,
+               *older = in->now->older_point ? in->now->older_point : old;
+  for (int64_t i = 0; i < in->now->graph->node_count; i++)
     for (int d = 0; d < 2; d++) {
       int64_t k = 2 * i + d;
       double mesh =
@@ -223,13 +223,13 @@ static void carried_by(const bw_flow *flow, const double *state, const scheme *m
 }
 
 static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                       bw_kept *kept) {
+                       bw_flow_state *next, bw_kept *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
-  size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
-  double dt = options->step, ratio = in->known == 2 ? dt / in->last_step : 0;
-  bool second = options->bdf == 2 && in->known == 2;
+  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
+  double dt = options->step, ratio = in->now->known == 2 ? dt / in->now->last_step : 0;
+  bool second = options->bdf == 2 && in->now->known == 2;
   double *x = in->room.solution, *last = NULL;
   /* u' = rate u - history, from the parabola through the new and the two former states */
   scheme s = {1 / dt, 1 / dt, 0};
@@ -258,14 +258,14 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
     if (k > 0 && change(flow, last, x) <= options->tolerance)
       break;
   }
-  memcpy(flow->before, flow->state, unknowns * sizeof *x);
-  memcpy(flow->state, x, unknowns * sizeof *x);
-  flow->time += dt;
-  in->last_step = dt;
-  in->known = 2;
-  bw_free(in->older_point);
-  in->older_point = in->old_point;
-  in->old_point = NULL;
+  memcpy(next->before, flow->state, unknowns * sizeof *x);
+  memcpy(next->state, x, unknowns * sizeof *x);
+  next->time += dt;
+  next->last_step = dt;
+  next->known = 2;
+  bw_free(next->older_point);
+  next->older_point = next->old_point;
+  next->old_point = NULL;
 done:
   bw_free(last);
   return status;
@@ -291,7 +291,7 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
-  size_t unknowns = (size_t)in->graph->node_count * (size_t)c;
+  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
   double *x = in->room.solution, rate = pseudo;
   *reached = INFINITY;
   for (int k = 0; k < rounds; k++) {
@@ -345,7 +345,7 @@ static bool heats_up(const bw_flow *flow) {
 }
 
 static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                        bw_kept *kept) {
+                        bw_flow_state *next, bw_kept *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   if (heats_up(flow))
@@ -353,7 +353,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
         context, BW_INVALID,
         "there is a heat flux, but neither a temperature nor convection: no steady state "
         "is determined. Prescribe a temperature somewhere, or give a time step");
-  size_t unknowns = (size_t)in->graph->node_count * (size_t)flow->components;
+  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)flow->components;
   double *x = in->room.solution, reached = INFINITY;
   double *last = BW_NEW(context, double, unknowns);
   int rounds = options->iterations > 0 ? options->iterations : 30;
@@ -379,19 +379,23 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
     bw_detail_number(context, "change", reached);
     goto done;
   }
-  memcpy(flow->state, x, unknowns * sizeof *x);
-  memcpy(flow->before, x, unknowns * sizeof *x);
-  in->known = 1;
-  bw_free(in->old_point);
-  bw_free(in->older_point);
-  in->old_point = in->older_point = NULL;
+  memcpy(next->state, x, unknowns * sizeof *x);
+  memcpy(next->before, x, unknowns * sizeof *x);
+  next->known = 1;
+  bw_free(next->old_point);
+  bw_free(next->older_point);
+  next->old_point = next->older_point = NULL;
 done:
   bw_free(last);
   return status;
 }
 
+/* The next state is made beside the one that stands, which is in nobody's way until then. */
 bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *given,
                        bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_flow *in = flow->inner;
+  bw_flow_state *next = NULL;
   bw_flow_options options;
   bw_kept ignored = {0};
   bw_flow_options_default(&options);
@@ -406,9 +410,18 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
                    options.step, options.bdf, options.iterations, options.tolerance);
   if (options.step == 0)
     options.linear.tolerance = fmin(options.linear.tolerance, 0.01 * options.tolerance);
-  bw_status status = options.step > 0 ? march(context, flow, &options, kept)
-                                      : settle(context, flow, &options, kept);
-  if (status != BW_OK)
-    flow->inner->reacted = false;
+  if (!in->room.block)
+    BW_TRY(bwi_flow_room_make(context, in->now->graph, flow->components, &in->room));
+  BW_TRY(bwi_flow_next(context, flow, &next));
+  if (options.step > 0)
+    BW_TRY(march(context, flow, &options, next, kept));
+  else
+    BW_TRY(settle(context, flow, &options, next, kept));
+  memcpy(next->reaction, in->room.reaction,
+         (size_t)in->now->graph->node_count * (size_t)flow->components * sizeof(double));
+  next->reacted = true;
+  bwi_flow_adopt(flow, next);
+done:
+  bw_release(next);
   return status;
 }

@@ -14,11 +14,28 @@
 
 #include "plane/fill_internal.h"
 
-struct bwi_mover {
-  bwi_relocator *relocator;
-  double reference; /* the worst quality that this mesh had at its best */
-  double guess;     /* edge length of the last reconstruction, 0: none yet */
+/* All that a frame changes. A state is made whole and then put in the place of the one before, so
+ * that a mover never stands between two, and keeping one copies nothing. */
+struct bw_mover_state {
+  bw_object object;
+  const bw_plane_mesh *mesh; /* retained */
+  bwi_relocator *relocator;  /* retained: of the nodes of the mesh */
+  double reference;          /* the worst quality that this mesh had at its best */
+  double guess;              /* edge length of the last reconstruction, 0: none yet */
 };
+
+struct bwi_mover {
+  const bw_mover_state *now;
+};
+
+static void state_destroy(void *object) {
+  bw_mover_state *state = object;
+  bw_release(state->mesh);
+  bw_release(state->relocator);
+  bw_free(state);
+}
+
+static const bw_kind state_kind = {"mover state", state_destroy, NULL};
 
 void bw_follow_options_default(bw_follow_options *options) {
   *options = (bw_follow_options){.relocation = BW_RELOCATE_HARMONIC,
@@ -32,19 +49,28 @@ void bw_follow_options_default(bw_follow_options *options) {
 
 static void mover_destroy(void *object) {
   bw_mover *mover = object;
-  bw_release(mover->mesh);
   if (mover->inner)
-    bwi_relocator_free(mover->inner->relocator);
+    bw_release(mover->inner->now);
   bw_free(mover->inner);
   bw_free(mover);
 }
 
 static const bw_kind mover_kind = {"mover", mover_destroy, NULL};
 
+/* Cannot fail. */
+static void adopt(bw_mover *mover, const bw_mover_state *state) {
+  const bw_mover_state *former = mover->inner->now;
+  mover->inner->now = bw_retain(state);
+  mover->mesh = state->mesh;
+  mover->object.revision++;
+  bw_release(former);
+}
+
 bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
                           const bw_follow_options *options, bw_mover **out) {
   bw_status status = BW_OK;
   bw_mover *made = NULL;
+  bw_mover_state *first = NULL;
   bw_follow_options standard;
   int32_t which = 0;
   if (!options) {
@@ -62,29 +88,35 @@ bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
   if (!made)
     return BW_MEMORY;
   bw_object_init(made, &mover_kind);
-  made->mesh = bw_retain(mesh);
   made->options = *options;
   made->options.fill.order = mesh->topology->nodes->order;
   if (made->options.fill.size == 0 && !made->options.fill.field && made->options.fill.elements <= 0)
     made->options.fill.elements = mesh->topology->element_count;
   made->inner = BW_NEW0(context, struct bwi_mover, 1);
-  if (!made->inner) {
+  first = BW_NEW0(context, bw_mover_state, 1);
+  if (!made->inner || !first) {
+    bw_free(first);
+    first = NULL;
     status = BW_MEMORY;
     goto done;
   }
-  made->inner->reference = bwi_plane_worst(mesh->topology, mesh->point, &which);
-  BW_TRY(bwi_relocator_create(context, mesh, &made->inner->relocator));
+  bw_object_init(first, &state_kind);
+  first->mesh = bw_retain(mesh);
+  first->reference = bwi_plane_worst(mesh->topology, mesh->point, &which);
+  BW_TRY(bwi_relocator_create(context, mesh, &first->relocator));
+  adopt(made, first);
   *out = made;
   made = NULL;
 done:
+  bw_release(first);
   bw_release(made);
   return status;
 }
 
-/* What a frame makes, until it is taken over. */
+/* What a frame makes, until it becomes a state. */
 typedef struct attempt {
   bw_plane_mesh *mesh;
-  bwi_relocator *relocator; /* NULL: the mover's own stays */
+  bwi_relocator *relocator; /* NULL: that of the state before */
   double guess, reference;
   bw_follow_report report;
 } attempt;
@@ -103,10 +135,10 @@ static bw_status reconstruct(bw_context *context, const bw_mover *mover, const b
                              attempt *frame) {
   bw_status status = BW_OK;
   bw_release(frame->mesh);
-  bwi_relocator_free(frame->relocator);
+  bw_release(frame->relocator);
   frame->mesh = NULL;
   frame->relocator = NULL;
-  frame->guess = mover->inner->guess;
+  frame->guess = mover->inner->now->guess;
   BW_TRY(bwi_plane_fill(context, outline, &mover->options.fill, &frame->guess, &frame->mesh));
   BW_TRY(bwi_relocator_create(context, frame->mesh, &frame->relocator));
   frame->report.level = BW_LEVEL_RECONSTRUCTION;
@@ -135,7 +167,7 @@ static bw_status reconnect(bw_context *context, const bw_plane_topology *topolog
     BW_TRY(bwi_relocator_create(context, mesh, &relocator));
     frame->report.flips += made.flips;
     bw_release(frame->mesh);
-    bwi_relocator_free(frame->relocator);
+    bw_release(frame->relocator);
     frame->mesh = mesh;
     frame->relocator = relocator;
     mesh = NULL;
@@ -162,7 +194,7 @@ static bw_status recover(bw_context *context, const bw_mover *mover, const bw_ou
   memcpy(copy, mesh->point, bytes);
   frame->report.restored = true;
   BW_TRY(reconnect(context, mesh->topology, mesh->outline, copy, frame, &changed));
-  if (!changed && bwi_relocator_base(mover->inner->relocator) == mesh)
+  if (!changed && bwi_relocator_base(mover->inner->now->relocator) == mesh)
     goto done;  /* relocation from here was what failed */
   if (!changed) /* from here rather than from where the topology was new */
     BW_TRY(bwi_relocator_create(context, mesh, &frame->relocator));
@@ -178,7 +210,7 @@ static bw_status follow(bw_context *context, const bw_mover *mover, const bw_out
   const bw_follow_options *options = &mover->options;
   bw_follow_report *report = &frame->report;
   const bw_plane_topology *topology = mover->mesh->topology;
-  double reference = mover->inner->reference, *point = NULL;
+  double reference = mover->inner->now->reference, *point = NULL;
   bool changed = false;
   if (options->force == BW_LEVEL_RECONSTRUCTION ||
       !bwi_plane_same_shape(mover->mesh->outline, outline))
@@ -186,7 +218,7 @@ static bw_status follow(bw_context *context, const bw_mover *mover, const bw_out
   frame->reference = reference;
   double distorted = fmin(options->distorted, 0.8 * reference);
   double rebuild = fmin(options->rebuild, 0.4 * reference);
-  BW_TRY(relocate(context, mover, mover->inner->relocator, mover->mesh, outline, &point));
+  BW_TRY(relocate(context, mover, mover->inner->now->relocator, mover->mesh, outline, &point));
   report->level = BW_LEVEL_RELOCATION;
   report->worst = bwi_plane_worst(topology, point, &report->worst_element);
   if (!(report->worst > 0)) {
@@ -238,10 +270,27 @@ done:
   return status;
 }
 
+/* The frame as the mover's state, which takes the frame's mesh and relocator over. */
+static bw_status commit(bw_context *context, bw_mover *mover, attempt *frame) {
+  bw_mover_state *next = BW_NEW0(context, bw_mover_state, 1);
+  if (!next)
+    return BW_MEMORY;
+  bw_object_init(next, &state_kind);
+  *next =
+      (bw_mover_state){next->object, frame->mesh, frame->relocator, frame->reference, frame->guess};
+  if (!next->relocator)
+    next->relocator = bw_retain(mover->inner->now->relocator);
+  frame->mesh = NULL;
+  frame->relocator = NULL;
+  adopt(mover, next);
+  bw_release(next);
+  return BW_OK;
+}
+
 bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
                           bw_follow_report *report) {
   double start = bw_seconds();
-  attempt frame = {.guess = mover->inner->guess, .reference = mover->inner->reference};
+  attempt frame = {.guess = mover->inner->now->guess, .reference = mover->inner->now->reference};
   const bw_outline *now = mover->mesh->outline;
   bw_status status = bw_check_cancel(context);
   if (status != BW_OK)
@@ -257,53 +306,31 @@ bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline
   } else {
     status = follow(context, mover, outline, &frame);
   }
-  if (status == BW_OK && frame.mesh) {
-    bw_release(mover->mesh);
-    mover->mesh = frame.mesh;
-    frame.mesh = NULL;
-    if (frame.relocator) {
-      bwi_relocator_free(mover->inner->relocator);
-      mover->inner->relocator = frame.relocator;
-      frame.relocator = NULL;
-    }
-    mover->inner->guess = frame.guess;
-    mover->inner->reference = frame.reference;
-    mover->object.revision++;
-  }
+  if (status == BW_OK && frame.mesh)
+    status = commit(context, mover, &frame);
   bw_release(frame.mesh);
-  bwi_relocator_free(frame.relocator);
+  bw_release(frame.relocator);
   frame.report.seconds = bw_seconds() - start;
   if (status == BW_OK && report)
     *report = frame.report;
   return status;
 }
 
-bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh) {
-  bw_status status = BW_OK;
-  struct bwi_mover *inner = mover->inner;
-  int32_t which = 0;
-  if (mesh == mover->mesh)
-    return BW_OK;
-  if (mesh->topology->nodes->order != mover->options.fill.order)
-    return bw_fail(context, BW_INVALID, "a mesh of order %d for a mover of order %d",
-                   mesh->topology->nodes->order, mover->options.fill.order);
-  if (mesh->topology != bwi_relocator_base(inner->relocator)->topology) {
-    bwi_relocator *relocator = NULL;
-    BW_TRY(bwi_relocator_create(context, mesh, &relocator));
-    bwi_relocator_free(inner->relocator);
-    inner->relocator = relocator;
-    inner->reference = bwi_plane_worst(mesh->topology, mesh->point, &which);
-  }
-  bw_retain(mesh);
-  bw_release(mover->mesh);
-  mover->mesh = mesh;
-  mover->object.revision++;
-done:
-  return status;
+const bw_mover_state *bw_mover_keep(const bw_mover *mover) {
+  return bw_retain(mover->inner->now);
 }
 
-bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const double *node_gradient,
-                             double *point_gradient) {
-  return bwi_relocate_adjoint(context, mover->inner->relocator, mover->mesh->outline, node_gradient,
+bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state) {
+  if (state->mesh->topology->nodes->order != mover->options.fill.order)
+    return bw_fail(context, BW_INVALID, "a mesh of order %d for a mover of order %d",
+                   state->mesh->topology->nodes->order, mover->options.fill.order);
+  if (state != mover->inner->now)
+    adopt(mover, state);
+  return BW_OK;
+}
+
+bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh,
+                             const double *node_gradient, double *point_gradient) {
+  return bwi_relocate_adjoint(context, mover->inner->now->relocator, mesh, node_gradient,
                               point_gradient);
 }

@@ -16,11 +16,10 @@ bw_status bwi_plane_reconnect(bw_context *context, const bw_plane_topology *topo
 void bwi_reconnected_clear(bwi_reconnected *reconnected);
 
 /* Places under relocation, computed from a base: a mesh from which displacements are measured
- * (relocate.c). */
+ * (relocate.c). An object: what it keeps from call to call changes no result. */
 typedef struct bwi_relocator bwi_relocator;
 /* Its equations are factored at the first use. */
 bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base, bwi_relocator **out);
-void bwi_relocator_free(bwi_relocator *relocator);
 const bw_plane_mesh *bwi_relocator_base(const bwi_relocator *relocator);
 /* Nodes of the outline to their places on it, those inside harmonically along. */
 bw_status bwi_relocate(bw_context *context, bwi_relocator *relocator, const bw_outline *outline,
@@ -28,8 +27,10 @@ bw_status bwi_relocate(bw_context *context, bwi_relocator *relocator, const bw_o
 /* The paper's springs, from the places of `mesh`. */
 bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
                                const bw_outline *outline, int sweeps, double *point);
+/* From the gradient by the nodes of `mesh` to that by the points of its outline. BW_INVALID where
+ * the mesh does not have the base's nodes. */
 bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *relocator,
-                               const bw_outline *outline, const double *node_gradient,
+                               const bw_plane_mesh *mesh, const double *node_gradient,
                                double *point_gradient);
 
 #endif

@@ -12,6 +12,7 @@
 #include <string.h>
 
 struct bwi_relocator {
+  bw_object object;
   const bw_plane_mesh *base; /* retained */
   bwi_harmonic *harmonic;    /* NULL: not needed yet */
   double extent;             /* of the base */
@@ -30,6 +31,17 @@ static double extent_of(const bw_plane_mesh *mesh) {
   return fmax(high[0] - low[0], high[1] - low[1]);
 }
 
+static void relocator_destroy(void *object) {
+  bwi_relocator *relocator = object;
+  bw_release(relocator->base);
+  bwi_harmonic_free(relocator->harmonic);
+  bw_free(relocator->u);
+  bw_free(relocator->shape);
+  bw_free(relocator);
+}
+
+static const bw_kind relocator_kind = {"relocator", relocator_destroy, NULL};
+
 bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
                                bwi_relocator **out) {
   bw_status status = BW_OK;
@@ -37,6 +49,7 @@ bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
   bwi_relocator *made = BW_NEW0(context, bwi_relocator, 1);
   if (!made)
     return BW_MEMORY;
+  bw_object_init(made, &relocator_kind);
   made->base = bw_retain(base);
   made->pivot = -1;
   made->extent = extent_of(base);
@@ -49,18 +62,8 @@ bw_status bwi_relocator_create(bw_context *context, const bw_plane_mesh *base,
   *out = made;
   made = NULL;
 done:
-  bwi_relocator_free(made);
+  bw_release(made);
   return status;
-}
-
-void bwi_relocator_free(bwi_relocator *relocator) {
-  if (!relocator)
-    return;
-  bw_release(relocator->base);
-  bwi_harmonic_free(relocator->harmonic);
-  bw_free(relocator->u);
-  bw_free(relocator->shape);
-  bw_free(relocator);
 }
 
 const bw_plane_mesh *bwi_relocator_base(const bwi_relocator *relocator) {
@@ -210,11 +213,17 @@ bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
 /* ---- adjoint ------------------------------------------------------------------------------------
  */
 
-bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *r, const bw_outline *outline,
+bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *r, const bw_plane_mesh *mesh,
                                const double *node_gradient, double *point_gradient) {
   bw_status status = BW_OK;
   const bw_plane_topology *t = r->base->topology;
   const bw_plane_nodes *nodes = t->nodes;
+  const bw_outline *outline = mesh->outline;
+  if (mesh->topology->nodes != nodes)
+    return bw_fail(
+        context, BW_INVALID,
+        "a gradient by %d nodes of a mesh that this mover does not move: its mesh has %d",
+        mesh->topology->nodes->node_count, nodes->node_count);
   double *g = BW_NEW(context, double, 2 * (size_t)nodes->node_count);
   if (!g)
     return BW_MEMORY;

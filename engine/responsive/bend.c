@@ -35,6 +35,7 @@ typedef struct newton {
   bw_context *context;
   bw_sheet *sheet;
   struct bwi_sheet *inner;
+  bw_sheet_state *next; /* what this makes; its `before` and `former` are still those that stand */
   const bw_bend_options *options;
   bwi_bend bend;
   size_t size;
@@ -107,14 +108,15 @@ static bw_status go_on(newton *n, double load, double *inside, double *total) {
   double plain = residual(n, load, n->u, n->inside), relative = INFINITY;
   double there = INFINITY, all = INFINITY, *way[2] = {n->step, n->way};
   double slope[2], by[2][2], share[2] = {0, 0};
-  int count = inner->former ? 2 : 1;
+  const double *before = n->next->before, *former = n->next->former;
+  int count = former ? 2 : 1;
   if (plain <= n->options->tolerance || !all_held(n, load))
     return BW_OK;
   for (size_t k = 0; k < n->size; k++) {
-    double last = inner->held[k] ? 0 : n->u[k] - inner->before[k];
+    double last = inner->held[k] ? 0 : n->u[k] - before[k];
     way[count - 1][k] = last;
     if (count == 2)
-      way[0][k] = inner->held[k] ? 0 : 2 * last - inner->before[k] + inner->former[k];
+      way[0][k] = inner->held[k] ? 0 : 2 * last - before[k] + former[k];
   }
   for (int w = 0; w < count; w++)
     BW_TRY(bwi_dot(n->context, n->size, inner->rhs, way[w], &slope[w]));
@@ -298,15 +300,15 @@ done:
 
 /* The displacement, about to be replaced by the next, as the one before it. */
 static bw_status remember(newton *n) {
-  struct bwi_sheet *inner = n->inner;
-  if (!inner->solved)
+  bw_sheet_state *next = n->next;
+  if (!next->solved)
     return BW_OK;
-  double **oldest = inner->before ? &inner->former : &inner->before;
+  double **oldest = next->before ? &next->former : &next->before;
   if (!*oldest && !(*oldest = BW_NEW(n->context, double, n->size)))
     return BW_MEMORY;
   memcpy(*oldest, n->sheet->displacement, n->size * sizeof(double));
-  if (oldest == &inner->former)
-    swap(&inner->former, &inner->before);
+  if (oldest == &next->former)
+    swap(&next->former, &next->before);
   return BW_OK;
 }
 
@@ -330,9 +332,10 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
                    "Newton's method with tolerance %g, %d iterations, %d load steps: all have to "
                    "be positive",
                    n.options->tolerance, n.options->iterations, n.options->load_steps);
+  BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &n.next));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   n.kept->pattern = !made;
-  n.kept->solution = inner->solved;
+  n.kept->solution = n.next->solved;
   n.size = 2 * (size_t)inner->graph->node_count;
   room = BW_NEW(context, double, 6 * n.size);
   if (!room) {
@@ -354,7 +357,7 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   inner->matrix_step[0] = 0; /* the matrix is used for tangents */
   memcpy(n.u, sheet->displacement, n.size * sizeof(double));
   n.report->load_steps = 1;
-  status = equilibrium(&n, 1, inner->before && inner->solved && inner->large);
+  status = equilibrium(&n, 1, n.next->before && n.next->solved && n.next->large);
   if (gave_up(status)) {
     n.report->load_steps = 0;
     status = in_steps(&n);
@@ -362,11 +365,12 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   if (status != BW_OK)
     goto done;
   BW_TRY(remember(&n));
-  memcpy(sheet->displacement, n.u, n.size * sizeof(double));
-  inner->solved = inner->large = true;
-  inner->moving = false;
-  sheet->object.revision++;
+  memcpy(n.next->displacement, n.u, n.size * sizeof(double));
+  n.next->solved = n.next->large = true;
+  n.next->moving = n.next->statics = false;
+  bwi_sheet_adopt(sheet, n.next);
 done:
+  bw_release(n.next);
   bwi_bend_clear(&n.bend);
   bw_free(room);
   return status;

@@ -171,9 +171,10 @@ static bw_status check(bw_context *context, const bw_newmark *newmark) {
   return BW_OK;
 }
 
-/* From rest where there was no motion yet. */
+/* From rest where there was no motion yet: velocity and acceleration of `next`, which has the
+ * fields of the sheet as it is. */
 static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                       double *room) {
+                       double *room, bw_sheet_state *next) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   size_t size = 2 * (size_t)inner->graph->node_count;
@@ -186,25 +187,19 @@ static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *n
       velocity[i] = sheet->velocity ? sheet->velocity[i] : 0;
   }
   BW_TRY(first_acceleration(context, sheet, newmark, velocity, displacement, acceleration));
-  if (!sheet->velocity)
-    sheet->velocity = BW_NEW(context, double, size);
-  if (!sheet->acceleration)
-    sheet->acceleration = BW_NEW(context, double, size);
-  if (!sheet->velocity || !sheet->acceleration) {
+  if (!next->velocity)
+    next->velocity = BW_NEW(context, double, size);
+  if (!next->acceleration)
+    next->acceleration = BW_NEW(context, double, size);
+  if (!next->velocity || !next->acceleration) {
     status = BW_MEMORY;
     goto done;
   }
-  memcpy(sheet->velocity, velocity, size * sizeof(double));
-  memcpy(sheet->acceleration, acceleration, size * sizeof(double));
-  memcpy(sheet->displacement, displacement, size * sizeof(double));
-  inner->moving = true;
-  inner->solved = true;
+  memcpy(next->velocity, velocity, size * sizeof(double));
+  memcpy(next->acceleration, acceleration, size * sizeof(double));
+  memcpy(next->displacement, displacement, size * sizeof(double));
+  next->moving = next->solved = true;
 done:
-  if (status != BW_OK && !inner->moving) { /* both or none */
-    bw_free(sheet->velocity);
-    bw_free(sheet->acceleration);
-    sheet->velocity = sheet->acceleration = NULL;
-  }
   return status;
 }
 
@@ -213,6 +208,7 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   bw_newmark defaults;
+  bw_sheet_state *next = NULL;
   bw_kept ignored = {0};
   double *room = NULL;
   bool made;
@@ -223,7 +219,8 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   BW_TRY(check(context, newmark));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   kept->pattern = !made;
-  kept->solution = inner->solved;
+  BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
+  kept->solution = next->solved;
   size_t size = 2 * (size_t)inner->graph->node_count;
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
@@ -232,8 +229,8 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
     status = BW_MEMORY;
     goto done;
   }
-  if (!inner->moving)
-    BW_TRY(begin(context, sheet, newmark, room));
+  if (!next->moving)
+    BW_TRY(begin(context, sheet, newmark, room, next));
 
   double h = newmark->step, beta = newmark->beta, gamma = newmark->gamma;
   double am = newmark->damping_mass, ak = newmark->damping_stiffness;
@@ -247,10 +244,10 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
     if (inner->held[i]) {
       u[i] = inner->prescribed[i];
     } else {
-      double before = sheet->displacement[i] + h * sheet->velocity[i] +
-                      (0.5 - beta) * h * h * sheet->acceleration[i];
+      double before = next->displacement[i] + h * next->velocity[i] +
+                      (0.5 - beta) * h * h * next->acceleration[i];
       a[i] = -by_mass * before;
-      v[i] = sheet->velocity[i] + (1 - gamma) * h * sheet->acceleration[i] - by_damping * before;
+      v[i] = next->velocity[i] + (1 - gamma) * h * next->acceleration[i] - by_damping * before;
       u[i] = 0;
     }
     w[i] = u[i] + ak * v[i];
@@ -275,22 +272,26 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
       inner->work[i] = inner->prescribed[i];
     } else /* a first guess: the acceleration stays */
       inner->work[i] =
-          sheet->displacement[i] + h * sheet->velocity[i] + 0.5 * h * h * sheet->acceleration[i];
+          next->displacement[i] + h * next->velocity[i] + 0.5 * h * h * next->acceleration[i];
   kept->seconds_assemble += bw_seconds() - start;
   BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
                         options, kept));
   /* v and a hold what is known of the new ones */
   for (size_t i = 0; i < size; i++) {
     bool held = inner->held[i];
-    sheet->acceleration[i] = held ? a[i] : a[i] + by_mass * inner->work[i];
-    sheet->velocity[i] = held ? v[i] : v[i] + by_damping * inner->work[i];
-    sheet->displacement[i] = inner->work[i];
+    next->acceleration[i] = held ? a[i] : a[i] + by_mass * inner->work[i];
+    next->velocity[i] = held ? v[i] : v[i] + by_damping * inner->work[i];
+    next->displacement[i] = inner->work[i];
   }
-  sheet->time = time;
-  inner->solved = true;
-  inner->large = false;
-  sheet->object.revision++;
+  next->time = time;
+  next->solved = true;
+  next->large = next->statics = false;
+  bw_free(next->before); /* not of one load after another any more */
+  bw_free(next->former);
+  next->before = next->former = NULL;
+  bwi_sheet_adopt(sheet, next);
 done:
+  bw_release(next);
   bw_free(room);
   return status;
 }

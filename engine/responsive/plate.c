@@ -1,6 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A plate on a mesh that follows an outline: matrices, rigid motions, and the modes of the last
- * frame, which start the next. */
+/* A plate on a mesh that follows an outline: its life and its matrices. */
 #include <math.h>
 #include <string.h>
 
@@ -10,28 +9,20 @@ static void plate_destroy(void *object) {
   bw_plate *plate = object;
   struct bwi_plate *in = plate->inner;
   if (in) {
-    bw_release(in->graph);
-    bw_free(in->stiffness);
-    bw_free(in->mass);
-    bw_free(in->shifted);
+    bw_release(in->now);
     bw_free(in->origin);
     bwi_stale_symmetric_free(in->factor);
     bw_free(in);
   }
-  bw_release(plate->mesh);
   bw_release(plate->material);
-  bw_free(plate->frequency);
-  bw_free(plate->shape);
-  bw_free(plate->residual);
   bw_free(plate);
 }
 
 static size_t plate_bytes(const void *object) {
   const bw_plate *plate = object;
-  size_t pairs = (size_t)plate->inner->graph->pair_count;
-  size_t nodes = (size_t)plate->mesh->topology->nodes->node_count;
-  return sizeof *plate + pairs * 19 * sizeof(double) +
-         (size_t)plate->inner->known * (3 * nodes + 2) * sizeof(double);
+  const bw_plate_state *now = plate->inner->now;
+  size_t pairs = (size_t)now->matrices->graph->pair_count;
+  return sizeof *plate + pairs * 19 * sizeof(double) + bw_bytes(now);
 }
 
 static const bw_kind plate_kind = {"plate", plate_destroy, plate_bytes};
@@ -77,27 +68,11 @@ static double component_mass(const bwi_plate_law *law, int c) {
   return c == 0 ? law->mass : law->inertia;
 }
 
-/* Values of `graph` for a mesh of its topology, into three blocks of their sizes. */
-static bw_status assemble(bw_context *context, const struct bwi_plate *in,
-                          const bw_plane_graph *graph, const bw_plane_mesh *mesh, double shift,
-                          double *stiffness, double *mass, double *shifted) {
-  bw_status status = BW_OK;
-  assembly data = {context, mesh, in};
-  BW_TRY(bw_plane_assemble(context, graph, 3, stiffness_of, &data, stiffness));
-  BW_TRY(bw_plane_assemble(context, graph, 1, mass_of, &data, mass));
-  for (int64_t p = 0; p < graph->pair_count; p++)
-    for (int k = 0; k < 9; k++)
-      shifted[9 * p + k] = stiffness[9 * p + k] +
-                           (k % 4 == 0 ? shift * component_mass(&in->law, k / 4) * mass[p] : 0);
-done:
-  return status;
-}
-
 bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,
                                   double *y) {
   (void)context;
-  const bw_plane_graph *g = plate->inner->graph;
-  const double *mass = plate->inner->mass;
+  const bw_plane_graph *g = plate->inner->now->matrices->graph;
+  const double *mass = plate->inner->now->matrices->mass;
   const bwi_plate_law *law = &plate->inner->law;
   for (int64_t i = 0; i < g->node_count; i++) {
     double sum[3] = {0};
@@ -124,6 +99,53 @@ static double shift_for(const bw_plane_mesh *mesh, const bwi_plate_law *law) {
   return 50 * rigidity / (law->mass * length * length * length * length);
 }
 
+static void matrices_destroy(void *object) {
+  bwi_plate_matrices *m = object;
+  bw_release(m->graph);
+  bw_free(m->stiffness);
+  bw_free(m->mass);
+  bw_free(m->shifted);
+  bw_free(m);
+}
+
+static const bw_kind matrices_kind = {"plate matrices", matrices_destroy, NULL};
+
+/* Of a mesh of the graph's topology. */
+static bw_status make_matrices(bw_context *context, const struct bwi_plate *in,
+                               bw_plane_graph *graph, const bw_plane_mesh *mesh,
+                               bwi_plate_matrices **out) {
+  bw_status status = BW_OK;
+  int64_t pairs = graph->pair_count;
+  bwi_plate_matrices *m = BW_NEW0(context, bwi_plate_matrices, 1);
+  if (!m)
+    return BW_MEMORY;
+  bw_object_init(m, &matrices_kind);
+  m->law = in->law;
+  m->graph = bw_retain(graph);
+  m->stiffness = BW_NEW(context, double, 9 * pairs);
+  m->mass = BW_NEW(context, double, pairs);
+  m->shifted = BW_NEW(context, double, 9 * pairs);
+  if (!m->stiffness || !m->mass || !m->shifted) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  /* of the shape as it is: a drag may scale it */
+  double shift = shift_for(mesh, &in->law);
+  assembly data = {context, mesh, in};
+  BW_TRY(bw_plane_assemble(context, graph, 3, stiffness_of, &data, m->stiffness));
+  BW_TRY(bw_plane_assemble(context, graph, 1, mass_of, &data, m->mass));
+  for (int64_t p = 0; p < pairs; p++)
+    for (int k = 0; k < 9; k++)
+      m->shifted[9 * p + k] =
+          m->stiffness[9 * p + k] +
+          (k % 4 == 0 ? shift * component_mass(&in->law, k / 4) * m->mass[p] : 0);
+  *out = m;
+  m = NULL;
+done:
+  bw_release(m);
+  return status;
+}
+
 /* ---- life ------------------------------------------------------------------------------------ */
 
 static bw_status check_mesh(bw_context *context, const bw_plane_mesh *mesh) {
@@ -138,6 +160,9 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   bw_status status = BW_OK;
   bw_plate *plate = NULL;
   struct bwi_plate *in = NULL;
+  bw_plane_graph *graph = NULL;
+  bwi_plate_matrices *matrices = NULL;
+  bw_plate_state *first = NULL;
   BW_TRY(check_mesh(context, mesh));
   plate = BW_NEW0(context, bw_plate, 1);
   in = BW_NEW0(context, struct bwi_plate, 1);
@@ -150,22 +175,17 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   plate->inner = in;
   plate->thickness = thickness;
   plate->material = bw_retain(material);
-  plate->mesh = bw_retain(mesh);
   BW_TRY(bwi_plate_law_create(context, material, thickness, &in->law));
   bwi_plate_reference_fill(&in->reference);
   BW_TRY(bwi_stale_symmetric_create(context, 3, &in->factor));
-  BW_TRY(bw_plane_graph_create(context, mesh->topology, &in->graph));
-  int64_t pairs = in->graph->pair_count;
-  in->stiffness = BW_NEW(context, double, 9 * pairs);
-  in->mass = BW_NEW(context, double, pairs);
-  in->shifted = BW_NEW(context, double, 9 * pairs);
-  if (!in->stiffness || !in->mass || !in->shifted) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  BW_TRY(assemble(context, in, in->graph, mesh, shift_for(mesh, &in->law), in->stiffness, in->mass,
-                  in->shifted));
+  BW_TRY(bw_plane_graph_create(context, mesh->topology, &graph));
+  BW_TRY(make_matrices(context, in, graph, mesh, &matrices));
+  BW_TRY(bwi_plate_blank(context, mesh, matrices, &first));
+  bwi_plate_adopt(plate, first);
 done:
+  bw_release(graph);
+  bw_release(matrices);
+  bw_release(first);
   if (status == BW_OK)
     *result = plate;
   else
@@ -173,73 +193,66 @@ done:
   return status;
 }
 
-/* Everything is made beside what there is, and takes its place at the end: a failure changes
- * nothing. */
+static bw_status copy(bw_context *context, const double *from, int count, double **to) {
+  *to = BW_NEW(context, double, count);
+  if (!*to)
+    return BW_MEMORY;
+  if (count > 0)
+    memcpy(*to, from, (size_t)count * sizeof **to);
+  return BW_OK;
+}
+
+/* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
                           bw_kept *kept) {
   bw_status status = BW_OK;
   struct bwi_plate *in = plate->inner;
+  const bw_plate_state *was = in->now;
   const bw_plane_topology *before = plate->mesh->topology, *now = mesh->topology;
   bool same_topology = now == before, same_nodes = now->nodes == before->nodes;
-  double started = bw_seconds();
-  double *stiffness = NULL, *mass = NULL, *shifted = NULL, *shape = NULL, *turn = NULL;
+  double started = bw_seconds(), *turn = NULL;
   bw_plane_graph *graph = NULL;
+  bwi_plate_matrices *matrices = NULL;
+  bw_plate_state *next = NULL;
   BW_TRY(check_mesh(context, mesh));
   if (same_topology)
-    graph = bw_retain(in->graph);
+    graph = bw_retain(was->matrices->graph);
   else
     BW_TRY(bw_plane_graph_create(context, now, &graph));
-  int64_t pairs = graph->pair_count, nodes = now->nodes->node_count;
-  stiffness = BW_NEW(context, double, 9 * pairs);
-  mass = BW_NEW(context, double, pairs);
-  shifted = BW_NEW(context, double, 9 * pairs);
-  shape = BW_NEW(context, double, in->known *nodes * 3);
+  int64_t nodes = now->nodes->node_count;
+  BW_TRY(make_matrices(context, in, graph, mesh, &matrices));
+  BW_TRY(bwi_plate_blank(context, mesh, matrices, &next));
+  next->mode_count = was->mode_count;
+  next->known = was->known;
+  next->past = was->past;
+  BW_TRY(copy(context, was->frequency, was->mode_count, &next->frequency));
+  BW_TRY(copy(context, was->residual, was->mode_count, &next->residual));
+  next->shape = BW_NEW(context, double, was->known *nodes * 3);
   turn = BW_NEW(context, double, 4 * nodes);
-  if (!stiffness || !mass || !shifted || !shape || !turn) {
+  if (!next->shape || !turn) {
     status = BW_MEMORY;
     goto done;
   }
-  /* of the shape as it is: a drag may scale it */
-  double shift = shift_for(mesh, &in->law);
-  BW_TRY(assemble(context, in, graph, mesh, shift, stiffness, mass, shifted));
-  for (int k = 0; k < in->known; k++)
+  for (int k = 0; k < was->known; k++)
     BW_TRY(bw_plane_carry(context, plate->mesh, mesh, 3,
-                          plate->shape + k * 3 * (int64_t)before->nodes->node_count,
-                          shape + k * 3 * nodes));
+                          was->shape + k * 3 * (int64_t)before->nodes->node_count,
+                          next->shape + k * 3 * nodes));
   if (same_nodes) {
     BW_TRY(bwi_plate_turns(context, &in->reference, now, plate->mesh->point, mesh->point, turn));
-    for (int k = 0; k < in->known; k++)
-      bwi_plate_turn(nodes, turn, false, shape + k * 3 * nodes);
+    for (int k = 0; k < was->known; k++)
+      bwi_plate_turn(nodes, turn, false, next->shape + k * 3 * nodes);
   }
-  bw_release(in->graph);
-  in->graph = bw_retain(graph);
-  double *old[4] = {in->stiffness, in->mass, in->shifted, plate->shape};
-  in->stiffness = stiffness;
-  in->mass = mass;
-  in->shifted = shifted;
-  plate->shape = shape;
-  stiffness = old[0];
-  mass = old[1];
-  shifted = old[2];
-  shape = old[3];
-  if (!same_topology) /* flipped edges move their middles: a former factor takes five times as long
-                       */
-    in->factored = false;
-  bw_retain(mesh);
-  bw_release(plate->mesh);
-  plate->mesh = mesh;
+  bwi_plate_adopt(plate, next);
   if (kept) {
     kept->pattern = same_topology;
     kept->factor = same_topology && in->factored;
-    kept->solution = in->known > 0;
+    kept->solution = next->known > 0;
     kept->seconds_assemble += bw_seconds() - started;
   }
 done:
   bw_release(graph);
-  bw_free(stiffness);
-  bw_free(mass);
-  bw_free(shifted);
-  bw_free(shape);
+  bw_release(matrices);
+  bw_release(next);
   bw_free(turn);
   return status;
 }

@@ -57,20 +57,45 @@ bw_status bwi_plate_turns(bw_context *context, const bwi_plate_reference *refere
 /* u = T u or T^T u in place (3 numbers a node). */
 void bwi_plate_turn(int64_t nodes, const double *turn, bool transposed, double *u);
 
+/* The matrices of a mesh: an immutable object. */
+typedef struct bwi_plate_matrices {
+  bw_object object;
+  bwi_plate_law law;     /* that they are made with */
+  bw_plane_graph *graph; /* retained */
+  double *stiffness;     /* 9 per pair */
+  double *mass;          /* 1 per pair: integral of N_a N_b */
+  double *shifted;       /* 9 per pair: stiffness + shift mass, what the factor is of */
+} bwi_plate_matrices;
+
+/* All that an operation on a plate changes (plate_state.c). An operation makes the next state
+ * beside the one that stands and puts it in its place when nothing can fail any more: it happens
+ * whole or not at all, and keeping a state copies nothing. */
+struct bw_plate_state {
+  bw_object object;
+  const bw_plane_mesh *mesh;          /* retained */
+  const bwi_plate_matrices *matrices; /* retained: of the mesh */
+  int mode_count;
+  double *frequency, *shape, *residual;
+  int known; /* vectors in `shape`: the modes and some guards, the next start, */
+  int past;  /* and as the last of them modes of former frames */
+};
+
 struct bwi_plate {
   bwi_plate_law law;
   bwi_plate_reference reference;
-  bw_plane_graph *graph;
-  double *stiffness; /* 9 per pair */
-  double *mass;      /* 1 per pair: integral of N_a N_b */
-  double *shifted;   /* 9 per pair: stiffness + shift mass, what the factor is of */
+  const bw_plate_state *now; /* retained; the public fields are its own */
+  /* What makes the next frame faster. */
   bwi_stale_symmetric *factor;
   bool factored;   /* there is a factor of these nodes, of whatever shape */
   double *origin;  /* node_count x 2: where the nodes were then */
   int fresh, last; /* iterations with a new factor, and in the last solve */
-  int known;       /* vectors in plate->shape: the modes and some guards, the next start, */
-  int past;        /* and as the last of them modes of former frames */
 };
+
+/* A state of a mesh with its matrices and without modes. */
+bw_status bwi_plate_blank(bw_context *context, const bw_plane_mesh *mesh,
+                          const bwi_plate_matrices *matrices, bw_plate_state **state);
+/* Puts a state in the place of the one that stands. Cannot fail. */
+void bwi_plate_adopt(bw_plate *plate, const bw_plate_state *state);
 
 /* y = M x (3 numbers a node) */
 bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,

@@ -21,7 +21,8 @@ typedef struct problem {
 
 static bw_status times_stiffness(void *data, const double *x, double *y) {
   const problem *p = data;
-  return bw_plane_multiply(p->context, p->plate->inner->graph, 3, p->plate->inner->stiffness, x, y);
+  const bwi_plate_matrices *m = p->plate->inner->now->matrices;
+  return bw_plane_multiply(p->context, m->graph, 3, m->stiffness, x, y);
 }
 
 static bw_status times_mass(void *data, const double *x, double *y) {
@@ -97,6 +98,7 @@ static void fix_sign(double *shape, int64_t nodes) {
 
 static bw_status refactor(bw_context *context, const bw_plate *plate, bool scratch, bw_kept *kept) {
   struct bwi_plate *in = plate->inner;
+  const bwi_plate_matrices *m = in->now->matrices;
   double before = bw_seconds();
   bwi_stale_work work;
   size_t numbers = 2 * (size_t)plate->mesh->topology->nodes->node_count;
@@ -109,7 +111,7 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool scrat
   if (scratch)
     bwi_stale_symmetric_forget(in->factor);
   in->factored = false;
-  bw_status status = bwi_stale_symmetric_factor(context, in->factor, in->graph, in->shifted, &work);
+  bw_status status = bwi_stale_symmetric_factor(context, in->factor, m->graph, m->shifted, &work);
   in->factored = status == BW_OK;
   kept->analyses += work.analysed;
   kept->factorisations++;
@@ -125,6 +127,8 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   if (given)
     options = *given;
   struct bwi_plate *in = plate->inner;
+  const bw_plate_state *now = in->now;
+  bw_plate_state *next = NULL;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   double *vector = NULL, *rigid = NULL, *value = NULL, *residual = NULL, *frequency = NULL,
          *turn = NULL;
@@ -136,7 +140,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   if (!(options.tolerance > 0))
     return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
                    options.tolerance);
-  int block = options.modes + GUARDS, begun = in->known - in->past, past = 0;
+  int block = options.modes + GUARDS, begun = now->known - now->past, past = 0;
   bool follows = false;
   vector = BW_NEW0(context, double, (block + PAST * options.modes) * n);
   rigid = BW_NEW(context, double, 2 * RIGID * n);
@@ -154,7 +158,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
     if (begun >= options.modes) {
       memcpy(vector + block * n, plate->shape, bytes);
       past = options.modes;
-      follows = plate->mode_count == options.modes && in->past > 0;
+      follows = plate->mode_count == options.modes && now->past > 0;
     }
     if (follows) {
       memcpy(vector + (block + past) * n, plate->shape + begun * n, bytes);
@@ -189,7 +193,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
                    .mass_rigid = rigid + RIGID * n,
                    .wanted = options.modes,
                    .block = block,
-                   .more_count = follows ? in->past : 0,
+                   .more_count = follows ? now->past : 0,
                    .more = follows ? plate->shape + begun * n : NULL,
                    .tolerance = options.tolerance,
                    .limit = fresh ? ROUNDS : 2 * in->fresh + 20};
@@ -217,17 +221,17 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * 3.14159265358979323846);
     kept->residual = fmax(kept->residual, residual[k]);
   }
-  bw_free(plate->shape);
-  bw_free(plate->frequency);
-  bw_free(plate->residual);
-  plate->shape = vector;
-  plate->frequency = frequency;
-  plate->residual = residual;
+  BW_TRY(bwi_plate_blank(context, plate->mesh, now->matrices, &next));
+  next->shape = vector;
+  next->frequency = frequency;
+  next->residual = residual;
   vector = frequency = residual = NULL;
-  plate->mode_count = options.modes;
-  in->known = block + past;
-  in->past = past;
+  next->mode_count = options.modes;
+  next->known = block + past;
+  next->past = past;
+  bwi_plate_adopt(plate, next);
 done:
+  bw_release(next);
   bw_free(vector);
   bw_free(rigid);
   bw_free(turn);

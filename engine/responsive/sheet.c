@@ -28,14 +28,9 @@ static void sheet_destroy(void *object) {
     bw_free(inner->force);
     bw_free(inner->rhs);
     bw_free(inner->work);
-    bw_free(inner->before);
-    bw_free(inner->former);
+    bw_release(inner->now);
     bw_free(inner);
   }
-  bw_release(sheet->mesh);
-  bw_free(sheet->displacement);
-  bw_free(sheet->velocity);
-  bw_free(sheet->acceleration);
   bw_free(sheet);
 }
 
@@ -44,7 +39,7 @@ static size_t sheet_bytes(const void *object) {
   const struct bwi_sheet *inner = sheet->inner;
   size_t bytes = sizeof *sheet + sizeof *inner;
   size_t nodes = (size_t)sheet->mesh->topology->nodes->node_count;
-  bytes += nodes * 8 * (inner->prescribed ? 14 : 2);
+  bytes += bw_bytes(inner->now) + nodes * 8 * (inner->prescribed ? 9 : 0);
   if (inner->graph)
     bytes += bw_bytes(inner->graph) +
              8 * (9 * (size_t)inner->graph->pair_count + bwi_plane_room(inner->graph, 2));
@@ -80,6 +75,7 @@ bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
                           const bw_sheet_description *description, bw_sheet **out) {
   bw_status status = BW_OK;
   const bw_plane_topology *topology = mesh->topology;
+  bw_sheet_state *first = NULL;
   int32_t regions = 0;
   for (int32_t e = 0; e < topology->element_count; e++)
     if (topology->region[e] + 1 > regions)
@@ -93,18 +89,24 @@ bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
   if (!sheet)
     return BW_MEMORY;
   bw_object_init(sheet, &kind);
-  sheet->mesh = bw_retain(mesh);
   sheet->inner = BW_NEW0(context, struct bwi_sheet, 1);
-  sheet->displacement = BW_NEW0(context, double, 2 * (size_t)topology->nodes->node_count);
-  if (!sheet->inner || !sheet->displacement) {
+  if (!sheet->inner) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(copy_description(context, sheet->inner, description));
+  BW_TRY(bwi_sheet_next(context, sheet, mesh, false, &first));
+  first->displacement = BW_NEW0(context, double, 2 * (size_t)topology->nodes->node_count);
+  if (!first->displacement) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  bwi_sheet_adopt(sheet, first);
   BW_TRY(
       bwi_conditions_check(context, mesh, 2, description->condition_count, description->condition));
   BW_TRY(bw_stale_create(context, true, 2, &sheet->inner->stale));
 done:
+  bw_release(first);
   if (status == BW_OK)
     *out = sheet;
   else
@@ -122,7 +124,7 @@ static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t 
   if (!room)
     return BW_MEMORY;
   for (size_t i = 0; i < size; i++)
-    change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->before[i];
+    change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->now->before[i];
   BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, inner->work, product));
   BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, NULL));
   BW_TRY(bwi_dot(context, size, change, product, &along));
@@ -137,18 +139,11 @@ done:
   return status;
 }
 
-bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
-                          bw_kept *kept) {
+bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  bw_kept ignored = {0};
-  bool made;
-  kept = kept ? kept : &ignored;
-  double start = bw_seconds();
-  BW_TRY(bwi_sheet_prepare(context, sheet, &made));
-  size_t size = 2 * (size_t)inner->graph->node_count;
-  kept->pattern = !made;
-  kept->solution = inner->solved;
+  BW_TRY(bwi_sheet_prepare(context, sheet, made));
+  inner->matrix_step[0] = 0;
   BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
   if (!inner->held_checked)
     BW_TRY(bwi_sheet_check_free(context, sheet));
@@ -156,34 +151,48 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_o
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   memcpy(inner->matrix, inner->stiffness, 4 * (size_t)inner->graph->pair_count * sizeof(double));
-  inner->matrix_step[0] = 0;
-  memcpy(inner->rhs, inner->force, size * sizeof(double));
+  memcpy(inner->rhs, inner->force, 2 * (size_t)inner->graph->node_count * sizeof(double));
   BW_TRY(bw_plane_prescribe(context, inner->graph, 2, inner->held, inner->prescribed, inner->matrix,
                             inner->rhs));
+  inner->matrix_step[0] = -1;
+done:
+  return status;
+}
+
+bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
+                          bw_kept *kept) {
+  bw_status status = BW_OK;
+  struct bwi_sheet *inner = sheet->inner;
+  bw_sheet_state *next = NULL;
+  bw_kept ignored = {0};
+  bool made;
+  kept = kept ? kept : &ignored;
+  double start = bw_seconds();
+  BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
+  BW_TRY(bwi_sheet_statics(context, sheet, &made));
+  size_t size = 2 * (size_t)inner->graph->node_count;
+  kept->pattern = !made;
+  kept->solution = next->solved;
   for (size_t i = 0; i < size; i++)
     inner->work[i] = inner->held[i] ? inner->prescribed[i] : sheet->displacement[i];
-  if (inner->before)
+  if (next->before)
     BW_TRY(extrapolate(context, sheet, size));
-  else if (inner->solved)
-    inner->before = BW_NEW(context, double, size);
-  if (inner->solved && !inner->before) {
+  else if (next->solved)
+    next->before = BW_NEW(context, double, size);
+  if (next->solved && !next->before) {
     status = BW_MEMORY;
     goto done;
   }
   kept->seconds_assemble += bw_seconds() - start;
-  if ((status = bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs,
-                               inner->work, options, kept)) != BW_OK) {
-    bw_free(inner->before);
-    inner->before = NULL;
-    goto done;
-  }
-  if (inner->before)
-    memcpy(inner->before, sheet->displacement, size * sizeof(double));
-  memcpy(sheet->displacement, inner->work, size * sizeof(double));
-  inner->matrix_step[0] = -1;
-  inner->solved = true;
-  inner->large = inner->moving = false;
-  sheet->object.revision++;
+  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
+                        options, kept));
+  if (next->before)
+    memcpy(next->before, sheet->displacement, size * sizeof(double));
+  memcpy(next->displacement, inner->work, size * sizeof(double));
+  next->solved = next->statics = true;
+  next->large = next->moving = false;
+  bwi_sheet_adopt(sheet, next);
 done:
+  bw_release(next);
   return status;
 }

@@ -67,6 +67,27 @@ bwi_rule_gradient(const bwi_rule *rule, int q, int N, const double (*x)[2], doub
 
 /* ---- a sheet --------------------------------------------------------------------------------- */
 
+/* All that an operation on a sheet changes (sheet_state.c). An operation makes the next state
+ * beside the one that stands and puts it in its place when nothing can fail any more: it happens
+ * whole or not at all, and keeping a state copies nothing. */
+struct bw_sheet_state {
+  bw_object object;
+  const bw_plane_mesh *mesh; /* retained */
+  int32_t condition_count;
+  bw_condition
+      *condition; /* whose tags are those of the mesh's outline; its functions are not called */
+  double time;
+  /* node_count x 2 each */
+  double *displacement;
+  double *velocity, *acceleration; /* both, or NULL */
+  double *before, *former; /* the solution before the last, and of bw_sheet_bend the one before
+                              that; NULL: none */
+  bool solved;             /* displacement is a solution of some mesh */
+  bool statics;            /* the linear statics of this mesh */
+  bool large;              /* by bw_sheet_bend */
+  bool moving;             /* acceleration fits displacement and velocity */
+};
+
 struct bwi_sheet {
   int32_t section_count;
   bwi_section *section;
@@ -75,9 +96,12 @@ struct bwi_sheet {
   int32_t condition_count;
   bw_condition *condition;
   double gravity[2];
-  bw_stale *stale;
+  const bw_sheet_state *now; /* retained; the public fields are its own */
 
-  /* By topology; NULL until used. Dropped when it changes. */
+  /* From here on what follows from all that, or makes it faster: made when it is needed, dropped
+   * when it is not of the state's mesh any more. No result depends on what is there. */
+  bw_stale *stale;
+  /* By topology; NULL until used. */
   bw_plane_graph *graph;
   double *stiffness; /* 4 per pair: as assembled */
   double *matrix;    /* 4 per pair: what is solved with */
@@ -87,18 +111,18 @@ struct bwi_sheet {
   uint8_t *held;                           /* node_count x 2 */
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */
 
-  /* node_count x 2: the solution before the last, and of bw_sheet_bend the one before that; NULL:
-   * none */
-  double *before, *former;
-
   bool stiffness_current; /* of the mesh as it is; so also mass */
   double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: nothing that
                              lasts, -1: the statics of the mesh as it is */
   bool held_checked;      /* no piece of this topology is free */
-  bool solved;            /* displacement is a solution of some mesh */
-  bool large;             /* by bw_sheet_bend */
-  bool moving;            /* acceleration fits displacement and velocity */
 };
+
+/* The state that stands as the first draft of the next, on `mesh`, which has the same nodes where
+ * `fields` is set: then fields are copied, else there are none yet. Flags are those that stand. */
+bw_status bwi_sheet_next(bw_context *context, const bw_sheet *sheet, const bw_plane_mesh *mesh,
+                         bool fields, bw_sheet_state **next);
+/* Puts a state in the place of the one that stands. Cannot fail. */
+void bwi_sheet_adopt(bw_sheet *sheet, const bw_sheet_state *state);
 
 static inline const bwi_section *bwi_section_of(const bw_sheet *sheet, int32_t element) {
   const struct bwi_sheet *inner = sheet->inner;
@@ -142,6 +166,8 @@ bw_status bwi_sheet_tri3_mass(bw_context *context, const bw_sheet *sheet, double
 bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time);
 /* inner->held and inner->prescribed at a time. */
 bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time);
+/* inner->matrix and inner->rhs: the linear statics of the sheet as it is. *made: as in prepare. */
+bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made);
 /* BW_FREE where a piece of the sheet can move rigidly against inner->held. */
 bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet);
 

@@ -97,7 +97,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   point at;
   if (!(p >= 1) || !(p <= 1000))
     return bw_fail(context, BW_INVALID, "an exponent of %g; 1 to 1000 are possible", p);
-  if (inner->matrix_step[0] >= 0)
+  if (!inner->now->statics)
     return bw_fail(context, BW_INVALID,
                    "stresses by node positions need the linear statics of the mesh as it is");
   bwi_rules_create(order, &rules);
@@ -111,6 +111,10 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   memset(gradient, 0, size * sizeof *gradient);
   if (most == 0)
     return BW_OK;
+
+  bool made;
+  if (inner->matrix_step[0] >= 0) /* something else was tried since, and given up */
+    BW_TRY(bwi_sheet_statics(context, sheet, &made));
 
   /* dJ = value / (p sum) dsum - value / (p area) darea */
   double by_sum = value / (p * sum), by_area = value / (p * area);

@@ -53,7 +53,7 @@ static double element_stress(const bw_sheet *sheet, const bwi_rule *rule, int32_
   bwi_element_field(sheet->mesh, sheet->displacement, e, n, u);
   for (int q = 0; q < rule->count; q++) {
     area += rule->weight[q] * bwi_rule_gradient(rule, q, n, x, g);
-    stress_at(bwi_section_of(sheet, e), sheet->inner->large, n, g, u, at[q]);
+    stress_at(bwi_section_of(sheet, e), sheet->inner->now->large, n, g, u, at[q]);
   }
   for (int a = 0; a < n; a++)
     for (int i = 0; i < PARTS; i++) {
@@ -154,7 +154,7 @@ bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *rel
         double scale =
             section->thickness * rule.weight[q] * bwi_rule_gradient(&rule, q, rule.n, x, g);
         double here[PARTS], off[3] = {0, 0, 0}, strain[3];
-        stress_at(section, sheet->inner->large, rule.n, g, u, here);
+        stress_at(section, sheet->inner->now->large, rule.n, g, u, here);
         for (int i = 0; i < 3; i++) {
           for (int a = 0; a < rule.n; a++)
             off[i] += rule.value[q][a] * mean[PARTS * (int64_t)node[a] + i];

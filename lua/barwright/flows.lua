@@ -35,12 +35,21 @@ local function finish(self, report)
   return advance(self, report, 0)
 end
 
--- What a steady flow took long to find is kept: there may be others that go with the same shape.
+local function marches(self) return not self.wish.steady end
+
+-- The signals as they are now: a step that fails takes back what it recorded.
 local function keep(self)
-  if not self.wish.steady then return nil end
-  local body = self.body
-  local state = body:keep()
-  return state and function() return body:return_to(state) end
+  local signals, watched, lengths = {}, {}, {}
+  for name, signal in pairs(self.signals) do
+    signals[name], watched[name], lengths[name] = signal, self.watched[name], #signal
+  end
+  return function()
+    for name, signal in pairs(signals) do
+      for i = #signal, lengths[name] + 1, -1 do signal[i] = nil end
+    end
+    rawset(self, "recorded", signals)
+    rawset(self, "watched", watched)
+  end
 end
 
 --- Advances by `count` time steps (default 1); signals are recorded after each.
@@ -134,7 +143,7 @@ end
 local function class(what, names)
   local made = followed.class(what, names, {signals = function(self) return rawget(self, "recorded") end})
   for name, method in pairs(methods) do made[name] = method end
-  made.finish, made.keep = finish, keep
+  made.finish, made.keep, made.marches = finish, keep, marches
   function made.start(self)
     rawset(self, "recorded", {})
     rawset(self, "watched", {})

@@ -2,8 +2,8 @@
 -- What the bodies share that follow an outline while it is dragged (sheets, plates, flows). Each is an
 -- engine object `body` with its mover, and the frame that was last.
 --
--- An object holds its last good state: a drag that the outline, the mesh or the solution refuses
--- returns nil, message, details, and everything is as it was before.
+-- An object holds its last good state: what the outline, the mesh or the solution refuses returns nil,
+-- message, details, and everything is as it was before. So it is where a function of the script raises.
 local core = require "barwright.core"
 local members = require "barwright.members"
 local options = require "barwright.options"
@@ -105,49 +105,60 @@ local function check_self(where, self)
   end
 end
 
---- `report` is the last frame, where all went well.
-function followed.now_is(self, report, fine, message, details)
-  if not fine then return nil, message, details end
-  rawset(self, "last", report)
-  return self
+-- What an object is at, until `commit`; the end of the scope returns to it where that did not come.
+local undo = {}
+undo.__index = undo
+
+function undo:commit()
+  self.committed = true
+  return self.object
 end
 
---- A frame: mesh and body go over to an outline, the class's `finish` solves. What fails is taken back:
---- by the function that the class's `keep` gave before, else by going back and solving again.
+function undo:__close()
+  if not self.committed then
+    assert(self.object.body:return_to(self.state))
+    rawset(self.object, "last", self.last)
+    if self.restore then self.restore() end
+  end
+  self.state:close()
+end
+
+--- Does `change(report)` whole or not at all: where it returns nil or raises, the object is as it was,
+--- what the class keeps beside it in Lua too (its `keep` gives the function that restores it).
+function followed.whole(self, change)
+  local report, class = new_frame(), getmetatable(self)
+  local before <close> = setmetatable({object = self, last = self.last, state = self.body:keep(),
+    restore = class.keep and class.keep(self)}, undo)
+  local fine, message, details = change(report)
+  if not fine then return nil, message, details end
+  rawset(self, "last", report)
+  return before:commit()
+end
+
+--- A frame: mesh and body go over to an outline, the class's `finish` solves.
 function followed.become(self, outline)
   check_self("become", self)
   options.object("become", "outline", outline, "outline")
-  local body, finish = self.body, getmetatable(self).finish
-  local before, report = body.outline, new_frame()
-  local keep = getmetatable(self).keep
-  local restore = keep and keep(self)
-  local fine, message, details = body:follow(report, outline)
-  if fine and finish then
-    fine, message, details = finish(self, report)
-    if not fine then
-      local back = new_frame()
-      local returned, why
-      if restore then
-        returned, why = restore()
-      else
-        returned, why = body:follow(back, before)
-        if returned then returned, why = finish(self, back) end
-      end
-      if not returned then
-        message = ("%s; and the state before could not be restored: %s"):format(message, why)
-      end
-    end
-  end
-  return followed.now_is(self, report, fine, message, details)
+  local finish = getmetatable(self).finish
+  return followed.whole(self, function(report)
+    local fine, message, details = self.body:follow(report, outline)
+    if fine and finish then return finish(self, report) end
+    return fine, message, details
+  end)
 end
 
---- A function that brings the object back to how it is now, bit for bit; nil where its class keeps no states,
---- since solving again leads there.
+--- A function that brings the object back to how it is now, bit for bit; nil where time goes on.
 function followed.kept(self)
-  local keep = type(self) == "table" and rawget(self, "body") and getmetatable(self).keep
-  local restore = keep and keep(self)
-  if not restore then return nil end
-  return function() return followed.now_is(self, new_frame(), restore()) end
+  if type(self) ~= "table" or not rawget(self, "body") then return nil end
+  local marches = getmetatable(self).marches
+  if marches and marches(self) then return nil end
+  local body = self.body
+  local state = body:keep()
+  return function()
+    assert(body:return_to(state))
+    rawset(self, "last", new_frame())
+    return self
+  end
 end
 
 --- A frame with a handle of the outline moved by {dx, dy}.
@@ -165,19 +176,19 @@ end
 --- Steps in time, `advance` of the report, are a frame; together with the drags before them, where no
 --- step was between.
 function followed.step(self, advance)
-  local report, last = new_frame(), self.last
-  report.pattern, report.solution = true, true
-  if last.solves == 0 and last.level ~= "none" then
-    for key, value in pairs(last) do report[key] = value end
-  end
-  local fine, message, details = advance(report)
-  return followed.now_is(self, report, fine, message, details)
+  local last = self.last
+  return followed.whole(self, function(report)
+    report.pattern, report.solution = true, true
+    if last.solves == 0 and last.level ~= "none" then
+      for key, value in pairs(last) do report[key] = value end
+    end
+    return advance(report)
+  end)
 end
 
 --- The class's `finish` again on the shape as it is.
 function followed.solve(self)
-  local report = new_frame()
-  return followed.now_is(self, report, getmetatable(self).finish(self, report))
+  return followed.whole(self, function(report) return getmetatable(self).finish(self, report) end)
 end
 
 return followed

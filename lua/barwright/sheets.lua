@@ -103,13 +103,6 @@ end
 
 cantilever.solve, cantilever.start = followed.solve, followed.solve
 
--- Which equilibrium a sheet is in may depend on how it came there: what is to be had back is kept.
-function cantilever.keep(self)
-  local body = self.body
-  local mesh, displacement = body.mesh, body.displacement
-  return function() return body:return_to(mesh, displacement) end
-end
-
 --- Equilibrium of a sheet that bends largely (St. Venant-Kirchhoff), found anew in every drag.
 function sheets.cantilever(given)
   return create("cantilever", cantilever, given, with {newton = {type = "table", default = {}}})
@@ -119,6 +112,8 @@ end
 
 local vibration = followed.class("shaken sheet", fields)
 vibration.drag, vibration.become = followed.drag, followed.become
+
+function vibration.marches() return true end
 
 -- {x = , y = } of the tags that stand on the ground
 local function stand_on_ground(where, wish, list)

@@ -53,32 +53,27 @@ static bw_status follow_mesh(bw_context *context, void *flow, const bw_plane_mes
   return bw_flow_follow(context, (bw_flow *)flow, mesh, kept);
 }
 
+static const void *keep(const void *flow) {
+  return bw_flow_keep((const bw_flow *)flow);
+}
+
+static bw_status return_to(bw_context *context, void *flow, const void *state) {
+  return bw_flow_return(context, (bw_flow *)flow, (const bw_flow_state *)state);
+}
+
+static const lbw_followed followed = {&lbw_flow_class, follow_mesh, keep, return_to};
+
 /* flow:follow(frame, outline) */
 static int flow_follow(lua_State *L) {
-  return lbw_follow(L, &lbw_flow_class, follow_mesh);
+  return lbw_follow(L, &followed);
 }
 
-/* flow:keep(): the state as it is; flow:return_to(state): has it back, bit for bit */
+/* flow:keep(), flow:return_to(state) */
 static int flow_keep(lua_State *L) {
-  const bw_flow *flow = self(L);
-  lbw_box *box = lbw_box_new(L, &lbw_flow_state_class);
-  bw_flow_state *state = NULL;
-  bw_status status = bw_flow_keep(lbw_enter(L), flow, &state);
-  lbw_box_fill(L, box, state);
-  return lbw_leave(L, status, 1);
+  return lbw_followed_keep(L, &followed);
 }
-
 static int flow_return_to(lua_State *L) {
-  bw_status status = BW_OK;
-  bw_flow *flow = self(L);
-  bw_mover *mover = (bw_mover *)lbw_check_box(L, 1, &lbw_flow_class)->extra;
-  const bw_flow_state *state = (const bw_flow_state *)lbw_check(L, 2, &lbw_flow_state_class);
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_flow_return(context, flow, state));
-  BW_TRY(bw_mover_return(context, mover, bw_flow_state_mesh(state)));
-done:
-  lua_settop(L, 1);
-  return lbw_leave(L, status, 1);
+  return lbw_followed_return(L, &followed);
 }
 
 /* flow:step(frame, stale options, options, steps): option "step" 0: to the steady state */
@@ -106,11 +101,15 @@ static int flow_step(lua_State *L) {
   lbw_load_kept(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
+  const bw_flow_state *before = bw_flow_keep(flow);
   for (lua_Integer i = 0; i < steps; i++) {
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_flow_step(context, flow, &options, &kept));
   }
 done:
+  if (status != BW_OK) /* all steps or none; its own state: it cannot fail */
+    (void)bw_flow_return(context, flow, before);
+  bw_release(before);
   return lbw_leave_frame(L, &lbw_flow_class, status, &kept);
 }
 
@@ -261,13 +260,11 @@ static const luaL_Reg properties[] = {
     {"time", flow_time},           {"outline", flow_outline},   {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};
 const lbw_class lbw_flow_class = {"flow", methods, properties, meta, NULL};
-const lbw_class lbw_flow_state_class = {"flow_state", meta, meta, meta, NULL};
 
 void lbw_open_flow(lua_State *L) {
   static const luaL_Reg functions[] = {
       {"create", flow_create}, {"frequency", flow_frequency}, {NULL, NULL}};
   lbw_class_register(L, &lbw_flow_class);
-  lbw_class_register(L, &lbw_flow_state_class);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   lua_setfield(L, -2, "flow");

@@ -148,9 +148,9 @@ done:
   return lbw_leave(L, status, 1);
 }
 
-int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow) {
+int lbw_follow(lua_State *L, const lbw_followed *followed) {
   bw_status status = BW_OK;
-  lbw_box *box = lbw_check_box(L, 1, class);
+  lbw_box *box = lbw_check_box(L, 1, followed->class);
   bw_mover *mover = (bw_mover *)box->extra;
   lbw_check_type(L, 2, LUA_TTABLE);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 3, &lbw_outline_class);
@@ -160,12 +160,15 @@ int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow
   lua_settop(L, 3);
   lbw_conditions_begin(L, 1); /* the mesh's size may be a function */
   bw_context *context = lbw_enter(L);
+  const bw_mover_state *before = bw_mover_keep(mover);
   BW_TRY(bw_mover_follow(context, mover, outline, &report));
   kept.level = report.level;
   kept.seconds_mesh += report.seconds;
-  BW_TRY(follow(context, (void *)box->object, mover->mesh, &kept));
+  if ((status = followed->follow(context, (void *)box->object, mover->mesh, &kept)) != BW_OK)
+    (void)bw_mover_return(context, mover, before); /* its own state: it cannot fail */
 done:
-  if (lbw_leave_frame(L, class, status, &kept) != 1)
+  bw_release(before);
+  if (lbw_leave_frame(L, followed->class, status, &kept) != 1)
     return 3;
   lua_pushinteger(L, report.flips);
   lua_setfield(L, 2, "flips");
@@ -173,4 +176,45 @@ done:
   lua_setfield(L, 2, "quality");
   lua_settop(L, 2);
   return 1;
+}
+
+/* ---- states ---------------------------------------------------------------------------------- */
+
+/* A box of a state holds the body's and, as its second reference, the mover's; its user value is
+ * the class of the bodies that may return to it. */
+static const luaL_Reg none[] = {{NULL, NULL}};
+static const lbw_class state_class = {"state", none, none, none, NULL};
+
+int lbw_followed_keep(lua_State *L, const lbw_followed *followed) {
+  const lbw_box *body = lbw_check_box(L, 1, followed->class);
+  lbw_box *box = lbw_box_new(L, &state_class);
+  lua_pushlightuserdata(L, (void *)followed->class);
+  lua_setiuservalue(L, -2, 1);
+  box->extra = bw_mover_keep((const bw_mover *)body->extra);
+  lbw_box_fill(L, box, followed->keep(body->object));
+  return 1;
+}
+
+int lbw_followed_return(lua_State *L, const lbw_followed *followed) {
+  bw_status status = BW_OK;
+  lbw_box *body = lbw_check_box(L, 1, followed->class);
+  const lbw_box *state = lbw_check_box(L, 2, &state_class);
+  bw_mover *mover = (bw_mover *)body->extra;
+  lua_settop(L, 2);
+  lua_getiuservalue(L, 2, 1);
+  if (lua_touserdata(L, -1) != (void *)followed->class)
+    lbw_error(L, "the state that was kept is not of a %s", followed->class->name);
+  lua_settop(L, 1);
+  bw_context *context = lbw_enter(L);
+  const bw_mover_state *before = bw_mover_keep(mover);
+  BW_TRY(bw_mover_return(context, mover, (const bw_mover_state *)state->extra));
+  if ((status = followed->return_to(context, (void *)body->object, state->object)) != BW_OK)
+    (void)bw_mover_return(context, mover, before);
+done:
+  bw_release(before);
+  return lbw_leave(L, status, 1);
+}
+
+void lbw_open_follow(lua_State *L) {
+  lbw_class_register(L, &state_class);
 }

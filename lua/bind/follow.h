@@ -27,10 +27,20 @@ typedef bw_status lbw_create_function(bw_context *context, const bw_plane_mesh *
 int lbw_follow_create(lua_State *L, const lbw_class *class, const bw_outline *outline,
                       const bw_follow_options *follow, int conditions, lbw_create_function *create,
                       const void *description);
-/* The mover goes over to the outline at argument 3, `follow` takes the body to its mesh. On failure
- * of the body the mover stays where it went; the next frame takes both along. */
-typedef bw_status lbw_follow_function(bw_context *context, void *body, const bw_plane_mesh *mesh,
-                                      bw_kept *kept);
-int lbw_follow(lua_State *L, const lbw_class *class, lbw_follow_function *follow);
+/* How a body of a class goes over to the mesh that its mover made, and what it is at is kept and
+ * returned to. */
+typedef struct lbw_followed {
+  const lbw_class *class;
+  bw_status (*follow)(bw_context *context, void *body, const bw_plane_mesh *mesh, bw_kept *kept);
+  const void *(*keep)(const void *body);
+  bw_status (*return_to)(bw_context *context, void *body, const void *state);
+} lbw_followed;
+/* body:follow(frame, outline): mover and body go over to an outline, both or neither. */
+int lbw_follow(lua_State *L, const lbw_followed *followed);
+/* body:keep(): what mover and body are at; body:return_to(state): both are so again. Returning
+ * fails only for the state of a body that was made otherwise. */
+int lbw_followed_keep(lua_State *L, const lbw_followed *followed);
+int lbw_followed_return(lua_State *L, const lbw_followed *followed);
+void lbw_open_follow(lua_State *L);
 
 #endif

@@ -126,7 +126,8 @@ static int mover_pull_back(lua_State *L) {
   lbw_argument_check(L, rows == mover->mesh->topology->nodes->node_count, 2,
                      "gradient: a row for every node expected");
   bw_array *out = lbw_push_array(L, BW_F64, mover->mesh->outline->point_count, 2);
-  bw_status status = bw_mover_pull_back(lbw_enter(L), mover, gradient, (double *)out->data);
+  bw_status status =
+      bw_mover_pull_back(lbw_enter(L), mover, mover->mesh, gradient, (double *)out->data);
   return lbw_leave(L, status, 1);
 }
 

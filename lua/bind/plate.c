@@ -52,9 +52,27 @@ static bw_status follow_mesh(bw_context *context, void *plate, const bw_plane_me
   return bw_plate_follow(context, (bw_plate *)plate, mesh, kept);
 }
 
+static const void *keep(const void *plate) {
+  return bw_plate_keep((const bw_plate *)plate);
+}
+
+static bw_status return_to(bw_context *context, void *plate, const void *state) {
+  return bw_plate_return(context, (bw_plate *)plate, (const bw_plate_state *)state);
+}
+
+static const lbw_followed followed = {&lbw_plate_class, follow_mesh, keep, return_to};
+
 /* plate:follow(frame, outline) */
 static int plate_follow(lua_State *L) {
-  return lbw_follow(L, &lbw_plate_class, follow_mesh);
+  return lbw_follow(L, &followed);
+}
+
+/* plate:keep(), plate:return_to(state) */
+static int plate_keep(lua_State *L) {
+  return lbw_followed_keep(L, &followed);
+}
+static int plate_return_to(lua_State *L) {
+  return lbw_followed_return(L, &followed);
 }
 
 /* plate:solve(frame, {modes, tolerance, scratch}) */
@@ -110,8 +128,8 @@ static int plate_gradient(lua_State *L) {
   bw_array *points = lbw_push_array(L, BW_F64, plate->mesh->outline->point_count, 2);
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_plate_gradient(context, plate, mode, (double *)nodes->data));
-  BW_TRY(bw_mover_pull_back(context, (bw_mover *)mover_of(L), (const double *)nodes->data,
-                            (double *)points->data));
+  BW_TRY(bw_mover_pull_back(context, (bw_mover *)mover_of(L), plate->mesh,
+                            (const double *)nodes->data, (double *)points->data));
 done:
   lua_settop(L, 3);
   return lbw_leave(L, status, 1);
@@ -230,6 +248,8 @@ static int wav_write(lua_State *L) {
 }
 
 static const luaL_Reg methods[] = {{"follow", plate_follow},
+                                   {"keep", plate_keep},
+                                   {"return_to", plate_return_to},
                                    {"solve", plate_solve},
                                    {"mode", plate_mode},
                                    {"gradient", plate_gradient},

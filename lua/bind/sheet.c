@@ -74,9 +74,27 @@ static bw_status follow_mesh(bw_context *context, void *sheet, const bw_plane_me
   return bw_sheet_follow(context, (bw_sheet *)sheet, mesh, kept);
 }
 
+static const void *keep(const void *sheet) {
+  return bw_sheet_keep((const bw_sheet *)sheet);
+}
+
+static bw_status return_to(bw_context *context, void *sheet, const void *state) {
+  return bw_sheet_return(context, (bw_sheet *)sheet, (const bw_sheet_state *)state);
+}
+
+static const lbw_followed followed = {&lbw_sheet_class, follow_mesh, keep, return_to};
+
 /* sheet:follow(frame, outline) */
 static int sheet_follow(lua_State *L) {
-  return lbw_follow(L, &lbw_sheet_class, follow_mesh);
+  return lbw_follow(L, &followed);
+}
+
+/* sheet:keep(), sheet:return_to(state) */
+static int sheet_keep(lua_State *L) {
+  return lbw_followed_keep(L, &followed);
+}
+static int sheet_return_to(lua_State *L) {
+  return lbw_followed_return(L, &followed);
 }
 
 /* sheet:static(frame, stale options) */
@@ -116,11 +134,15 @@ static int sheet_shake(lua_State *L) {
   lbw_load_kept(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
+  const bw_sheet_state *before = bw_sheet_keep(sheet);
   for (lua_Integer i = 0; i < steps; i++) {
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_sheet_shake(context, sheet, &newmark, &options, &kept));
   }
 done:
+  if (status != BW_OK) /* all steps or none; its own state: it cannot fail */
+    (void)bw_sheet_return(context, sheet, before);
+  bw_release(before);
   return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
@@ -244,28 +266,6 @@ static int sheet_mesh(lua_State *L) {
   return 1;
 }
 
-/* sheet:return_to(mesh, displacement): as it was on a mesh that it had */
-static int sheet_return_to(lua_State *L) {
-  bw_status status = BW_OK;
-  bw_sheet *sheet = self(L);
-  bw_mover *mover = mover_of(L);
-  lua_settop(L, 3);
-  const bw_plane_mesh *mesh = (const bw_plane_mesh *)lbw_check(L, 2, &lbw_plane_mesh_class);
-  const bw_array *u = lbw_check_array(L, 3, "displacement");
-  if (u->rows != mesh->topology->nodes->node_count || u->columns != 2)
-    lbw_error(L, "displacement: x and y for every node expected");
-  lbw_conditions_begin(L, 1);
-  bw_context *context = lbw_enter(L);
-  BW_TRY(bw_mover_return(context, mover, mesh));
-  BW_TRY(bw_sheet_follow(context, sheet, mesh, NULL));
-  for (int64_t i = 0; i < u->rows; i++)
-    for (int k = 0; k < 2; k++)
-      sheet->displacement[2 * i + k] = bw_array_get(u, i, k);
-done:
-  lua_settop(L, 1);
-  return lbw_leave(L, status, 1);
-}
-
 /* sheet:stress_norm(p): the norm, and its gradient by the outline's points */
 static int sheet_stress_norm(lua_State *L) {
   bw_status status = BW_OK;
@@ -278,7 +278,8 @@ static int sheet_stress_norm(lua_State *L) {
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_sheet_stress_gradient(context, sheet, p, &norm, (double *)nodes->data));
-  BW_TRY(bw_mover_pull_back(context, mover, (const double *)nodes->data, (double *)points->data));
+  BW_TRY(bw_mover_pull_back(context, mover, sheet->mesh, (const double *)nodes->data,
+                            (double *)points->data));
 done:
   lua_pushnumber(L, norm);
   lua_pushvalue(L, 4);
@@ -286,14 +287,10 @@ done:
   return lbw_leave(L, status, 3);
 }
 
-static const luaL_Reg methods[] = {{"follow", sheet_follow},
-                                   {"static", sheet_static},
-                                   {"shake", sheet_shake},
-                                   {"bend", sheet_bend},
-                                   {"stress_norm", sheet_stress_norm},
-                                   {"return_to", sheet_return_to},
-                                   {"counts", sheet_counts},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"follow", sheet_follow},       {"static", sheet_static},           {"shake", sheet_shake},
+    {"bend", sheet_bend},           {"stress_norm", sheet_stress_norm}, {"keep", sheet_keep},
+    {"return_to", sheet_return_to}, {"counts", sheet_counts},           {NULL, NULL}};
 static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
                                       {"velocity", sheet_velocity},
                                       {"acceleration", sheet_acceleration},

@@ -380,6 +380,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_optimise(L);
   lbw_open_live(L);
   lbw_open_outline(L);
+  lbw_open_follow(L);
   lbw_open_sheet(L);
   lbw_open_plane(L);
   lbw_open_mover(L);

@@ -2768,13 +2768,16 @@ function Sheet:shake(frame, solver, newmark, steps) end
 ---@return table? details
 function Sheet:bend(frame, solver, newton) end
 
---- Back to a mesh and the solution on it that it had before.
----@param mesh bw.PlaneMesh
----@param displacement bw.Array
+---What mesh and body are at.
+---@return bw.BodyState
+function Sheet:keep() end
+
+---Back to what was kept, bit for bit.
+---@param state bw.BodyState
 ---@return table?
 ---@return string? message
 ---@return table? details
-function Sheet:return_to(mesh, displacement) end
+function Sheet:return_to(state) end
 
 ---@param p number
 ---@return number?
@@ -2847,6 +2850,17 @@ function Plate:inplane(count) end
 ---@return integer elements
 ---@return integer nodes
 function Plate:counts() end
+
+---What mesh and body are at.
+---@return bw.BodyState
+function Plate:keep() end
+
+---Back to what was kept, bit for bit.
+---@param state bw.BodyState
+---@return table?
+---@return string? message
+---@return table? details
+function Plate:return_to(state) end
 
 ---Releases it early.
 function Plate:close() end
@@ -3699,14 +3713,12 @@ function FlowBody:force(tag) end
 ---@return number
 function FlowBody:heat(tag) end
 
----The flow as it is.
----@return bw.FlowState?
----@return string? message
----@return table? details
+---What mesh and body are at.
+---@return bw.BodyState
 function FlowBody:keep() end
 
----Back to a state that was kept, bit for bit.
----@param state bw.FlowState
+---Back to what was kept, bit for bit.
+---@param state bw.BodyState
 ---@return table?
 ---@return string? message
 ---@return table? details
@@ -3723,11 +3735,11 @@ function FlowBody:counts() end
 
 function FlowBody:close() end
 
----A state of a flow that was kept.
----@class bw.FlowState
-local FlowState = {}
+---What a body that follows an outline, and its mesh, were at.
+---@class bw.BodyState
+local BodyState = {}
 
-function FlowState:close() end
+function BodyState:close() end
 
 ---Requirements as scripts, run by `barwright test`: `scenario("title", {tags = {"slow"}, skip = "why",
 ---about = "...", seconds = 600, memory = 4e9}, function(t) ... end)`; the table may be left out.

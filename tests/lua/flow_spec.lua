@@ -171,7 +171,7 @@ describe("a flow in time", function()
     s.wish.tolerance = 1e-8
     assert(s:drag({loop = "body"}, {0.05, 0}))
     assert.not_equal(before, bits())
-    check.raises("flow_state expected", s.body.return_to, s.body, 1)
+    check.raises("state expected", s.body.return_to, s.body, 1)
     -- a state outlives its flow; what it was asked to hold there is gone
     local function speed(_, y) return y end
     local moving = {conditions = {inlet = {x = speed, y = 0}, sides = {y = 0}, body = "wall"}, elements = 200}

@@ -41,10 +41,11 @@ void bw_flow_options_default(bw_flow_options *options);
 /* A fluid on a mesh that follows an outline. Mutable. */
 typedef struct bw_flow {
   bw_object object;
-  const bw_plane_mesh *mesh; /* retained: the current one; order 1 */
-  int components;            /* 3, or 4 with heat: velocity x, y, pressure, temperature */
-  double *state;             /* node_count x components */
-  double *before;            /* of the step before */
+  int components; /* 3, or 4 with heat: velocity x, y, pressure, temperature */
+  /* Of the state that stands; they live until the next operation that succeeds. */
+  const bw_plane_mesh *mesh; /* order 1 */
+  const double *state;       /* node_count x components */
+  const double *before;      /* of the step before */
   double time;
   struct bwi_flow *inner;
 } bw_flow;
@@ -55,12 +56,14 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
 /* One implicit time step, or the steady state. BW_CONVERGENCE leaves the state as it was. */
 bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                        bw_kept *kept);
-/* A flow as it is, to be had back bit for bit: mesh, fields, what the next step starts from. */
-typedef struct bw_flow_state bw_flow_state; /* an object: bw_retain, bw_release */
-bw_status bw_flow_keep(bw_context *context, const bw_flow *flow, bw_flow_state **state);
+/* What a flow is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
+ * returning to it brings back mesh, fields, time and what the next step starts from bit for bit,
+ * and fails only for the state of another flow. A flow's operations put a new state in the place of
+ * the one that stands when all is done: those that fail change nothing. */
+typedef struct bw_flow_state bw_flow_state;
+const bw_flow_state *bw_flow_keep(const bw_flow *flow);
 /* The mesh that it was kept on. */
 const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
-/* On failure (memory) the flow is as it was. */
 bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
 
 /* Force of the fluid on the segments of a tag, per depth (N/m), as the reaction of the discrete

@@ -162,7 +162,7 @@ typedef struct bw_follow_report {
 /* Holds the current mesh and what relocation computes once per topology. */
 typedef struct bw_mover {
   bw_object object;
-  const bw_plane_mesh *mesh; /* retained: the current one */
+  const bw_plane_mesh *mesh; /* the current one, which lives as long as it is that */
   bw_follow_options options;
   struct bwi_mover *inner;
 } bw_mover;
@@ -173,13 +173,17 @@ bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
  * the mover is as it was. */
 bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
                           bw_follow_report *report);
-/* Back to a mesh that the mover had before, bit for bit: following its outline back may end
- * elsewhere. */
-bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh);
-/* d J / d outline points (point_count x 2) from d J / d nodes (node_count x 2): the adjoint of
- * harmonic relocation. For shape optimisation. */
-bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const double *node_gradient,
-                             double *point_gradient);
+/* What a mover stands at, an immutable object: bw_release gives it up. Keeping it copies nothing;
+ * returning to it brings back its mesh and all that following starts from, bit for bit (following
+ * the outline back may end elsewhere), and fails only for the state of a mover of another order. */
+typedef struct bw_mover_state bw_mover_state;
+const bw_mover_state *bw_mover_keep(const bw_mover *mover);
+bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state);
+/* d J / d outline points (of mesh->outline, point_count x 2) from d J / d nodes (node_count x 2):
+ * the adjoint of harmonic relocation. For shape optimisation. The mesh is the mover's, or one that
+ * has its nodes; BW_INVALID otherwise. */
+bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh,
+                             const double *node_gradient, double *point_gradient);
 
 #ifdef __cplusplus
 }

@@ -147,9 +147,10 @@ typedef struct bw_sheet_description {
  * frame. Mutable. */
 typedef struct bw_sheet {
   bw_object object;
-  const bw_plane_mesh *mesh;       /* retained: the current one */
-  double *displacement;            /* node_count x 2: of the last solution; zero at first */
-  double *velocity, *acceleration; /* of shaken sheets; NULL otherwise */
+  /* Of the state that stands; they live until the next operation that succeeds. */
+  const bw_plane_mesh *mesh;
+  const double *displacement;            /* node_count x 2: of the last solution; zero at first */
+  const double *velocity, *acceleration; /* of shaken sheets; NULL otherwise */
   double time;
   struct bwi_sheet *inner;
 } bw_sheet;
@@ -160,6 +161,13 @@ bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
  * was. */
 bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
                           bw_kept *kept);
+/* What a sheet is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
+ * returning to it brings back mesh, fields and time bit for bit, and fails only for the state of a
+ * sheet with other conditions. A sheet's operations put a new state in the place of the one that
+ * stands when all is done: those that fail change nothing. */
+typedef struct bw_sheet_state bw_sheet_state;
+const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
+bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
 /* (e) Linear statics. BW_FREE when rigid motions are free. */
 bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
                           bw_kept *kept);
@@ -211,20 +219,27 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
  */
 typedef struct bw_plate {
   bw_object object;
-  const bw_plane_mesh *mesh; /* retained; order 2 */
   const bw_material *material;
   double thickness;
+  /* Of the state that stands; they live until the next operation that succeeds. */
+  const bw_plane_mesh *mesh; /* order 2 */
   int mode_count;
-  double *frequency; /* Hz, ascending, elastic modes only */
-  double *shape;     /* mode_count x node_count x 3: deflection, rotations; mass norm 1, the largest
-                        deflection positive */
-  double *residual;  /* sqrt(r . B r / lambda): error in the energy norm, B the factor used */
+  const double *frequency; /* Hz, ascending, elastic modes only */
+  const double *shape;     /* mode_count x node_count x 3: deflection, rotations; mass norm 1, the
+                              largest deflection positive */
+  const double *residual;  /* sqrt(r . B r / lambda): error in the energy norm, B the factor used */
   struct bwi_plate *inner;
 } bw_plate;
 bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
                           const bw_material *material, double thickness, bw_plate **plate);
 bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
                           bw_kept *kept);
+/* What a plate is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
+ * returning to it brings back mesh and modes bit for bit. A plate's operations put a new state in
+ * the place of the one that stands when all is done: those that fail change nothing. */
+typedef struct bw_plate_state bw_plate_state;
+const bw_plate_state *bw_plate_keep(const bw_plate *plate);
+bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state);
 typedef struct bw_plate_options {
   int modes;        /* default 1 */
   double tolerance; /* of `residual`; the frequency's error is its square; default 1e-6 */

@@ -148,7 +148,7 @@ static void adjoint(void **state) {
     bw_random_seed(&random, 5);
     for (int32_t i = 0; i < 2 * nodes; i++)
       g[i] = bw_random_uniform(&random) - 0.5;
-    check_ok(context, bw_mover_pull_back(context, mover, g, back));
+    check_ok(context, bw_mover_pull_back(context, mover, mesh, g, back));
     for (int trial = 0; trial < 5; trial++) {
       double slope = 0, change = 0, step = 1e-3;
       for (int32_t i = 0; i < 2 * points; i++) {

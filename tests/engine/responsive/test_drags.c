@@ -192,12 +192,8 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
     bw_follow_report report;
     bw_kept kept = {0};
     const bw_plane_mesh *before = mover->mesh;
-    double *last = NULL;
-    if (what == BENT) { /* equilibria depend on the way there: what is to be had back is kept */
-      size_t size = 2 * (size_t)before->topology->nodes->node_count * sizeof(double);
-      last = malloc(size);
-      memcpy(last, ((bw_sheet *)body)->displacement, size);
-    }
+    const bw_mover_state *there = bw_mover_keep(mover);
+    const bw_sheet_state *then = what == BENT ? bw_sheet_keep(body) : NULL;
     bw_retain(before);
     bw_status status = bw_mover_follow(context, mover, moved, &report);
     if (status != BW_OK) { /* walls thinner than any mesh: the mover is as it was */
@@ -207,7 +203,8 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       r.mesh_refused++;
       bw_release(moved);
       bw_release(before);
-      free(last);
+      bw_release(there);
+      bw_release(then);
       continue;
     }
     r.level[report.level]++;
@@ -220,18 +217,21 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
     if (status != BW_OK) { /* back to the last good state */
       assert_true(what == BENT && status == BW_CONVERGENCE);
       r.unsolved++;
-      check_ok(context, bw_mover_return(context, mover, before));
+      check_ok(context, bw_mover_return(context, mover, there));
       assert_ptr_equal(mover->mesh, before);
-      check_ok(context, follow(context, what, body, before, &kept));
-      bw_sheet *sheet = body;
-      size_t size = 2 * (size_t)before->topology->nodes->node_count * sizeof(double);
-      memcpy(sheet->displacement, last, size);
+      check_ok(context, bw_sheet_return(context, body, then));
+      assert_ptr_equal(((bw_sheet *)body)->mesh, before);
+      size_t numbers = 2 * (size_t)before->topology->nodes->node_count;
+      double *last = malloc(numbers * sizeof *last);
+      memcpy(last, ((bw_sheet *)body)->displacement, numbers * sizeof *last);
       check_ok(context, solve(context, what, body, false, &kept));
-      for (int32_t i = 0; i < 2 * before->topology->nodes->node_count; i++)
-        check_near(sheet->displacement[i], last[i], 1e-6);
+      for (size_t i = 0; i < numbers; i++)
+        check_near(((bw_sheet *)body)->displacement[i], last[i], 1e-6);
+      free(last);
     }
     bw_release(before);
-    free(last);
+    bw_release(there);
+    bw_release(then);
     if (status != BW_OK) {
       bw_release(moved);
       continue;
@@ -253,11 +253,9 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
         bw_release(anew);
     }
     if (what == SHAKEN) { /* the same state again for the next step */
-      bw_sheet *a = body, *b = beside;
-      size_t size = 2 * (size_t)mover->mesh->topology->nodes->node_count * sizeof(double);
-      memcpy(b->displacement, a->displacement, size);
-      memcpy(b->velocity, a->velocity, size);
-      memcpy(b->acceleration, a->acceleration, size);
+      const bw_sheet_state *same = bw_sheet_keep(body);
+      check_ok(context, bw_sheet_return(context, beside, same));
+      bw_release(same);
     }
     bw_release(outline);
     outline = moved;

@@ -63,7 +63,7 @@ static bw_outline *random_outline(bw_context *context, uint64_t seed) {
  * shift by `shift` takes away: x -> (K + shift M)^-1 M x. */
 static void by_arpack(bw_context *context, const bw_plate *plate, double *frequency) {
   const struct bwi_plate *in = plate->inner;
-  const bw_plane_graph *g = in->graph;
+  const bw_plane_graph *g = in->now->matrices->graph;
   int n = 3 * g->node_count;
   int *start = malloc(((size_t)n + 1) * sizeof *start);
   int *row = malloc(9 * (size_t)g->pair_count * sizeof *row);
@@ -77,7 +77,7 @@ static void by_arpack(bw_context *context, const bw_plate *plate, double *freque
       for (int64_t p = g->start[i]; p < g->start[i + 1]; p++)
         for (int d = 0; d < 3; d++) {
           row[at] = 3 * g->column[p] + d;
-          value[at++] = in->stiffness[9 * p + 3 * c + d];
+          value[at++] = in->now->matrices->stiffness[9 * p + 3 * c + d];
         }
     }
   start[n] = at;
@@ -89,7 +89,8 @@ static void by_arpack(bw_context *context, const bw_plate *plate, double *freque
       for (int64_t p = g->start[i]; p < g->start[i + 1]; p++)
         for (int d = 0; d < 3; d++, at++)
           if (c == d)
-            value[at] += shift * (c == 0 ? in->law.mass : in->law.inertia) * in->mass[p];
+            value[at] +=
+                shift * (c == 0 ? in->law.mass : in->law.inertia) * in->now->matrices->mass[p];
   void *symbolic, *numeric;
   assert_int_equal(umfpack_di_symbolic(n, n, start, row, value, &symbolic, NULL, NULL), 0);
   assert_int_equal(umfpack_di_numeric(start, row, value, symbolic, &numeric, NULL, NULL), 0);

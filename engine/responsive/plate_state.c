@@ -1,0 +1,63 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The states of a plate: each immutable once it stands. */
+#include <string.h>
+
+#include "responsive/plate.h"
+
+static void destroy(void *object) {
+  bw_plate_state *s = object;
+  bw_release(s->mesh);
+  bw_release(s->matrices);
+  bw_free(s->frequency);
+  bw_free(s->shape);
+  bw_free(s->residual);
+  bw_free(s);
+}
+
+static size_t bytes(const void *object) {
+  const bw_plate_state *s = object;
+  size_t nodes = (size_t)s->mesh->topology->nodes->node_count;
+  return sizeof *s + (size_t)s->known * (3 * nodes + 2) * sizeof(double);
+}
+
+static const bw_kind kind = {"plate state", destroy, bytes};
+
+bw_status bwi_plate_blank(bw_context *context, const bw_plane_mesh *mesh,
+                          const bwi_plate_matrices *matrices, bw_plate_state **state) {
+  bw_plate_state *s = BW_NEW0(context, bw_plate_state, 1);
+  if (!s)
+    return BW_MEMORY;
+  bw_object_init(s, &kind);
+  s->mesh = bw_retain(mesh);
+  s->matrices = bw_retain(matrices);
+  *state = s;
+  return BW_OK;
+}
+
+void bwi_plate_adopt(bw_plate *plate, const bw_plate_state *state) {
+  struct bwi_plate *in = plate->inner;
+  const bw_plate_state *former = in->now;
+  /* flipped edges move their middles: a former factor takes five times as long */
+  if (former && former->mesh->topology != state->mesh->topology)
+    in->factored = false;
+  in->now = bw_retain(state);
+  plate->mesh = state->mesh;
+  plate->mode_count = state->mode_count;
+  plate->frequency = state->frequency;
+  plate->shape = state->shape;
+  plate->residual = state->residual;
+  plate->object.revision++;
+  bw_release(former);
+}
+
+const bw_plate_state *bw_plate_keep(const bw_plate *plate) {
+  return bw_retain(plate->inner->now);
+}
+
+bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state) {
+  if (memcmp(&state->matrices->law, &plate->inner->law, sizeof plate->inner->law) != 0)
+    return bw_fail(context, BW_INVALID, "the state that was kept is of another plate");
+  if (state != plate->inner->now)
+    bwi_plate_adopt(plate, state);
+  return BW_OK;
+}

@@ -1,0 +1,144 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The states of a sheet: each immutable once it stands. */
+#include <string.h>
+
+#include "responsive/sheet.h"
+
+static void destroy(void *object) {
+  bw_sheet_state *s = object;
+  bw_release(s->mesh);
+  bw_free(s->condition);
+  bw_free(s->displacement);
+  bw_free(s->velocity);
+  bw_free(s->acceleration);
+  bw_free(s->before);
+  bw_free(s->former);
+  bw_free(s);
+}
+
+static size_t bytes(const void *object) {
+  const bw_sheet_state *s = object;
+  size_t fields = 1 + 2 * (s->velocity != NULL) + (s->before != NULL) + (s->former != NULL);
+  return sizeof *s + (size_t)s->mesh->topology->nodes->node_count * 2 * sizeof(double) * fields;
+}
+
+static const bw_kind kind = {"sheet state", destroy, bytes};
+
+static bw_status copy(bw_context *context, const double *from, size_t count, double **to) {
+  if (!from)
+    return BW_OK;
+  *to = BW_NEW(context, double, count);
+  if (!*to)
+    return BW_MEMORY;
+  memcpy(*to, from, count * sizeof **to);
+  return BW_OK;
+}
+
+bw_status bwi_sheet_next(bw_context *context, const bw_sheet *sheet, const bw_plane_mesh *mesh,
+                         bool fields, bw_sheet_state **next) {
+  bw_status status = BW_OK;
+  const struct bwi_sheet *inner = sheet->inner;
+  const bw_sheet_state *now = inner->now;
+  size_t size = 2 * (size_t)mesh->topology->nodes->node_count;
+  bw_sheet_state *s = BW_NEW0(context, bw_sheet_state, 1);
+  if (!s)
+    return BW_MEMORY;
+  bw_object_init(s, &kind);
+  s->mesh = bw_retain(mesh);
+  s->time = sheet->time;
+  s->condition_count = inner->condition_count;
+  s->condition = BW_NEW(context, bw_condition, inner->condition_count);
+  if (!s->condition) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  if (s->condition_count > 0)
+    memcpy(s->condition, inner->condition, (size_t)s->condition_count * sizeof *s->condition);
+  if (now) {
+    s->solved = now->solved;
+    s->statics = now->statics;
+    s->large = now->large;
+    s->moving = now->moving;
+  }
+  if (now && fields) {
+    BW_TRY(copy(context, now->displacement, size, &s->displacement));
+    BW_TRY(copy(context, now->velocity, size, &s->velocity));
+    BW_TRY(copy(context, now->acceleration, size, &s->acceleration));
+    BW_TRY(copy(context, now->before, size, &s->before));
+    BW_TRY(copy(context, now->former, size, &s->former));
+  }
+done:
+  if (status == BW_OK)
+    *next = s;
+  else
+    bw_release(s);
+  return status;
+}
+
+static void drop(double **block) {
+  bw_free(*block);
+  *block = NULL;
+}
+
+/* What is kept belongs to objects that are the same. */
+static void drop_what_is_of(struct bwi_sheet *inner, const bw_plane_mesh *was,
+                            const bw_plane_mesh *now) {
+  if (now == was)
+    return;
+  drop(&inner->mass);
+  inner->stiffness_current = false;
+  inner->matrix_step[0] = 0;
+  if (now->topology == was->topology)
+    return;
+  bw_release(inner->graph);
+  inner->graph = NULL;
+  inner->held_checked = false;
+  drop(&inner->stiffness);
+  drop(&inner->matrix);
+  drop(&inner->room);
+  if (now->topology->nodes == was->topology->nodes)
+    return;
+  drop(&inner->prescribed);
+  drop(&inner->force);
+  drop(&inner->rhs);
+  drop(&inner->work);
+  bw_free(inner->held);
+  inner->held = NULL;
+}
+
+void bwi_sheet_adopt(bw_sheet *sheet, const bw_sheet_state *state) {
+  struct bwi_sheet *inner = sheet->inner;
+  const bw_sheet_state *former = inner->now;
+  if (former)
+    drop_what_is_of(inner, former->mesh, state->mesh);
+  inner->now = bw_retain(state);
+  for (int32_t i = 0; i < inner->condition_count; i++)
+    inner->condition[i].tag = state->condition[i].tag;
+  sheet->mesh = state->mesh;
+  sheet->displacement = state->displacement;
+  sheet->velocity = state->velocity;
+  sheet->acceleration = state->acceleration;
+  sheet->time = state->time;
+  sheet->object.revision++;
+  bw_release(former);
+}
+
+const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet) {
+  return bw_retain(sheet->inner->now);
+}
+
+/* Conditions stay the sheet's own but for their tags: a state may outlive its sheet, and what their
+ * functions stand on. */
+bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state) {
+  const struct bwi_sheet *inner = sheet->inner;
+  bool fits = state->condition_count == inner->condition_count &&
+              state->mesh->topology->nodes->order == sheet->mesh->topology->nodes->order;
+  for (int32_t i = 0; i < inner->condition_count && fits; i++)
+    fits = state->condition[i].kind == inner->condition[i].kind &&
+           state->condition[i].component == inner->condition[i].component;
+  if (!fits)
+    return bw_fail(context, BW_INVALID, "the state that was kept is of another sheet");
+  if (state != inner->now)
+    bwi_sheet_adopt(sheet, state);
+  return BW_OK;
+}
