@@ -133,6 +133,22 @@ static bw_status judge_head(bw_context *context, const char *path, const unsigne
   return BW_OK;
 }
 
+/* The number of the file beside a database in which changes stand that it has not taken in; 0 where
+ * there is none. */
+ino_t bwi_changes_ahead(const char *path) {
+  char name[BWI_LONGEST_PATH + 8];
+  struct stat about;
+  snprintf(name, sizeof name, "%s-wal", path);
+  return stat(name, &about) == 0 && about.st_size > 0 ? about.st_ino : 0;
+}
+
+/* Changes stand beside a file only while its head says so, and who ends that mode removes them
+ * first: what stands beside another head is of another state of the file, which SQLite would bring
+ * back. */
+bool bwi_expects_changes(const unsigned char *head) {
+  return head[BWI_MODE_AT] != 1 || head[BWI_MODE_AT + 1] != 1;
+}
+
 /* What SQLite would say only in general terms, or not at all, is judged by the first bytes. */
 static bw_status judge_file(bw_context *context, const char *path, bool read_only) {
   unsigned char head[BWI_HEADER] = {0};
@@ -149,6 +165,7 @@ static bw_status judge_file(bw_context *context, const char *path, bool read_onl
     return BW_OK;
   if (about.st_size == 0)
     return bwi_database_say(context, BW_FORMAT, "foreign", path, "the file is empty");
+  ino_t ahead = bwi_changes_ahead(path);
   int file = bw_open(path, O_RDONLY, 0);
   ssize_t got = file >= 0 ? read(file, head, sizeof head) : -1;
   int error = errno;
@@ -156,7 +173,16 @@ static bw_status judge_file(bw_context *context, const char *path, bool read_onl
     close(file);
   if (got < 0)
     return bwi_database_say(context, BW_IO, NULL, path, "%s", strerror(error));
-  return judge_head(context, path, head, got);
+  bw_status status = judge_head(context, path, head, got);
+  /* The same before and after the head was read: nobody ended the mode meanwhile. */
+  if (status == BW_OK && !bwi_expects_changes(head) && ahead != 0 &&
+      bwi_changes_ahead(path) == ahead)
+    return bwi_database_say(
+        context, BW_FORMAT, "damaged", path,
+        "the file is damaged: %s-wal is beside it, which is of another state of "
+        "the file; move that one away if the file itself is the right one",
+        path);
+  return status;
 }
 
 /* ---- opening --------------------------------------------------------------------------------- */
@@ -248,13 +274,6 @@ static bw_status connect_to(bw_context *context, bw_database *d, int flags) {
                            : bwi_database_failure(context, d, code);
 }
 
-static bool has_changes_ahead(const char *path) {
-  char name[BWI_LONGEST_PATH + 8];
-  struct stat about;
-  snprintf(name, sizeof name, "%s-wal", path);
-  return stat(name, &about) == 0 && about.st_size > 0;
-}
-
 bw_status bw_database_open(bw_context *context, const char *path,
                            const bw_database_options *options, bw_database **database) {
   bw_database_options defaults;
@@ -281,7 +300,7 @@ bw_status bw_database_open(bw_context *context, const char *path,
                                          : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
   /* In a folder that may not be written, SQLite cannot make the files of write-ahead mode; where
    * there is nothing ahead, the file alone is all. */
-  if (status == BW_IO && options->read_only && !has_changes_ahead(path))
+  if (status == BW_IO && options->read_only && !bwi_changes_ahead(path))
     status = connect_to(context, d, SQLITE_OPEN_READONLY | BWI_IMMUTABLE);
   if (status != BW_OK) {
     bw_release(d);

@@ -52,9 +52,11 @@ bw_status bwi_database_say(bw_context *context, bw_status status, const char *re
 
 /* In the first bytes of every file: magic, and at its place the mark of barwright
  * (SQLite's application_id) and the version of the format (user_version), big-endian. */
-enum { BWI_HEADER = 100, BWI_VERSION_AT = 60, BWI_MARK_AT = 68 };
+enum { BWI_HEADER = 100, BWI_MODE_AT = 18, BWI_VERSION_AT = 60, BWI_MARK_AT = 68 };
 extern const char bwi_magic[16];
 extern const int32_t bwi_mark;
 int32_t bwi_big_endian(const unsigned char *at);
+ino_t bwi_changes_ahead(const char *path);
+bool bwi_expects_changes(const unsigned char *head);
 
 #endif

@@ -140,6 +140,22 @@ static void side_name(const char *path, const char *ending, char name[SIDE]) {
   snprintf(name, SIDE, "%s%s", path, ending);
 }
 
+static bool has_changes_of_its_own(salvage *s) {
+  unsigned char head[BWI_HEADER] = {0};
+  int file = bw_open(s->copy, O_RDONLY, 0);
+  bool sound = file >= 0 && pread(file, head, sizeof head, 0) == (ssize_t)sizeof head &&
+               memcmp(head, bwi_magic, sizeof bwi_magic) == 0;
+  if (file >= 0)
+    close(file);
+  if (!bwi_changes_ahead(s->damaged))
+    return false;
+  if (!sound || bwi_expects_changes(head))
+    return true;
+  bw_remark(s->context, "%s-wal is of another state of the file and was left out", s->damaged);
+  s->report.whole = false;
+  return false;
+}
+
 static bw_status make_copy(salvage *s) {
   char from[SIDE], to[SIDE];
   bw_status status = copy_file(s->context, s->damaged, s->copy, false);
@@ -147,7 +163,8 @@ static bw_status make_copy(salvage *s) {
     return status;
   side_name(s->damaged, "-wal", from);
   side_name(s->copy, "-wal", to);
-  status = copy_file(s->context, from, to, true);
+  if (has_changes_of_its_own(s))
+    status = copy_file(s->context, from, to, true);
   return status == BW_OK ? mend_head(s) : status;
 }
 
@@ -425,14 +442,15 @@ static bw_status open_copy(salvage *s) {
 }
 
 /* Opens the copy; where its list of tables is gone, with the list that the schema gives. */
-static bw_status open_with_tables(salvage *s, const char *schema) {
+static bw_status open_with_tables(salvage *s, const char *schema, bool relist) {
   bw_status status = open_copy(s);
   if (!schema || (status != BW_OK && status != BW_FORMAT))
     return status;
   char scratch[SIDE];
   side_name(s->copy, ".tables", scratch);
   remove_files(scratch);
-  status = bwi_salvage_tables(s->context, s->from, schema, s->copy, scratch, &s->report.relisted);
+  status = bwi_salvage_tables(s->context, s->from, schema, s->copy, scratch, relist,
+                              &s->report.relisted);
   remove_files(scratch);
   if (status != BW_OK || !s->report.relisted)
     return status;
@@ -442,7 +460,7 @@ static bw_status open_with_tables(salvage *s, const char *schema) {
 }
 
 bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
-                              const char *schema, bw_salvage_report *report) {
+                              const char *schema, bool relist, bw_salvage_report *report) {
   struct stat about;
   if (strlen(damaged) + 32 >= NAME || strlen(to) + 32 >= NAME)
     return bw_fail(context, BW_INVALID, "a path is too long");
@@ -459,7 +477,7 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   snprintf(s.copy, sizeof s.copy, "%s.reading", to);
   remove_files(s.copy); /* of a run that was killed */
   BW_TRY(make_copy(&s));
-  BW_TRY(open_with_tables(&s, schema));
+  BW_TRY(open_with_tables(&s, schema, relist));
   BW_TRY(bw_database_open(context, to, NULL, &s.to));
   BW_TRY(bw_database_execute(context, s.to, "BEGIN"));
   BW_TRY(copy_schema(&s, TABLES));
@@ -473,9 +491,6 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
                          "nothing can be saved");
     goto done;
   }
-  if (!s.report.whole)
-    bw_remark(context, "a damaged page whose order still holds cannot be told from a sound one: "
-                       "look at what the rows say");
   *report = s.report;
 done:
   sqlite3_close_v2(s.from);

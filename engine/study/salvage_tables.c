@@ -113,12 +113,14 @@ static bw_status take_first_page(bw_context *context, const char *from, const ch
 }
 
 bw_status bwi_salvage_tables(bw_context *context, sqlite3 *from, const char *schema,
-                             const char *copy, const char *scratch, bool *anew) {
+                             const char *copy, const char *scratch, bool always, bool *anew) {
   sqlite3 *empty = NULL;
   bw_status status = BW_OK;
   int code = connect_to_empty(scratch, schema, &empty);
-  if (code == SQLITE_OK)
+  if (code == SQLITE_OK) {
     code = judge(from, empty, anew);
+    *anew = *anew || always;
+  }
   if (code != SQLITE_OK)
     status = (code & 0xff) == SQLITE_NOMEM
                  ? bw_fail(context, BW_MEMORY, "%s: out of memory", scratch)

@@ -190,14 +190,15 @@ static int database_change(lua_State *L) {
   return run(L, change);
 }
 
-/* salvage(damaged, to[, schema]): {tables, rows, lost, whole, relisted, log} */
+/* salvage(damaged, to[, schema[, relist]]): {tables, rows, lost, whole, relisted, log} */
 static int core_salvage(lua_State *L) {
   const char *damaged = lbw_check_text(L, 1, NULL), *to = lbw_check_text(L, 2, NULL);
   const char *schema = lua_isnoneornil(L, 3) ? NULL : lbw_check_text(L, 3, NULL);
+  bool relist = lua_toboolean(L, 4);
   bw_salvage_report report = {0};
   bw_context *context = lbw_enter(L);
   bw_clear_remarks(context); /* of earlier calls: there is room for so many only */
-  int failed = leave(L, bw_database_salvage(context, damaged, to, schema, &report), 0);
+  int failed = leave(L, bw_database_salvage(context, damaged, to, schema, relist, &report), 0);
   if (failed)
     return failed;
   lua_createtable(L, 0, 6);

@@ -265,6 +265,13 @@ static int core_remarks(lua_State *L) {
   return 1;
 }
 
+/* remark(text): what a caller is to know of work that went well */
+static int core_remark(lua_State *L) {
+  const char *text = lbw_check_text(L, 1, NULL);
+  bw_remark(lbw_enter(L), "%s", text);
+  return lbw_leave(L, BW_OK, 0);
+}
+
 static int core_interrupted(lua_State *L) {
   lua_pushboolean(L, lbw_state_of(L)->stopping);
   return 1;
@@ -328,6 +335,7 @@ static int core_library_versions(lua_State *L) {
 static const luaL_Reg functions[] = {{"progress", core_progress},
                                      {"report_progress", core_report_progress},
                                      {"threads", core_threads},
+                                     {"remark", core_remark},
                                      {"remarks", core_remarks},
                                      {"interrupted", core_interrupted},
                                      {"seconds", core_seconds},

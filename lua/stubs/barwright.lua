@@ -4100,10 +4100,11 @@ local StudyModule = {}
 ---@field cache? {folder?: string, bytes?: number}
 ---@field what? string a sentence for people
 
----Saves what can be read of a damaged file of a study into a new one.
----@param path string
----@param into string
----@return table? report tables, rows, lost, whole
+---Saves what can be read of a damaged file of a study into a new one. Trials that do not match their
+---checksums are left out, or asked again where their points are sound: the next run on the new file runs them.
+---@param path string a regular file
+---@param into string a file that is not there yet
+---@return table? report tables, rows, lost, whole, relisted, log
 ---@return string? message
 ---@return table? details
 function StudyModule.salvage(path, into) end

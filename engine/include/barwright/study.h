@@ -84,8 +84,8 @@ bw_status bw_statement_value(bw_context *context, bw_statement *statement, int c
  * lost, table by table, are remarks of the context.
  *
  * `schema`: the statements that make the tables of such a file, in their order; where the list of
- * tables is gone it is taken from a file made by them (`relisted`). NULL: it is not known, and
- * without a list nothing can be saved. */
+ * tables is gone, or `relist` is set, it is taken from a file made by them (`relisted`). NULL: it
+ * is not known, and without a list nothing can be saved. */
 typedef struct bw_salvage_report {
   int64_t tables, rows;
   int64_t lost;  /* rows that there were, at most: places in the tables that could not be read */
@@ -93,7 +93,7 @@ typedef struct bw_salvage_report {
   bool relisted; /* the list of tables is the schema's */
 } bw_salvage_report;
 bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
-                              const char *schema, bw_salvage_report *report);
+                              const char *schema, bool relist, bw_salvage_report *report);
 
 /* ---- points that fill a cube evenly ---------------------------------------------------------- */
 

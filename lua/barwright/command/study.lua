@@ -3,8 +3,8 @@
 local core = require "barwright.core"
 local json = require "barwright.json"
 local output = require "barwright.command.output"
-local merge = require "barwright.study.merge"
 local plots = require "barwright.study.plots"
+local saved = require "barwright.study.salvage"
 local script_file = require "barwright.script_file"
 
 local actions = {}
@@ -271,7 +271,7 @@ local function salvage(wish, out)
   if not new or #wish.files > 2 then
     return out:misuse "salvage: the damaged file and the new one expected"
   end
-  local report, message, details = merge.salvage(damaged, new)
+  local report, message, details = saved.into(damaged, new)
   if not report then
     return out:fail(message, details)
   end
@@ -346,6 +346,8 @@ A run that was ended at any moment goes on where it was when it is run again.
     if wish.action == "salvage" then return salvage(wish, out) end
     local study, code = load_study(wish.files[1], wish, out)
     if not study then return code end
-    return actions[wish.action](study, wish, out)
+    local exit_code = actions[wish.action](study, wish, out)
+    out:remarks()
+    return exit_code
   end,
 }

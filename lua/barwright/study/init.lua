@@ -11,6 +11,7 @@ local problem = require "barwright.study.problem"
 local rerun = require "barwright.study.rerun"
 local results = require "barwright.results"
 local run = require "barwright.study.run"
+local salvage = require "barwright.study.salvage"
 local merge = require "barwright.study.merge"
 local status = require "barwright.study.status"
 local store = require "barwright.study.store"
@@ -144,7 +145,7 @@ end
 
 --- What bw.study is: called, it makes a study.
 study.module = setmetatable({
-  salvage = merge.salvage,
+  salvage = salvage.into,
   designs = designs.names,
   hypervolume = front.hypervolume,
 }, {__call = function(_, given) return study.create(given) end,

@@ -135,36 +135,4 @@ function merge.into(self, files, given)
   return out
 end
 
-local saved = {__name = "salvage report"}
-function saved.__tostring(self)
-  local lines = {("%d rows of %d tables were saved%s"):format(self.rows, self.tables,
-    self.whole and "; nothing was in the way" or "")}
-  table.move(self.log, 1, #self.log, 2, lines)
-  if not self.whole then lines[#lines + 1] = "trials that lost a part are run again by the next run" end
-  return table.concat(lines, "\n  ")
-end
-
---- Saves what can be read of a damaged file into a new one.
-function merge.salvage(path, into)
-  if type(path) ~= "string" or type(into) ~= "string" then
-    core.raise "study.salvage: the damaged file and the new one expected"
-  end
-  local report, message, details = core.salvage(path, into, store.schema())
-  if not report then return nil, message, details end
-  if report.relisted then -- which columns there are is told by the file itself
-    local definition = store.remembered(into)
-    os.remove(into)
-    if not definition then
-      return nil, ("%s: the list of tables and the definition of the study are both damaged: nothing can be saved")
-        :format(path), {status = "damaged", file = path}
-    end
-    report, message, details = core.salvage(path, into, store.schema(definition))
-    if not report then return nil, message, details end
-  end
-  local fine
-  fine, message, details = store.mend(into)
-  if not fine then return nil, message, details end
-  return setmetatable(report, saved)
-end
-
 return merge

@@ -1,137 +1,41 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The file of a study: one SQLite database that other programs can read.
 --
---   study      format, name, seed, definition and its SHA-256, constraints: name | value
+--   study      format, name, seed, definition and its SHA-256, checksums: name | value
 --   variables, measures   in order, with the column that each has in `points` and `results`
 --   scripts    every text of the script that trials were run with
 --   manifests  program, libraries and machine of every kind of run
 --   trials     number, key, seed, status, message, seconds, processor_seconds, peak_bytes, attempts,
---              gradients (JSON), script, manifest
+--              gradients (JSON), script, manifest, checksum
 --   points     number and a column for each variable
 --   results    number and a column for each measure; only of trials that are done
 --   overview   a view: trials with points and results side by side
 --
 -- A trial is written when it is asked for ("asked"), so that its number is settled, and once more when
 -- it has ended; each of these is one transaction. One process writes (run.lua holds the lock).
+--
+-- Invariant: after each transaction the checksum of every trial is that of its three rows, the tally in `study` is
+-- the number of trials and the sum of their checksums, and `study` has a checksum of each other table (seals.lua).
+-- Who opens the file verifies the seals; who reads the trials verifies these all, in one snapshot (intact.lua).
+local checksum = require "barwright.study.checksum"
 local core = require "barwright.core"
+local definition = require "barwright.study.definition"
+local intact = require "barwright.study.intact"
 local json = require "barwright.json"
+local seals = require "barwright.study.seals"
 local variables = require "barwright.study.variables"
 
 local store = {}
 store.__index = store
 store.__name = "study file"
 
-local FORMAT = "barwright study 1"
+local FORMAT = "barwright study 2"
+local PLAIN = "barwright study 1" -- without checksums: read and gone on with as it is
+store.FORMAT, store.PLAIN = FORMAT, PLAIN
+local TALLY = seals.TALLY
 local MOST_COLUMNS = 1900 -- SQLite's own limit is 2000
 
-local function quote(name)
-  return '"' .. name:gsub('"', '""') .. '"'
-end
-
--- Columns named as the items are; SQL does not tell E from e, so the second becomes e_2.
-local function columns_of(items)
-  local columns, taken = {}, {number = true}
-  for i, item in ipairs(items) do
-    local name, k = item.name, 1
-    while taken[name:lower()] do
-      k = k + 1
-      name = ("%s_%d"):format(item.name, k)
-    end
-    taken[name:lower()] = true
-    columns[i] = name
-  end
-  return columns
-end
-
--- ---- what a file remembers of its study ----------------------------------------------------------------
-
---- Name, seed, variables and measures as plain data: what a file and a study must agree in.
-function store.definition(study)
-  local out = {name = study.name, seed = study.seed, variables = json.list {}, measures = json.list {}}
-  for i, v in ipairs(study.problem.variables) do
-    local item = {name = v.name, kind = v.kind, unit = v.unit}
-    if v.kind == "choice" then
-      item.of = json.list {}
-      for k, value in ipairs(v.of) do item.of[k] = value end
-    else
-      item.least, item.most, item.scale = v.least, v.most, v.scale
-    end
-    out.variables[i] = item
-  end
-  for i, m in ipairs(study.problem.measures) do
-    out.measures[i] = {name = m.name, unit = m.unit, optional = m.optional or nil}
-  end
-  return out
-end
-
-local function constraints_of(study)
-  local out = json.list {}
-  for i, c in ipairs(study.problem.constraints) do out[i] = {name = c.name, least = c.least, most = c.most} end
-  return json.encode(out)
-end
-
-local function describe(item, field)
-  local value = item and item[field]
-  return value == nil and "none" or type(value) == "table" and json.encode(value) or tostring(value)
-end
-
--- The first thing in which two definitions differ, as a sentence; nil where they do not.
-local function first_difference(old, new)
-  if old.name ~= new.name then return ("its study is '%s', not '%s'"):format(old.name, new.name) end
-  if old.seed ~= new.seed then return ("its seed is %s, not %s"):format(old.seed, new.seed) end
-  for _, list in ipairs {"variables", "measures"} do
-    local what = list:sub(1, -2)
-    for i = 1, math.max(#old[list], #new[list]) do
-      local a, b = old[list][i], new[list][i]
-      if not a then return ("%s '%s' is not in it"):format(what, b.name) end
-      if not b then return ("its %s '%s' is gone"):format(what, a.name) end
-      for _, field in ipairs {"name", "kind", "unit", "least", "most", "scale", "of", "optional"} do
-        local was, is = describe(a, field), describe(b, field)
-        if was ~= is then
-          if field == "name" then return ("its %s %d is '%s', not '%s'"):format(what, i, was, is) end
-          return ("%s '%s': %s was %s, is %s"):format(what, a.name, field, was, is)
-        end
-      end
-    end
-  end
-end
-
--- ---- opening -------------------------------------------------------------------------------------------
-
-local function column_list(columns, rule)
-  local out = {}
-  for i, name in ipairs(columns) do out[i] = quote(name) .. (rule or "") end
-  return #out > 0 and ", " .. table.concat(out, ", ") or ""
-end
-
--- The statements that make the tables of a file with these columns. Their order is a part of the format:
--- salvage knows by it where in a file each table begins.
-local function schema(self)
-  local shown = {}
-  for _, name in ipairs(self.point_columns) do
-    shown[#shown + 1] = (", p.%s AS %s"):format(quote(name), quote(name))
-  end
-  for _, name in ipairs(self.result_columns) do
-    shown[#shown + 1] = (", r.%s AS %s"):format(quote(name), quote(name))
-  end
-  return {
-    "CREATE TABLE study (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
-    "CREATE TABLE variables (position INTEGER PRIMARY KEY, name TEXT, column_name TEXT, kind TEXT, unit TEXT,"
-      .. " least, most, scale TEXT, choices TEXT)",
-    "CREATE TABLE measures (position INTEGER PRIMARY KEY, name TEXT, column_name TEXT, unit TEXT)",
-    "CREATE TABLE scripts (number INTEGER PRIMARY KEY, sha256 TEXT UNIQUE, path TEXT, text TEXT,"
-      .. " constraints TEXT)",
-    "CREATE TABLE manifests (number INTEGER PRIMARY KEY, manifest TEXT UNIQUE)",
-    "CREATE TABLE trials (number INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE, seed INTEGER NOT NULL,"
-      .. " status TEXT NOT NULL, message TEXT, seconds REAL, processor_seconds REAL, peak_bytes INTEGER,"
-      .. " attempts INTEGER NOT NULL DEFAULT 0, gradients TEXT, script INTEGER, manifest INTEGER)",
-    ("CREATE TABLE points (number INTEGER PRIMARY KEY%s)"):format(column_list(self.point_columns)),
-    ("CREATE TABLE results (number INTEGER PRIMARY KEY%s)"):format(column_list(self.result_columns)),
-    ("CREATE VIEW overview AS SELECT t.number, t.key, t.seed, t.status, t.message, t.seconds, t.peak_bytes%s"
-      .. " FROM trials t JOIN points p ON p.number = t.number LEFT JOIN results r ON r.number = t.number")
-      :format(table.concat(shown)),
-  }
-end
+-- ---- transactions --------------------------------------------------------------------------------------
 
 -- Runs f in a transaction: all of it or nothing.
 local function transaction(db, f)
@@ -160,42 +64,101 @@ local function all(db, list)
   return true
 end
 
-local function create(self, study, list)
-  return transaction(self.db, function()
-    local definition = json.encode(store.definition(study))
-    for name, value in pairs {format = FORMAT, name = study.name, seed = tostring(study.seed),
-      definition = definition, definition_sha256 = core.sha256_of(definition)} do
-      list[#list + 1] = {"INSERT INTO study VALUES (?, ?)", name, value}
-    end
-    for i, v in ipairs(study.problem.variables) do
-      list[#list + 1] = table.pack("INSERT INTO variables VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", i, v.name,
-        self.point_columns[i], v.kind, v.unit, v.least, v.most, v.kind == "real" and v.scale or nil,
-        v.of and json.encode(json.list(table.move(v.of, 1, #v.of, 1, {}))) or nil)
-    end
-    for i, m in ipairs(study.problem.measures) do
-      list[#list + 1] = table.pack("INSERT INTO measures VALUES (?, ?, ?, ?)", i, m.name,
-        self.result_columns[i], m.unit)
-    end
-    return all(self.db, list)
+-- The tally, from the checksums that the trials have, and the seals.
+local function seal(db)
+  local rows, message, details = db:rows "SELECT checksum FROM trials"
+  if not rows then return nil, message, details end
+  local sum = 0
+  for _, row in ipairs(rows) do sum = sum + row.checksum end
+  local fine
+  fine, message, details = db:change("INSERT OR REPLACE INTO study VALUES (?, ?)", TALLY,
+    checksum.tally_text(#rows, sum))
+  if not fine then return nil, message, details end
+  return seals.write(db)
+end
+
+--- Statements in one transaction, at whose end the file is sealed if it is to be.
+function store.change(db, list, sealed)
+  return transaction(db, function()
+    local fine, message, details = all(db, list)
+    if fine and sealed then return seal(db) end
+    return fine, message, details
   end)
 end
 
-local function header(db, path)
-  local tables, message, details = db:rows "SELECT count(*) AS n FROM sqlite_master"
-  if not tables then return nil, message, details end
-  if tables[1].n == 0 then return {} end
-  local rows = db:rows "SELECT count(*) AS n FROM sqlite_master WHERE name = 'study' OR name = 'trials'"
-  if not rows or rows[1].n ~= 2 then
+-- A transaction that changes trials: f adds to self.count and self.sum what it adds to the trials.
+local function counted(self, f)
+  self.count, self.sum = 0, 0
+  if self.plain then return transaction(self.db, f) end
+  return transaction(self.db, function()
+    local rows, message, details = self.db:rows("SELECT value FROM study WHERE name = ?", TALLY)
+    if not rows then return nil, message, details end
+    self.count, self.sum = checksum.read_tally(rows[1] and rows[1].value)
+    if not self.count then return intact.damaged(self.path, "the number of its trials is lost") end
+    local fine
+    fine, message, details = f()
+    if not fine then return nil, message, details end
+    return self.db:change("UPDATE study SET value = ? WHERE name = ?",
+      checksum.tally_text(self.count, self.sum), TALLY)
+  end)
+end
+
+-- ---- opening -------------------------------------------------------------------------------------------
+
+-- ---- opening -------------------------------------------------------------------------------------------
+
+-- The statements of its tables by name; {} for a new file.
+local function tables_of(db, path)
+  local rows, message, details = db:rows "SELECT name, sql FROM sqlite_master WHERE type = 'table'"
+  if not rows then return nil, message, details end
+  local out = {}
+  for _, row in ipairs(rows) do out[tostring(row.name)] = row.sql end
+  if next(out) and not (out.study and out.trials) then
     return nil, path .. ": is an SQLite file, but not one of a study", {status = "format", file = path}
   end
-  rows, message, details = db:rows "SELECT name, value FROM study"
+  return out
+end
+store.tables_of = tables_of
+
+-- Whether the tables are those of a definition.
+local function same_tables(tables, about, plain)
+  for name, statement in pairs(definition.tables(about, plain)) do
+    if tables[name] ~= statement then return false, name end
+  end
+  return true
+end
+
+-- What the table `study` says, and whether the file is one without checksums.
+local function header(self, tables)
+  local db, path = self.db, self.path
+  local expected = definition.tables()
+  for _, name in ipairs {"study", "variables", "measures", "scripts", "manifests"} do
+    if tables[name] ~= expected[name] then
+      return intact.damaged(path, ("its table '%s' is not what it was"):format(name))
+    end
+  end
+  self.plain = tables.trials ~= expected.trials
+  local rows, message, details = db:rows "SELECT name, value FROM study NOT INDEXED"
   if not rows then return nil, message, details end
+  if #rows == 0 then return {lost = true} end -- saved from a damaged file, without its head
   local about = {}
-  for _, row in ipairs(rows) do about[row.name] = row.value end
-  if not next(about) then return {lost = true} end -- saved from a damaged file, without its head
-  if about.format ~= FORMAT then
+  for _, row in ipairs(rows) do about[tostring(row.name)] = row.value end
+  if about.format ~= FORMAT and about.format ~= PLAIN then
     return nil, ("%s: written as '%s', this is '%s'"):format(path, tostring(about.format), FORMAT),
       {status = "format", file = path}
+  end
+  if self.plain ~= (about.format == PLAIN) then return intact.damaged(path, "its format is lost") end
+  local broken = {}
+  if not self.plain then
+    broken, message, details = seals.broken(db)
+    if not broken then return nil, message, details end
+  end
+  if #broken > 0 then
+    return intact.damaged(path, ("what it says of its study does not match its checksum (%s)"):format(
+      table.concat(broken, ", ")))
+  end
+  if core.sha256_of(tostring(about.definition)) ~= about.definition_sha256 then
+    return intact.damaged(path, "the definition of its study does not match its checksum")
   end
   return about
 end
@@ -218,46 +181,96 @@ local function refuse(self, message, details)
   return nil, store.explain(self.path, message, details)
 end
 
+-- Reads in one state of the file, whatever is written meanwhile.
+local function in_one_state(db, f)
+  if db.inside_transaction then return f() end
+  local fine, message, details = db:execute "BEGIN"
+  if not fine then return nil, message, details end
+  local out
+  out, message, details = f()
+  if db.inside_transaction then db:execute "COMMIT" end
+  return out, message, details
+end
+
+-- Of a file whose head was lost, what is known again; of a new one, all.
+local function begin(self, new)
+  local list = new and definition.schema(self.about) or {"DELETE FROM variables", "DELETE FROM measures"}
+  for _, each in ipairs(definition.rows(self.about)) do list[#list + 1] = each end
+  list[#list + 1] = {"INSERT INTO study VALUES ('format', ?)", self.plain and PLAIN or FORMAT}
+  return store.change(self.db, list, not self.plain)
+end
+
+
+-- Compares the file with the study, or begins it; true, or what is in the way.
+local function compare(self, wish)
+  local tables
+  local about, message, details = in_one_state(self.db, function()
+    local why, more
+    tables, why, more = tables_of(self.db, self.path)
+    if not tables then return nil, why, more end
+    if not next(tables) then return {} end
+    return header(self, tables)
+  end)
+  if not about then return nil, message, details end
+  if not next(tables) then
+    if not wish.read_only then return begin(self, true) end
+    return nil, self.path .. ": holds no study yet", {status = "format", file = self.path}
+  end
+  if about.lost then
+    if not wish.continue then
+      return nil, self.path .. ": which study it is of has been lost. If it is this one, say continue = true "
+        .. "(--continue)", {status = "different", file = self.path}
+    end
+    local same, name = same_tables(tables, self.about, self.plain)
+    if not same then
+      return nil, ("%s: was made by another study: its table '%s' has other columns"):format(self.path, name),
+        {status = "different", file = self.path}
+    end
+    return begin(self)
+  end
+  local difference = definition.first_difference(json.decode(about.definition),
+    json.decode(json.encode(self.about)))
+  if difference then
+    return nil, ("%s: was made by another study: %s. Give the changed study a file of its own "
+      .. "(file = \"...\"), or change it back"):format(self.path, difference),
+      {status = "different", file = self.path}
+  end
+  local same, name = same_tables(tables, self.about, self.plain)
+  if not same then return intact.damaged(self.path, ("its table '%s' is not what it was"):format(name)) end
+  return true
+end
+
+-- Before anything is written: where SQLite's own lists are damaged, writing would destroy what is sound.
+local function ready_to_write(self, study, wish)
+  local sound, problems = self.db:check()
+  if not sound then return intact.damaged(self.path, problems:match "[^\n]*") end
+  return self:remember(study, wish.continue)
+end
+
 --- The file of a study: made where it is missing (unless read_only), else checked against the study.
 --- continue: a changed script is fine.
 function store.open(study, path, wish)
   wish = wish or {}
-  local self = setmetatable({path = path, problem = study.problem}, store)
   if #study.problem.variables > MOST_COLUMNS or #study.problem.measures > MOST_COLUMNS then
     core.raise(("study '%s': more than %d variables or measures"):format(study.name, MOST_COLUMNS))
   end
-  self.point_columns = columns_of(study.problem.variables)
-  self.result_columns = columns_of(study.problem.measures)
+  local about = definition.of(study)
+  local self = setmetatable({path = path, problem = study.problem, about = about}, store)
+  self.point_columns = definition.columns_of(about.variables)
+  self.result_columns = definition.columns_of(about.measures)
   local db, message, details = core.database(path, {read_only = wish.read_only})
   if not db then return nil, store.explain(path, message, details) end
   self.db = db
-  local about
-  about, message, details = header(db, path)
-  if not about then return refuse(self, message, details) end
-  if about.lost and not wish.continue then
-    return refuse(self, path .. ": which study it is of has been lost. If it is this one, say continue = true "
-      .. "(--continue)", {status = "different", file = path})
-  elseif not about.definition then
-    if wish.read_only then
-      return refuse(self, path .. ": holds no study yet", {status = "format", file = path})
-    end
-    local fine
-    fine, message, details = create(self, study, about.lost
-      and {"DELETE FROM variables", "DELETE FROM measures"} or schema(self))
-    if not fine then return refuse(self, message, details) end
-  else
-    local old = json.decode(about.definition)
-    local new = json.decode(json.encode(store.definition(study)))
-    local difference = first_difference(old, new)
-    if difference then
-      return refuse(self, ("%s: was made by another study: %s. Give the changed study a file of its own "
-        .. "(file = \"...\"), or change it back"):format(path, difference), {status = "different", file = path})
-    end
-  end
+  local fine
+  fine, message, details = compare(self, wish)
+  if not fine then return refuse(self, message, details) end
   if not wish.read_only then
-    local fine
-    fine, message, details = self:remember(study, wish.continue)
+    fine, message, details = ready_to_write(self, study, wish)
     if not fine then return refuse(self, message, details) end
+  end
+  if self.plain then
+    core.remark(("%s: an older version made it without checksums, so that damage may pass unseen; 'barwright "
+      .. "study merge SCRIPT %s --file NEW.study' makes a file with them"):format(path, path))
   end
   self.insert_point = ("INSERT INTO points VALUES (?%s)"):format((", ?"):rep(#self.point_columns))
   self.insert_result = ("INSERT OR REPLACE INTO results VALUES (?%s)"):format((", ?"):rep(#self.result_columns))
@@ -268,12 +281,14 @@ end
 --- refused unless `continue` is said.
 function store:remember(study, continue)
   local script = study.script
-  local constraints = constraints_of(study)
+  local constraints = definition.constraints_of(study)
   local sha = core.sha256_of(script.text .. "\0" .. constraints)
   local known, message, details = self.db:rows("SELECT number, sha256 FROM scripts ORDER BY number")
   if not known then return nil, message, details end
+  local last = 0
   for _, row in ipairs(known) do
     if row.sha256 == sha then self.script = row.number end
+    last = row.number
   end
   if not self.script and #known > 0 and not continue then
     return nil, ("%s: the script%s has changed since its trials were run. If the results that are there still "
@@ -283,10 +298,10 @@ function store:remember(study, continue)
   local manifest = json.encode(study:manifest())
   return transaction(self.db, function()
     if not self.script then
-      local fine, why, more = self.db:change("INSERT INTO scripts VALUES (?, ?, ?, ?, ?)", #known + 1, sha,
+      local fine, why, more = self.db:change("INSERT INTO scripts VALUES (?, ?, ?, ?, ?)", last + 1, sha,
         script.path, script.text, constraints)
       if not fine then return nil, why, more end
-      self.script = #known + 1
+      self.script = last + 1
     end
     local fine, why, more = self.db:change("INSERT OR IGNORE INTO manifests (manifest) VALUES (?)", manifest)
     if not fine then return nil, why, more end
@@ -294,7 +309,8 @@ function store:remember(study, continue)
     rows, why, more = self.db:rows("SELECT number FROM manifests WHERE manifest = ?", manifest)
     if not rows then return nil, why, more end
     self.manifest = rows[1].number
-    return true
+    if self.plain then return true end
+    return seals.write(self.db)
   end)
 end
 
@@ -309,20 +325,38 @@ local function from_column(variable, value)
   return variable.of[variable.index[variables.choice_text(value)]]
 end
 
+local function point_of(self, trial)
+  local values = {}
+  for k, v in ipairs(self.problem.variables) do values[k] = to_column(v, trial.point[v.name]) end
+  return values
+end
+
+local function checksum_of(self, row, point, results)
+  return checksum.of_trial(row, point, #self.point_columns, results, #self.result_columns)
+end
+
+local function put_checksum(self, trial, sum)
+  if self.plain then return true end
+  return self.db:change("UPDATE trials SET checksum = ? WHERE number = ?", sum, trial.number)
+end
+
 -- Statements that write a trial as asked for.
 local function put_asked(self, trial)
+  local point = point_of(self, trial)
+  local sum = checksum_of(self, {number = trial.number, key = trial.key, seed = trial.seed, status = "asked",
+    attempts = 0}, point)
   local fine, message, details = self.db:change(
     "INSERT INTO trials (number, key, seed, status) VALUES (?, ?, ?, 'asked')", trial.number, trial.key,
     trial.seed)
+  if fine then fine, message, details = put_checksum(self, trial, sum) end
   if not fine then return nil, message, details end
-  local values = {}
-  for k, v in ipairs(self.problem.variables) do values[k] = to_column(v, trial.point[v.name]) end
-  return self.db:change(self.insert_point, trial.number, table.unpack(values, 1, #self.problem.variables))
+  self.count, self.sum = self.count + 1, self.sum + sum
+  return self.db:change(self.insert_point, trial.number, table.unpack(point, 1, #self.point_columns))
 end
 
 --- Writes that trials were asked for, all or none.
 function store:ask(trials)
-  return transaction(self.db, function()
+  return counted(self, function()
     for _, trial in ipairs(trials) do
       local fine, message, details = put_asked(self, trial)
       if not fine then return nil, message, details end
@@ -331,102 +365,102 @@ function store:ask(trials)
   end)
 end
 
-local function put_outcome(self, trial, script, manifest)
-  local fine, message, details = self.db:change("UPDATE trials SET status = ?, message = ?, seconds = ?,"
+local function real(value)
+  return value and value + 0.0
+end
+
+-- The checksum of a trial as it stands.
+local function checksum_there(self, trial)
+  if self.plain then return 0 end
+  local rows, message, details = self.db:rows("SELECT checksum FROM trials WHERE number = ?", trial.number)
+  if not rows then return nil, message, details end
+  if not rows[1] then return intact.damaged(self.path, ("trial %d is gone"):format(trial.number)) end
+  return rows[1].checksum
+end
+
+-- The row of a trial that has ended, as the columns' types make it.
+local function row_of(self, trial)
+  return {number = trial.number, key = trial.key, seed = trial.seed, status = trial.status,
+    message = trial.message, seconds = real(trial.seconds), processor_seconds = real(trial.processor_seconds),
+    peak_bytes = trial.peak_bytes and math.tointeger(trial.peak_bytes) or nil, attempts = trial.attempts,
+    gradients = trial.gradients and json.encode(trial.gradients) or nil, script = self.script,
+    manifest = self.manifest}
+end
+
+local function put_outcome(self, trial)
+  local before, message, details = checksum_there(self, trial)
+  if not before then return nil, message, details end
+  local results
+  if trial.status == "done" then
+    results = {}
+    for k, m in ipairs(self.problem.measures) do results[k] = trial.results[m.name] end
+  end
+  local row = row_of(self, trial)
+  local sum = checksum_of(self, row, point_of(self, trial), results)
+  local fine
+  fine, message, details = self.db:change("UPDATE trials SET status = ?, message = ?, seconds = ?,"
     .. " processor_seconds = ?, peak_bytes = ?, attempts = ?, gradients = ?, script = ?, manifest = ?"
-    .. " WHERE number = ?", trial.status, trial.message, trial.seconds, trial.processor_seconds,
-    trial.peak_bytes and math.tointeger(trial.peak_bytes) or nil, trial.attempts,
-    trial.gradients and json.encode(trial.gradients) or nil, script, manifest, trial.number)
-  if fine and trial.status == "done" then
-    local values = {}
-    for k, m in ipairs(self.problem.measures) do values[k] = trial.results[m.name] end
+    .. " WHERE number = ?", row.status, row.message, row.seconds, row.processor_seconds, row.peak_bytes,
+    row.attempts, row.gradients, row.script, row.manifest, row.number)
+  if fine then fine, message, details = put_checksum(self, trial, sum) end
+  self.sum = self.sum - before + sum
+  if fine and results then
     fine, message, details = self.db:change(self.insert_result, trial.number,
-      table.unpack(values, 1, #self.problem.measures))
+      table.unpack(results, 1, #self.result_columns))
   end
   return fine, message, details
 end
 
 --- Writes how a trial ended, in one transaction.
 function store:finish(trial)
-  return transaction(self.db, function() return put_outcome(self, trial, self.script, self.manifest) end)
+  return counted(self, function() return put_outcome(self, trial) end)
 end
 
 --- Writes finished trials of another file.
 function store:take(trials)
-  return transaction(self.db, function()
+  return counted(self, function()
     for _, trial in ipairs(trials) do
       local fine, message, details = put_asked(self, trial)
-      if fine and trial.status ~= "asked" then
-        fine, message, details = put_outcome(self, trial, self.script, self.manifest)
-      end
+      if fine and trial.status ~= "asked" then fine, message, details = put_outcome(self, trial) end
       if not fine then return nil, message, details end
     end
     return true
   end)
 end
 
---- All trials by number, those that were only asked for among them.
+-- A trial as it was read, for others.
+local function present(self, trial)
+  local out, point = trial.row, {}
+  for k, v in ipairs(self.problem.variables) do point[v.name] = from_column(v, trial.point[k]) end
+  out.point = point
+  if trial.results then
+    out.results = {}
+    for k, m in ipairs(self.problem.measures) do out.results[m.name] = trial.results[k] end
+  end
+  if out.gradients then out.gradients = json.decode(out.gradients) end
+  out.script, out.manifest, out.checksum = nil, nil, nil
+  return out
+end
+
+--- All trials by number, those that were only asked for among them; nil, a sentence and details where one of them
+--- is not what was written.
 function store:load()
-  local list, message, details = self.db:rows("SELECT number, key, seed, status, message, seconds,"
-    .. " processor_seconds, peak_bytes, attempts, gradients FROM trials ORDER BY number")
-  if not list then return nil, store.explain(self.path, message, details) end
-  local by_number = {}
-  for _, trial in ipairs(list) do
-    by_number[trial.number] = trial
-    if trial.gradients then trial.gradients = json.decode(trial.gradients) end
-  end
-  local points
-  points, message, details = self.db:rows "SELECT * FROM points"
-  if not points then return nil, store.explain(self.path, message, details) end
-  for _, row in ipairs(points) do
-    local trial, point = by_number[row.number], {}
-    for k, v in ipairs(self.problem.variables) do point[v.name] = from_column(v, row[self.point_columns[k]]) end
-    if trial then trial.point = point end
-  end
-  local results
-  results, message, details = self.db:rows "SELECT * FROM results"
-  if not results then return nil, store.explain(self.path, message, details) end
-  for _, row in ipairs(results) do
-    local trial, values = by_number[row.number], {}
-    for k, m in ipairs(self.problem.measures) do values[m.name] = row[self.result_columns[k]] end
-    if trial and trial.status == "done" then trial.results = values end
-  end
-  return list
-end
-
---- The statements that make a file of a study with this definition, in their order; without a definition
---- the tables `points` and `results` have no columns but the number.
-function store.schema(definition)
-  return table.concat(schema {point_columns = columns_of(definition and definition.variables or {}),
-    result_columns = columns_of(definition and definition.measures or {})}, ";\n")
-end
-
---- The definition that a file remembers, or nil where it was lost or changed.
-function store.remembered(path)
-  local db <close>, message, details = core.database(path)
-  if not db then return nil, message, details end
-  local about = {}
-  for _, row in ipairs(db:rows "SELECT name, value FROM study" or {}) do about[row.name] = row.value end
-  local text = about.definition
-  if text and core.sha256_of(text) == about.definition_sha256 then return json.decode(text) end
-  return nil, path .. ": the definition of its study is lost", {status = "damaged", file = path}
-end
-
---- After a file was saved from a damaged one: what lost a part of itself is to be run again.
-function store.mend(path)
-  local db <close>, message, details = core.database(path)
-  if not db then return nil, message, details end
-  local tables = db:rows("SELECT count(*) AS n FROM sqlite_master"
-    .. " WHERE name = 'trials' OR name = 'points' OR name = 'results'")
-  if not tables or tables[1].n < 3 then return true end
-  return transaction(db, function()
-    return all(db, {
-      "DELETE FROM trials WHERE number NOT IN (SELECT number FROM points)",
-      "DELETE FROM points WHERE number NOT IN (SELECT number FROM trials)",
-      "UPDATE trials SET status = 'asked' WHERE status = 'done' AND number NOT IN (SELECT number FROM results)",
-      "DELETE FROM results WHERE number NOT IN (SELECT number FROM trials WHERE status = 'done')",
-    })
+  local list, message, details = in_one_state(self.db, function()
+    local read, why, more = intact.read(self.db, self.about, self.point_columns, self.result_columns, self.plain)
+    if not read then return nil, why, more end
+    local tally
+    if not self.plain then
+      tally, why, more = self.db:rows("SELECT value FROM study WHERE name = ?", TALLY)
+      if not tally then return nil, why, more end
+      tally = tally[1] and tally[1].value or ""
+    end
+    local fine
+    fine, why, more = intact.verify(self.path, read, tally)
+    return fine and read.trials, why, more
   end)
+  if not list then return nil, store.explain(self.path, message, details) end
+  for i, trial in ipairs(list) do list[i] = present(self, trial) end
+  return list
 end
 
 --- One file is left, without those beside it that writing ahead makes, so that it can be copied.

@@ -344,7 +344,7 @@ static void test_hostile_files(void **state) {
     bw_salvage_report report;
     unlink(path_of("saved"));
     bw_clear_remarks(context);
-    status = bw_database_salvage(context, path_of("a"), path_of("saved"), NULL, &report);
+    status = bw_database_salvage(context, path_of("a"), path_of("saved"), NULL, false, &report);
     if (status != BW_OK && status != BW_FORMAT)
       fail_msg("%s: %s", harm[i].put, bw_message(context));
   }
@@ -364,14 +364,14 @@ static void test_hostile_schema(void **state) {
   bw_salvage_report report;
   bw_release(open_file(context, "a"));
   snprintf(sql, sizeof sql, "ATTACH '%s' AS x; CREATE TABLE x.y (z)", path_of("outside"));
-  assert_int_not_equal(bw_database_salvage(context, path_of("a"), path_of("saved"), sql, &report),
-                       BW_OK);
+  assert_int_not_equal(
+      bw_database_salvage(context, path_of("a"), path_of("saved"), sql, false, &report), BW_OK);
   snprintf(sql, sizeof sql, "VACUUM INTO '%s'", path_of("outside"));
-  assert_int_not_equal(bw_database_salvage(context, path_of("a"), path_of("saved"), sql, &report),
-                       BW_OK);
+  assert_int_not_equal(
+      bw_database_salvage(context, path_of("a"), path_of("saved"), sql, false, &report), BW_OK);
   assert_int_not_equal(bw_database_salvage(context, path_of("a"), path_of("saved"),
                                            "CREATE TABLE x AS SELECT fts3_tokenizer('simple')",
-                                           &report),
+                                           false, &report),
                        BW_OK);
   assert_int_equal(access(path_of("outside"), F_OK), -1);
   assert_int_equal(access(path_of("saved"), F_OK), -1);
@@ -449,15 +449,15 @@ static int try_from_inside(bw_context *context) {
   if (bw_database_open(context, sql, NULL, &d) == BW_OK && access(path_of("made"), F_OK) == 0)
     return 3;
   bw_release(d);
-  if (bw_database_salvage(context, path_of("in/whole"), path_of("in/saved"), NULL, &report) !=
-      BW_OK)
+  if (bw_database_salvage(context, path_of("in/whole"), path_of("in/saved"), NULL, false,
+                          &report) != BW_OK)
     return 4;
   bw_clear_remarks(context);
-  if (bw_database_salvage(context, path_of("in/leak"), path_of("in/leaked"), NULL, &report) ==
-      BW_OK)
+  if (bw_database_salvage(context, path_of("in/leak"), path_of("in/leaked"), NULL, false,
+                          &report) == BW_OK)
     return 5;
-  if (bw_database_salvage(context, path_of("in/secret"), path_of("in/stolen"), NULL, &report) ==
-          BW_OK ||
+  if (bw_database_salvage(context, path_of("in/secret"), path_of("in/stolen"), NULL, false,
+                          &report) == BW_OK ||
       bw_database_open(context, path_of("in/secret"), NULL, &d) == BW_OK)
     return 6;
   return 0;

@@ -293,7 +293,7 @@ static void test_full_disk(void **state) {
 static void save(bw_context *context, const char *path, int least, int most, bool exact) {
   bw_salvage_report report;
   unlink(path_of("saved"));
-  check_ok(context, bw_database_salvage(context, path, path_of("saved"), NULL, &report));
+  check_ok(context, bw_database_salvage(context, path, path_of("saved"), NULL, false, &report));
   bw_database *d = open_file(context, path_of("saved"));
   int rows = count_rows(context, d);
   if (rows < least || rows > most)
@@ -376,8 +376,8 @@ static void test_lost_list(void **state) {
   make_file(context, path, ROWS);
   overwrite(path, 0, 4096, -1);
   check_fails(context, BW_FORMAT, "nothing can be saved",
-              bw_database_salvage(context, path, path_of("b"), NULL, &report));
-  check_ok(context, bw_database_salvage(context, path, path_of("b"), schema, &report));
+              bw_database_salvage(context, path, path_of("b"), NULL, false, &report));
+  check_ok(context, bw_database_salvage(context, path, path_of("b"), schema, false, &report));
   assert_true(report.relisted && !report.whole);
   assert_int_equal(report.lost, 0);
   bw_database *d = open_file(context, path_of("b"));
@@ -391,16 +391,16 @@ static void test_nothing_to_save(void **state) {
   const char *path = path_of("a");
   make_file(context, path, 100);
   check_fails(context, BW_IO, "there is a file already",
-              bw_database_salvage(context, path, path, NULL, &report));
+              bw_database_salvage(context, path, path, NULL, false, &report));
   check_fails(context, BW_IO, "No such file",
-              bw_database_salvage(context, path_of("none"), path_of("b"), NULL, &report));
+              bw_database_salvage(context, path_of("none"), path_of("b"), NULL, false, &report));
   overwrite(path, 100, 3996, 255);
   check_fails(context, BW_FORMAT, "nothing can be saved",
-              bw_database_salvage(context, path, path_of("b"), NULL, &report));
+              bw_database_salvage(context, path, path_of("b"), NULL, false, &report));
   assert_int_equal(access(path_of("b"), F_OK), -1);
   assert_int_equal(truncate(path, 300), 0);
   check_fails(context, BW_FORMAT, "only 300 bytes",
-              bw_database_salvage(context, path, path_of("b"), NULL, &report));
+              bw_database_salvage(context, path, path_of("b"), NULL, false, &report));
 }
 
 /* Whatever bytes are overwritten: a status, never a crash. */
@@ -423,7 +423,7 @@ static void test_random_damage(void **state) {
                 1 + (int64_t)(bw_random_uniform(&random) * 299), -1);
     check_damaged(context, path, false);
     bw_salvage_report report;
-    bw_status status = bw_database_salvage(context, path, path_of("saved"), NULL, &report);
+    bw_status status = bw_database_salvage(context, path, path_of("saved"), NULL, false, &report);
     if (status != BW_OK && status != BW_FORMAT)
       fail_msg("%s (%s)", bw_message(context), bw_status_word(status));
     if (status == BW_OK) {
@@ -489,7 +489,7 @@ static void test_allocation_failures(void **state) {
     BW_TRY(bw_database_open(context, path_of("a"), NULL, &d));
     BW_TRY(bw_database_execute(context, d, schema));
     BW_TRY(add_row(context, d, 1));
-    BW_TRY(bw_database_salvage(context, path_of("a"), path_of("saved"), schema, &report));
+    BW_TRY(bw_database_salvage(context, path_of("a"), path_of("saved"), schema, false, &report));
   done:
     bw_fail_allocation(0, false);
     bw_release(d);
