@@ -6,9 +6,9 @@
  * localhost:PORT (so that a name that somebody points at this machine does not serve), whose
  * Origin, where there is one, is the same, below a path of 128 random bits.
  *
- * Threads: CivetWeb's workers read; one thread per WebSocket client writes what is queued for it;
- * the owner queues, and takes what arrived. Everything that is shared stands behind one lock, which
- * is never held while something is sent. All these threads block every signal. */
+ * A thread of the server's own accepts, reads and writes, and never blocks. The owner queues what
+ * is to be sent, and takes what arrived. Everything that both use is guarded by one lock, which is
+ * never held while something is sent. The thread blocks every signal. */
 #ifndef LBW_LIVE_SERVER_H
 #define LBW_LIVE_SERVER_H
 
@@ -17,11 +17,14 @@
 typedef struct lbw_live_server lbw_live_server; /* reference-counted */
 
 typedef struct lbw_live_options {
-  int port;              /* 0: any free one */
-  int clients;           /* at most, at a time */
-  int64_t message_bytes; /* a longer message closes its connection */
-  int64_t queue_bytes;   /* a client for whom more is waiting to be sent is closed */
-  int queue_messages;    /* a client from whom more is waiting to be read is closed */
+  int port;               /* 0: any free one */
+  int clients;            /* at most, at a time */
+  int64_t message_bytes;  /* a longer message closes its connection */
+  int64_t queue_bytes;    /* a client for whom more is waiting to be sent is closed */
+  int queue_messages;     /* a client from whom more is waiting to be read is closed */
+  double head_seconds;    /* a connection whose request is not whole by then is ended */
+  double silence_seconds; /* a client that neither took nor gave a byte for so long is ended; it is
+                             asked for a sign of life after a third of that */
 } lbw_live_options;
 void lbw_live_defaults(lbw_live_options *options);
 

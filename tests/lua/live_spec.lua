@@ -399,13 +399,13 @@ end)
 -- ---- the command --------------------------------------------------------------------------------------
 
 -- Starts `barwright live` as a child; gives its address and number.
-local function start(folder, arguments)
+local function start(folder, arguments, environment)
   check.write(folder .. "/out", "")
-  os.execute(("cd '%s' && { BARWRIGHT_QUIET=1 '%s' live hook.lua --no-open %s >out 2>&1 & echo $! >pid; }")
-    :format(folder, check.program:match "^/" and check.program or os.getenv "PWD" .. "/" .. check.program,
-      arguments or ""))
+  os.execute(("cd '%s' && { %s BARWRIGHT_QUIET=1 '%s' live hook.lua %s >out 2>&1 & echo $! >pid; }")
+    :format(folder, environment or "", check.program:match "^/" and check.program
+      or os.getenv "PWD" .. "/" .. check.program, arguments or "--no-open"))
   local address
-  for _ = 1, 200 do
+  for _ = 1, 2400 do -- two minutes, on a busy machine
     address = check.read(folder .. "/out"):match "http://%S+"
     if address then break end
     os.execute "sleep 0.05"
@@ -414,7 +414,7 @@ local function start(folder, arguments)
 end
 
 local function stop(folder, pid, signal)
-  os.execute(("kill -%s %s; for i in $(seq 100); do kill -0 %s 2>/dev/null || break; sleep 0.05; done")
+  os.execute(("kill -%s %s; for i in $(seq 1200); do kill -0 %s 2>/dev/null || break; sleep 0.05; done")
     :format(signal, pid, pid))
   return check.read(folder .. "/out")
 end
@@ -479,10 +479,44 @@ describe("barwright live", function()
     assert.equal(1, #session.edits)
     -- A file of edits is served as well; --fresh begins without.
     os.execute(("cp '%s/hook.edits.lua' '%s/hook2.lua'"):format(folder, folder))
-    local _, third = start(folder, "--fresh")
+    local _, third = start(folder, "--no-open --fresh")
     out = stop(folder, third, "INT")
     assert.truthy(out:find("0 edits in force", 1, true), out)
     assert.truthy(check.read(folder .. "/hook.edits.lua~"):find("scale{1, 1.1, 1.1}", 1, true))
+  end)
+end)
+
+describe("the browser", function()
+  it("is opened through a file that only its user can read", function()
+    if not has_page then return pending "the page is not bundled" end
+    local folder = check.folder()
+    check.write(folder .. "/hook.lua", check.read(session_file))
+    -- In place of the desktop's program: notes the mode of the file it is given, then what is in it.
+    check.write(folder .. "/xdg-open",
+      '#!/bin/sh\nprintf "%s\\n" "$1" >argument; { stat -c %a "$1"; cat "$1"; } >seen.part; mv seen.part seen\n')
+    os.execute(("chmod +x '%s/xdg-open'"):format(folder))
+    local address, pid = start(folder, "", 'DISPLAY=:0 PATH="$PWD:$PATH"')
+    os.execute(("cd '%s'; for i in $(seq 1200); do [ -e seen ] && break; sleep 0.05; done"):format(folder))
+    local mode, page = check.read(folder .. "/seen"):match "^(%d+)\n(.*)$"
+    assert.equal("600", mode)
+    assert.truthy(page:find(address, 1, true))
+    local argument = check.read(folder .. "/argument")
+    assert.is_nil(argument:find(address:match "%x+/$", 1, true)) -- arguments can be read by others
+    stop(folder, pid, "INT")
+    assert.is_nil(io.open((argument:gsub("\n", "")))) -- removed at the end
+  end)
+end)
+
+describe("docs/live.md", function()
+  it("names tests that there are", function()
+    local specs = check.read(check.root .. "/tests/lua/test_live.c")
+    local promises = check.read(check.root .. "/docs/live.md"):match "## Who can reach it\n(.-)\n## "
+    local count = 0
+    for name in promises:gmatch "`(test_[%w_]+)`" do
+      assert.truthy(specs:find("check_test(" .. name .. ")", 1, true), name)
+      count = count + 1
+    end
+    assert.is_true(count >= 10)
   end)
 end)
 
@@ -501,7 +535,7 @@ describe("what barwright live is given", function()
     local folder = check.folder()
     os.execute("mkdir " .. folder .. "/kept")
     check.write(folder .. "/hook.lua", part_file)
-    local _, pid = start(folder, "--save kept/mine.lua")
+    local _, pid = start(folder, "--no-open --save kept/mine.lua")
     local out = stop(folder, pid, "INT")
     assert.truthy(out:find("kept in kept/mine.lua", 1, true), out)
     local file = assert(io.open(folder .. "/kept/mine.lua", "ab"))

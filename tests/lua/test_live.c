@@ -8,10 +8,14 @@
 #include <ifaddrs.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "live_server.h"
+#include "live_internal.h"
+
+/* How long a condition is waited for: it comes at once, but the machine may be busy. */
+enum { PATIENCE = 60 };
 
 /* ---- a client -------------------------------------------------------------------------------- */
 
@@ -45,7 +49,7 @@ static bool readable(int s, int milliseconds) {
 /* Bytes until `length` are there or the end came; their number. */
 static size_t get(int s, void *into, size_t length) {
   size_t got = 0;
-  while (got < length && readable(s, 5000)) {
+  while (got < length && readable(s, 1000 * PATIENCE)) {
     ssize_t n = recv(s, (char *)into + got, length - got, 0);
     if (n <= 0)
       break;
@@ -82,7 +86,8 @@ static int open_socket(const lbw_live_server *server, char answer[1024]) {
   return s;
 }
 
-static void put_frame(int s, int first, const void *bytes, size_t length) {
+/* With a mask of zeros, or without one. */
+static void put_frame_as(int s, bool masked, int first, const void *bytes, size_t length) {
   unsigned char head[14] = {(unsigned char)first};
   size_t n;
   if (length < 126) {
@@ -99,8 +104,14 @@ static void put_frame(int s, int first, const void *bytes, size_t length) {
       head[2 + i] = (unsigned char)((uint64_t)length >> (56 - 8 * i));
     n = 10;
   }
-  put(s, head, n + 4); /* a mask of zeros */
+  if (!masked)
+    head[1] &= 0x7f;
+  put(s, head, masked ? n + 4 : n);
   put(s, bytes, length);
+}
+
+static void put_frame(int s, int first, const void *bytes, size_t length) {
+  put_frame_as(s, true, first, bytes, length);
 }
 
 /* The next frame: its first byte and its payload's length, or -1. Payloads beyond `most` are cut.
@@ -155,7 +166,7 @@ static lbw_live_server *start(void **state, void (*change)(lbw_live_options *)) 
 }
 
 static int64_t expect(lbw_live_server *server, lbw_live_kind kind, const char *text) {
-  lbw_live_event *event = lbw_live_receive(server, 5);
+  lbw_live_event *event = lbw_live_receive(server, PATIENCE);
   assert_non_null(event);
   assert_int_equal(event->kind, kind);
   if (text) {
@@ -252,10 +263,56 @@ static void test_only_the_right_address_is_answered(void **state) {
     if (i == 2)
       assert_non_null(strstr(text, "attachment; filename=\"part.stl\""));
   }
-  char text[4096];
-  int code = ask(server, "GET / HTTP/1.0\r\n\r\n", text);
-  assert_true(code == 403 || code == 400);
   bw_release(server);
+}
+
+static void test_what_is_no_request_is_refused(void **state) {
+  lbw_live_server *server = start(state, NULL);
+  const struct {
+    const char *request;
+    int code;
+  } cases[] = {
+      {"GET / HTTP/1.0\r\n\r\n", 403},
+      {"\r\n\r\n", 400},
+      {"GET\r\n\r\n", 400},
+      {"GET /\r\n\r\n", 400},
+      {"GET / HTTP/2.0\r\n\r\n", 400},
+      {"GET / HTTP/1.1 \r\n\r\n", 400},
+      {"GET  / HTTP/1.1\r\n\r\n", 400},
+      {"GET / HTTP/1.1\r\nHost\r\n\r\n", 400},
+      {"GET / HTTP/1.1\r\n: x\r\n\r\n", 400},
+      {"GET / HTTP/1.1\r\nHost : x\r\n\r\n", 400},
+      {"GET / HTTP/1.1\r\nA: b\r\n folded\r\n\r\n", 400},
+      {"GET / HTTP/1.1\nHost: x\n\r\n\r\n", 400},
+      {"GET / HTTP/1.1\r\nA: \001\r\n\r\n", 400},
+      {"GET / HTTP/1.1\r\nHost: x\r\n\r\n", 403},
+  };
+  char text[4096];
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    int code = ask(server, cases[i].request, text);
+    if (code != cases[i].code)
+      fail_msg("%d instead of %d:\n%s", code, cases[i].code, cases[i].request);
+  }
+  static char large[LIVE_HEAD_BYTES + 2] = "GET / HTTP/1.1\r\nHost: ";
+  memset(large + strlen(large), 'x', sizeof large - 1 - strlen(large));
+  assert_int_equal(ask(server, large, text), 431);
+  int s = connect_here(server); /* a NUL */
+  put(s, "GET / HTTP/1.1\r\nHost: \0\r\n\r\n", 28);
+  text[get(s, text, 12)] = 0;
+  assert_string_equal(text, "HTTP/1.1 400");
+  close(s);
+  bw_release(server);
+}
+
+static void test_the_handshake_is_that_of_rfc_6455(void **state) {
+  (void)state;
+  char answer[LIVE_ACCEPT_BYTES];
+  assert_true(live_accept_key("dGhlIHNhbXBsZSBub25jZQ==", answer));
+  assert_string_equal(answer, "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
+  static const char *const none[] = {"", "dGhlIHNhbXBsZSBub25jZQ", "dGhlIHNhbXBsZSBub25jZQ=!",
+                                     "dGhlIHNhbXBsZSBub25jZSEhISEh"};
+  for (size_t i = 0; i < sizeof none / sizeof *none; i++)
+    assert_false(live_accept_key(none[i], answer));
 }
 
 static void test_other_addresses_of_the_machine_are_not_listened_to(void **state) {
@@ -338,9 +395,13 @@ static void test_bad_frames_close_their_connection(void **state) {
   } cases[] = {
       {0x82, "binary", 6, 1003},
       {0x01, "half", 4, 1003},
-      {0x80, "rest", 4, 1003},
+      {0x80, "rest", 4, 1002},
       {0xc1, "reserved", 8, 1002},
-      {0x83, "unknown", 7, 1003},
+      {0x83, "unknown", 7, 1002},
+      {0x8b, "unknown", 7, 1002},
+      {0x09, "half a ping", 11, 1002},
+      {0x89, long_text, 126, 1002},
+      {0x88, "x", 1, 1002},
       {0x81, long_text, sizeof long_text, 1009},
       {0x81, "\xff\xfe", 2, 1007},
       {0x81, "\xc0\x80", 2, 1007},
@@ -363,6 +424,60 @@ static void test_bad_frames_close_their_connection(void **state) {
   open_client(server, &s);
   put_frame(s, 0x81, "\xe2\x82\xac \xf0\x9f\x98\x80", 8);
   expect(server, LBW_LIVE_MESSAGE, "\xe2\x82\xac \xf0\x9f\x98\x80");
+  close(s);
+  bw_release(server);
+}
+
+static void test_unmasked_frames_close_with_1002(void **state) {
+  lbw_live_server *server = start(state, NULL);
+  static const int firsts[] = {0x81, 0x82, 0x88, 0x89, 0x8a};
+  for (size_t i = 0; i < sizeof firsts / sizeof *firsts; i++) {
+    int s;
+    int64_t client = open_client(server, &s);
+    put_frame_as(s, false, firsts[i], "{}", 2);
+    assert_int_equal(get_close(s), 1002);
+    assert_int_equal(expect(server, LBW_LIVE_CLOSE, ""), client); /* and no message before */
+    close(s);
+  }
+  bw_release(server);
+}
+
+static void test_a_length_is_judged_before_the_bytes_come(void **state) {
+  lbw_live_server *server = start(state, NULL);
+  const struct {
+    unsigned char head[14];
+    size_t length;
+    int code;
+  } cases[] = {
+      {{0x81, 0xff, 0, 0, 0, 0, 0x7f, 0xff, 0xff, 0xff}, 14, 1009}, /* 2 GiB */
+      {{0x81, 0xff, 0x7f, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff}, 14, 1009},
+      {{0x81, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff}, 14, 1002}, /* negative */
+      {{0x81, 0xfe, 0, 125}, 8, 1002}, /* not the shortest form */
+      {{0x81, 0xff, 0, 0, 0, 0, 0, 0, 0xff, 0xff}, 14, 1002},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    int s;
+    int64_t client = open_client(server, &s);
+    put(s, cases[i].head, cases[i].length);
+    int code = get_close(s);
+    if (code != cases[i].code)
+      fail_msg("case %d: closed with %d instead of %d", (int)i, code, cases[i].code);
+    assert_int_equal(expect(server, LBW_LIVE_CLOSE, ""), client);
+    close(s);
+  }
+  bw_release(server);
+}
+
+static void test_a_ping_is_answered(void **state) {
+  lbw_live_server *server = start(state, NULL);
+  int s;
+  open_client(server, &s);
+  put_frame(s, 0x89, "are you there", 13);
+  unsigned char payload[16];
+  size_t length;
+  assert_int_equal(get_frame(s, payload, sizeof payload, &length), 0x8a);
+  assert_int_equal(length, 13);
+  assert_memory_equal(payload, "are you there", 13);
   close(s);
   bw_release(server);
 }
@@ -406,20 +521,16 @@ static void test_a_stalled_client_holds_up_nobody(void **state) {
   char *bytes = (char *)calloc(1, MEGABYTE);
   bool sent;
   /* States take one another's place, so that they never fill a queue. */
-  double longest = 0;
   for (int i = 0; i < 100; i++) {
-    double before = bw_seconds();
     check_ok(check_context(state),
              lbw_live_send(check_context(state), server, a, bytes, MEGABYTE, true, "state", &sent));
     assert_true(sent);
     check_ok(check_context(state),
              lbw_live_send(check_context(state), server, b, "tick", 4, false, NULL, &sent));
-    longest = fmax(longest, bw_seconds() - before);
     unsigned char payload[8];
     size_t length;
     assert_int_equal(get_frame(lively, payload, sizeof payload, &length), 0x81);
   }
-  assert_true(longest < 1);
   assert_int_equal(lbw_live_client_count(server), 2);
   /* What must not be left out does fill it, and then the client is cut off. */
   for (int i = 0; i < 100; i++) {
@@ -434,6 +545,120 @@ static void test_a_stalled_client_holds_up_nobody(void **state) {
   free(bytes);
   close(stalled);
   close(lively);
+  bw_release(server);
+}
+
+/* ---- connections that do nothing ------------------------------------------------------------- */
+
+/* A silent connection is ended by others that come, never by time. */
+static void for_ever(lbw_live_options *options) {
+  options->head_seconds = 1e6;
+}
+
+static bool ended(int s) {
+  char byte;
+  ssize_t got = recv(s, &byte, 1, MSG_DONTWAIT);
+  return got == 0 || (got < 0 && errno != EAGAIN);
+}
+
+static void test_silent_and_slow_connections_keep_nobody_out(void **state) {
+  enum { COUNT = 1000, VISITS = 10 };
+  struct rlimit limit;
+  assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  limit.rlim_cur = limit.rlim_max < 4096 ? limit.rlim_max : 4096;
+  if (limit.rlim_cur < COUNT + 200 || setrlimit(RLIMIT_NOFILE, &limit) != 0)
+    skip();
+  lbw_live_server *server = start(state, for_ever);
+  int window, s[COUNT];
+  int64_t first = open_client(server, &window);
+  for (int i = 0; i < COUNT; i++) {
+    s[i] = connect_here(server);
+    if (i % 2)
+      put(s[i], "GET /", 5);
+  }
+  double longest = 0;
+  for (int visit = 0; visit < VISITS; visit++) {
+    for (int i = 1; i < COUNT; i += 2)
+      put(s[i], "a", 1);
+    double before = bw_seconds();
+    int visitor;
+    int64_t client = open_client(server, &visitor);
+    longest = fmax(longest, bw_seconds() - before);
+    close(visitor);
+    assert_int_equal(expect(server, LBW_LIVE_CLOSE, ""), client);
+  }
+  print_message("beside %d connections the slowest of %d windows was there after %.4f s\n", COUNT,
+                VISITS, longest);
+  int kept = 0;
+  for (int i = 0; i < COUNT; i++)
+    kept += !ended(s[i]);
+  assert_true(kept <= LIVE_WAITING);
+  put_frame(window, 0x81, "{}", 2); /* a window is never displaced */
+  assert_int_equal(expect(server, LBW_LIVE_MESSAGE, "{}"), first);
+  for (int i = 0; i < COUNT; i++)
+    close(s[i]);
+  close(window);
+  bw_release(server);
+}
+
+static void test_pages_that_nobody_reads_keep_nobody_out(void **state) {
+  enum { COUNT = LIVE_LOADING + 40, LENGTH = 16 * MEGABYTE };
+  lbw_live_server *server = start(state, NULL);
+  char *page = (char *)calloc(1, LENGTH), *got = (char *)malloc(LENGTH), request[200];
+  check_ok(check_context(state),
+           lbw_live_serve(check_context(state), server, "page", "text/plain", NULL, page, LENGTH));
+  snprintf(request, sizeof request, "GET /%s/page HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n\r\n",
+           lbw_live_token(server), lbw_live_port(server));
+  int s[COUNT];
+  for (int i = 0; i < COUNT; i++) {
+    s[i] = connect_here(server);
+    put(s[i], request, strlen(request));
+  }
+  int reader = connect_here(server);
+  put(reader, request, strlen(request));
+  char end[5] = "";
+  while (strcmp(end, "\r\n\r\n") != 0) { /* of the head */
+    memmove(end, end + 1, 3);
+    assert_int_equal(get(reader, end + 3, 1), 1);
+  }
+  assert_int_equal(get(reader, got, LENGTH), LENGTH);
+  close(reader);
+  for (int i = 0; i < COUNT; i++)
+    close(s[i]);
+  free(page);
+  free(got);
+  bw_release(server);
+}
+
+static void soon(lbw_live_options *options) {
+  options->head_seconds = 0.3;
+  options->silence_seconds = 0.3;
+}
+
+static void test_a_connection_without_a_request_is_ended(void **state) {
+  lbw_live_server *server = start(state, soon);
+  int silent = connect_here(server), slow = connect_here(server);
+  char byte;
+  while (!ended(slow)) { /* each byte comes in time, the request does not */
+    put(slow, "a", 1);
+    usleep(10000);
+  }
+  assert_int_equal(get(silent, &byte, 1), 0);
+  close(silent);
+  close(slow);
+  bw_release(server);
+}
+
+static void test_a_window_gone_without_a_word_is_noticed(void **state) {
+  lbw_live_server *server = start(state, soon);
+  int s;
+  int64_t client = open_client(server, &s);
+  unsigned char payload[8];
+  size_t length;
+  assert_int_equal(get_frame(s, payload, sizeof payload, &length), 0x89); /* is it there? */
+  assert_int_equal(expect(server, LBW_LIVE_CLOSE, ""), client);
+  assert_int_equal(lbw_live_client_count(server), 0);
+  close(s);
   bw_release(server);
 }
 
@@ -461,19 +686,24 @@ static void test_noise_does_no_harm(void **state) {
       put(s, noise, length);
     close(s);
   }
-  int s;
-  char answer[1024];
-  for (int tries = 0; tries < 50; tries++) { /* until the workers are through */
+  /* Until the windows of noise have left, there may be no room for one more. A ping is answered
+   * where there is. */
+  int s, code = LIVE_CLOSE_LATER;
+  while (code == LIVE_CLOSE_LATER) {
+    char answer[1024];
+    unsigned char payload[8];
+    size_t size;
     s = open_socket(server, answer);
-    int code = readable(s, 20) ? get_close(s) : 0;
-    if (code == 0)
-      break;
-    close(s);
-    usleep(20000);
+    put_frame(s, 0x89, "room?", 5);
+    int first = get_frame(s, payload, sizeof payload, &size);
+    code = first == 0x88 && size >= 2 ? payload[0] << 8 | payload[1] : first;
+    if (code == LIVE_CLOSE_LATER)
+      close(s);
   }
+  assert_int_equal(code, 0x8a);
   put_frame(s, 0x81, "\"sane\"", 6);
   bool sane = false;
-  for (lbw_live_event *event; !sane && (event = lbw_live_receive(server, 5)); bw_free(event))
+  for (lbw_live_event *event; !sane && (event = lbw_live_receive(server, PATIENCE)); bw_free(event))
     sane = event->kind == LBW_LIVE_MESSAGE && event->length == 6 &&
            memcmp(event->text, "\"sane\"", 6) == 0;
   assert_true(sane);
@@ -496,9 +726,7 @@ static void test_it_ends_with_clients_connected(void **state) {
     check_ok(check_context(state), lbw_live_send(check_context(state), server, client, bytes,
                                                  MEGABYTE, true, NULL, &sent));
   free(bytes);
-  double before = bw_seconds();
   bw_release(server);
-  assert_true(bw_seconds() - before < 10);
   for (int i = 0; i < 3; i++)
     close(s[i]);
 }
@@ -518,6 +746,18 @@ done:
   return status;
 }
 
+/* Whether a message arrives; false when the connection ends before. */
+static bool message_arrives(lbw_live_server *server, int s) {
+  put_frame(s, 0x81, "{}", 2);
+  while (true) {
+    lbw_live_event *event = lbw_live_receive(server, 0.01);
+    bool message = event && event->kind == LBW_LIVE_MESSAGE;
+    bw_free(event);
+    if (message || (!event && readable(s, 0)))
+      return message;
+  }
+}
+
 static void test_memory_running_out(void **state) {
   bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
@@ -529,20 +769,21 @@ static void test_memory_running_out(void **state) {
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_int_equal(bw_live_blocks(), before);
   }
-  /* In the threads: the client is refused, the server goes on. */
-  for (int n = 1; n <= 4; n++) {
+  /* In the server's thread: a window is refused, or told why it is closed, and the server goes on.
+   */
+  bool admitted = false;
+  for (int n = 1; !admitted; n++) {
+    assert_true(n < 100);
     lbw_live_server *server = start(state, NULL);
     char answer[1024];
     bw_fail_allocation(n, true);
     int s = open_socket(server, answer);
-    if (n <= 3)
-      assert_int_equal(get_close(s), 1013);
-    else {
-      expect(server, LBW_LIVE_OPEN, "");
-      put_frame(s, 0x81, "{}", 2);
-      assert_int_equal(get_close(s), 1013);
-    }
+    if (strstr(answer, " 101 "))
+      admitted = message_arrives(server, s);
     bw_fail_allocation(0, false);
+    close(s);
+    s = open_socket(server, answer);
+    assert_non_null(strstr(answer, " 101 "));
     close(s);
     bw_release(server);
   }
@@ -551,12 +792,21 @@ static void test_memory_running_out(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_only_the_right_address_is_answered),
+      check_test(test_what_is_no_request_is_refused),
+      check_test(test_the_handshake_is_that_of_rfc_6455),
       check_test(test_other_addresses_of_the_machine_are_not_listened_to),
       check_test(test_a_taken_port_is_told),
       check_test(test_messages_go_both_ways),
       check_test(test_bad_frames_close_their_connection),
+      check_test(test_unmasked_frames_close_with_1002),
+      check_test(test_a_length_is_judged_before_the_bytes_come),
+      check_test(test_a_ping_is_answered),
       check_test(test_limits_hold),
       check_test(test_a_stalled_client_holds_up_nobody),
+      check_test(test_silent_and_slow_connections_keep_nobody_out),
+      check_test(test_pages_that_nobody_reads_keep_nobody_out),
+      check_test(test_a_connection_without_a_request_is_ended),
+      check_test(test_a_window_gone_without_a_word_is_noticed),
       check_test(test_noise_does_no_harm),
       check_test(test_it_ends_with_clients_connected),
       check_test(test_memory_running_out),
