@@ -9,20 +9,11 @@
 #include <string.h>
 #include <time.h>
 
-enum { MESSAGE_BYTES = 2048, DETAIL_COUNT = 12, DETAIL_BYTES = 256, REMARK_COUNT = 64 };
-
-typedef struct detail {
-  char key[32];
-  bool is_text;
-  double number;
-  char text[DETAIL_BYTES];
-} detail;
+enum { REMARK_COUNT = 64 };
 
 struct bw_context {
   pthread_mutex_t lock;
-  char message[MESSAGE_BYTES];
-  int detail_count;
-  detail detail[DETAIL_COUNT];
+  bwi_failure failure;
   int remark_count;
   char *remark[REMARK_COUNT];
   bw_progress_function *progress;
@@ -60,30 +51,57 @@ void bw_context_destroy(bw_context *context) {
   bw_free(context);
 }
 
+/* While a chunk of a parallel loop runs, its thread records failures of the loop's context here. */
+static _Thread_local bw_context *aside_of;
+static _Thread_local bwi_failure *aside;
+
+static bwi_failure *failure_of(bw_context *context) {
+  return context == aside_of ? aside : &context->failure;
+}
+
+void bwi_failure_aside(bw_context *context, bwi_failure *failure) {
+  aside_of = context;
+  aside = failure;
+  if (failure) {
+    failure->message[0] = 0;
+    failure->detail_count = 0;
+  }
+}
+
+void bwi_failure_adopt(bw_context *context, const bwi_failure *failure) {
+  if (!failure->message[0])
+    return; /* it was recorded elsewhere, or not at all */
+  bwi_failure *into = failure_of(context);
+  pthread_mutex_lock(&context->lock);
+  *into = *failure;
+  pthread_mutex_unlock(&context->lock);
+}
+
 bw_status bw_fail(bw_context *context, bw_status status, const char *format, ...) {
   if (!context)
     return status;
   /* Composed aside: an argument may be the present message itself. */
-  char text[MESSAGE_BYTES];
+  char text[BWI_MESSAGE_BYTES];
   va_list arguments;
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
   pthread_mutex_lock(&context->lock);
-  memcpy(context->message, text, sizeof text);
-  context->detail_count = 0;
+  bwi_failure *failure = failure_of(context);
+  memcpy(failure->message, text, sizeof text);
+  failure->detail_count = 0;
   pthread_mutex_unlock(&context->lock);
   return status;
 }
 
-/* The entry for a key, new or again; NULL when there is no room. Call with the lock held. */
-static detail *detail_entry(bw_context *context, const char *key) {
-  for (int i = 0; i < context->detail_count; i++)
-    if (strcmp(context->detail[i].key, key) == 0)
-      return &context->detail[i];
-  if (context->detail_count == DETAIL_COUNT)
+/* The entry for a key, new or again; NULL when there is no room. */
+static bwi_detail *detail_entry(bwi_failure *failure, const char *key) {
+  for (int i = 0; i < failure->detail_count; i++)
+    if (strcmp(failure->detail[i].key, key) == 0)
+      return &failure->detail[i];
+  if (failure->detail_count == BWI_DETAIL_COUNT)
     return NULL;
-  detail *entry = &context->detail[context->detail_count++];
+  bwi_detail *entry = &failure->detail[failure->detail_count++];
   snprintf(entry->key, sizeof entry->key, "%s", key);
   return entry;
 }
@@ -92,7 +110,7 @@ static void set_detail(bw_context *context, const char *key, double number, cons
   if (!context)
     return;
   pthread_mutex_lock(&context->lock);
-  detail *entry = detail_entry(context, key);
+  bwi_detail *entry = detail_entry(failure_of(context), key);
   if (entry) {
     entry->is_text = text != NULL;
     entry->number = number;
@@ -111,14 +129,15 @@ void bw_detail_text(bw_context *context, const char *key, const char *value) {
 }
 
 const char *bw_message(const bw_context *context) {
-  return context ? context->message : "";
+  return context ? failure_of((bw_context *)context)->message : "";
 }
 
 bool bw_detail(const bw_context *context, int i, const char **key, double *number,
                const char **text) {
-  if (!context || i < 0 || i >= context->detail_count)
+  const bwi_failure *failure = context ? failure_of((bw_context *)context) : NULL;
+  if (!failure || i < 0 || i >= failure->detail_count)
     return false;
-  const detail *entry = &context->detail[i];
+  const bwi_detail *entry = &failure->detail[i];
   *key = entry->key;
   *number = entry->number;
   *text = entry->is_text ? entry->text : NULL;
@@ -126,8 +145,9 @@ bool bw_detail(const bw_context *context, int i, const char **key, double *numbe
 }
 
 void bw_clear_failure(bw_context *context) {
-  context->message[0] = 0;
-  context->detail_count = 0;
+  bwi_failure *failure = failure_of(context);
+  failure->message[0] = 0;
+  failure->detail_count = 0;
 }
 
 void bw_set_progress(bw_context *context, bw_progress_function *function, void *data) {

@@ -14,6 +14,26 @@ void bwi_pool_destroy(bwi_pool *pool);
 void bwi_pool_forget(bwi_pool *pool);
 bwi_pool *bwi_context_pool(bw_context *context);
 bool bwi_on_pool_thread(void);
+
+/* What went wrong. */
+enum { BWI_MESSAGE_BYTES = 2048, BWI_DETAIL_COUNT = 12, BWI_DETAIL_BYTES = 256 };
+typedef struct bwi_detail {
+  char key[32];
+  bool is_text;
+  double number;
+  char text[BWI_DETAIL_BYTES];
+} bwi_detail;
+typedef struct bwi_failure {
+  char message[BWI_MESSAGE_BYTES];
+  int detail_count;
+  bwi_detail detail[BWI_DETAIL_COUNT];
+} bwi_failure;
+/* From here on failures that this thread records in the context go to `failure`, which is emptied;
+ * (NULL, NULL): to the context again. */
+void bwi_failure_aside(bw_context *context, bwi_failure *failure);
+/* What was recorded aside becomes the context's. */
+void bwi_failure_adopt(bw_context *context, const bwi_failure *failure);
+
 /* Each thread that calls BLAS takes a buffer of 128 MB of OpenBLAS, which has room for few and
  * waits for ever when it gets none. */
 enum { BWI_MOST_THREADS = 64 };

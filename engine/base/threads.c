@@ -1,7 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The thread pool. Work is cut into chunks whose borders do not depend on the number of threads;
  * workers take chunks from a shared counter. Invariant: a job's chunks are all finished, and no
- * worker holds the job, when bw_parallel returns. */
+ * worker holds the job, when bw_parallel returns. Chunks are taken in ascending order and one that
+ * was taken is finished: the lowest chunk that fails is the same on any number of threads, and
+ * status and message are its own. */
 #include "base/internal.h"
 
 #include <pthread.h>
@@ -12,9 +14,12 @@ typedef struct job {
   bw_body *body;
   void *data;
   int64_t count, grain, chunks;
-  int64_t next;         /* the chunk to take next; atomic */
-  int64_t failed_chunk; /* lowest failing chunk, guarded by the pool's lock */
+  int64_t next; /* the chunk to take next; atomic */
+  int64_t
+      failed_chunk; /* lowest failing chunk; this and what follows: guarded by the pool's lock */
   bw_status status;
+  bw_context *context;
+  bwi_failure failure;
 } job;
 
 typedef struct worker_start {
@@ -51,21 +56,21 @@ int bwi_default_threads(void) {
   return threads > BWI_MOST_THREADS ? BWI_MOST_THREADS : (int)threads;
 }
 
-static void record_failure(bwi_pool *pool, job *work, int64_t chunk, bw_status status) {
-  if (pool)
-    pthread_mutex_lock(&pool->lock);
+static void record_failure(bwi_pool *pool, job *work, int64_t chunk, bw_status status,
+                           const bwi_failure *failure) {
+  pthread_mutex_lock(&pool->lock);
   if (chunk < work->failed_chunk) {
     work->failed_chunk = chunk;
     work->status = status;
+    work->failure = *failure;
   }
   /* Later chunks need not run; earlier ones, already taken, still decide the status. */
   __atomic_store_n(&work->next, work->chunks, __ATOMIC_RELAXED);
-  if (pool)
-    pthread_mutex_unlock(&pool->lock);
+  pthread_mutex_unlock(&pool->lock);
 }
 
 static void work_on(bwi_pool *pool, job *work, int worker) {
-  bool before = inside_body;
+  bwi_failure failure;
   inside_body = true;
   for (;;) {
     int64_t chunk = __atomic_fetch_add(&work->next, 1, __ATOMIC_RELAXED);
@@ -73,11 +78,27 @@ static void work_on(bwi_pool *pool, job *work, int worker) {
       break;
     int64_t begin = chunk * work->grain;
     int64_t end = work->count - begin < work->grain ? work->count : begin + work->grain;
+    bwi_failure_aside(work->context, &failure);
     bw_status status = work->body(work->data, begin, end, worker);
     if (status != BW_OK)
-      record_failure(pool, work, chunk, status);
+      record_failure(pool, work, chunk, status, &failure);
+  }
+  bwi_failure_aside(NULL, NULL);
+  inside_body = false;
+}
+
+/* Without threads: chunk after chunk up to the first that fails, recorded where failures are. */
+static bw_status work_alone(int64_t count, int64_t grain, int64_t chunks, bw_body *body,
+                            void *data) {
+  bool before = inside_body;
+  bw_status status = BW_OK;
+  inside_body = true;
+  for (int64_t chunk = 0; chunk < chunks && status == BW_OK; chunk++) {
+    int64_t begin = chunk * grain;
+    status = body(data, begin, count - begin < grain ? count : begin + grain, 0);
   }
   inside_body = before;
+  return status;
 }
 
 static void *worker_main(void *data) {
@@ -164,12 +185,17 @@ bw_status bw_parallel(bw_context *context, int64_t count, int64_t grain, bw_body
   if (grain < 1)
     grain = 1;
   int64_t chunks = count / grain + (count % grain != 0);
-  job work = {body, data, count, grain, chunks, 0, INT64_MAX, BW_OK};
   bwi_pool *pool = chunks > 1 && !inside_body && context ? bwi_context_pool(context) : NULL;
-  if (!pool) {
-    work_on(NULL, &work, 0);
-    return work.status;
-  }
+  if (!pool)
+    return work_alone(count, grain, chunks, body, data);
+  job work = {.body = body,
+              .data = data,
+              .count = count,
+              .grain = grain,
+              .chunks = chunks,
+              .failed_chunk = INT64_MAX,
+              .status = BW_OK,
+              .context = context};
   pthread_mutex_lock(&pool->lock);
   pool->current = &work;
   pool->generation++;
@@ -181,5 +207,7 @@ bw_status bw_parallel(bw_context *context, int64_t count, int64_t grain, bw_body
   while (pool->busy > 0)
     pthread_cond_wait(&pool->done, &pool->lock);
   pthread_mutex_unlock(&pool->lock);
+  if (work.status != BW_OK)
+    bwi_failure_adopt(context, &work.failure);
   return work.status;
 }

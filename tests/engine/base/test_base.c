@@ -2,6 +2,7 @@
 /* Messages and details, memory, arrays, threads, tensors, SHA-256. */
 #include "check.h"
 
+#include <sched.h>
 #include <sys/stat.h>
 
 static void test_messages(void **state) {
@@ -94,11 +95,31 @@ static bw_status sum_chunk(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
+typedef struct failing {
+  bw_context *context;
+  bool wait;
+  int recorded; /* chunk 7 has recorded its failure; atomic */
+} failing;
+
+/* Chunk 3 returns its failure after chunk 7 has recorded another one. */
 static bw_status fail_chunk(void *data, int64_t begin, int64_t end, int worker) {
-  (void)data;
+  failing *it = data;
   (void)end;
   (void)worker;
-  return begin == 3 ? BW_FORMAT : begin == 7 ? BW_IO : BW_OK;
+  if (begin == 7) {
+    bw_fail(it->context, BW_IO, "chunk seven");
+    bw_detail_number(it->context, "seven", 7);
+    __atomic_store_n(&it->recorded, 1, __ATOMIC_RELEASE);
+    return BW_IO;
+  }
+  if (begin != 3)
+    return BW_OK;
+  bw_fail(it->context, BW_FORMAT, "chunk three");
+  bw_detail_number(it->context, "three", 3);
+  double start = bw_seconds();
+  while (it->wait && !__atomic_load_n(&it->recorded, __ATOMIC_ACQUIRE) && bw_seconds() < start + 20)
+    sched_yield();
+  return BW_FORMAT;
 }
 
 static void test_threads(void **state) {
@@ -112,10 +133,17 @@ static void test_threads(void **state) {
     if (threads == 1)
       first = now;
     assert_memory_equal(&first, &now, sizeof now);
-    if (threads == 1) /* the failing chunk with the lowest number that ran decides */
-      assert_int_equal(bw_parallel(context, 10, 1, fail_chunk, NULL), BW_FORMAT);
-    else
-      assert_int_not_equal(bw_parallel(context, 10, 1, fail_chunk, NULL), BW_OK);
+    /* status, message and details are those of the failing chunk with the lowest number */
+    failing it = {context, threads > 1, 0};
+    const char *key, *text;
+    double number;
+    check_fails(context, BW_FORMAT, "chunk three", bw_parallel(context, 10, 1, fail_chunk, &it));
+    assert_true(bw_detail(context, 0, &key, &number, &text));
+    assert_string_equal(key, "three");
+    assert_false(bw_detail(context, 1, &key, &number, &text));
+    bw_clear_failure(context);
+    bw_fail(context, BW_IO, "recorded after the loop");
+    assert_string_equal(bw_message(context), "recorded after the loop");
   }
   check_fails(context, BW_INVALID, "0 threads", bw_set_threads(context, 0));
   check_fails(context, BW_INVALID, "65 threads", bw_set_threads(context, 65));
