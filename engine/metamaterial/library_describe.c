@@ -51,7 +51,7 @@ static class_of classify(const bw_library *it, int count, const int32_t *key) {
     least = fmin(least, it->palette->material[m]->mu[0]);
     most = fmax(most, it->palette->material[m]->mu[0]);
   }
-  found.decades = least > 0 && most > 0 ? (int)floor(log10(most / least) + 0.5) : 0;
+  found.decades = least > 0 && most > 0 ? (int)floor(log10(most) - log10(least) + 0.5) : 0;
   return found;
 }
 
@@ -100,6 +100,7 @@ static void key_of_grown(const bwi_grown *grown, int32_t fit, int32_t key[64]) {
 static bw_status describe_level(bwi_pack *text, const bw_library *it, int level, bool grown) {
   bw_status status = BW_OK;
   int32_t count = grown ? it->grown_count[level - 1] : it->fit_count[level - 1], key[64];
+  int most = 0; /* decades */
   if (count == 0)
     return BW_OK;
   double *value = BW_NEW(text->context, double, count);
@@ -117,6 +118,7 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level,
     else
       key_of_level2(it, f, key);
     of[f] = classify(it, level == 1 ? 8 : 64, key);
+    most = of[f].decades > most ? of[f].decades : most;
   }
   line(text, "level %d: %d fits%s; medians over fits, in %%; in each column fitted, then naive\n",
        level, (int)count, grown ? " of blocks of grids it was grown for" : "");
@@ -124,7 +126,7 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level,
        "energy, 95 %", "force, median");
   for (int empty = 0; empty < 2; empty++)
     for (int materials = 1; materials < it->palette->count; materials++)
-      for (int decades = 0; decades < 20; decades++) {
+      for (int decades = 0; decades <= most; decades++) {
         int32_t members = 0;
         char name[64];
         for (int32_t f = 0; f < count; f++)

@@ -157,6 +157,31 @@ static void test_sections(void **state) {
   bw_release(library);
 }
 
+/* The ratio of two stiffnesses may be no double, though each of them is one. */
+static void test_contrast(void **state) {
+  bw_context *context = check_context(state);
+  bw_library *library = fixture_library(context, 2, true, 1, 8), *read = NULL;
+  const double soft = 1e-305;
+  char *text;
+  bwi_pack head, fits;
+  bwi_pack_begin(&head, context);
+  bwi_pack_begin(&fits, context);
+  bwi_pack_head(&head, library->palette, &library->options);
+  for (int32_t f = 0; f < library->fit_count[0]; f++)
+    bwi_pack_fit(&fits, library->inner->fit[0][f], &library->error[0][f]);
+  memcpy(head.bytes + 4 + BW_NAME + 1, &soft, sizeof soft);
+  bwi_section section[BWI_SECTIONS] = {{head.bytes, head.count}, {fits.bytes, fits.count}};
+  check_ok(context, bwi_library_of_sections(context, "made", section, &read));
+  check_ok(context, bw_library_describe(context, read, &text));
+  assert_non_null(strstr(text, "2 materials, contrast 1e311"));
+  assert_null(strstr(text, "2 materials, contrast 1e-"));
+  bw_free(text);
+  bw_release(read);
+  bwi_pack_clear(&head);
+  bwi_pack_clear(&fits);
+  bw_release(library);
+}
+
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
   bw_library *library = fixture_library(context, 1, true, 2, 8);
@@ -186,8 +211,8 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_there_and_back), check_test(test_damage), check_test(test_claims),
-      check_test(test_sections),       check_test(test_memory),
+      check_test(test_there_and_back), check_test(test_damage),   check_test(test_claims),
+      check_test(test_sections),       check_test(test_contrast), check_test(test_memory),
   };
   int file = mkstemp(path);
   if (file < 0)
