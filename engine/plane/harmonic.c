@@ -41,8 +41,8 @@ static int64_t find_edges(const bw_plane_topology *t, const double *point, const
                           weighted *list) {
   size_t width = (size_t)bwi_plane_width(t->nodes);
   int64_t count = 0;
-  for (int32_t h = 0; h < 3 * t->element_count; h++) {
-    int32_t e = h / 3, other = t->neighbour[h];
+  for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
+    int32_t e = (int32_t)(h / 3), other = t->neighbour[h];
     const int32_t *n = t->element + width * (size_t)e;
     int32_t a = n[h % 3], b = n[(h % 3 + 1) % 3], c = n[(h % 3 + 2) % 3];
     if (other > e || !(inside[a] || inside[b]))

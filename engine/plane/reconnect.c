@@ -26,16 +26,16 @@ static bw_status side_elements(bw_context *context, const bw_plane_topology *top
   memset(list, -1, 2 * (size_t)topology->side_count * sizeof *list);
   for (int32_t s = 0; s < topology->side_count; s++)
     side_from[topology->side[per * (size_t)s]] = s;
-  for (int32_t h = 0; h < 3 * weave->element_count; h++) {
+  for (int64_t h = 0; h < 3 * (int64_t)weave->element_count; h++) {
     if (!weave->kept[h])
       continue;
     const int32_t *n = weave->element + width * (size_t)(h / 3);
     int32_t a = n[h % 3], b = n[(h % 3 + 1) % 3];
     int32_t s = side_from[a], t = side_from[b];
     if (s >= 0 && topology->side[per * (size_t)s + 1] == b)
-      list[2 * s] = h / 3;
+      list[2 * s] = (int32_t)(h / 3);
     else if (t >= 0 && topology->side[per * (size_t)t + 1] == a)
-      list[2 * t + 1] = h / 3;
+      list[2 * t + 1] = (int32_t)(h / 3);
   }
   bw_free(side_from);
   *out = list;

@@ -149,7 +149,7 @@ bw_status bwi_relocate(bw_context *context, bwi_relocator *r, const bw_outline *
       for (size_t k = 0; k < 2; k++)
         point[2 * (size_t)i + k] = base[2 * (size_t)i + k] + r->u[2 * (size_t)i + k];
   if (nodes->order == 2)
-    for (int32_t h = 0; h < 3 * t->element_count; h++) {
+    for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
       const int32_t *n = t->element + 6 * (size_t)(h / 3);
       int32_t middle = n[3 + h % 3];
       if (nodes->segment[middle] >= 0)
@@ -166,7 +166,7 @@ done:
  */
 
 static void centre_middles(const bw_plane_topology *t, double *point) {
-  for (int32_t h = 0; h < 3 * t->element_count; h++) {
+  for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
     const int32_t *n = t->element + 6 * (size_t)(h / 3);
     if (t->nodes->segment[n[3 + h % 3]] >= 0)
       continue;
@@ -190,7 +190,7 @@ bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
   put_on_outline(nodes, outline, point);
   for (int sweep = 0; sweep < sweeps; sweep++) {
     memset(sum, 0, 3 * (size_t)nodes->corner_count * sizeof *sum);
-    for (int32_t h = 0; h < 3 * t->element_count; h++) {
+    for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
       /* around an inner node each neighbour is the end of one directed edge */
       const int32_t *n = t->element + width * (size_t)(h / 3);
       double *to = sum + 3 * (size_t)n[h % 3];
@@ -230,7 +230,7 @@ bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *r, const bw_p
   memcpy(g, node_gradient, 2 * (size_t)nodes->node_count * sizeof *g);
   BW_TRY(need_factor(context, r));
   if (nodes->order == 2)
-    for (int32_t h = 0; h < 3 * t->element_count; h++) {
+    for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
       const int32_t *n = t->element + 6 * (size_t)(h / 3);
       int32_t middle = n[3 + h % 3];
       if (nodes->segment[middle] >= 0 || t->neighbour[h] > h / 3)

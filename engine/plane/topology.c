@@ -102,7 +102,7 @@ static bw_status find_neighbours(bw_context *context, bw_plane_topology *t, half
               "elements %d and %d lie on the same side of the edge from node %d to node %d: "
               "elements may not overlap",
               twin / 3, h / 3, a, b);
-    bw_detail_number(context, "element", h / 3);
+    bw_detail_number(context, "element", (double)(h / 3));
     return BW_GEOMETRY;
   }
   return BW_OK;
@@ -210,14 +210,14 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
       goto done;
     }
   }
-  for (int32_t h = 0; h < 3 * t->element_count; h++) {
+  for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
     if (t->neighbour[h] == -1) {
       const int32_t *n = t->element + (size_t)(h / 3) * (size_t)width;
       bw_fail(context, BW_GEOMETRY,
               "the edge from node %d to node %d of element %d has no neighbour and lies on no "
               "segment of the outline",
-              n[h % 3], n[(h % 3 + 1) % 3], h / 3);
-      bw_detail_number(context, "element", h / 3);
+              n[h % 3], n[(h % 3 + 1) % 3], (int)(h / 3));
+      bw_detail_number(context, "element", (double)(h / 3));
       status = BW_GEOMETRY;
       goto done;
     }

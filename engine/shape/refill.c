@@ -58,10 +58,10 @@ static bw_status find_pieces(bwi_refiller *r, const uint8_t *replace) {
 
 /* Kept elements are not mended here. */
 static bw_status check_kept(const bwi_refiller *r) {
-  for (int32_t i = 0; i < 3 * r->mesh->node_count; i++)
+  for (int64_t i = 0; i < 3 * (int64_t)r->mesh->node_count; i++)
     if (!isfinite(r->node[i])) {
-      bw_fail(r->context, BW_INVALID, "node %d is not at a finite place", i / 3);
-      bw_detail_number(r->context, "node", i / 3);
+      bw_fail(r->context, BW_INVALID, "node %d is not at a finite place", (int)(i / 3));
+      bw_detail_number(r->context, "node", (double)(i / 3));
       return BW_INVALID;
     }
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
