@@ -10,6 +10,7 @@ local function root()
 end
 check.root = root()
 check.program = check.root .. "/build/barwright"
+check.first_wall = check.root .. "/build/tests/first_wall" -- the program, its sandbox without the second wall
 
 --- A beam along x of steel: 1 m x 0.1 m x 0.1 m.
 function check.beam(cells, order)
@@ -80,11 +81,11 @@ function check.folder()
   return path
 end
 
---- Runs the program; returns exit status, standard output, standard error.
-function check.run(arguments, input)
+--- Runs the program, or another one; returns exit status, standard output, standard error.
+function check.run(arguments, input, program)
   local folder = check.folder()
   local _, _, status = os.execute(("BARWRIGHT_QUIET=1 '%s' %s >%s/out 2>%s/err <%s"):format(
-    check.program, arguments, folder, folder, input or "/dev/null"))
+    program or check.program, arguments, folder, folder, input or "/dev/null"))
   return status, check.read(folder .. "/out"), check.read(folder .. "/err")
 end
 
