@@ -10,7 +10,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "barwright/job.h"
+#include "base/job.h"
 
 enum { TEXT = 8192 };
 
@@ -52,13 +52,19 @@ static double of_machine(char text[TEXT]) {
   return available < 0 ? INFINITY : 1024 * (available + fmax(swap, 0));
 }
 
-static double of_address_space(char text[TEXT]) {
+double bwi_address_space(void) {
+  char text[TEXT];
+  return read_text("/proc/self/statm", text)
+             ? number_after(text, "") * (double)sysconf(_SC_PAGESIZE)
+             : 0;
+}
+
+double bwi_address_room(void) {
   struct rlimit space;
-  if (getrlimit(RLIMIT_AS, &space) != 0 || space.rlim_cur == RLIM_INFINITY ||
-      !read_text("/proc/self/statm", text))
+  if (getrlimit(RLIMIT_AS, &space) != 0 || space.rlim_cur == RLIM_INFINITY)
     return INFINITY;
-  double used = number_after(text, "") * (double)sysconf(_SC_PAGESIZE);
-  return fmax(0, (double)space.rlim_cur - used);
+  double used = bwi_address_space();
+  return used > 0 ? fmax(0, (double)space.rlim_cur - used) : INFINITY;
 }
 
 /* `limit` and `used` are files of one number; what files take of it can be dropped. */
@@ -73,7 +79,7 @@ static double of_group(const char *limit, const char *used, const char *parts, c
 
 double bw_free_memory(void) {
   char text[TEXT];
-  double room = fmin(of_machine(text), of_address_space(text));
+  double room = fmin(of_machine(text), bwi_address_room());
   room = fmin(room, of_group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current",
                              "/sys/fs/cgroup/memory.stat", text));
   return fmin(room, of_group("/sys/fs/cgroup/memory/memory.limit_in_bytes",

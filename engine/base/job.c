@@ -161,7 +161,8 @@ bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_jo
   snprintf(job->name, sizeof job->name, "%s", options->name ? options->name : "the job");
   job->seconds_limit = options->seconds;
   job->processor_limit = options->processor_seconds;
-  job->bytes_limit = options->bytes;
+  /* Where this process may use less, so may the child. */
+  job->bytes_limit = options->bytes > 0 ? fmin(options->bytes, bwi_address_room()) : 0;
   job->show = options->show;
   job->starter = getpid();
   if (options->output) {

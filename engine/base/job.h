@@ -66,6 +66,11 @@ _Noreturn void bwi_job_child(bw_context *context, const bw_job_options *options,
  * not there), and so are its failure, remarks, progress function and wish to cancel. */
 void bwi_context_forked(bw_context *context);
 
+/* Bytes of address space: in use (0 where nobody says), and left to this process by a limit on it
+ * (infinite where there is none). */
+double bwi_address_space(void);
+double bwi_address_room(void);
+
 /* Hands over what bw_job_result shows: released with bw_free. */
 unsigned char *bwi_job_take(bw_job *job);
 

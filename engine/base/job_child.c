@@ -92,22 +92,8 @@ static void send_failure(const bw_context *context, bw_job_stream *out, bw_statu
   put_frame(out, BWI_FAILED, (int32_t)status, message, strlen(message));
 }
 
-/* Bytes of address space in use now. */
-static double address_space(void) {
-  char text[64] = "";
-  int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    return 0;
-  ssize_t got = read(file, text, sizeof text - 1);
-  close(file);
-  double pages = 0;
-  for (ssize_t i = 0; i < got && text[i] >= '0' && text[i] <= '9'; i++)
-    pages = 10 * pages + (text[i] - '0');
-  return pages * (double)sysconf(_SC_PAGESIZE);
-}
-
 static void limit_memory(double bytes) {
-  double present = address_space(), wanted = present + bytes;
+  double present = bwi_address_space(), wanted = present + bytes;
   struct rlimit space;
   if (present <= 0 || wanted >= 9e18 || getrlimit(RLIMIT_AS, &space) != 0)
     return;
@@ -135,6 +121,8 @@ static void prepare(const bw_job_options *options, int output, int parent) {
   /* Handlers are the starter's business, and so is Ctrl-C, which does not come here. */
   for (int number = 1; number < 32; number++)
     signal(number, SIG_DFL);
+  /* A file that may not grow further is a failure to write, which can be told. */
+  signal(SIGXFSZ, SIG_IGN);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, NULL);

@@ -27,10 +27,14 @@ static bw_status out_of_time(bw_context *context, const bw_job *job) {
 }
 
 static bw_status out_of_memory(bw_context *context, const bw_job *job) {
-  bool large = job->bytes_limit >= 1e9;
+  static const char *const unit[] = {"MB", "GB", "TB"};
+  double size = job->bytes_limit / 1e6;
+  int u = 0;
+  for (; u < 2 && size >= 999.5; u++)
+    size /= 1e3;
   bw_status status =
       bw_fail(context, BW_LIMIT, "%s needs more than the %.3g %s of memory it may use", job->name,
-              job->bytes_limit / (large ? 1e9 : 1e6), large ? "GB" : "MB");
+              size, unit[u]);
   bw_detail_text(context, "limit", "memory");
   bw_detail_number(context, "bytes", job->bytes_limit);
   return status;

@@ -6,6 +6,7 @@
  * and commit removes the partial file. A target that exists and is no regular file (a terminal, a
  * pipe, /dev/null) cannot be renamed over and is written directly. */
 #include "barwright/confine.h"
+#include "base/words.h"
 #include "io/internal.h"
 
 #include <errno.h>
@@ -54,9 +55,8 @@ void bw_writers_abandon(void) {
 }
 
 static bw_status fail_system(bw_context *context, const char *path, const char *doing) {
-  int code = errno;
-  char text[128];
-  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, strerror_r(code, text, sizeof text));
+  char text[BWI_WORDS];
+  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, bwi_system_words(errno, text));
   bw_detail_text(context, "file", path);
   return BW_IO;
 }

@@ -21,6 +21,7 @@
 #include <zlib.h>
 
 #include "barwright/confine.h"
+#include "base/words.h"
 #include "metamaterial/library.h"
 
 enum { MARK_BYTES = 8, RECORD_HEAD = 13, MOST_HEAD = 4096 };
@@ -36,9 +37,8 @@ struct bwi_checkpoint {
 };
 
 static bw_status fail_system(bw_context *context, const char *path, const char *doing) {
-  int code = errno;
-  char text[128];
-  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, strerror_r(code, text, sizeof text));
+  char text[BWI_WORDS];
+  bw_fail(context, BW_IO, "%s: %s: %s", path, doing, bwi_system_words(errno, text));
   bw_detail_text(context, "file", path);
   return BW_IO;
 }

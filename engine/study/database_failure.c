@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 
+#include "base/words.h"
 #include "study/internal.h"
 
 bw_status bwi_database_say(bw_context *context, bw_status status, const char *reason,
@@ -25,10 +26,11 @@ bw_status bwi_database_say(bw_context *context, bw_status status, const char *re
 }
 
 static bw_status full_disk(bw_context *context, const char *path, int error) {
+  char words[BWI_WORDS];
   if (error == EFBIG)
     return bwi_database_say(context, BW_LIMIT, "full", path,
-                            "the file may not grow further (a limit on the size of files); what "
-                            "was committed before is kept");
+                            "%s; what was committed before is kept",
+                            bwi_system_words(error, words));
   bw_status status =
       bwi_database_say(context, BW_LIMIT, "full", path,
                        "no room is left on its disk; what was committed before is kept. Make room "

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "barwright/confine.h"
+#include "base/words.h"
 #include "study/internal.h"
 #include "study/salvage.h"
 
@@ -33,8 +34,9 @@ typedef struct salvage {
 /* ---- the copy -------------------------------------------------------------------------------- */
 
 static bw_status io_failure(bw_context *context, const char *path) {
-  return bwi_database_say(context, BW_IO, errno == ENOSPC ? "full" : NULL, path, "%s",
-                          strerror(errno));
+  char words[BWI_WORDS];
+  return bwi_database_say(context, BW_IO, errno == ENOSPC || errno == EFBIG ? "full" : NULL, path,
+                          "%s", bwi_system_words(errno, words));
 }
 
 /* Opened without waiting for the other end of a pipe. A device or a pipe has no end. */
@@ -51,6 +53,18 @@ static bw_status open_regular(bw_context *context, const char *path, int *file, 
     return BW_OK;
   return bwi_database_say(context, BW_IO, NULL, path, "a file expected, this is a %s",
                           S_ISDIR(about.st_mode) ? "folder" : "device or a pipe");
+}
+
+/* False with errno. */
+static bool write_all(int file, const unsigned char *bytes, size_t count) {
+  while (count > 0) {
+    ssize_t put = write(file, bytes, count);
+    if (put == 0 || (put < 0 && errno != EINTR))
+      return false;
+    bytes += put > 0 ? put : 0;
+    count -= put > 0 ? (size_t)put : 0;
+  }
+  return true;
 }
 
 /* As many bytes as the file has now: it may be growing. A file that does not exist is no failure
@@ -75,7 +89,7 @@ static bw_status copy_file(bw_context *context, const char *from, const char *to
     rest -= got;
     if (got < 0)
       status = io_failure(context, from);
-    else if (write(out, block, (size_t)got) != got)
+    else if (!write_all(out, block, (size_t)got))
       status = io_failure(context, to);
     else
       status = bw_check_cancel(context);

@@ -63,10 +63,12 @@ bool program_read_seconds(const char *text, double *seconds) {
 }
 
 static void size_text(double bytes, char text[32]) {
-  if (bytes >= 0x1p30)
-    snprintf(text, 32, "%.3g GiB", bytes / 0x1p30);
-  else
-    snprintf(text, 32, "%.3g MiB", bytes / 0x1p20);
+  static const char *const unit[] = {"MiB", "GiB", "TiB"};
+  double size = bytes / 0x1p20;
+  int u = 0;
+  for (; u < 2 && size >= 1023.5; u++)
+    size /= 1024;
+  snprintf(text, 32, "%.4g %s", size, unit[u]);
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */

@@ -166,6 +166,9 @@ static bool threads_can_be_read(void) {
 int main(int argc, char **argv) {
   program_command c;
   keep_freed_memory();
+  /* A file that may not grow further is a failure to write, which can be told. The program says so,
+   * not the library, whose host may want it otherwise. */
+  signal(SIGXFSZ, SIG_IGN);
   if (!program_read_command(argc, argv, &c) || !threads_can_be_read())
     return PROGRAM_MISUSED;
   if (c.limits.sandbox || c.limits.memory > 0 || c.limits.seconds > 0) {

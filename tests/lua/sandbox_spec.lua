@@ -260,6 +260,21 @@ describe("a limit on memory", function()
     assert.truthy(out:find "^nil\tout of memory", out)
   end)
 
+  it("is named as what it is", function()
+    local _, _, err = check.run "--memory 1000M -e 'return (\"x\"):rep(2e9)'"
+    assert.truthy(err:find("the script may use 1000 MiB", 1, true), err)
+    -- A child of the engine's that may use 6 GB elsewhere.
+    local status, out
+    status, out, err = check.run [[--memory 300M -e 'local s = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}
+      local _, message, details = bw.mesh.fill(s, {elements = 2000000})
+      print(details.status, details.bytes, message)']]
+    assert.equal(0, status, err)
+    local word, bytes = out:match "^(%a+)\t(%d+)"
+    assert.equal("limit", word, out)
+    assert.truthy(tonumber(bytes) <= 300 * 2 ^ 20, out)
+    assert.is_nil(out:find(" GB", 1, true), out)
+  end)
+
   it("is too little without anything hanging", function()
     local folder = place()
     for _, size in ipairs {"2M", "5M", "12M", "40M"} do
@@ -276,5 +291,36 @@ describe("a limit on memory", function()
       assert.equal(2, status)
       assert.truthy(err:find("a size of at least 1M", 1, true), err)
     end
+  end)
+end)
+
+describe("a limit on the size of files", function()
+  it("is told with file and figure, here and in jobs, and nothing half written stays", function()
+    local folder = check.folder()
+    check.write(folder .. "/script.lua", [[
+      local bw, core = require "barwright", require "barwright.core"
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {20, 20, 20}}
+      local function write(name)
+        local _, message = mesh:write(arg[1] .. name)
+        return message
+      end
+      print(write "/here.vtu")
+      local job = assert(core.job(function() return write "/job.vtu" end, {}))
+      core.wait({job}, 60)
+      print(job:result())
+      local file = io.open(arg[1] .. "/text", "w")
+      print(file:write(("x"):rep(2e6)))
+    ]])
+    local _, _, status = os.execute(("ulimit -f 100; BARWRIGHT_QUIET=1 '%s' '%s/script.lua' '%s' >'%s/out' 2>&1")
+      :format(check.program, folder, folder, folder))
+    local out = check.read(folder .. "/out")
+    assert.equal(0, status, out)
+    for _, name in ipairs {"here", "job"} do
+      local limit = out:match(("%s/%s%%.vtu: cannot write: the file may not grow beyond (%%d+) bytes"):format(
+        folder:gsub("%p", "%%%0"), name))
+      assert.truthy(limit == "51200" or limit == "102400", out) -- shells count in blocks of 512 or 1024
+    end
+    assert.truthy(out:find("nil\t[^\n]*File too large"), out)
+    assert.equal("out\nscript.lua\ntext\n", io.popen(("ls -A '%s'"):format(folder)):read "a")
   end)
 end)

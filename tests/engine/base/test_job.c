@@ -2,10 +2,14 @@
 #include "check.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "base/job.h"
 
 static int open_files(void) {
   int count = 0;
@@ -103,7 +107,7 @@ static void test_large_results(void **state) {
 
 /* ---- ends ------------------------------------------------------------------------------------ */
 
-enum way { SLEEP, SPIN, EAT, SEGFAULT, LEAVE, KILLED, SHELL };
+enum way { SLEEP, SPIN, EAT, SEGFAULT, LEAVE, KILLED, SHELL, WRITE };
 
 static bw_status misbehave(bw_context *context, void *data, bw_job_stream *out) {
   static volatile int sink;
@@ -131,6 +135,13 @@ static bw_status misbehave(bw_context *context, void *data, bw_job_stream *out) 
   case KILLED:
     raise(SIGKILL);
     break;
+  case WRITE: {
+    FILE *file = tmpfile();
+    for (int i = 0; i < 4096; i++)
+      if (fputs("more and more and more", file) < 0)
+        return bw_fail(context, BW_IO, "trial 7: %s", strerror(errno));
+    return BW_OK;
+  }
   case SHELL:
     return system("sleep 1000 & echo $! > $PID_FILE; wait") == 0 ? BW_OK : BW_IO;
   }
@@ -168,6 +179,38 @@ static void test_ends(void **state) {
 #ifndef __SANITIZE_ADDRESS__ /* it reports and leaves in its own way */
   check_end(context, (bw_job_options){0}, SEGFAULT, BW_JOB_CRASHED, BW_INTERNAL, "signal 11");
   check_end(context, (bw_job_options){.bytes = 3e8}, EAT, BW_JOB_OUT_OF_MEMORY, BW_LIMIT, "300 MB");
+#endif
+}
+
+/* Limits of the starter hold for its jobs, and it is theirs that are named. */
+static void test_limits_of_the_starter(void **state) {
+  bw_context *context = check_context(state);
+  struct rlimit before, limit;
+  getrlimit(RLIMIT_FSIZE, &before);
+  limit = before;
+  limit.rlim_cur = 20000;
+  setrlimit(RLIMIT_FSIZE, &limit);
+  check_end(context, (bw_job_options){0}, WRITE, BW_JOB_FAILED, BW_IO, "File too large");
+  setrlimit(RLIMIT_FSIZE, &before);
+#ifndef __SANITIZE_ADDRESS__ /* it takes all addresses */
+  getrlimit(RLIMIT_AS, &before);
+  limit = before;
+  limit.rlim_cur = (rlim_t)(bwi_address_space() + 4e8);
+  setrlimit(RLIMIT_AS, &limit);
+  bw_job_options options = {.bytes = 6e9, .name = "trial 7"};
+  enum way way = EAT;
+  const unsigned char *bytes;
+  size_t count;
+  bw_job *job = start(context, options, misbehave, &way);
+  wait_for(context, job);
+  check_fails(context, BW_LIMIT, " MB of memory", bw_job_result(context, job, &bytes, &count));
+  const char *key, *text;
+  double value = 0;
+  for (int i = 0; bw_detail(context, i, &key, &value, &text) && strcmp(key, "bytes") != 0; i++)
+    ;
+  assert_true(value > 1e8 && value <= 4e8);
+  bw_release(job);
+  setrlimit(RLIMIT_AS, &before);
 #endif
 }
 
@@ -489,6 +532,7 @@ int main(void) {
       check_test(test_large_results),
       check_test(test_ends),
       check_test(test_limit_without_waiting),
+      check_test(test_limits_of_the_starter),
       check_test(test_waiting),
       check_test(test_group),
       check_test(test_dies_with_the_starter),

@@ -283,7 +283,7 @@ static void test_full_disk(void **state) {
   small.rlim_cur = 300000;
   void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
   setrlimit(RLIMIT_FSIZE, &small);
-  fill_up(context, path_of("b"), "may not grow further");
+  fill_up(context, path_of("b"), "may not grow beyond 300000 bytes");
   setrlimit(RLIMIT_FSIZE, &before);
   signal(SIGXFSZ, handler);
 }
