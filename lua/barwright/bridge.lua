@@ -2,6 +2,7 @@
 -- Bridges (the paper *responsive*, section 5.2): a span, a load on its centre, a limit of stress, and the
 -- smallest area that passes. Shapes are symmetric: what is held, meshed and moved is the right half, its
 -- outline with the tags "foot", "pad", "hold" (the middle of the pad), "axis" and "free".
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local members = require "barwright.members"
 local mirror = require "barwright.mirror"
@@ -411,6 +412,12 @@ function bridge.create(given)
   if not sheet then return nil, message, details end
   return setmetatable({sheet = sheet, wish = wish}, class)
 end
+
+arguments.methods("bridge", class, class, {become = "outline: any", drag = "handle: table, by: pair",
+  pull = "vertex: integer, to: pair, how?: options", smooth = "how?: options",
+    hole = "centre: pair, radius: number",
+  without = "loop: string|integer", check = "size: number, order?: integer", uniform_beam = "", michell_area = "",
+  moment_share = "", design = "options?: options", picture = "path: string", body = ""})
 
 bridge.class, bridge.properties = class, properties
 

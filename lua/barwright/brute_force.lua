@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Brute force: every element, or a sample of them, is a region of its own. Slow, and the measure of
 -- what the weak regions find (the worst-case paper, section 5, figure 7).
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
 local sample = require "barwright.sample"
@@ -66,6 +67,9 @@ function brute_force:__tostring()
   return ("brute force over %d elements: %.4g MPa, %.1f s"):format(self.elements,
     self.max_principal / 1e6, self.seconds)
 end
+
+arguments.methods("brute force", brute_force, brute_force, {percentile = "p?: number",
+  compare = "worst: worst_case, p?: number"})
 
 return setmetatable({class = brute_force}, {
   __call = function(_, part, given) return brute_force.analyse(part, given) end,

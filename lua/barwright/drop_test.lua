@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The drop test of the worst-case paper (section 5): random orientations onto a peg, thousands of
 -- impacts from one factor, and how often each place exceeds its strength.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
 
@@ -68,6 +69,9 @@ function drop_test:__tostring()
   return ("%d drops: the weakest place is overloaded in %.3g %% of them"):format(self.drops,
     100 * self:failures())
 end
+
+arguments.methods("drop test", drop_test, drop_test, {correlation = "other: worst_case|brute_force|array",
+  failures = "", write = "path: string", picture = "path: string, options?: options"})
 
 return setmetatable({class = drop_test}, {
   __call = function(_, part, given) return drop_test.analyse(part, given) end,

@@ -5,6 +5,7 @@
 -- A session is a list of states and the place of the current one. A state is a topology, a pose and
 -- the limits of the joints; it never changes. Everything else (mesh, model, equations) follows from
 -- it, so that a refused edit leaves nothing to put right, and undo is a step back in the list.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local members = require "barwright.members"
 local options = require "barwright.options"
@@ -394,6 +395,8 @@ function class:write(path, given)
   local wish = {}
   for key, value in pairs(given or {}) do wish[key] = value end
   local fields = {}
+  if wish.fields ~= nil
+    and type(wish.fields) ~= "table" then raise "write: option 'fields': a table of arrays expected" end
   for key, value in pairs(wish.fields or {}) do fields[key] = value end
   fields.domain = fields.domain or {self.domains.element_domain, on = "elements"}
   wish.fields = fields
@@ -456,6 +459,15 @@ function class:__tostring()
   return table.concat(lines, "\n")
 end
 
+arguments.methods("session", class, class, {
+  undo = "", redo = "", reset = "", synchronise = "", surface = "", close = "", commit = "change: table",
+  bone = "name: string|integer", pose = "changes: table", limit = "name: string|integer, limit?: options",
+  reach = "target: string|integer|table, at?: any, options?: options",
+  assign = "elements: table|array, bone?: string|integer", optimise = "options: options",
+    fork = "options?: options",
+  solve = "options?: options", moved = "part: model", write = "path: string, options?: options",
+  picture = "path: string, options?: options", report = "path: string, options?: options", save = "path: any",
+})
 class.__index = members("a session", class, properties)
 
 function class.__newindex(_, name)
@@ -471,8 +483,12 @@ end
 
 --- What a saved script begins with.
 function edit.begin(script, ...)
-  local asking = debug.getinfo(2, "S").source
+  local caller = debug.getinfo(2, "S")
+  local asking = caller and caller.source or "=?" -- the first function of a coroutine has none
   return edit_script.begin(edit, asking, script, ...)
 end
+
+arguments.functions("edit.", edit, {load = "path: any, session?: session, options?: options",
+  begin = "script?: string, session?: session"})
 
 return setmetatable(edit, {__call = function(_, part, given) return begin(part, given) end})

@@ -145,7 +145,7 @@ end
 
 --- Three finite numbers, or an error of the function called `where`.
 function edit_pose.read_vector(where, value)
-  if type(value) == "userdata" then value = {value[1], value[2], value[3]} end
+  if core.class_name(value) == "array" then value = {value[1], value[2], value[3]} end
   if type(value) == "table" and #value == 3 and finite(value[1]) and finite(value[2])
     and finite(value[3]) then
     return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0}

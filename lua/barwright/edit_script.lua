@@ -37,7 +37,7 @@ function edit_script.value(value)
   local kind = type(value)
   if kind == "number" then return number(value) end
   if kind == "string" then return (("%q"):format(value):gsub("\\\n", "\\n")) end
-  if kind == "userdata" then return edit_script.value(value:totable()) end
+  if core.class_name(value) == "array" then return edit_script.value(value:totable()) end
   if kind ~= "table" then return tostring(value) end
   local parts = {}
   if is_list(value) then
@@ -213,13 +213,13 @@ function edit_script.begin(edit, asking, script, given)
     raise("these edits name no script that makes their part: "
       .. "replay them with bw.edit.load(path, session)")
   end
-  local part, options = dofile(find(script, asking))
+  local part, given_with = dofile(find(script, asking))
   if getmetatable(part) == edit.class then
     begun, part.wish.script = part, part.wish.script or script
     return part
   end
   local wish = {}
-  for key, value in pairs(options or {}) do wish[key] = value end
+  for key, value in pairs(given_with or {}) do wish[key] = value end
   wish.journal, wish.script = nil, wish.script or script
   local message
   begun, message, failure = edit(part, wish)

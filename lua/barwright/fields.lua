@@ -1,11 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Methods of static results, modes and surfaces that put engine calls together: files and pictures.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local options = require "barwright.options"
 
 local raise = core.raise
 
 local function copied(given)
   local wish = {}
+  if given ~= nil and type(given) ~= "table" then raise "option 'fields': a table of arrays expected" end
   for key, value in pairs(given or {}) do wish[key] = value end
   return wish
 end
@@ -54,6 +57,7 @@ function static:picture(path, given)
     values = self[field]
     wish.unit, wish.scale = wish.unit or about[1], wish.scale or about[2]
   end
+  options.object("picture", "option 'field'", values, "array")
   local mesh = self.mesh
   local surface, nodes, details = mesh:surface()
   if not surface then return nil, nodes, details end
@@ -147,11 +151,21 @@ function mesh:picture(path, given)
   local wish = copied(given)
   local boundary, nodes, details = self:surface()
   if not boundary then return nil, nodes, details end
-  if wish.values then
+  if wish.values ~= nil then
     local values = wish.values
+    options.object("picture", "option 'values'", values, "array")
     if #values ~= self.node_count then values = self:to_nodes(values) end
     wish.values = values:gather(nodes)
   end
   if wish.edges == nil then wish.edges = true end
   return core.picture(boundary, path, wish)
 end
+
+-- ---- arguments ----
+
+arguments.methods("static", static, nil, {write = "path: string, options?: options",
+  picture = "path: string, options?: options", reaction_on = "selection: selection"})
+arguments.methods("modes", modes, nil, {write = "path: string, options?: options",
+  picture = "mode: integer, path: string, options?: options"})
+arguments.methods("surface", surface, nil, {picture = "path: string, options?: options"})
+arguments.methods("mesh", mesh, nil, {scale = "factor: number", picture = "path: string, options?: options"})

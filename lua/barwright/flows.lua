@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Flow and heat that keep up with an outline while it is dragged: time steps or the steady state.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local conditions = require "barwright.conditions"
 local followed = require "barwright.followed"
@@ -62,7 +63,8 @@ function methods:step(count)
   end
   local function walk(report)
     if not next(self.signals) then return advance(self, report, step, count) end
-    for _ = 1, count do
+    for i = 1, count do
+      if count > 1 then core.report_progress("time steps", (i - 1) / count) end
       local fine, message, details = advance(self, report, step)
       if not fine then return nil, message, details end
       record(self)
@@ -127,6 +129,7 @@ function methods:coefficients(tag, given)
     length = {type = "number", needed = true, above = 0},
     stream = {type = "table", default = {1, 0}},
   })
+  arguments.pair("coefficients: option 'stream'", wish.stream)
   local x, y = self:force(tag)
   local along, across = wish.stream[1], wish.stream[2]
   local unit = 0.5 * self.wish.density * wish.velocity ^ 2 * wish.length
@@ -144,6 +147,11 @@ local function class(what, names)
   local made = followed.class(what, names, {signals = function(self) return rawget(self, "recorded") end})
   for name, method in pairs(methods) do made[name] = method end
   made.finish, made.keep, made.marches = finish, keep, marches
+  arguments.methods(what, made, made, {drag = "handle: any, by: any", become = "outline: any",
+    step = "count?: any", pace = "seconds: any", settle = "", record = "name: string, value?: function",
+    frequency = "name: string, periods?: integer", force = "tag: string", heat = "tag: string",
+    at = "x: number, y: number", pressure_drop = "from: pair, to: pair",
+    coefficients = "tag: string, given: options", nusselt = "tag: string, difference: number"})
   function made.start(self)
     rawset(self, "recorded", {})
     rawset(self, "watched", {})

@@ -98,13 +98,6 @@ function followed.class(what, names, more)
   return class
 end
 
--- Whether a method was called with its object: object:drag(...), not object.drag(...).
-local function check_self(where, self)
-  if type(self) ~= "table" or not rawget(self, "body") then
-    raise(("%s: an analysis expected, got %s: call it as analysis:%s(...)"):format(where, type(self), where))
-  end
-end
-
 -- What an object is at, until `commit`; the end of the scope returns to it where that did not come.
 local undo = {}
 undo.__index = undo
@@ -137,7 +130,6 @@ end
 
 --- A frame: mesh and body go over to an outline, the class's `finish` solves.
 function followed.become(self, outline)
-  check_self("become", self)
   options.object("become", "outline", outline, "outline")
   local finish = getmetatable(self).finish
   return followed.whole(self, function(report)
@@ -163,7 +155,6 @@ end
 
 --- A frame with a handle of the outline moved by {dx, dy}.
 function followed.drag(self, handle, by)
-  check_self("drag", self)
   if type(handle) ~= "table" or type(by) ~= "table" then
     raise(("drag: a handle like {vertex = 1} or {loop = \"hole\"} and {dx, dy} expected, got %s and %s")
       :format(type(handle), type(by)))

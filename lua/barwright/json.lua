@@ -35,6 +35,9 @@ local list_mark = {}
 
 --- Marks a table as a list, so that an empty one is written as [].
 function json.list(table)
+  if table ~= nil and type(table) ~= "table" then
+    raise(("json.list: a table expected, got %s"):format(type(table)))
+  end
   return setmetatable(table or {}, list_mark)
 end
 
@@ -85,6 +88,7 @@ local function write_object(value, out, indent, depth, seen)
 end
 
 function write(value, out, indent, depth, seen)
+  if depth > 200 then error("json: tables within tables, more than 200 deep", 0) end
   local kind = type(value)
   if value == json.null or value == nil then
     out[#out + 1] = "null"
@@ -112,8 +116,12 @@ end
 
 --- The text of a value; indent: a string such as "  " for lines, nil for one line.
 function json.encode(value, indent)
+  if indent ~= nil and type(indent) ~= "string" then
+    raise(("json.encode: indent: a string expected, got %s"):format(type(indent)))
+  end
   local out = {}
   local fine, message = pcall(write, value, out, indent, 0, {})
+  if not fine and type(message) ~= "string" then error(message, 0) end -- of a metamethod
   if not fine then raise(message) end
   return table.concat(out)
 end

@@ -4,6 +4,7 @@
 -- work; this file makes the server and keeps it going until Ctrl-C.
 local beside = require "barwright.beside"
 local core = require "barwright.core"
+local edit = require "barwright.edit"
 local kinds = require "barwright.live_plane_kinds"
 local live_desk = require "barwright.live_desk"
 local live_plane_desk = require "barwright.live_plane_desk"
@@ -114,6 +115,9 @@ end
 --- Serves a session, or an object of bw.responsive, until Ctrl-C. Options: port, title, name,
 --- von_mises, saved, ready; of sessions also solve, worst, ties; of objects pace, paused, goal, script, lines.
 function live.run(served, given)
+  if not kinds.of(served) and getmetatable(served) ~= edit.class then
+    options.object("live", "served", served, "session or object of bw.responsive")
+  end
   local wish = options.read("live", given, kinds.of(served) and outline_rules or session_rules)
   local server, message, details = core.live_server {port = wish.port}
   if not server then return nil, message, details end

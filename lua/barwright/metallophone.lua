@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- A bar that rings: an outline extruded to a plate, its tone while it is dragged, how to tune it, where
 -- to hold it, what it sounds like (responsive, section 5.1).
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local followed = require "barwright.followed"
 local options = require "barwright.options"
@@ -320,5 +321,13 @@ function metallophone.new(given)
     {size = wish.size, elements = wish.elements or (not wish.size and 400 or nil)}, wish.follow,
     wish.material, wish.thickness))
 end
+
+arguments.methods("metallophone bar", bar, bar, {drag = "handle: any, by: any", become = "outline: any",
+  solve = "",
+  gradient = "mode?: integer", mode = "mode?: integer", inplane = "count?: integer", holes = "",
+    tone = "options?: options",
+  gains = "options?: options", write_tone = "path: string, options?: options",
+  tune = "target: number|string, options?: options",
+    trim = "measured: any, target: number|string, options?: options"})
 
 return metallophone

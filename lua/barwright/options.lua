@@ -10,9 +10,12 @@ local function fail(where, key, text)
   raise(("%s: option '%s': %s"):format(where, key, text))
 end
 
+-- The class of an object of the engine, "integer", or the type.
 local function kind_of(value)
   return core.class_name(value) or math.type(value) == "integer" and "integer" or type(value)
 end
+
+options.kind = kind_of
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,
 -- most =, one_of = {...}, above = }; type "any" is checked by the caller

@@ -1,8 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Results that can be run again: a folder with result.json (plain numbers, unit in the key) and
 -- manifest.json (what made them). Files are written beside their target and renamed.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local json = require "barwright.json"
+local options = require "barwright.options"
 local writable = require "barwright.writable"
 
 local results = {}
@@ -73,11 +75,17 @@ local function started_by()
   return words
 end
 
+local rules = {script = {type = "string"}, inputs = {type = "table", default = {}},
+  options = {type = "table", default = {}}, seed = {type = "any"}}
+
 --- A folder for results; made when it is missing.
 --- inputs: files to be named with their SHA-256; options: what the script was asked for; seed; script: its
 --- name, where it is not the file that runs.
 function results.open(folder, about)
-  about = about or {}
+  about = options.read("results.open", about, rules)
+  if about.seed ~= nil and about.seed ~= json.null and math.type(about.seed) ~= "integer" then
+    core.raise "results.open: option 'seed': a whole number, or bw.json.null where there is none, expected"
+  end
   local fine, message = core.make_folder(folder)
   if not fine then return nil, message, {status = "io", file = folder} end
   -- A folder that nothing can be written into is found now, not after the work.
@@ -85,7 +93,7 @@ function results.open(folder, about)
   if not fits then return nil, why, details end
   local self = setmetatable({folder = folder}, results)
   local files = json.list {}
-  for _, path in ipairs(about.inputs or {}) do
+  for _, path in ipairs(about.inputs) do
     local digest, message_of, details_of = core.sha256(path)
     if not digest then return nil, message_of, details_of end
     files[#files + 1] = {file = path, sha256 = digest}
@@ -97,7 +105,7 @@ function results.open(folder, about)
   self.manifest.script_sha256 = words[1] and core.sha256(words[1]) or json.null
   self.manifest.folder = folder
   self.manifest.inputs = files
-  self.manifest.options = about.options or {}
+  self.manifest.options = about.options
   self.manifest.seed = about.seed or json.null
   return self
 end
@@ -118,5 +126,8 @@ end
 function results:__tostring()
   return "results in " .. self.folder
 end
+
+arguments.methods("results", results, results, {path = "name: string", write = "result: table"})
+arguments.functions("results.", results, {open = "folder: string, about?: options"})
 
 return results

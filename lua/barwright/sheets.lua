@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Elastic sheets that keep up with an outline while it is dragged: steady, vibration, cantilever.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local conditions = require "barwright.conditions"
 local followed = require "barwright.followed"
@@ -155,5 +156,13 @@ function sheets.vibration(given)
     damping = {type = "table", default = {0, 0}},
   }, stand_on_ground)
 end
+
+local shared = {drag = "handle: any, by: any", become = "outline: any"}
+for name, class in pairs {["steady sheet"] = steady, ["bent sheet"] = cantilever, ["shaken sheet"] = vibration} do
+  arguments.methods(name, class, class, shared)
+end
+arguments.methods("steady sheet", steady, steady, {solve = "", stress_norm = "p: number"})
+arguments.methods("bent sheet", cantilever, cantilever, {solve = ""})
+arguments.methods("shaken sheet", vibration, vibration, {step = "count?: any"})
 
 return sheets

@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Equilibria of hyperelastic solids: fields, totals, errors against another, files and pictures.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local members = require "barwright.members"
 
@@ -110,6 +111,10 @@ function result:__tostring()
     .. "det F %.3f"):format(self.complete and "" or (" at load %.3f"):format(r.load), self.energy,
     r.iterations, r.load_steps, r.residual, r.shape.least_ratio)
 end
+
+arguments.methods("result", result, result, {error = "reference: any", total_reaction = "where: any",
+  write = "path: string",
+  picture = "path: string, options?: any", panel = "title?: string, values?: string|array"})
 
 --- Around an engine result; `all`: those of the path that led to it, in order.
 local function create(solid, inner, all)

@@ -100,7 +100,7 @@ local function finite(value)
 end
 
 local function vector(where, key, value)
-  local list = type(value) == "userdata" and value:totable() or value
+  local list = is_array(value) and value:totable() or value
   if type(list) ~= "table" or #list ~= 3 then
     raise(("%s: %s: three numbers {x, y, z} expected"):format(where, key))
   end
@@ -182,8 +182,9 @@ function solid:pressure(on, given)
     follower = {type = "boolean", default = false},
   })
   local kind = type(wish.pressure)
-  if kind ~= "number" and kind ~= "function" and kind ~= "table" and kind ~= "userdata" then
-    raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(kind))
+  if kind ~= "number" and kind ~= "function" and kind ~= "table" and not is_array(wish.pressure) then
+    raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(
+      options.kind(wish.pressure)))
   end
   if kind == "number" and not finite(wish.pressure) then raise "pressure: a finite number expected" end
   if not surface then

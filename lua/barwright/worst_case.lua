@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The worst-case analysis (Zhou, Panetta, Zorin 2013): modes -> weak regions -> worst loads ->
 -- stresses, from one factorisation. docs/theory/worst_case.md tells why.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
 
@@ -144,7 +145,12 @@ end
 
 -- ---- asking -----------------------------------------------------------------------------------------
 
+local function check_open(self, where)
+  if not self.regions then raise(where .. ": this worst case is closed") end
+end
+
 local function check_region(self, i, where)
+  check_open(self, where)
   i = i or self.region
   if math.type(i) ~= "integer" or i < 1 or i > #self.regions then
     raise(("%s: a region from 1 to %d expected, got %s"):format(where, #self.regions, tostring(i)))
@@ -191,6 +197,7 @@ end
 
 --- The weakness of every boundary facet: that of the element behind it.
 function worst_case:surface_weakness()
+  check_open(self, "surface_weakness")
   return self.weakness:gather(self.mesh.facet_elements)
 end
 
@@ -264,6 +271,7 @@ end
 
 --- One HTML file with a 3D view that turns; opens from disk. See barwright.report.
 function worst_case:report(path, given)
+  check_open(self, "report")
   return require "barwright.report".write(self, path, given)
 end
 
@@ -278,6 +286,13 @@ function worst_case:close()
   self.solved, self.regions = nil, nil
 end
 worst_case.__close = worst_case.close
+
+arguments.methods("worst case", worst_case, worst_case, {
+  pressure = "region?: integer", force = "region?: integer", displacement = "region?: integer",
+  stress = "region?: integer", arrows = "region?: integer, radius?: number", surface_weakness = "",
+  write = "path: string", picture = "path: string, options?: options", report = "path: string, options?: options",
+  close = "",
+})
 
 return setmetatable({class = worst_case}, {
   __call = function(_, part, given) return worst_case.analyse(part, given) end,

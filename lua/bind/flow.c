@@ -103,6 +103,8 @@ static int flow_step(lua_State *L) {
   bw_context *context = lbw_enter(L);
   const bw_flow_state *before = bw_flow_keep(flow);
   for (lua_Integer i = 0; i < steps; i++) {
+    if (steps > 1)
+      bw_progress(context, "time steps", (double)i / (double)steps);
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_flow_step(context, flow, &options, &kept));
   }

@@ -136,6 +136,8 @@ static int sheet_shake(lua_State *L) {
   bw_context *context = lbw_enter(L);
   const bw_sheet_state *before = bw_sheet_keep(sheet);
   for (lua_Integer i = 0; i < steps; i++) {
+    if (steps > 1)
+      bw_progress(context, "time steps", (double)i / (double)steps);
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_sheet_shake(context, sheet, &newmark, &options, &kept));
   }

@@ -10,7 +10,8 @@
 -- it resembles, or all.
 -- Misuse raises. What the world can cause (a bad file, no convergence, no memory) returns nil, a
 -- message, and a table of details with a `status` word: io format geometry free singular
--- convergence infeasible limit memory cancelled unsupported internal. Objects are released by the
+-- convergence infeasible limit memory cancelled unsupported internal, empty where what is asked for is not there,
+-- and of studies busy damaged different failed. Objects are released by the
 -- collector, or at once by `close`, or at the end of the scope of a `<close>` variable.
 
 ---@class bw.Vector table {x, y, z}

@@ -3,7 +3,7 @@
 local stubs = {}
 
 local function new_block()
-  return {text = {}, params = {}, returns = {}, fields = {}}
+  return {text = {}, params = {}, returns = {}, fields = {}, overloads = {}}
 end
 
 -- One "---@..." line into the block at hand.
@@ -28,8 +28,8 @@ local function annotation(block, line)
     block.returns[#block.returns + 1] = kind
     return
   end
-  kind = line:match "^@operator%s+(.+)$" or line:match "^@overload%s+(.+)$"
-  if kind then return end
+  kind = line:match "^@overload%s+(.+)$"
+  if kind then block.overloads[#block.overloads + 1] = kind end
 end
 
 -- A type ends at the first blank outside brackets that is not in "fun(...): x"; the rest is a remark.
@@ -46,7 +46,8 @@ function stubs.split(kind)
   return kind, ""
 end
 
---- {head = paragraphs, classes = {{name, text, fields, functions = {{name, colon, text, params, returns}}}}}
+--- {head = paragraphs, classes = {{name, text, fields, overloads, functions = {{name, colon, text, params,
+--- returns}}}}}
 function stubs.parse(text)
   local head, classes, by_variable = {""}, {}, {}
   local block, in_head = new_block(), true
@@ -70,7 +71,8 @@ function stubs.parse(text)
     else
       if block.class then
         classes[#classes + 1] = {name = block.class, about = block.about,
-          text = table.concat(block.text, " "), fields = block.fields, functions = {}}
+          text = table.concat(block.text, " "), fields = block.fields, functions = {},
+          overloads = block.overloads}
         if variable then by_variable[variable] = classes[#classes] end
       elseif receiver then
         local class = assert(by_variable[receiver], "no class for " .. receiver)

@@ -238,4 +238,15 @@ describe("random drags", function()
       end)
     end
   end
+
+  it("is left by a progress function that returns false, however many steps were asked for", function()
+    local s = assert(wind {elements = 60})
+    local before = bw.progress(function(stage) return stage ~= "time steps" end)
+    for _ = 1, 2 do
+      check.fails("cancelled", "", s:step(math.maxinteger))
+      s:record("drag", function(flow) return (flow:force "body") end)
+    end
+    bw.progress(before)
+    assert(s:step())
+  end)
 end)

@@ -40,6 +40,25 @@ local function calls(session, part)
     ["no bone 'e'"] = function() session:optimise {von_mises = 1, bones = {"e"}} end,
     ["'fresh' is not known"] = function() session:solve {method = "fresh"} end,
     ["save: the path"] = function() session:save() end,
+    ["moved: part: a model expected, got table"] = function() session:moved {1} end,
+    ["undo: a session expected, got nil"] = function() session.undo() end,
+    ["bone: name: a string or a whole number expected"] = function() session:bone {} end,
+    ["write: option 'fields'"] = function() session:write("x.vtu", {fields = 5}) end,
+    ["edit.begin: session: a session expected"] = function() bw.edit.begin("x.lua", 5) end,
+    ["picture: options: a table of options expected"] = function() solved:picture("x.png", 5) end,
+    ["picture: option 'field': an array expected"] = function() solved:picture("x.png", {field = part}) end,
+    ["reaction_on: selection: a selection expected"] = function() solved:reaction_on(5) end,
+    ["picture: option 'values': an array expected"] = function() part.mesh:picture("x.png", {values = part}) end,
+    ["scale: factor: a number expected"] = function() part.mesh:scale "big" end,
+    ["results.open: folder: a string expected"] = function() bw.results.open(5) end,
+    ["results.open: unknown option 'sed': did you mean 'seed'"] = function() bw.results.open("x", {sed = 1}) end,
+    ["hypervolume: costs 1: numbers expected, got x at 2"] = function() bw.study.hypervolume({{1, "x"}}, {2,
+      2}) end,
+    ["hypervolume: reference"] = function() bw.study.hypervolume({}, {}) end,
+    ["json.list: a table expected"] = function() bw.json.list "x" end,
+    ["json.encode: indent: a string expected"] = function() bw.json.encode({}, 2) end,
+    ["more than 200 deep"] = function() local t = {} for _ = 1, 1000 do t = {t} end bw.json.encode(t) end,
+    ["live: served: "] = function() bw.live(5) end,
     ["edit.load: the path"] = function() bw.edit.load(5) end,
     ["report: "] = function() session:report("x.html", {titel = ""}) end,
     ["unknown field 'stress'"] = function() solved:picture("x.png", {field = "stress"}) end,
@@ -79,5 +98,42 @@ describe("an error of misuse", function()
     local inside = coroutine.create(session.bone)
     _, message = coroutine.resume(inside, session, "c")
     assert.truthy(message:find("^there is no bone 'c'"))
+  end)
+end)
+
+-- What each raises, on objects of classes that are written in Lua.
+describe("a method written in Lua", function()
+  it("says which argument is wrong", function()
+    local part = bw.model {mesh = check.beam({4, 1, 1}), material = bw.material.pla}
+    local worst = assert(bw.worst_case(part, {force = 1, pressure = 1e6, modes = 1, regions = 1}))
+    local brute = assert(bw.brute_force(part, {force = 1, pressure = 1e6, elements = 2}))
+    local drops = assert(bw.drop_test(part, {drops = 2}))
+    local flow = assert(bw.responsive.flow {outline = bw.outline.rectangle {width = 2, height = 1}, viscosity = 1,
+      elements = 20, step = 0.1})
+    local study = bw.study {name = "x", variables = {{name = "a", least = 0, most = 1}}, measures = {"m"},
+      design = {"random", count = 1}, run = print}
+    local trials = require("barwright.study.trials").new(study)
+    local figure = bw.plot.lines {series = {{name = "a", y = {1, 2}}}}
+    for text, call in pairs {
+      ["percentile: p: a number expected, got function"] = function() brute:percentile(print) end,
+      ["compare: worst: a worst case expected, got brute_force"] = function() brute:compare(brute) end,
+      ["correlation: other: a worst case or a brute force or an array"] = function() drops:correlation {} end,
+      ["picture: options: a table of options expected"] = function() drops:picture("x.png", 5) end,
+      ["write: path: a string expected, got nil"] = function() worst:write() end,
+      ["pressure_drop: from: two finite numbers {x, y} expected"] = function() flow:pressure_drop() end,
+      ["record: name: a string expected"] = function() flow:record(0 / 0) end,
+      ["coefficients: option 'stream': two finite numbers"] = function()
+        flow:coefficients("boundary", {velocity = 1, length = 1, stream = {"x"}}) end,
+      ["at: a flow expected, got integer: call it with a colon, as in flow:at(...)"] = function() flow.at(1,
+        2) end,
+      ["use_file: path: a string expected"] = function() study:use_file(setmetatable({}, {__index = print})) end,
+      ["study:merge: file 1: a path expected"] = function() study:merge {{}} end,
+      ["column: options: a table of options expected"] = function() trials:column("m", 5) end,
+      ["where: which: a string or a function expected"] = function() trials:where(5) end,
+      ["place: x: a number expected"] = function() figure:place "x" end,
+    } do check.raises(text, call) end
+    worst:close()
+    check.raises("pressure: this worst case is closed", worst.pressure, worst)
+    check.raises("surface_weakness: this worst case is closed", worst.surface_weakness, worst)
   end)
 end)

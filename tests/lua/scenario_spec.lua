@@ -442,6 +442,16 @@ end)]]}, "--parallel 2")
     assert.equal("seen\n", run.result.scenarios[6].output)
   end)
 
+  it("say what is wrong with a note or a table", function()
+    local run = judge({["a.lua"] = HEAD .. [[scenario("s", function(t)
+      local _, note = pcall(t.note, t, "%d pieces", "x")
+      expect(note:find("a.lua:%d+: note: the values do not fit the text") ~= nil):is_true()
+      local _, table = pcall(t.table, t, {heads = {"a"}, rows = {{1}, 2}})
+      expect(table:find("a.lua:%d+: table: row 2: a list of cells expected, got number") ~= nil):is_true()
+    end)]]})
+    assert.equal(0, run.status, run.out)
+  end)
+
   it("are told in order whatever ends first", function()
     local source = {HEAD}
     for i = 1, 6 do

@@ -29,6 +29,14 @@ local function same_array(a, b)
 end
 
 describe("the cache", function()
+  it("refuses to wait for what it makes itself", function()
+    local one = study(check.folder())
+    local again
+    again = function() return one:cached("same", again) end
+    check.raises("asks for the same again", one.cached, one, "same", again)
+    assert.equal(5, one:cached("same", function() return 5 end))
+  end)
+
   it("gives back plain data as they were", function()
     local one = study(check.folder())
     local value = {1, 2.0, -0.0, "a\0b", true, false, {x = {y = {1 / 3, 2 ^ 53 + 1.0}}, [7] = "seven", [1.5] = {}},

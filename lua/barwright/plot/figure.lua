@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- A figure: a size, a name, and a function that draws it. It is drawn anew for each file.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
 local sketch = require "barwright.plot.sketch"
@@ -63,5 +64,8 @@ function Figure:place(x, y)
   if type(result) ~= "table" or not result.place then return nil end
   return result:place(x, y)
 end
+
+arguments.methods("figure", Figure, Figure, {write = "path: string, options?: options", svg = "options?: options",
+  place = "x: number, y: number"})
 
 return figure

@@ -71,7 +71,14 @@ end
 --- A sentence for the report and the manual.
 function methods.note(_, text, ...)
   if type(text) ~= "string" then raise "note: a text expected" end
-  write {kind = "note", text = select("#", ...) > 0 and text:format(...) or text}
+  if select("#", ...) > 0 then
+    local fine, filled = pcall(string.format, text, ...)
+    if not fine then
+      raise("note: the values do not fit the text: " .. tostring(filled):gsub("^bad argument ", "argument "))
+    end
+    text = filled
+  end
+  write {kind = "note", text = text}
 end
 
 --- A plain table for the report and the manual: {heads = {...}, rows = {{...}, ...}, text = "..."}.
@@ -81,6 +88,8 @@ function methods.table(_, given)
   end
   local rows = json.list {}
   for i, row in ipairs(given.rows) do
+    if type(row) ~= "table" then raise(("table: row %d: a list of cells expected, got %s"):format(i,
+      type(row))) end
     rows[i] = json.list {}
     for k = 1, #given.heads do rows[i][k] = row[k] == nil and "" or tostring(row[k]) end
   end

@@ -114,6 +114,9 @@ local function name_of(what, wish)
   return core.sha256_of(table.concat(parts, "\0"))
 end
 
+-- Entries by path, while this process makes them: who waited for its own lock would wait for ever.
+local making = {}
+
 local get_rules = {files = {type = "table"}}
 
 --- What `make` returns, made once for all processes. given.files: files whose content matters. Where the
@@ -128,6 +131,9 @@ function cache.get(wish, what, make, given)
   local scratch = ("%s.%d"):format(path, core.process())
   local there, value = read_entry(path, scratch)
   if there then return value end
+  if making[path] then
+    raise "cached: the function that makes this asks for the same again"
+  end
   local usable = core.make_folder(folder)
   local lock <close> = usable and core.lock(path .. ".lock", WAIT) or nil
   if lock then
@@ -136,7 +142,10 @@ function cache.get(wish, what, make, given)
   elseif core.interrupted() then
     return nil, "cancelled", {status = "cancelled"}
   end
+  making[path] = true
+  local ended <close> = setmetatable({}, {__close = function() making[path] = nil end})
   local made, message, details = make()
+  assert(ended)
   if made == nil and message ~= nil then return nil, message, details end
   if lock then write_entry(wish, path, scratch, made) end
   return made

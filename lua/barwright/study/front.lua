@@ -1,5 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Vectors of costs, all to be small: which are beaten by none, ranks of fronts, crowding, hypervolume.
+local raise = require("barwright.core").raise
+
 local front = {}
 
 --- Whether a is nowhere worse than b, and somewhere better.
@@ -123,8 +125,23 @@ local function volume(points, reference, m)
   return sum
 end
 
+local function check_costs(where, list, count)
+  if type(list) ~= "table" or rawlen(list) ~= count or count == 0 then
+    raise(("hypervolume: %s: a list of %d numbers expected"):format(where, math.max(1, count)))
+  end
+  for k = 1, count do
+    local cost = rawget(list, k)
+    if type(cost) ~= "number" or cost ~= cost then
+      raise(("hypervolume: %s: numbers expected, got %s at %d"):format(where, tostring(cost), k))
+    end
+  end
+end
+
 --- The volume that is dominated by the vectors, below a reference.
 function front.hypervolume(costs, reference)
+  if type(costs) ~= "table" then raise "hypervolume: costs: a list of lists of numbers expected" end
+  check_costs("reference", reference, type(reference) == "table" and rawlen(reference) or 1)
+  for i = 1, rawlen(costs) do check_costs(("costs %d"):format(i), rawget(costs, i), rawlen(reference)) end
   local inside = {}
   for _, i in ipairs(front.of(costs)) do
     local within = true

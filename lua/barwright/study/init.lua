@@ -2,6 +2,7 @@
 -- bw.study{...}: variables, what is measured, a function, a design and a file. docs/theory/studies.md
 -- says what the words mean; docs/howto_study.md begins at the beginning.
 local cache = require "barwright.study.cache"
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local csv = require "barwright.study.csv"
 local designs = require "barwright.study.designs"
@@ -133,6 +134,11 @@ end
 function methods:planned()
   return run.planned(self)
 end
+
+arguments.methods("study", methods, meta, {use_file = "path: string", manifest = "",
+  run = "options?: options", trials = "",
+  status = "", csv = "path: string", merge = "files: string|table, options?: options",
+  trial = "which: any, options?: options", cached = "what: any, make: any, options?: options", planned = ""})
 
 function meta.__tostring(self)
   local p = self.problem

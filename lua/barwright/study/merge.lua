@@ -106,6 +106,11 @@ function merge.into(self, files, given)
   local wish = options.read("study:merge", given, rules)
   if type(files) == "string" then files = {files} end
   if type(files) ~= "table" or #files == 0 then core.raise "study:merge: a list of files expected" end
+  for i, path in ipairs(files) do
+    if type(path) ~= "string" then
+      core.raise(("study:merge: file %d: a path expected, got %s"):format(i, type(path)))
+    end
+  end
   local lock <close>, message, details = core.lock(self.file .. ".lock", 0)
   if not lock then
     if details.limit == "lock" then

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- One trial: what the study's function gets beside the point, how it is run, and how what came out
 -- travels from the process that ran it. A trial's numbers depend on its point and seed alone.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local random = require "barwright.study.random"
 
@@ -59,6 +60,10 @@ end
 function methods:cached(what, make, options)
   return self.study:cached(what, make, options)
 end
+
+arguments.methods("trial", methods, meta, {random = "a?: any, b?: any",
+  normal = "mean?: number, deviation?: number",
+  cached = "what: any, make: any, options?: options"})
 
 --- The folder for this trial's files, made when it is asked for.
 function getters:folder()

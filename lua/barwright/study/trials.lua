@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What a study gives back: a list of trials that have ended, in the order in which the design asked for
 -- them, with the questions that are asked of them most.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local csv = require "barwright.study.csv"
 local front = require "barwright.study.front"
@@ -185,6 +186,11 @@ end
 function methods:report(path, options)
   return require("barwright.study.report").write(self, path, options)
 end
+
+arguments.methods("trials", methods, meta, {column = "name: string, options?: options",
+  where = "which: string|function",
+  best = "name?: string", front = "", counts = "", csv = "path: string", plot = "kind: string, options?: options",
+  report = "path: string, options?: options"})
 
 local bad_words = {failed = "failed", time = "out of time", memory = "out of memory", crashed = "crashed"}
 
