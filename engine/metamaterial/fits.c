@@ -92,6 +92,8 @@ bw_status bwi_fits_run(bwi_fits *fits, int level, const char *stage, int32_t cou
       it.todo[todo_count++] = i;
   it.done = count - todo_count;
   bw_status status = bw_parallel(fits->context, todo_count, 1, fit_some, &it);
+  if (status == BW_OK)
+    bw_progress(fits->context, stage, 1); /* even where other threads did all of it */
   bw_free(it.todo);
   return status;
 }

@@ -86,6 +86,11 @@ static bool same_graph(const bw_graph *a, const bw_graph *b) {
           memcmp(a->column, b->column, (size_t)a->pair_count * sizeof *a->column) == 0);
 }
 
+bool bwi_direct_keeps(const bwi_direct *direct, const bw_graph *graph, const uint8_t *held) {
+  return direct->symbolic && same_graph(direct->graph, graph) &&
+         memcmp(direct->held, held, 3 * (size_t)graph->node_count) == 0;
+}
+
 bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_graph *graph,
                              const uint8_t *held) {
   bw_status status = BW_OK;
@@ -93,7 +98,7 @@ bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_g
   uint8_t *take = NULL;
   int32_t *unknown = NULL, count = 0;
   bwi_order *order = NULL;
-  if (direct->symbolic && same_graph(direct->graph, graph) && memcmp(direct->held, held, size) == 0)
+  if (bwi_direct_keeps(direct, graph, held))
     return BW_OK;
   forget(direct);
   take = BW_NEW0(context, uint8_t, nodes);

@@ -18,6 +18,8 @@ size_t bwi_direct_bytes(const bwi_direct *direct); /* memory held */
  * that are kept. At least one component must be free. */
 bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_graph *graph,
                              const uint8_t *held);
+/* Whether the analysis that is kept is of this graph and these held components. */
+bool bwi_direct_keeps(const bwi_direct *direct, const bw_graph *graph, const uint8_t *held);
 /* Operations and entries of a factor, of what was analysed. */
 void bwi_direct_count(const bwi_direct *direct, double *flops, double *entries);
 /* `stiffness`: 9 per pair. *definite is false, and there is nothing to solve with, when the matrix

@@ -90,6 +90,8 @@ static bw_status consider(bwi_walk *walk) {
   double flops, entries, before = bw_seconds();
   if (!c->open || c->factor > 0 || spent(walk) * ANALYSIS_SHARE < 1)
     return BW_OK;
+  walk->report->analyses +=
+      !bwi_direct_keeps(walk->newton->direct, walk->solid->graph, walk->the->held);
   BW_TRY(
       bwi_direct_analyse(walk->context, walk->newton->direct, walk->solid->graph, walk->the->held));
   walk->report->seconds_analysis += bw_seconds() - before;

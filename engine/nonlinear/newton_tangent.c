@@ -122,6 +122,7 @@ static bw_status factor(bwi_walk *walk, bool *definite) {
   const bw_graph *graph = walk->solid->graph;
   bw_newton *newton = walk->newton;
   double before = bw_seconds();
+  walk->report->analyses += !bwi_direct_keeps(newton->direct, graph, walk->the->held);
   bw_status status = bwi_direct_analyse(walk->context, newton->direct, graph, walk->the->held);
   double between = bw_seconds();
   walk->report->seconds_analysis += between - before;

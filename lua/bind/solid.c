@@ -56,6 +56,7 @@ void lbw_push_newton_report(lua_State *L, const bw_newton_report *r) {
   set_integer(L, "load_steps", r->load_steps);
   set_integer(L, "failed_steps", r->failed_steps);
   set_integer(L, "factorisations", r->factorisations);
+  set_integer(L, "analyses", r->analyses);
   set_integer(L, "evaluations", r->evaluations);
   set_integer(L, "cg_iterations", r->cg_iterations);
   set_integer(L, "stability_iterations", r->stability_iterations);

@@ -3217,7 +3217,7 @@ function Solid:coarsen(by, levels) end
 ---@field reaction bw.Array of supports and floors at nodes, N
 ---@field energy number stored, J
 ---@field complete boolean full load was reached
----@field report table iterations, cg_iterations, stability_iterations, load_steps, undecided (of these: stability was not found out), residual, seconds, seconds_factor, shape, history, ...
+---@field report table iterations, cg_iterations, stability_iterations, load_steps, analyses (0 where those of an earlier solve were kept), undecided (of these: stability was not found out), residual, seconds, seconds_factor, shape, history, ...
 ---@field stress bw.Array Cauchy stress at nodes, Pa
 ---@field element_stress bw.Array
 ---@field von_mises bw.Array at nodes, Pa

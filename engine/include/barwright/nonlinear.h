@@ -259,6 +259,7 @@ typedef struct bw_newton_entry {
 } bw_newton_entry;
 typedef struct bw_newton_report {
   int iterations, load_steps, failed_steps, factorisations, evaluations;
+  int analyses; /* orders and analyses for a factor; 0 where those of an earlier solve were kept */
   int64_t cg_iterations;
   int64_t stability_iterations; /* of conjugate gradients that look for ways to give way */
   int undecided;   /* load steps after which these ended without an answer: the equilibrium may be

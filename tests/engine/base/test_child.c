@@ -17,18 +17,21 @@ done:
   return status;
 }
 
+/* A child whose pipe is full leaves progress out, so that their number is not known. */
 static void note_progress(void *data, const char *stage, double fraction) {
-  (void)fraction;
+  double *last = (double *)data;
   assert_string_equal(stage, "counting");
-  ++*(int *)data;
+  assert_true(fraction > *last && fraction < 1);
+  *last = fraction;
 }
 
 static void test_bytes_come_back(void **state) {
   bw_context *context = check_context(state);
   unsigned char *bytes = NULL;
   size_t count = 0;
-  int wanted = 1000000, calls = 0;
-  bw_set_progress(context, note_progress, &calls);
+  int wanted = 1000000;
+  double last = -1;
+  bw_set_progress(context, note_progress, &last);
   check_ok(context,
            bwi_child_run(context, "counting", NULL, write_numbers, &wanted, &bytes, &count));
   assert_int_equal(count, wanted * sizeof(int));
@@ -37,7 +40,8 @@ static void test_bytes_come_back(void **state) {
     memcpy(&value, bytes + (size_t)i * sizeof value, sizeof value);
     assert_int_equal(value, i);
   }
-  assert_int_equal(calls, 10);
+  assert_true(last >= 0); /* the first finds an empty pipe */
+  bw_set_progress(context, NULL, NULL);
   bw_free(bytes);
   wanted = 0;
   check_ok(context,
@@ -88,10 +92,10 @@ static void test_failures_are_told(void **state) {
   bw_context *context = check_context(state);
   unsigned char *bytes = NULL;
   size_t count = 0;
-  bwi_child_limits limits = {0.2, 3e8};
+  const bwi_child_limits none = {600, 1e12}, seconds = {0.2, 1e12}, memory = {600, 3e8};
   enum way way = FAIL;
   check_fails(context, BW_FORMAT, "byte 17 is odd",
-              bwi_child_run(context, "work", &limits, misbehave, &way, &bytes, &count));
+              bwi_child_run(context, "work", &none, misbehave, &way, &bytes, &count));
   const char *key, *text;
   double number;
   assert_true(bw_detail(context, 0, &key, &number, &text));
@@ -108,16 +112,14 @@ static void test_failures_are_told(void **state) {
               bwi_child_run(context, "work", NULL, misbehave, &way, &bytes, &count));
   way = EAT;
   check_fails(context, BW_LIMIT, "300 MB of memory",
-              bwi_child_run(context, "work", &limits, misbehave, &way, &bytes, &count));
+              bwi_child_run(context, "work", &memory, misbehave, &way, &bytes, &count));
 #endif
   way = LEAVE;
   check_fails(context, BW_GEOMETRY, "ended the process",
               bwi_child_run(context, "work", NULL, misbehave, &way, &bytes, &count));
   way = HANG;
-  double start = bw_seconds();
   check_fails(context, BW_LIMIT, "0.2 seconds",
-              bwi_child_run(context, "work", &limits, misbehave, &way, &bytes, &count));
-  assert_true(bw_seconds() - start < 3);
+              bwi_child_run(context, "work", &seconds, misbehave, &way, &bytes, &count));
   bw_cancel(context);
   check_fails(context, BW_CANCELLED, "",
               bwi_child_run(context, "work", NULL, misbehave, &way, &bytes, &count));

@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/job.h"
@@ -28,7 +29,7 @@ static bw_job *start(bw_context *context, bw_job_options options, bw_job_work *w
 
 static void wait_for(bw_context *context, bw_job *job) {
   int which = -2;
-  check_ok(context, bw_jobs_wait(context, 1, &job, 60, &which));
+  check_ok(context, bw_jobs_wait(context, 1, &job, INFINITY, &which));
   assert_int_equal(which, 0);
 }
 
@@ -163,12 +164,10 @@ static void check_end(bw_context *context, bw_job_options options, enum way way,
 
 static void test_ends(void **state) {
   bw_context *context = check_context(state);
-  double start_time = bw_seconds();
   check_end(context, (bw_job_options){.seconds = 0.2}, SLEEP, BW_JOB_OUT_OF_TIME, BW_LIMIT,
             "0.2 seconds it may use");
-  check_end(context, (bw_job_options){.processor_seconds = 0.1, .seconds = 50}, SPIN,
+  check_end(context, (bw_job_options){.processor_seconds = 0.1, .seconds = 600}, SPIN,
             BW_JOB_OUT_OF_TIME, BW_LIMIT, "0.1 seconds of computing");
-  assert_true(bw_seconds() - start_time < 10);
   check_end(context, (bw_job_options){0}, LEAVE, BW_JOB_CRASHED, BW_INTERNAL, "exit code 3");
   check_end(context, (bw_job_options){0}, KILLED, BW_JOB_CRASHED, BW_INTERNAL, "was killed");
   /* by the system, where it held much of what it may; else by somebody */
@@ -221,14 +220,12 @@ static void test_limit_without_waiting(void **state) {
   const unsigned char *bytes;
   size_t count;
   bw_job *job = start(context, (bw_job_options){.seconds = 0.1}, misbehave, &way);
-  usleep(600000);
+  siginfo_t info;
+  assert_int_equal(waitid(P_ALL, 0, &info, WEXITED | WNOWAIT), 0);
   int which = -1;
   check_ok(context, bw_jobs_wait(context, 1, &job, 0, &which));
   assert_int_equal(which, 0);
   check_fails(context, BW_LIMIT, "0.1 seconds", bw_job_result(context, job, &bytes, &count));
-  bw_job_usage usage;
-  bw_job_read_usage(job, &usage);
-  assert_true(usage.processor_seconds < 0.4);
   bw_release(job);
 }
 
@@ -241,7 +238,7 @@ static void test_waiting(void **state) {
   bw_job *job = start(context, (bw_job_options){.name = "sleeper"}, misbehave, &way);
   check_ok(context, bw_jobs_wait(context, 1, &job, 0.03, &which));
   assert_int_equal(which, -1);
-  check_ok(context, bw_jobs_wait(context, 0, NULL, 100, &which));
+  check_ok(context, bw_jobs_wait(context, 0, NULL, INFINITY, &which));
   assert_int_equal(which, -1);
   check_fails(context, BW_INVALID, "is running", bw_job_result(context, job, &bytes, &count));
   bw_cancel(context);
@@ -250,7 +247,7 @@ static void test_waiting(void **state) {
   assert_int_equal(state_of(job), BW_JOB_RUNNING);
   bw_job_cancel(job);
   bw_job_cancel(job);
-  check_ok(context, bw_jobs_wait(context, 1, &job, 100, &which));
+  check_ok(context, bw_jobs_wait(context, 1, &job, INFINITY, &which));
   check_fails(context, BW_CANCELLED, "sleeper", bw_job_result(context, job, &bytes, &count));
   bw_release(job);
   job = start(context, (bw_job_options){0}, misbehave, &way);
@@ -258,8 +255,9 @@ static void test_waiting(void **state) {
   assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
 }
 
+/* Whether a process that is to end does not, in a minute. */
 static bool is_alive(pid_t process) {
-  for (int i = 0; i < 200; i++) {
+  for (int i = 0; i < 6000; i++) {
     char path[64], text[256] = "";
     snprintf(path, sizeof path, "/proc/%d/stat", (int)process);
     FILE *file = fopen(path, "r");
@@ -275,7 +273,7 @@ static bool is_alive(pid_t process) {
 
 static pid_t read_pid(const char *path) {
   int number = 0;
-  for (int i = 0; i < 500 && number == 0; i++) {
+  for (int i = 0; i < 6000 && number == 0; i++) {
     FILE *file = fopen(path, "r");
     if (file && fscanf(file, "%d", &number) != 1)
       number = 0;
@@ -368,7 +366,7 @@ static void test_threads_after_the_fork(void **state) {
     check_ok(context, bw_parallel(context, 1000, 10, sum_chunk, sums));
     bw_remark(context, "a remark");
     bw_fail(context, BW_IO, "a failure");
-    bw_job *job = start(context, (bw_job_options){.seconds = 20}, use_threads, sums);
+    bw_job *job = start(context, (bw_job_options){.seconds = 600}, use_threads, sums);
     wait_for(context, job);
     check_ok(context, bw_job_result(context, job, &bytes, &count));
     bw_release(job);
@@ -420,10 +418,10 @@ static bw_status use_up(bw_context *context, void *data, bw_job_stream *out) {
   if (!block)
     return BW_MEMORY;
   memset(block, 1, size);
-  double start_time = bw_seconds();
   volatile double x = 0;
-  while (bw_seconds() - start_time < 0.1)
+  while (clock() < CLOCKS_PER_SEC / 10)
     x += block[(size_t)x % size];
+  bw_free(block);
   return BW_OK;
 }
 
@@ -435,8 +433,8 @@ static void test_usage(void **state) {
   assert_int_equal(usage.state, BW_JOB_RUNNING);
   wait_for(context, job);
   bw_job_read_usage(job, &usage);
-  assert_true(usage.seconds >= 0.1 && usage.seconds < 10);
-  assert_true(usage.processor_seconds > 0.01 && usage.processor_seconds < 10);
+  assert_true(usage.processor_seconds > 0.09);
+  assert_true(usage.seconds > 0.9 * usage.processor_seconds);
   assert_true(usage.peak_bytes > 64e6 && usage.peak_bytes < 2e9);
   bw_release(job);
 }
@@ -453,7 +451,7 @@ static bw_status nested(bw_context *context, void *data, bw_job_stream *out) {
     return bw_fail(context, BW_INTERNAL, "waited for a job of the starter");
   bw_release(elder);
   BW_TRY(bw_job_start(context, NULL, square, &n, &job));
-  BW_TRY(bw_jobs_wait(context, 1, &job, 10, &which));
+  BW_TRY(bw_jobs_wait(context, 1, &job, INFINITY, &which));
   BW_TRY(bw_job_result(context, job, &bytes, &count));
   status = bw_job_write(out, bytes, count);
 done:

@@ -47,7 +47,7 @@ static void test_threads(void **state) {
   bw_library *three = build(context, palette, 2, NULL);
   bw_set_progress(context, NULL, NULL);
   assert_int_equal(one->fit_count[0], 21); /* 22 by Burnside, one of them void alone */
-  assert_true(most > 0);
+  check_near(most, 1, 0);
   fixture_same(one, three);
   bw_release(one);
   bw_release(three);
@@ -90,6 +90,10 @@ static void test_kills(void **state) {
     kills += WIFSIGNALED(result) != 0;
     ended = WIFEXITED(result) && WEXITSTATUS(result) == 0;
     assert_true(ended || WIFSIGNALED(result));
+    if (ended && kills == 0) { /* the child was faster than its kill: once more */
+      unlink(checkpoint);
+      ended = 0;
+    }
   }
   assert_true(kills > 0);
   resumed = build(context, palette, 1, checkpoint);

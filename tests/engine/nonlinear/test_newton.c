@@ -136,7 +136,6 @@ static void test_kept(void **state) {
   bw_context *context = check_context(state);
   bw_newton *newton;
   check_ok(context, bw_newton_create(context, &newton));
-  double analysis[2];
   for (int k = 0; k < 2; k++) {
     const int32_t cells[3] = {12, 8, 8};
     const double size[3] = {0.6, 0.4, 0.4};
@@ -145,12 +144,11 @@ static void test_kept(void **state) {
     box_hold(context, &b, 0, 0, true, true, true, 0);
     box_force(context, &b, 0, 1, 0, 0, -100);
     bw_solid_static *result = solve(context, &b, newton, NULL);
-    analysis[k] = result->report.seconds_analysis;
+    assert_int_equal(result->report.analyses, k == 0);
     assert_true(result->report.history_count == result->report.iterations);
     bw_release(result);
     box_free(&b);
   }
-  assert_true(analysis[1] < 0.2 * analysis[0]);
   bw_release(newton);
 }
 
