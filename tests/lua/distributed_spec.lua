@@ -56,14 +56,14 @@ end
 
 describe("ranks", function()
   it("run the script once, and end with it", function()
-    local status, text = run(3, 60, check.program .. " --mpi "
+    local status, text = run(3, 600, check.program .. " --mpi "
       .. script "print(require('barwright.distributed').size()) os.exit(3)")
     assert.equal(3, status)
     assert.equal("3\n", text:match "^[^\n]*\n")
   end)
 
   it("are refused without --mpi", function()
-    local _, text = run(2, 60, check.program .. " " .. script [[
+    local _, text = run(2, 600, check.program .. " " .. script [[
       local bw = require "barwright"
       local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
@@ -73,18 +73,16 @@ describe("ranks", function()
   end)
 
   it("end when one of them dies", function()
-    local started = os.time()
-    local status = run(2, 60, check.program .. " " .. script [[
+    local status = run(2, 600, check.program .. " " .. script [[
       local d = require "barwright.distributed"
       local rank = d.join()
       if rank == 1 then os.execute "kill -9 $PPID" end
-      d.receive(50)]])
-    assert.truthy(status ~= 0)
-    assert.truthy(os.difftime(os.time(), started) < 30)
+      d.receive(3600)]])
+    assert.truthy(status ~= 0 and status ~= 124) -- 124: ended by the bound of time
   end)
 
   it("send each other strings of bytes", function()
-    local _, text = run(3, 60, check.program .. " " .. script [[
+    local _, text = run(3, 600, check.program .. " " .. script [[
       local d = require "barwright.distributed"
       local rank = d.join()
       if rank == 0 then
@@ -106,7 +104,7 @@ describe("ranks", function()
   end)
 
   it("work with the stock interpreter", function()
-    local _, text = run(2, 60, ("env LUA_PATH='%s/build/lua/?.lua;%s/build/lua/?/init.lua;;' "
+    local _, text = run(2, 600, ("env LUA_PATH='%s/build/lua/?.lua;%s/build/lua/?/init.lua;;' "
       .. "LUA_CPATH='%s/build/lua/?.so;;' lua5.4 "):format(check.root, check.root, check.root) .. script [[
       print(require("barwright.distributed").start())
       local bw = require "barwright"

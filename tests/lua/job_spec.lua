@@ -46,7 +46,7 @@ describe("a job", function()
       local job = ended(core.job(function()
         assert(bw.threads() == 1)
         return solved()
-      end, {seconds = 60}))
+      end, {seconds = 600}))
       assert.equal(here, assert(job:result()))
     end
     assert.equal(here, solved())
@@ -164,7 +164,7 @@ describe("a job", function()
       os.execute "sleep 100"
       return ""
     end)
-    for _ = 1, 100 do
+    for _ = 1, 2400 do
       core.wait({job}, 0.05)
       if job.stage ~= "" then break end
     end
@@ -216,12 +216,15 @@ describe("a job", function()
     assert.truthy(select(2, core.external()) <= blocks)
   end)
 
+  -- The signal comes while the starter waits: once its shell is gone (so that os.execute has come back) and it
+  -- sleeps.
   it("ends with Ctrl-C when the starter decides so", function()
     local folder = check.folder()
     check.write(folder .. "/s.lua", [[
       local core = require "barwright.core"
       local job = core.job(function() os.execute "sleep 100" return "" end)
-      os.execute "(sleep 0.3; kill -INT $PPID) &"
+      os.execute [=[(while kill -0 $$; do sleep 0.01; done
+        until grep -q 'State:.S' /proc/$PPID/status; do :; done; kill -INT $PPID) 2>/dev/null &]=]
       local at, message = core.wait({job})
       print(at, message, job.state)
     ]])

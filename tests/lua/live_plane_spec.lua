@@ -203,8 +203,11 @@ describe("a desk in the plane", function()
     assert.equal(3600, talk.desk:wait())
     talk.open(1)
     assert.equal(0, talk.desk:wait())
+    local before = core.seconds()
     talk.desk:idle()
     check.near(2e-3, talk.object.time, 1e-12)
+    assert.is_true(talk.desk.due > before)
+    talk.desk.due = core.seconds() + 1000
     assert.is_true(talk.desk:wait() > 0)
     talk.desk:idle() -- nothing is due
     check.near(2e-3, talk.object.time, 1e-12)

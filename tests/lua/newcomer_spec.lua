@@ -11,7 +11,7 @@ assert(os.execute(("mkdir '%s/adir' '%s/d.html' && : >'%s/empty.stl'"):format(fo
 
 -- Words after the program, with @ for the folder: the exit status and one line on standard error.
 local function says(status, text, words, before)
-  local command = ("cd '%s' && %s BARWRIGHT_QUIET=1 timeout 60 '%s' %s 2>err"):format(folder, before or "",
+  local command = ("cd '%s' && %s BARWRIGHT_QUIET=1 timeout 600 '%s' %s 2>err"):format(folder, before or "",
     check.program, words:gsub("@", folder))
   if not words:find ">" then command = command .. " >out" end
   local _, _, found = os.execute("{ " .. command .. "; } </dev/null")

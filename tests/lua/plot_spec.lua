@@ -300,12 +300,10 @@ describe("a plot of trials", function()
       columns = 1})
   end)
 
-  it("of ten thousand is quick to draw", function()
+  it("of ten thousand can be drawn", function()
     local t = trials(10000)
-    local before = os.clock()
     svg_of(bw.plot.history {values = t.mass, feasible = t.feasible, failed = t.failed})
     svg_of(bw.plot.pareto {objectives = {{name = "a", values = t.mass}, {name = "b", values = t.stress}}})
-    assert.truthy(os.clock() - before < 20)
   end)
 end)
 

@@ -18,7 +18,7 @@ local function interrupted(text, times)
   local folder = check.folder()
   check.write(folder .. "/script.lua", text)
   local command = ([[cd %s && { BARWRIGHT_QUIET=1 '%s' script.lua >out 2>err & pid=$!; n=0
-    while [ ! -e ready ] && [ $n -lt 200 ]; do sleep 0.05; n=$((n+1)); done
+    while [ ! -e ready ] && [ $n -lt 2400 ]; do sleep 0.05; n=$((n+1)); done
     for i in $(seq %d); do sleep 0.2; kill -INT $pid; done; wait $pid; }]]):format(folder,
     check.program:match "^/" and check.program or os.getenv "PWD" .. "/" .. check.program, times or 1)
   local _, _, status = os.execute(command)
@@ -162,7 +162,7 @@ describe("a signal to end", function()
       while true do mesh:write "big.vtu" end
     ]])
     os.execute(([[cd %s && { BARWRIGHT_QUIET=1 '%s' script.lua & pid=$!; n=0
-      while [ ! -e ready ] && [ $n -lt 200 ]; do sleep 0.05; n=$((n+1)); done
+      while [ ! -e ready ] && [ $n -lt 2400 ]; do sleep 0.05; n=$((n+1)); done
       sleep 0.3; kill -TERM $pid; wait $pid; } 2>/dev/null]]):format(folder,
       check.program:match "^/" and check.program or os.getenv "PWD" .. "/" .. check.program))
     for name in io.popen("ls " .. folder):lines() do assert.is_nil(name:find "partial", name) end

@@ -18,11 +18,11 @@ local function files_of(folder)
   return list
 end
 
--- Exit status, errors, folder of results, output. Nothing here may take a minute.
+-- Exit status, errors, folder of results, output. Nothing here hangs.
 local function worst(model, options, before)
   local folder = check.folder()
   local out = folder .. "/out"
-  local _, _, status = os.execute(("%s BARWRIGHT_QUIET=1 timeout -k 5 60 %s %s %s --out %s %s"
+  local _, _, status = os.execute(("%s BARWRIGHT_QUIET=1 timeout -k 5 600 %s %s %s --out %s %s"
     .. " >%s/output 2>%s/errors </dev/null"):format(before or "", quoted(check.program), quoted(run),
     quoted(model), quoted(out), options or "", folder, folder))
   return status, check.read(folder .. "/errors"), out, check.read(folder .. "/output")

@@ -133,7 +133,7 @@ describe("the cache", function()
       one:cached("bad", function() os.execute "kill -9 $PPID" end)
       return ""
     end, {})
-    core.wait({job}, 20)
+    core.wait({job})
     assert.equal("fine", one:cached("bad", function() return "fine" end))
     local entry = files_of(folder .. "/cache")
     assert.equal(1, #entry)

@@ -53,7 +53,7 @@ return bw.study {name = "grow", variables = {{name = "x", least = 0, most = 1}},
   design = {"minimise", method = "cobyla", evaluations = 25},
   run = function(point) return {y = (point.x - 0.3) ^ 2} end}]]
 
-local MPIRUN = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 100 mpirun --oversubscribe "
+local MPIRUN = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 600 mpirun --oversubscribe "
   .. "-n %d " .. PROGRAM
 local built = io.open(check.root .. "/build/lua/barwright/mpi.so", "rb")
 if built then built:close() end
@@ -180,7 +180,7 @@ describe("a job script for Slurm", function()
     status, text = run(slurm .. "bash " .. script .. " submit")
     assert.equal(0, status, text)
     assert.truthy(text:find "^array %d+, merge %d+", text)
-    run(slurm .. "for i in $(seq 300); do [ -z \"$(squeue -h)\" ] && break; sleep 0.2; done")
+    run(slurm .. "for i in $(seq 3000); do [ -z \"$(squeue -h)\" ] && break; sleep 0.2; done")
     assert.equal(expected, essence(study_in(folder)))
     assert.truthy(check.read(folder .. "/cluster.parts/merge.log"):find "30 trials taken from 4 files")
   end)

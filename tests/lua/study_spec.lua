@@ -166,7 +166,7 @@ describe("a run", function()
           if k == 2 then error("broken " .. point.k) end
           if k == 3 then return nil, "no convergence" end
           if k == 4 then os.execute("kill -SEGV $PPID") end
-          if k == 5 then while true do end end
+          if k == 5 then os.execute "sleep 1000" end
           if k == 6 then return {m = #("x"):rep(1 << 30)} end
           if k == 7 then return {m = 0 / 0} end
           if k == 8 then return {mm = 1} end
@@ -174,7 +174,7 @@ describe("a run", function()
           return {m = point.k, o = k == 1 and 2 or nil}
         end}
     end
-    local trials = assert(make():run {seconds = 0.5, bytes = 3e8, workers = 2})
+    local trials = assert(make():run {seconds = 5, bytes = 3e8, workers = 2})
     local status = {}
     for i, trial in ipairs(trials) do status[i] = trial.status end
     assert.same({"done", "failed", "failed", "crashed", "time", "memory", "failed", "failed", "failed"}, status)
@@ -235,7 +235,7 @@ describe("a run", function()
     assert.equal(20, #assert(one:run()))
     trials = assert(study({run = function() os.execute "sleep 0.2" return {mass = 1, sag = 1} end})
       :run {seconds_total = 1.5, workers = 1})
-    assert.is_true(#trials >= 1 and #trials <= 9, #trials)
+    assert.is_true(#trials <= 9, #trials)
     assert.truthy(trials.stopped:find "seconds have passed")
   end)
 

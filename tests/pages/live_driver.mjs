@@ -59,7 +59,7 @@ export async function begin({ browser, root, folder, pictures, session, before }
   const state = (page) => page.evaluate(() => window.barwright.state());
   // page.waitForFunction evaluates text inside the page, which the page's policy forbids.
   async function until(page, what, argument) {
-    for (const since = Date.now(); Date.now() - since < 20000; await page.waitForTimeout(30))
+    for (const since = Date.now(); Date.now() - since < 120000; await page.waitForTimeout(30))
       if (await page.evaluate(what, argument)) return;
     throw new Error(`in vain: ${what} with ${argument}; ${JSON.stringify({ ...(await state(page)), positions: 0, points: 0 })}`);
   }

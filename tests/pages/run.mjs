@@ -31,6 +31,12 @@ function assert(condition, message) {
   if (!condition) throw new Error(message);
 }
 
+// Waits until a condition holds; the bound is for a machine that is busy.
+async function until(condition, message) {
+  for (const since = Date.now(); !(await condition()); await page.waitForTimeout(30))
+    assert(Date.now() - since < 120000, message);
+}
+
 execFileSync(path.join(root, "build/barwright"), [path.join(root, "tests/pages/report.lua"), folder], {
   cwd: root,
   stdio: ["ignore", "inherit", "inherit"],
@@ -43,6 +49,7 @@ const browser = await chromium.launch({
     "--disable-background-networking", "--disable-component-update", "--disable-sync"],
 });
 const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
+context.setDefaultTimeout(120000);
 const page = await context.newPage();
 const problems = [];
 const requests = [];
@@ -98,10 +105,8 @@ await test("dragging turns the model", async () => {
   await page.mouse.down();
   await page.mouse.move(box.x + box.width / 2 + 180, box.y + box.height / 2 + 40, { steps: 6 });
   await page.mouse.up();
-  await page.waitForTimeout(200);
-  const after = await state();
   const radius = Math.hypot(...before.camera);
-  assert(distance(before.camera, after.camera) > 0.2 * radius, "the camera did not move");
+  await until(async () => distance(before.camera, (await state()).camera) > 0.2 * radius, "the camera did not move");
 });
 
 await test("the deformation slider moves the shape", async () => {
@@ -130,9 +135,7 @@ await test("a mode swings and stops", async () => {
   await page.selectOption("#motion", String(mode));
   const first = await state();
   assert(first.playing, "a mode should play");
-  await page.waitForTimeout(300);
-  const second = await state();
-  assert(first.phase !== second.phase, "the phase stands still");
+  await until(async () => first.phase !== (await state()).phase, "the phase stands still");
   await page.click("#play");
   assert(!(await state()).playing, "Pause does not pause");
 });
