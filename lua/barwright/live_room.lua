@@ -108,14 +108,15 @@ end
 
 --- What a function writes to a path, as text.
 function room.written(ending, write)
-  local name = os.tmpname()
-  local path = name .. ending
+  local folder, refusal = core.temporary_folder()
+  if not folder then return nil, refusal end
+  local path = folder .. "/written" .. ending
   local fine, why = write(path)
   local file = fine and io.open(path, "rb")
   local bytes = file and file:read "a"
   if file then file:close() end
   os.remove(path)
-  os.remove(name)
+  os.remove(folder)
   return bytes, why or "a temporary file could not be read"
 end
 

@@ -25,6 +25,14 @@ static int core_make_folder(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* temporary_folder(): the path of a new one, which the caller removes */
+static int core_temporary_folder(lua_State *L) {
+  char path[BW_PATH_BYTES];
+  bw_status status = bw_folder_make_temporary(lbw_enter(L), path);
+  lua_pushstring(L, status == BW_OK ? path : NULL);
+  return lbw_leave(L, status, 1);
+}
+
 /* touch(path): changed now */
 static int core_touch(lua_State *L) {
   const char *path = lbw_check_text(L, 1, NULL);
@@ -127,6 +135,7 @@ static int core_processors(lua_State *L) {
 void lbw_open_files(lua_State *L) {
   static const luaL_Reg functions[] = {{"sha256_of", core_sha256_of},
                                        {"make_folder", core_make_folder},
+                                       {"temporary_folder", core_temporary_folder},
                                        {"list_folder", core_list_folder},
                                        {"touch", core_touch},
                                        {"lock", core_lock},

@@ -13,9 +13,7 @@ while arg[i] do
   i = i + 2
 end
 
-local folder = os.tmpname()
-os.remove(folder)
-assert(core.make_folder(folder))
+local folder = assert(core.temporary_folder())
 
 local function study(name, count, run)
   return bw.study {name = name, file = ("%s/%s.study"):format(folder, name), measures = {"y"},

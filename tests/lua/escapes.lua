@@ -89,13 +89,8 @@ local files = [[
   io.output(named)
   io.output(IN .. "/link.stl")
   io.output(IN .. "/dangling")
-  io.popen "id"
-  io.popen("id", "w")
-  io.popen(12)
   io.tmpfile()
   io.open(IN .. "/box.stl", "r"):lines(OUT .. "/secret.stl")()
-  os.execute "true"
-  os.execute()
   os.rename(IN .. "/box.stl", OUT .. "/new")
   os.rename(IN .. "/box.stl", IN .. "/up/new")
   os.rename(IN .. "/box.stl", 12345)
@@ -168,16 +163,8 @@ local chunks = [[
   require "..secret"
   require "../secret"
   require "compiled"
-  require "socket.core"
-  require "lfs"
-  require "posix"
   require "\0secret"
   require(OUT .. "/secret")
-  require "barwright.mpi"
-  package.loadlib("libc.so.6", "*")
-  package.loadlib("libc.so.6", "system")
-  package.loadlib(IN .. "/box.stl", "luaopen_x")
-  package.loadlib()
   package.searchpath("passwd", "/etc/?")
   package.searchpath("secret", OUT .. "/?.lua")
   package.searchpath("secret", IN .. "/../?.lua")
@@ -187,21 +174,47 @@ local chunks = [[
   package.searchpath("777", "?")
   package.searchpath("etc.passwd", "/?", ".", "/")
   package.searchpath("link", IN .. "/?.stl")
-  package.searchers[3]
-  package.searchers[4]
-  package.cpath ~= ""
-  (function() package.cpath = "/usr/lib/x86_64-linux-gnu/?.so;" .. IN .. "/?.so" return require "z" end)()
   (function() package.path = OUT .. "/?.lua;/etc/?" return require "secret" end)()
   (function() package.path = OUT .. "/?.lua" return require "passwd" end)()
   (function() package.searchers[3] = package.searchers[2] return require "secret" end)()
   (function() package.path = 777 return package.searchpath("x", package.path) end)()
-  (function() package.preload.evil = package.loadlib return require("evil")("libc.so.6", "*") end)()
   package.loaded.debug.sethook(function() end, "l")
-  package.loaded._G.io.popen "id"
   package.loaded.io.open(OUT .. "/secret.stl")
   package.loaded["barwright.core"].sandbox().folder ~= IN
   _ENV.io.open(OUT .. "/secret.stl")
   setmetatable({}, {__index = io}).open(OUT .. "/secret.stl")
+]]
+
+local programs = [[
+  io.popen "id"
+  io.popen("id", "w")
+  io.popen(12)
+  os.execute "true"
+  os.execute()
+  require "socket.core"
+  require "lfs"
+  require "posix"
+  require "barwright.mpi"
+  package.loadlib("libc.so.6", "*")
+  package.loadlib("libc.so.6", "system")
+  package.loadlib(IN .. "/box.stl", "luaopen_x")
+  package.loadlib()
+  package.searchers[3]
+  package.searchers[4]
+  package.cpath ~= ""
+  (function() package.cpath = "/usr/lib/x86_64-linux-gnu/?.so;" .. IN .. "/?.so" return require "z" end)()
+  (function() package.preload.evil = package.loadlib return require("evil")("libc.so.6", "*") end)()
+  package.loaded._G.io.popen "id"
+  core.job(function() return "x" end, {})
+  core.live_server {}
+  pcall(os.execute, "touch new") and os.execute "touch new"
+  coroutine.wrap(os.execute) "touch new"
+  bw.live(bw.edit(box))
+  bw.distributed.start()
+  core.job(function() os.execute "touch new" end, {bytes = 1e9, seconds = 5, output = OUT .. "/new"})
+  require("barwright.command").run("live", IN .. "/box.stl") == 0
+  require("barwright.command").run("test", IN) == 0
+  require("barwright.command").run("study", "run", IN .. "/x.lua") == 0
 ]]
 
 local inside = [[
@@ -346,8 +359,6 @@ local engine = [[
   core.sha256 "/proc/self/environ"
   core.may_use(OUT .. "/secret.stl", "read")
   core.may_use(IN .. "/link.stl", "write")
-  core.job(function() return "x" end, {})
-  core.live_server {}
   bw.metamaterial.build(palette, {checkpoint = OUT .. "/new"})
   bw.metamaterial.build(palette, {checkpoint = IN .. "/link.stl"})
   bw.metamaterial.build(palette, {checkpoint = IN .. "/up/new"})
@@ -382,7 +393,7 @@ local database = [[
   core.salvage(IN .. "/own.db", IN .. "/up/new.db")
   core.salvage(IN .. "/own.db", IN .. "/dangling")
   core.salvage(IN .. "/own.db", IN .. "/trap.db") and false
-  core.salvage(IN .. "/leak.db", IN .. "/leaked.db")
+  core.salvage(IN .. "/leak.db", IN .. "/leaked.db") and false
   core.salvage(IN .. "/own.db", IN .. "/a.db", "ATTACH '" .. OUT .. "/new.db' AS x; CREATE TABLE x.y (z)")
   core.salvage(IN .. "/own.db", IN .. "/b.db", "VACUUM INTO '" .. OUT .. "/new.db'")
   core.salvage(IN .. "/own.db", IN .. "/c.db", "SELECT load_extension('libc.so.6')")
@@ -506,10 +517,11 @@ local engine_start = [[
 ]]
 
 return {
-  {name = "files", where = "", start = "", attempts = files},
-  {name = "chunks", where = "", start = chunks_start, attempts = chunks},
-  {name = "Lua itself", where = "", start = "", attempts = inside},
-  {name = "the engine", where = "", start = engine_start, attempts = engine},
-  {name = "databases", where = "", start = database_start, attempts = database},
-  {name = "databases, from within,", where = "/in", start = database_start, attempts = database},
+  {name = "files (S1, S2)", where = "", start = "", attempts = files},
+  {name = "chunks (S3)", where = "", start = chunks_start, attempts = chunks},
+  {name = "programs (S4)", where = "", start = engine_start, attempts = programs},
+  {name = "Lua itself (S5)", where = "", start = "", attempts = inside},
+  {name = "the engine (S1, S2)", where = "", start = engine_start, attempts = engine},
+  {name = "databases (S6)", where = "", start = database_start, attempts = database},
+  {name = "databases, from within (S6)", where = "/in", start = database_start, attempts = database},
 }

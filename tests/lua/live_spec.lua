@@ -491,14 +491,15 @@ describe("the browser", function()
     if not has_page then return pending "the page is not bundled" end
     local folder = check.folder()
     check.write(folder .. "/hook.lua", check.read(session_file))
-    -- In place of the desktop's program: notes the mode of the file it is given, then what is in it.
+    -- In place of the desktop's program: notes the mode of the folder of the file it is given,
+    -- which nobody else can enter, then what is in the file.
     check.write(folder .. "/xdg-open",
-      '#!/bin/sh\nprintf "%s\\n" "$1" >argument; { stat -c %a "$1"; cat "$1"; } >seen.part; mv seen.part seen\n')
+      '#!/bin/sh\nprintf "%s\\n" "$1" >argument; { stat -c %a "${1%/*}"; cat "$1"; } >part; mv part seen\n')
     os.execute(("chmod +x '%s/xdg-open'"):format(folder))
     local address, pid = start(folder, "", 'DISPLAY=:0 PATH="$PWD:$PATH"')
     os.execute(("cd '%s'; for i in $(seq 1200); do [ -e seen ] && break; sleep 0.05; done"):format(folder))
     local mode, page = check.read(folder .. "/seen"):match "^(%d+)\n(.*)$"
-    assert.equal("600", mode)
+    assert.equal("700", mode)
     assert.truthy(page:find(address, 1, true))
     local argument = check.read(folder .. "/argument")
     assert.is_nil(argument:find(address:match "%x+/$", 1, true)) -- arguments can be read by others

@@ -33,7 +33,7 @@ local preamble = [[
 
 describe("a script in the sandbox", function()
   for wall, program in pairs {["both walls"] = check.program, ["the first wall alone"] = check.first_wall} do
-    it("can do its work inside, behind " .. wall, function()
+    it("can do its work inside, behind " .. wall .. " (S9)", function()
       local folder = place()
       local status, out, err = run(folder, preamble .. [[
         local file = assert(io.open(IN .. "/notes.txt", "w"))
@@ -93,7 +93,7 @@ describe("a script in the sandbox", function()
     end)
   end
 
-  it("may lie elsewhere itself, and be statements", function()
+  it("may lie elsewhere itself, and be statements (S1)", function()
     local folder = place()
     check.write(folder .. "/outside.lua", "print(... or 'none') print(io.open(arg[0]) ~= nil)")
     local status, out = check.run(("--sandbox '%s/in' '%s/outside.lua' word"):format(folder, folder))
@@ -117,7 +117,7 @@ describe("a script in the sandbox", function()
     assert.truthy(err:find "a folder expected")
   end)
 
-  it("is where commands work too, unless they start processes", function()
+  it("is where commands work too, unless they start processes (S4)", function()
     local folder = place()
     local status, out, _ = check.run(("--sandbox '%s/in' check '%s/in/box.stl'"):format(folder, folder))
     assert.equal(0, status)
@@ -133,8 +133,28 @@ describe("a script in the sandbox", function()
   end)
 end)
 
+describe("the promises", function()
+  it("of docs/sandbox.md have each a test of their number", function()
+    local tests = {}
+    for _, path in ipairs {"lua/sandbox_spec.lua", "lua/sandbox_escape_spec.lua", "lua/escapes.lua",
+      "lua/test_kernel.c", "engine/base/test_confine.c", "engine/study/test_connection.c"} do
+      for list in check.read(check.root .. "/tests/" .. path):gmatch "%(([SL]%d[SL%d, ]*)%)" do
+        for number in list:gmatch "[SL]%d+" do tests[number] = true end
+      end
+    end
+    local count = 0
+    for number in check.read(check.root .. "/docs/sandbox.md"):gmatch "\n| ([SL]%d+) |" do
+      count = count + 1
+      assert.is_true(tests[number], number)
+      tests[number] = nil
+    end
+    assert.truthy(count > 10)
+    assert.is_nil(next(tests)) -- nor does a test have a number that is none
+  end)
+end)
+
 describe("scripts", function()
-  it("are loaded as text only", function()
+  it("are loaded as text only (S3)", function()
     local folder = check.folder()
     check.write(folder .. "/compiled", string.dump(load "print 'ran'"))
     local status, out, err = check.run(folder .. "/compiled")
@@ -165,7 +185,7 @@ describe("a limit on time", function()
     ["the engine"] = "local m = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {40, 40, 40}} "
       .. "bw.model {mesh = m, material = bw.material.pla}:modes {count = 200}",
   } do
-    it("ends " .. what, function()
+    it("ends " .. what .. " (L3)", function()
       local start = bw.seconds()
       local status, _, err = check.run("--seconds 0.7 -e " .. "'" .. text:gsub("'", "'\\''") .. "'")
       assert.equal(124, status)
@@ -174,16 +194,20 @@ describe("a limit on time", function()
     end)
   end
 
-  it("leaves alone what is done in time, and passes on how it ended", function()
+  it("leaves alone what is done in time, and passes on how it ended (L6)", function()
     assert.equal(7, (check.run "--seconds 600 -e 'os.exit(7)'"))
     assert.equal(0, (check.run "--seconds 1min -e 'print(1)'"))
     assert.equal(1, (check.run "--seconds 600 -e 'error(1)'"))
-    local status, _, err = check.run "--seconds soon -e 'print(1)'"
+    local status, _, err = check.run [[--seconds 600 -e 'local core = require "barwright.core"
+      os.execute("kill -SEGV " .. core.process())']]
+    assert.equal(1, status)
+    assert.truthy(err:find("ended by signal 11 (Segmentation fault)", 1, true), err)
+    status, _, err = check.run "--seconds soon -e 'print(1)'"
     assert.equal(2, status)
     assert.truthy(err:find("a time such as 60 or 5min expected, got 'soon'", 1, true), err)
   end)
 
-  it("ends the jobs that it started as well", function()
+  it("ends the jobs that it started as well (L3)", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local core = require "barwright.core"
@@ -214,7 +238,7 @@ describe("a limit on time", function()
     end
   end)
 
-  it("leaves signals to the script", function()
+  it("leaves signals to the script (L6)", function()
     for signal, expected in pairs {INT = 130, TERM = 143} do
       local folder = check.folder()
       check.write(folder .. "/script.lua", "io.open(arg[1] .. '/ready', 'w'):close() while true do end")
@@ -226,7 +250,7 @@ describe("a limit on time", function()
     end
   end)
 
-  it("removes files that were being written", function()
+  it("removes files that were being written (L4)", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local bw = require "barwright"
@@ -239,7 +263,7 @@ describe("a limit on time", function()
 end)
 
 describe("a limit on memory", function()
-  it("is Lua's", function()
+  it("is Lua's (L1)", function()
     for _, text in ipairs {"local t = {} for i = 1, 1e9 do t[i] = {i} end", 'return ("x"):rep(1e9)',
       'local s = "x" while true do s = s .. s end', "local function f(...) return 1 + f(1, ...) end f()"} do
       local status, _, err = check.run("--memory 50M -e '" .. text .. "'")
@@ -254,7 +278,7 @@ describe("a limit on memory", function()
     assert.equal("false\tnot enough memory\n20000000\tfalse\tnot enough memory\n", out)
   end)
 
-  it("is the engine's", function()
+  it("is the engine's (L2)", function()
     local status, out = check.run "--memory 200M -e 'print(pcall(bw.array.zeros, 1e8))'"
     assert.equal(0, status)
     assert.truthy(out:find "^false\t.*out of memory", out)
@@ -264,7 +288,7 @@ describe("a limit on memory", function()
     assert.truthy(out:find "^nil\tout of memory", out)
   end)
 
-  it("is named as what it is", function()
+  it("is named as what it is (L1, L2)", function()
     local _, _, err = check.run "--memory 1000M -e 'return (\"x\"):rep(2e9)'"
     assert.truthy(err:find("the script may use 1000 MiB", 1, true), err)
     -- A child of the engine's that may use 6 GB elsewhere.
@@ -299,7 +323,7 @@ describe("a limit on memory", function()
 end)
 
 describe("a limit on the size of files", function()
-  it("is told with file and figure, here and in jobs, and nothing half written stays", function()
+  it("is told with file and figure, here and in jobs, and nothing half written stays (L5)", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local bw, core = require "barwright", require "barwright.core"

@@ -57,6 +57,23 @@ describe("the cache", function()
     assert.equal(0, #one:cached("empty", function() return {} end))
   end)
 
+  it("keeps nothing where the user has no folder", function()
+    local folder = check.folder()
+    check.write(folder .. "/script.lua", [[
+      local study = bw.study {name = "c", file = arg[1] .. "/c.study",
+        variables = {{name = "x", least = 0, most = 1}}, measures = {{name = "y"}}, design = {"random", count = 1}, run = print}
+      local made = 0
+      for _ = 1, 2 do study:cached("what", function() made = made + 1 return made end) end
+      print(made)
+    ]])
+    local there = io.open "/tmp/.cache/barwright"
+    local _, _, status = os.execute(("env -u HOME -u XDG_CACHE_HOME '%s' -e '' '%s/script.lua' '%s' >'%s/out'")
+      :format(check.program, folder, folder, folder))
+    assert.equal(0, status)
+    assert.equal("2\n", check.read(folder .. "/out"))
+    assert.equal(there ~= nil, io.open "/tmp/.cache/barwright" ~= nil)
+  end)
+
   it("gives back meshes, surfaces, arrays and libraries bit for bit", function()
     local one = study(check.folder())
     local palette = {bw.hyperelastic {name = "soft", young = 1e5, poisson = 0.4, density = 1000},

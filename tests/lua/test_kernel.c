@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The sandbox's second wall by itself: what the kernel refuses a process that tries. */
+/* The sandbox's second wall by itself (S8): what the kernel refuses a process that tries. */
 #include "check.h"
 
 #include "../../lua/program/program.h"

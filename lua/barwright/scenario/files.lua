@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Files of scenarios: which there are under a path, what one states when it is loaded, and folders.
+local core = require "barwright.core"
 local script_file = require "barwright.script_file"
 local files = {}
 
@@ -37,10 +38,7 @@ end
 
 --- A new folder for passing files.
 function files.scratch()
-  local path = os.tmpname()
-  os.remove(path)
-  assert(files.make_folder(path))
-  return path
+  return assert(core.temporary_folder())
 end
 
 function files.remove_folder(path)

@@ -23,14 +23,15 @@ local rules = {
   bytes = {type = "number", default = 4e9, above = 0},
 }
 
---- The options of a cache, completed.
+--- The options of a cache, completed. Without a folder of the user's own there is none, and everything is
+--- made each time: what lies in a folder that all users share may be anybody's.
 function cache.check(where, given)
   local wish = options.read(where .. ": cache", given, rules)
   if not wish.folder then
     local base = os.getenv "XDG_CACHE_HOME"
     local home = os.getenv "HOME"
-    if not base or base:sub(1, 1) ~= "/" then base = (home or "/tmp") .. "/.cache" end
-    wish.folder = base .. "/barwright"
+    if not base or base:sub(1, 1) ~= "/" then base = home and home:sub(1, 1) == "/" and home .. "/.cache" end
+    wish.folder = base and base .. "/barwright" or nil
   end
   return wish
 end
@@ -126,6 +127,7 @@ function cache.get(wish, what, make, given)
   if type(make) ~= "function" then raise "cached: a function that makes it expected" end
   local name, why, more = name_of(what, own)
   if not name then return nil, why, more end
+  if not wish.folder then return make() end
   local folder = wish.folder .. "/" .. name:sub(1, 2)
   local path = folder .. "/" .. name
   local scratch = ("%s.%d"):format(path, core.process())

@@ -1,4 +1,4 @@
-/* Confinement to a folder. It cannot be undone, so each test confines a child process. */
+/* Confinement to a folder (S1, S2). It cannot be undone, so each test confines a child process. */
 #include "check.h"
 
 #include "barwright/confine.h"

@@ -1,5 +1,5 @@
-/* What a statement may do on a file of results: SQLite's own lists of functions and pragmas, kinds
- * of statements, files that are made to do harm, names with a meaning of their own. */
+/* What a statement may do on a file of results (S6): SQLite's own lists of functions and pragmas,
+ * kinds of statements, files that are made to do harm, names with a meaning of their own. */
 #include "check.h"
 
 #include <fcntl.h>
