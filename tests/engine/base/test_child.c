@@ -118,7 +118,8 @@ static void test_failures_are_told(void **state) {
   check_fails(context, BW_GEOMETRY, "ended the process",
               bwi_child_run(context, "work", NULL, misbehave, &way, &bytes, &count));
   way = HANG;
-  check_fails(context, BW_LIMIT, "0.2 seconds",
+  /* 0.2 of computing, or on a busy machine 1.2 in all */
+  check_fails(context, BW_LIMIT, "2 seconds",
               bwi_child_run(context, "work", &seconds, misbehave, &way, &bytes, &count));
   bw_cancel(context);
   check_fails(context, BW_CANCELLED, "",
