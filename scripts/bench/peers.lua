@@ -5,6 +5,7 @@
 -- stress at every node, and how far the displacements differ.
 --   build/barwright scripts/bench/peers.lua [--elements 20000]
 local bw = require "barwright"
+local core = require "barwright.core"
 
 local elements = 20000
 if arg[1] == "--elements" and math.tointeger(tonumber(arg[2])) then
@@ -32,8 +33,8 @@ local part = bw.model {mesh = mesh, material = bw.material.pla}
 part:fix(mesh.boundary:below(1, 1 * mm))
 part:load {on = mesh.boundary:above(1, 68 * mm), force = {0, 0, -20}}
 
-local stem = os.tmpname()
-os.remove(stem)
+local folder = assert(core.temporary_folder())
+local stem = folder .. "/part"
 assert(part:write_inp(stem .. ".inp"))
 local threads = bw.threads()
 
@@ -63,6 +64,7 @@ for node, value in pairs(u) do
   end
 end
 for _, ending in ipairs {".inp", ".dat", ".frd", ".sta", ".cvg", ".log", ".12d"} do os.remove(stem .. ending) end
+os.remove(folder)
 
 print(bw.json.encode({elements = mesh.element_count, nodes = mesh.node_count, threads = threads,
   seconds_calculix = calculix, seconds_barwright = own, ratio = calculix / own,
