@@ -61,7 +61,8 @@ describe("the cache", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local study = bw.study {name = "c", file = arg[1] .. "/c.study",
-        variables = {{name = "x", least = 0, most = 1}}, measures = {{name = "y"}}, design = {"random", count = 1}, run = print}
+        variables = {{name = "x", least = 0, most = 1}}, measures = {{name = "y"}},
+        design = {"random", count = 1}, run = print}
       local made = 0
       for _ = 1, 2 do study:cached("what", function() made = made + 1 return made end) end
       print(made)
