@@ -5,8 +5,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -44,19 +42,6 @@ bw_status bw_folder_make(bw_context *context, const char *path) {
                     : length ? ENOTDIR
                              : ENOENT);
   return status;
-}
-
-bw_status bw_folder_make_temporary(bw_context *context, char path[BW_PATH_BYTES]) {
-  const char *wished = bw_confined() ? bw_confined_to() : getenv("TMPDIR");
-  const char *const place[] = {wished && wished[0] == '/' ? wished : "/tmp", "/tmp"};
-  for (int i = 0; i < 2; i++) {
-    int length = snprintf(path, BW_PATH_BYTES, "%s/barwright_XXXXXX", place[i]);
-    if (length < BW_PATH_BYTES && mkdtemp(path))
-      return BW_OK;
-    if (bw_confined())
-      break;
-  }
-  return refuse(context, place[0], "no folder can be made in it", errno);
 }
 
 bw_status bw_folder_visit(bw_context *context, const char *path, bw_folder_entry *entry,

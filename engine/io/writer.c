@@ -6,6 +6,7 @@
  * and commit removes the partial file. A target that exists and is no regular file (a terminal, a
  * pipe, /dev/null) cannot be renamed over and is written directly. */
 #include "barwright/confine.h"
+#include "barwright/temporary.h"
 #include "base/words.h"
 #include "io/internal.h"
 
@@ -19,40 +20,17 @@
 
 #include "io/locale.h"
 
-enum { BUFFER_BYTES = 1 << 16, OPEN_PARTIALS = 64 };
+enum { BUFFER_BYTES = 1 << 16 };
 
 struct bw_writer {
   bw_context *context;
-  char *path;    /* the target, symbolic links followed */
-  char *partial; /* NULL: written directly */
-  int slot;      /* in open_partial, or -1 */
+  char *path;            /* the target, symbolic links followed */
+  bw_temporary *partial; /* NULL: written directly */
   int file;
   bw_status status; /* the first error */
   size_t used;
   unsigned char buffer[BUFFER_BYTES];
 };
-
-/* The partial files that exist now, for bw_writers_abandon: a signal handler may read it at any
- * time, so an entry is one pointer, set after the file was made and cleared before it is freed. */
-static char *open_partial[OPEN_PARTIALS];
-
-static int enter_partial(char *path) {
-  for (int i = 0; i < OPEN_PARTIALS; i++) {
-    char *none = NULL;
-    if (__atomic_compare_exchange_n(&open_partial[i], &none, path, false, __ATOMIC_SEQ_CST,
-                                    __ATOMIC_SEQ_CST))
-      return i;
-  }
-  return -1;
-}
-
-void bw_writers_abandon(void) {
-  for (int i = 0; i < OPEN_PARTIALS; i++) {
-    char *path = __atomic_load_n(&open_partial[i], __ATOMIC_SEQ_CST);
-    if (path)
-      unlink(path);
-  }
-}
 
 static bw_status fail_system(bw_context *context, const char *path, const char *doing) {
   char text[BWI_WORDS];
@@ -62,10 +40,8 @@ static bw_status fail_system(bw_context *context, const char *path, const char *
 }
 
 static void writer_free(bw_writer *writer) {
-  if (writer->slot >= 0)
-    __atomic_store_n(&open_partial[writer->slot], NULL, __ATOMIC_SEQ_CST);
+  bw_release(writer->partial);
   bw_free(writer->path);
-  bw_free(writer->partial);
   bw_free(writer);
 }
 
@@ -85,24 +61,10 @@ static bw_status resolve(bw_writer *writer, const char *path) {
 }
 
 static bw_status open_beside(bw_writer *writer, const struct stat *old) {
-  size_t bytes = strlen(writer->path) + 48;
-  writer->partial = BW_NEW(writer->context, char, bytes);
-  if (!writer->partial)
-    return BW_MEMORY;
-  /* The plain name may be taken by another writer of this process, or be left over from a process
-   * of the same number that was killed. */
-  for (int i = 0; i < 100 && writer->file < 0; i++) {
-    if (i == 0)
-      snprintf(writer->partial, bytes, "%s.partial-%ld", writer->path, (long)getpid());
-    else
-      snprintf(writer->partial, bytes, "%s.partial-%ld-%d", writer->path, (long)getpid(), i);
-    writer->file = bw_open(writer->partial, O_WRONLY | O_CREAT | O_EXCL, 0666);
-    if (writer->file < 0 && errno != EEXIST)
-      break;
-  }
-  if (writer->file < 0)
-    return fail_system(writer->context, writer->path, "cannot write beside it");
-  writer->slot = enter_partial(writer->partial);
+  bw_status status = bw_temporary_create(writer->context, writer->path, false, &writer->partial);
+  if (status != BW_OK)
+    return status;
+  writer->file = bw_temporary_file(writer->partial);
   if (old && fchmod(writer->file, old->st_mode & 07777) != 0)
     return fail_system(writer->context, writer->path, "cannot keep its permissions");
   return BW_OK;
@@ -114,8 +76,9 @@ bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writ
   if (!made)
     return BW_MEMORY;
   made->context = context;
-  made->path = made->partial = NULL;
-  made->slot = made->file = -1;
+  made->path = NULL;
+  made->partial = NULL;
+  made->file = -1;
   made->status = BW_OK;
   made->used = 0;
   struct stat old;
@@ -250,18 +213,17 @@ bw_status bw_writer_commit(bw_writer *writer) {
     flush(writer);
   if (writer->status == BW_OK && writer->partial && fsync(writer->file) != 0 && errno != EINVAL)
     writer->status = fail_system(writer->context, writer->path, "cannot write");
-  int closed = close(writer->file);
-  writer->file = -1;
-  if (writer->status == BW_OK && closed != 0)
+  /* Some file systems say at the closing alone that there was no room: of a second descriptor, as
+   * the first one holds the lock. */
+  int other = writer->partial ? dup(writer->file) : writer->file;
+  writer->file = writer->partial ? writer->file : -1;
+  if (other >= 0 && close(other) != 0 && writer->status == BW_OK)
     writer->status = fail_system(writer->context, writer->path, "cannot write");
   if (writer->status == BW_OK && writer->partial) {
-    if (bw_rename(writer->partial, writer->path) != 0) {
+    if (bw_temporary_put_in_place(writer->partial, writer->path) != 0)
       writer->status = fail_system(writer->context, writer->path, "cannot put it in place");
-    } else {
+    else
       sync_directory(writer->path);
-      writer_free(writer);
-      return BW_OK;
-    }
   }
   bw_status status = writer->status;
   bw_writer_discard(writer);
@@ -271,12 +233,7 @@ bw_status bw_writer_commit(bw_writer *writer) {
 void bw_writer_discard(bw_writer *writer) {
   if (!writer)
     return;
-  if (writer->file >= 0) {
-    if (writer->partial)
-      bw_remove(writer->partial);
+  if (writer->file >= 0 && !writer->partial)
     close(writer->file);
-  } else if (writer->partial && writer->slot >= 0) {
-    bw_remove(writer->partial); /* closed by a commit that failed */
-  }
   writer_free(writer);
 }

@@ -2,10 +2,11 @@
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
- * A copy of the file is read, never the file itself: SQLite writes into what it opens. A head that
- * is damaged is written anew in the copy. Each table is read in the order of its row numbers; where
- * a page cannot be read, the reading begins again at the next number, and the next, until it goes
- * on: what lies behind the page is then found through others. */
+ * A copy of the file is read, never the file itself: SQLite writes into what it opens. Copy and new
+ * file lie beside each other as temporary files, and the new one is renamed when it is whole. A
+ * head that is damaged is written anew in the copy. Each table is read in the order of its row
+ * numbers; where a page cannot be read, the reading begins again at the next number, and the next,
+ * until it goes on: what lies behind the page is then found through others. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -14,12 +15,13 @@
 #include <unistd.h>
 
 #include "barwright/confine.h"
+#include "barwright/temporary.h"
 #include "base/words.h"
 #include "study/internal.h"
 #include "study/salvage.h"
 
 /* In one gap: so many row numbers one by one, then in strides that double after some more. */
-enum { TRIES = 1 << 12, TRIES_OF_A_STRIDE = 32, NAME = BWI_LONGEST_PATH + 32, SIDE = NAME + 16 };
+enum { TRIES = 1 << 12, TRIES_OF_A_STRIDE = 32, NAME = BWI_LONGEST_PATH + 64, SIDE = NAME + 16 };
 enum { MOST_ROWS = 1000000000 }; /* of a table: what is more is no count */
 
 typedef struct salvage {
@@ -180,15 +182,6 @@ static bw_status make_copy(salvage *s) {
   if (has_changes_of_its_own(s))
     status = copy_file(s->context, from, to, true);
   return status == BW_OK ? mend_head(s) : status;
-}
-
-static void remove_files(const char *path) {
-  static const char *const ending[] = {"", "-wal", "-shm", "-journal"};
-  char name[SIDE];
-  for (int i = 0; i < 4; i++) {
-    side_name(path, ending[i], name);
-    bw_remove(name);
-  }
 }
 
 /* ---- rows ------------------------------------------------------------------------------------ */
@@ -462,10 +455,8 @@ static bw_status open_with_tables(salvage *s, const char *schema, bool relist) {
     return status;
   char scratch[SIDE];
   side_name(s->copy, ".tables", scratch);
-  remove_files(scratch);
   status = bwi_salvage_tables(s->context, s->from, schema, s->copy, scratch, relist,
                               &s->report.relisted);
-  remove_files(scratch);
   if (status != BW_OK || !s->report.relisted)
     return status;
   s->report.whole = false;
@@ -476,7 +467,7 @@ static bw_status open_with_tables(salvage *s, const char *schema, bool relist) {
 bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
                               const char *schema, bool relist, bw_salvage_report *report) {
   struct stat about;
-  if (strlen(damaged) + 32 >= NAME || strlen(to) + 32 >= NAME)
+  if (strlen(damaged) + 64 >= NAME || strlen(to) + 64 >= NAME)
     return bw_fail(context, BW_INVALID, "a path is too long");
   bw_status allowed = bw_may_use(context, damaged, BW_TO_READ);
   if (allowed == BW_OK)
@@ -487,12 +478,16 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
     return bwi_database_say(context, BW_IO, NULL, to,
                             "there is a file already: name one that is to be made");
   salvage s = {.context = context, .damaged = damaged, .report = {.whole = true}};
-  bw_status status;
-  snprintf(s.copy, sizeof s.copy, "%s.reading", to);
-  remove_files(s.copy); /* of a run that was killed */
+  bw_temporary *temporary = NULL;
+  char made[SIDE];
+  bw_status status = bw_temporary_create(context, to, true, &temporary);
+  if (status != BW_OK)
+    return status;
+  side_name(bw_temporary_path(temporary), ".new", made);
+  snprintf(s.copy, sizeof s.copy, "%s.copy", bw_temporary_path(temporary));
   BW_TRY(make_copy(&s));
   BW_TRY(open_with_tables(&s, schema, relist));
-  BW_TRY(bw_database_open(context, to, NULL, &s.to));
+  BW_TRY(bw_database_open(context, made, NULL, &s.to));
   BW_TRY(bw_database_execute(context, s.to, "BEGIN"));
   BW_TRY(copy_schema(&s, TABLES));
   BW_TRY(copy_schema(&s, ROWS));
@@ -508,9 +503,9 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   *report = s.report;
 done:
   sqlite3_close_v2(s.from);
-  bw_release(s.to);
-  remove_files(s.copy);
-  if (status != BW_OK)
-    remove_files(to);
+  bw_release(s.to); /* which leaves one file */
+  if (status == BW_OK && bw_rename(made, to) != 0)
+    status = io_failure(context, to);
+  bw_release(temporary);
   return status;
 }

@@ -108,15 +108,13 @@ end
 
 --- What a function writes to a path, as text.
 function room.written(ending, write)
-  local folder, refusal = core.temporary_folder()
-  if not folder then return nil, refusal end
-  local path = folder .. "/written" .. ending
+  local folder <close>, message = core.temporary_folder()
+  if not folder then return nil, message end
+  local path = folder.path .. "/written" .. ending
   local fine, why = write(path)
   local file = fine and io.open(path, "rb")
   local bytes = file and file:read "a"
   if file then file:close() end
-  os.remove(path)
-  os.remove(folder)
   return bytes, why or "a temporary file could not be read"
 end
 

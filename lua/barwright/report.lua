@@ -140,10 +140,10 @@ end
 
 -- The picture that `draw(path)` makes, as a data URI, for a page whose bundle was not built.
 local function picture(draw, path)
-  local name = path .. ".png"
-  if not draw(name) then return "" end
+  local temporary <close> = core.temporary(path)
+  local name = temporary and temporary.path .. ".png"
+  if not name or not draw(name) then return "" end
   local bytes = beside.read(name)
-  os.remove(name)
   return bytes and ('<img alt="picture" src="data:image/png;base64,%s">'):format(core.base64(bytes))
     or ""
 end

@@ -10,13 +10,7 @@ return function(path)
   if there and select(3, there:read(0)) == IS_A_FOLDER then
     return nil, path .. ": cannot be written: it is a folder", {status = "io", file = path}
   end
-  local probe = path .. ".probe"
-  local fine, message, details = core.write_file(probe, "{}\n")
-  if fine then
-    os.remove(probe)
-    return true
-  end
-  if message:sub(1, #probe) == probe then message = path .. message:sub(#probe + 1) end
-  details.file = path
+  local probe <close>, message, details = core.temporary(path)
+  if probe then return true end
   return nil, message, details
 end

@@ -147,7 +147,8 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
-    lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class;
+    lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
+    lbw_temporary_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Folders, locks between processes, SHA-256 of text. */
+/* Folders, locks between processes, temporary files, SHA-256 of text. */
 #include "bind.h"
 
 #include <unistd.h>
@@ -22,14 +22,6 @@ static int core_make_folder(lua_State *L) {
   const char *path = lbw_check_text(L, 1, NULL);
   bw_status status = bw_folder_make(lbw_enter(L), path);
   lua_pushboolean(L, 1);
-  return lbw_leave(L, status, 1);
-}
-
-/* temporary_folder(): the path of a new one, which the caller removes */
-static int core_temporary_folder(lua_State *L) {
-  char path[BW_PATH_BYTES];
-  bw_status status = bw_folder_make_temporary(lbw_enter(L), path);
-  lua_pushstring(L, status == BW_OK ? path : NULL);
   return lbw_leave(L, status, 1);
 }
 
@@ -119,6 +111,48 @@ static int core_lock(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* ---- temporary files ------------------------------------------------------------------------- */
+
+static int push_temporary(lua_State *L, lbw_box *box, bw_status status, bw_temporary *temporary) {
+  if (status == BW_OK)
+    lbw_box_fill(L, box, temporary);
+  return lbw_leave(L, status, 1);
+}
+
+/* temporary(target): an empty file beside it, removed with those whose names begin with its own
+ * when it is closed */
+static int core_temporary(lua_State *L) {
+  const char *target = lbw_check_text(L, 1, NULL);
+  lbw_box *box = lbw_box_new(L, &lbw_temporary_class);
+  bw_temporary *temporary = NULL;
+  bw_status status = bw_temporary_create(lbw_enter(L), target, true, &temporary);
+  return push_temporary(L, box, status, temporary);
+}
+
+/* temporary_folder(): an empty folder, removed with what is in it when it is closed */
+static int core_temporary_folder(lua_State *L) {
+  lbw_box *box = lbw_box_new(L, &lbw_temporary_class);
+  bw_temporary *temporary = NULL;
+  bw_status status = bw_temporary_folder_create(lbw_enter(L), &temporary);
+  return push_temporary(L, box, status, temporary);
+}
+
+static int temporary_path(lua_State *L) {
+  const bw_temporary *temporary = (const bw_temporary *)lbw_check(L, 1, &lbw_temporary_class);
+  lua_pushstring(L, bw_temporary_path(temporary));
+  return 1;
+}
+
+static const luaL_Reg temporary_properties[] = {{"path", temporary_path}, {NULL, NULL}};
+const lbw_class lbw_temporary_class = {"temporary file", nothing, temporary_properties, NULL, NULL};
+
+/* sweep(folder): removes what killed processes left in it */
+static int core_sweep(lua_State *L) {
+  const char *folder = lbw_check_text(L, 1, NULL);
+  bw_temporaries_sweep(folder);
+  return 0;
+}
+
 /* process(): the number of this process */
 static int core_process(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)getpid());
@@ -135,13 +169,16 @@ static int core_processors(lua_State *L) {
 void lbw_open_files(lua_State *L) {
   static const luaL_Reg functions[] = {{"sha256_of", core_sha256_of},
                                        {"make_folder", core_make_folder},
-                                       {"temporary_folder", core_temporary_folder},
                                        {"list_folder", core_list_folder},
                                        {"touch", core_touch},
                                        {"lock", core_lock},
+                                       {"temporary", core_temporary},
+                                       {"temporary_folder", core_temporary_folder},
+                                       {"sweep", core_sweep},
                                        {"process", core_process},
                                        {"processors", core_processors},
                                        {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
   lbw_class_register(L, &lbw_lock_class);
+  lbw_class_register(L, &lbw_temporary_class);
 }

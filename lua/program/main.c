@@ -35,7 +35,7 @@ static void on_interrupt(int number) {
   interrupts++;
   engine->stopping = 1;
   if (interrupts > 2) {
-    bw_writers_abandon();
+    bw_temporaries_abandon();
     _exit(INTERRUPTED);
   }
   bool waiting = engine->running != 0;
@@ -49,7 +49,7 @@ static void on_interrupt(int number) {
 
 /* Told to end: no half-written file stays behind. */
 static void on_termination(int number) {
-  bw_writers_abandon();
+  bw_temporaries_abandon();
   signal(number, SIG_DFL);
   raise(number);
 }

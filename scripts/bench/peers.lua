@@ -34,7 +34,7 @@ part:fix(mesh.boundary:below(1, 1 * mm))
 part:load {on = mesh.boundary:above(1, 68 * mm), force = {0, 0, -20}}
 
 local folder = assert(core.temporary_folder())
-local stem = folder .. "/part"
+local stem = folder.path .. "/part"
 assert(part:write_inp(stem .. ".inp"))
 local threads = bw.threads()
 
@@ -63,8 +63,7 @@ for node, value in pairs(u) do
     most = math.max(most, math.abs(value[k]))
   end
 end
-for _, ending in ipairs {".inp", ".dat", ".frd", ".sta", ".cvg", ".log", ".12d"} do os.remove(stem .. ending) end
-os.remove(folder)
+folder:close()
 
 print(bw.json.encode({elements = mesh.element_count, nodes = mesh.node_count, threads = threads,
   seconds_calculix = calculix, seconds_barwright = own, ratio = calculix / own,

@@ -13,7 +13,8 @@ while arg[i] do
   i = i + 2
 end
 
-local folder = assert(core.temporary_folder())
+local temporary = assert(core.temporary_folder())
+local folder = temporary.path
 
 local function study(name, count, run)
   return bw.study {name = name, file = ("%s/%s.study"):format(folder, name), measures = {"y"},
@@ -96,7 +97,7 @@ end
 result.throughput = {trial_seconds = wish.ms / 1000, trials = wish.work, seconds_one_worker = seconds[1],
   seconds_two_workers = seconds[2], gain = seconds[1] / seconds[2]}
 
-os.execute("rm -rf '" .. folder .. "'")
+temporary:close()
 local text = bw.json.encode(result, "  ")
 print(text)
 if wish.out then assert(core.write_file(wish.out, text .. "\n")) end

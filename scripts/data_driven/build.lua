@@ -37,10 +37,10 @@ if not results then stop(REFUSED, message) end
 local path, start = results:path "three.bwm", os.clock()
 local made
 made, message = bw.metamaterial.build(scenes.palette(), {levels = wish.levels, directions = wish.directions,
-  magnitudes = wish.magnitudes, checkpoint = path .. ".partial"})
+  magnitudes = wish.magnitudes, checkpoint = path .. ".checkpoint"})
 if not made then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
 assert(made:write(path))
-os.remove(path .. ".partial")
+os.remove(path .. ".checkpoint")
 local blocks = bw.json.list {}
 for level, errors in ipairs(made.errors) do blocks[level] = #errors end
 assert(results:write {levels = made.levels, blocks = blocks, seconds_clock = made.seconds,

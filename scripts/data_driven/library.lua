@@ -14,10 +14,14 @@ end
 function library.get(wish, palette, levels)
   if wish.library then return bw.metamaterial.read(wish.library) end
   local path = wish.out .. "/three.bwm"
+  local checkpoint = path .. ".checkpoint"
   wish.library = path
   if exists(path) then
     local found = bw.metamaterial.read(path)
-    if found and found.levels >= levels then return found end
+    if found and found.levels >= levels then
+      os.remove(checkpoint) -- of a run that was killed when it had written the library
+      return found
+    end
   end
   local opened, message = bw.results.open(wish.out, {})
   if not opened then return nil, message end
@@ -25,12 +29,12 @@ function library.get(wish, palette, levels)
     levels > 1 and "s" or "", path))
   local made, details
   made, message, details = bw.metamaterial.build(palette, {levels = levels,
-    checkpoint = path .. ".partial"})
+    checkpoint = checkpoint})
   if not made then return nil, message, details end
   local written
   written, message, details = made:write(path)
   if not written then return nil, message, details end
-  os.remove(path .. ".partial")
+  os.remove(checkpoint)
   print(("built in %.0f s"):format(made.seconds))
   return made
 end

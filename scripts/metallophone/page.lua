@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The scale as one page: outlines with their modes, nodal lines and screws, the table, the sounds.
+local core = require "barwright.core"
 local report = require "barwright.report"
 
 local page = {}
@@ -88,12 +89,7 @@ function page.write(path, result, bars)
       :format(page.picture(bars[k], made.note), report.escape(made.note), made.simulated_hz,
         1e3 * (bars[k].outline.box.high[1] - bars[k].outline.box.low[1]), report.escape(made.note))
   end
-  local file, message = io.open(path .. ".partial", "w")
-  if not file then return nil, message end
-  local fine, why = file:write(table.concat(body))
-  file:close()
-  if not fine then return nil, why end
-  return os.rename(path .. ".partial", path)
+  return core.write_file(path, table.concat(body))
 end
 
 return page

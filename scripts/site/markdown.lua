@@ -2,6 +2,7 @@
 -- Markdown to HTML by cmark-gfm, with what a site needs beside it: a name for each heading, links to other
 -- pages and to sources, colours for code.
 local colour = require "colour"
+local core = require "barwright.core"
 
 local markdown = {}
 
@@ -30,14 +31,12 @@ end
 
 --- The HTML of a Markdown text: html, headings {level, name, text}. `link(target)` says where a link leads to.
 function markdown.html(text, link)
-  local name = os.tmpname()
-  local file = assert(io.open(name, "wb"))
-  file:write(text)
-  file:close()
+  local folder <close> = assert(core.temporary_folder())
+  local name = folder.path .. "/text.md"
+  assert(core.write_file(name, text))
   local pipe = assert(io.popen("cmark-gfm --unsafe -e table -e autolink -e strikethrough " .. quoted(name)))
   local html = pipe:read "a"
   local fine = pipe:close()
-  os.remove(name)
   if not fine then return nil, "cmark-gfm failed: is the Debian package cmark-gfm installed?" end
   local headings, taken = {}, {}
   html = html:gsub("<h(%d)>(.-)</h%d>", function(level, inner)

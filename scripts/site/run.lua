@@ -7,6 +7,7 @@ local root = arg[0]:match "^(.*)/scripts/site/[^/]*$" or "."
 package.path = root .. "/scripts/site/?.lua;" .. package.path
 local bw = require "barwright"
 local contents = require "contents"
+local core = require "barwright.core"
 local gallery = require "gallery"
 local lessons = require "lessons"
 local links = require "links"
@@ -34,10 +35,7 @@ end
 
 -- Beside its target and renamed: an older site stays whole until the new page is.
 local function write(path, text)
-  local file = assert(io.open(path .. ".partial", "wb"))
-  assert(file:write(text))
-  assert(file:close())
-  assert(os.rename(path .. ".partial", path))
+  assert(core.write_file(path, text))
 end
 
 local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end

@@ -487,7 +487,7 @@ describe("barwright live", function()
 end)
 
 describe("the browser", function()
-  it("is opened through a file that only its user can read", function()
+  it("is opened through a file in a folder that only its user can look into", function()
     if not has_page then return pending "the page is not bundled" end
     local folder = check.folder()
     check.write(folder .. "/hook.lua", check.read(session_file))

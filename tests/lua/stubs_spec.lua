@@ -22,7 +22,8 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
 
 -- Seen from scripts only through objects written in Lua.
 local inner_class = {locator = true, elastic_solid = true, loading = true, large_static = true,
-  coarse_grid = true, coarsening = true, newton = true, job = true, database = true, lock = true}
+  coarse_grid = true, coarsening = true, newton = true, job = true, database = true, lock = true,
+  ["temporary file"] = true}
 
 local function keys(...)
   local out = {}

@@ -210,11 +210,6 @@ void bw_sha256_bytes(const void *bytes, size_t count, char digest[65]);
 
 /* Makes a folder and those above it; one that is there is fine. */
 bw_status bw_folder_make(bw_context *context, const char *path);
-/* Makes a folder under a name that nobody can foresee, which only this user can enter: in the
- * folder of a confined process, else in $TMPDIR, else in /tmp. Its path takes at most
- * BW_PATH_BYTES. The caller removes it. */
-enum { BW_PATH_BYTES = 4096 };
-bw_status bw_folder_make_temporary(bw_context *context, char path[BW_PATH_BYTES]);
 /* What is in a folder, in no order: bytes of a file, time of its last change in seconds. */
 typedef bw_status bw_folder_entry(void *data, const char *name, bool folder, int64_t bytes,
                                   double changed);

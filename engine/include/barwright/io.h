@@ -14,9 +14,9 @@ extern "C" {
 
 /* ---- bytes and whole files ------------------------------------------------------------- */
 
-/* A file being written: bytes go to "PATH.partial-PID"; commit renames, discard removes. The first
- * error sticks: it is enough to look at what commit returns. Printing is independent of the locale.
- * A failed write, a full disk say, leaves the old file. */
+/* A file being written: bytes go to a temporary file beside it (temporary.h); commit renames,
+ * discard removes. The first error sticks: it is enough to look at what commit returns. Printing is
+ * independent of the locale. A failed write, a full disk say, leaves the old file. */
 typedef struct bw_writer bw_writer;
 bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writer);
 bw_status bw_writer_bytes(bw_writer *writer, const void *bytes, size_t count);
@@ -26,10 +26,6 @@ bw_status bw_writer_commit(bw_writer *writer);
 void bw_writer_discard(bw_writer *writer);                   /* NULL is fine */
 bw_status bw_writer_number(bw_writer *writer, double value); /* as bw_format_number */
 bw_status bw_writer_integer(bw_writer *writer, int64_t value);
-/* Remove the partial files of all open writers, for a handler of a signal that ends the process:
- * async-signal-safe. The writers must not be used again. */
-void bw_writers_abandon(void);
-
 /* The shortest of 15, 16 or 17 digits that reads back as the same number; a point whatever the
  * locale. Returns the length. */
 enum { BW_NUMBER_BYTES = 32 };

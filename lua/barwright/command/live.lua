@@ -113,20 +113,20 @@ end
 
 -- ---- the browser -----------------------------------------------------------------------------------
 
--- Through a file that only this user can read: arguments of programs can be read by others, and who
+-- Through a file in a folder that only this user can read: arguments of programs can be read by others, and who
 -- knows the address can edit.
 local function open_browser(address)
   if not (os.getenv "DISPLAY" or os.getenv "WAYLAND_DISPLAY") then return end
-  local made = core.temporary_folder()
-  if not made then return end
-  local path = made .. "/live.html"
+  local temporary = core.temporary_folder()
+  if not temporary then return end
+  local path = temporary.path .. "/live.html"
   local file = io.open(path, "wb")
   if not file then return end
   file:write('<!doctype html><meta name="referrer" content="no-referrer">',
     '<meta http-equiv="refresh" content="0; url=', address, '">')
   file:close()
   os.execute(("xdg-open '%s' >/dev/null 2>&1 &"):format(path))
-  return path, made
+  return temporary
 end
 
 -- What of a script's table of options goes on to the view.
@@ -147,7 +147,7 @@ end
 local function serve(wish, out)
   local served, about, saved = open_file(wish)
   local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
-  local opened, beside
+  local opened
   local given = passed(about, served)
   given.port, given.name, given.saved = wish.port, name, saved
   given.title = about.title or not kinds.of(served) and name or nil -- else the kind's
@@ -155,11 +155,10 @@ local function serve(wish, out)
     print(address) -- also under --quiet: nobody could open it else
     out:say("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends.", saved)
     io.stdout:flush()
-    if not wish.no_open then opened, beside = open_browser(address) end
+    if not wish.no_open then opened = open_browser(address) end
   end
   local fine, message, details = live.run(served, given)
-  if opened then os.remove(opened) end
-  if beside then os.remove(beside) end
+  if opened then opened:close() end
   if not fine then fail(message, details and details.status) end
   local count
   if kinds.of(served) then

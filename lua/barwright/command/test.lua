@@ -244,7 +244,7 @@ return {
   run = function(wish, out)
     local scratch = files.scratch()
     local fine, code = xpcall(work, debug.traceback, wish, out, scratch)
-    files.remove_folder(scratch)
+    files.remove_scratch(scratch)
     if not fine then error(code, 0) end
     return code
   end,

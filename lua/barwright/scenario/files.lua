@@ -36,13 +36,19 @@ function files.make_folder(path)
   return nil, path .. ": cannot be made as a folder", {status = "io", file = path}
 end
 
---- A new folder for passing files.
+-- Folders for passing files, by their paths.
+local held = {}
+
+--- A new folder for passing files; one that a killed process left is removed by the next run.
 function files.scratch()
-  return assert(core.temporary_folder())
+  local folder = assert(core.temporary_folder())
+  held[folder.path] = folder
+  return folder.path
 end
 
-function files.remove_folder(path)
-  os.execute("rm -rf -- " .. quoted(path))
+function files.remove_scratch(path)
+  held[path]:close()
+  held[path] = nil
 end
 
 --- The folder of a path ("." where it has none), and its name without ".lua".

@@ -221,7 +221,7 @@ function record.run(scenario, scenario_file, path, options)
   if options.pictures and (options.all_pictures or last.status == "failed" or last.status == "error") then
     draw(options.pictures, options.stem)
   end
-  if running.scratch then files.remove_folder(running.scratch) end
+  if running.scratch then files.remove_scratch(running.scratch) end
   write(last)
   running.file:close()
   running = nil

@@ -16,7 +16,7 @@ local cache = {}
 
 local MARK = "barwright cache 1\n"
 local WAIT = 7 * 86400 -- for whoever makes the same entry; it ends with that process
-local STALE = 86400 -- seconds after which what a killed process left is removed
+local STALE = 86400 -- seconds after which what older versions left is removed
 
 local rules = {
   folder = {type = "string"},
@@ -36,7 +36,7 @@ function cache.check(where, given)
   return wish
 end
 
-local function read_entry(path, scratch)
+local function read_entry(path)
   local file = io.open(path, "rb")
   if not file then return false end
   local text = file:read "a"
@@ -44,14 +44,14 @@ local function read_entry(path, scratch)
   if not text or text:sub(1, #MARK) ~= MARK then return false end
   local body = text:sub(#MARK + 65)
   if core.sha256_of(body) ~= text:sub(#MARK + 1, #MARK + 64) then return false end
-  local value, message = pack.decode(body, scratch)
+  local value, message = pack.decode(body, path)
   if value == nil and message then return false end
   core.touch(path) -- used now
   return true, value
 end
 
 -- Entries and what was left behind, the one used longest ago first.
-local function list_entries(folder, all)
+local function list_entries(folder)
   local now = os.time()
   local list, sum = {}, 0
   for _, part in ipairs(core.list_folder(folder) or {}) do
@@ -61,13 +61,11 @@ local function list_entries(folder, all)
         if #entry.name == 64 then
           list[#list + 1] = {path = path, bytes = entry.bytes, changed = entry.changed}
           sum = sum + entry.bytes
-        elseif not all and now - entry.changed > STALE then
-          if entry.name:find "%.lock$" then
-            local lock = core.lock(path, 0) -- who gets it removes it
-            if lock then lock:close() end
-          else
-            os.remove(path)
-          end
+        elseif entry.name:find "%.lock$" then
+          local lock = core.lock(path, 0) -- who gets it removes it
+          if lock then lock:close() end
+        elseif now - entry.changed > STALE then
+          os.remove(path)
         end
       end
     end
@@ -88,8 +86,8 @@ local function trim(wish, newest)
   end
 end
 
-local function write_entry(wish, path, scratch, value)
-  local body, why = pack.encode(value, scratch)
+local function write_entry(wish, path, value)
+  local body, why = pack.encode(value, path)
   if not body then
     raise(("cached: what was made holds %s; kept are numbers, strings, tables of them, arrays, meshes, surfaces "
       .. "and libraries"):format(why))
@@ -130,8 +128,7 @@ function cache.get(wish, what, make, given)
   if not wish.folder then return make() end
   local folder = wish.folder .. "/" .. name:sub(1, 2)
   local path = folder .. "/" .. name
-  local scratch = ("%s.%d"):format(path, core.process())
-  local there, value = read_entry(path, scratch)
+  local there, value = read_entry(path)
   if there then return value end
   if making[path] then
     raise "cached: the function that makes this asks for the same again"
@@ -139,7 +136,7 @@ function cache.get(wish, what, make, given)
   local usable = core.make_folder(folder)
   local lock <close> = usable and core.lock(path .. ".lock", WAIT) or nil
   if lock then
-    there, value = read_entry(path, scratch) -- somebody made it meanwhile
+    there, value = read_entry(path) -- somebody made it meanwhile
     if there then return value end
   elseif core.interrupted() then
     return nil, "cancelled", {status = "cancelled"}
@@ -149,7 +146,7 @@ function cache.get(wish, what, make, given)
   local made, message, details = make()
   assert(ended)
   if made == nil and message ~= nil then return nil, message, details end
-  if lock then write_entry(wish, path, scratch, made) end
+  if lock then write_entry(wish, path, made) end
   return made
 end
 

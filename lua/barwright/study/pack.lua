@@ -29,24 +29,23 @@ end
 
 -- What is written through a file beside the cache's own.
 local function object_text(value, class, scratch)
-  local path = scratch .. objects[class].ending
+  local temporary <close>, why = core.temporary(scratch)
+  if not temporary then error(why, 0) end
+  local path = temporary.path .. objects[class].ending
   local fine, message = value:write(path, objects[class].wish)
   local text
   if fine then text, message = file_text(path) end
-  os.remove(path)
   if not text then error(message, 0) end
   return text
 end
 
 local function object_of(text, class, scratch)
-  local path = scratch .. objects[class].ending
-  local file, why = io.open(path, "wb")
-  if not file then error(why, 0) end
-  local fine = file:write(text)
-  fine = file:close() and fine
-  local object, message
-  if fine then object, message = objects[class].read(path) else message = path .. ": cannot be written" end
-  os.remove(path)
+  local temporary <close>, why = core.temporary(scratch)
+  if not temporary then error(why, 0) end
+  local path = temporary.path .. objects[class].ending
+  local fine, message = core.write_file(path, text)
+  local object
+  if fine then object, message = objects[class].read(path) end
   if not object then error(message, 0) end
   return object
 end
@@ -88,7 +87,7 @@ function write(value, out, scratch, seen)
   end
 end
 
---- The bytes of a value. scratch: a path without an ending, for objects on their way. nil and what is in
+--- The bytes of a value. scratch: a path; objects on their way lie beside it. nil and what is in
 --- the way where there is something that cannot be kept.
 function pack.encode(value, scratch)
   local out = {}

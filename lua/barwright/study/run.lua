@@ -108,6 +108,7 @@ local function take(self, record, outcome)
     trial.read(self.study, record, outcome.text)
   else
     record.status, record.message, record.results = outcome.status, outcome.message, nil
+    core.sweep(record.folder) -- what its process was writing when it was ended
   end
   save(self, "finish", record)
   self.pending[record] = nil

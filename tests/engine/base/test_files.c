@@ -105,33 +105,6 @@ static pid_t holder(const char *path) {
   return child;
 }
 
-/* Each time another, of this user alone, where TMPDIR says or else in /tmp. */
-static void temporary_folders(void **state) {
-  bw_context *context = check_context(state);
-  char path[2][BW_PATH_BYTES], before[256], wished[128];
-  struct stat about;
-  const char *set = getenv("TMPDIR");
-  snprintf(before, sizeof before, "%s", set ? set : "");
-  snprintf(wished, sizeof wished, "%s", in_folder("tmp"));
-  assert_int_equal(mkdir(wished, 0777), 0);
-  const char *const places[] = {wished, "relative", "/no/such/folder", ""};
-  for (int i = 0; i < 4; i++) {
-    setenv("TMPDIR", places[i], 1);
-    for (int k = 0; k < 2; k++) {
-      check_ok(context, bw_folder_make_temporary(context, path[k]));
-      assert_true(strncmp(path[k], i ? "/tmp/" : wished, i ? 5 : strlen(wished)) == 0);
-      assert_int_equal(stat(path[k], &about), 0);
-      assert_int_equal(about.st_mode & 0777, 0700);
-      assert_int_equal(rmdir(path[k]), 0);
-    }
-    assert_string_not_equal(path[0], path[1]);
-  }
-  if (set)
-    setenv("TMPDIR", before, 1);
-  else
-    unsetenv("TMPDIR");
-}
-
 static void locks(void **state) {
   bw_context *context = check_context(state);
   char path[128];
@@ -218,7 +191,6 @@ static void one_at_a_time(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(digests_of_bytes), check_test(folders),
-                                     check_test(temporary_folders), check_test(locks),
-                                     check_test(one_at_a_time)};
+                                     check_test(locks), check_test(one_at_a_time)};
   return cmocka_run_group_tests(tests, make_place, drop_place);
 }

@@ -32,7 +32,7 @@ static int partials(const char *path) {
   char *slash = strrchr(folder, '/');
   *slash = 0;
   char name[300];
-  snprintf(name, sizeof name, "%s.partial-", slash + 1);
+  snprintf(name, sizeof name, "%s.partial.", slash + 1);
   int count = 0;
   DIR *directory = opendir(folder);
   for (struct dirent *entry; (entry = readdir(directory));)
@@ -143,7 +143,7 @@ static void cut_off(void **state) {
 }
 
 static void end_now(int number) {
-  bw_writers_abandon();
+  bw_temporaries_abandon();
   _exit(number == SIGINT ? 0 : 1);
 }
 

@@ -1,0 +1,44 @@
+/* temporary: files that are there only while a process makes something.
+ *
+ * Such a file lies beside what is made and is called TARGET.partial.PID.TAG, where TAG is eight
+ * hexadecimal digits; what belongs to it has a name that begins so and goes on with "." or "-". Its
+ * process holds a lock (flock) on it, which ends with the process, however that ends. A file of
+ * such a name without a lock was left behind by a process that was killed: it is removed by the
+ * next process of the same user that makes one in the folder. Where locks do not work (some network
+ * file systems), nothing is removed. */
+#ifndef BARWRIGHT_TEMPORARY_H
+#define BARWRIGHT_TEMPORARY_H
+
+#include "barwright/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* An object: with the last reference its files are removed, unless it was put in place. A child
+ * that is forked leaves them alone. */
+typedef struct bw_temporary bw_temporary;
+
+/* An empty file beside the target. `with_others`: files whose names begin with its name are to be
+ * removed with it. */
+bw_status bw_temporary_create(bw_context *context, const char *target, bool with_others,
+                              bw_temporary **temporary);
+/* An empty folder under a name that nobody can foresee, which only this user can enter: in $TMPDIR,
+ * else in /tmp; in a confined process in its own. */
+bw_status bw_temporary_folder_create(bw_context *context, bw_temporary **temporary);
+const char *bw_temporary_path(const bw_temporary *temporary); /* of the file, or of the folder */
+int bw_temporary_file(const bw_temporary *temporary); /* its descriptor, for reading and writing */
+/* Renames it over the target; nothing of it is left to be removed. Returns 0, or -1 and errno. */
+int bw_temporary_put_in_place(bw_temporary *temporary, const char *target);
+
+/* Removes what killed processes left behind in a folder. Making a temporary file does so once for
+ * each folder and process. */
+void bw_temporaries_sweep(const char *folder);
+/* Removes those of this process, for a handler of a signal that ends it: async-signal-safe. */
+void bw_temporaries_abandon(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
