@@ -489,6 +489,6 @@ function edit.begin(script, ...)
 end
 
 arguments.functions("edit.", edit, {load = "path: any, session?: session, options?: options",
-  begin = "script?: string, session?: session"})
+  begin = "script?: string, session?: any"})
 
 return setmetatable(edit, {__call = function(_, part, given) return begin(part, given) end})

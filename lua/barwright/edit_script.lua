@@ -174,9 +174,15 @@ end
 
 -- ---- replaying -----------------------------------------------------------------------------------------
 
--- Of the script at hand, for load: the session that it began (a journal does not return it), and the
--- details of what failed in it.
+-- Of the script at hand, while load runs it: the session that it began (a journal does not return it), and
+-- the details of what failed in it.
 local begun, failure
+local loads = 0 -- that run, one within the other
+
+local function began(session)
+  if loads > 0 then begun = session end
+  return session
+end
 
 -- What a script runs in: all there is, and an assert that keeps the details.
 local function globals()
@@ -206,8 +212,7 @@ end
 --- that calls.
 function edit_script.begin(edit, asking, script, given)
   if getmetatable(given) == edit.class then
-    begun = given
-    return given
+    return began(given)
   end
   if not script then
     raise("these edits name no script that makes their part: "
@@ -215,15 +220,16 @@ function edit_script.begin(edit, asking, script, given)
   end
   local part, given_with = dofile(find(script, asking))
   if getmetatable(part) == edit.class then
-    begun, part.wish.script = part, part.wish.script or script
-    return part
+    part.wish.script = part.wish.script or script
+    return began(part)
   end
   local wish = {}
   for key, value in pairs(given_with or {}) do wish[key] = value end
   wish.journal, wish.script = nil, wish.script or script
-  local message
-  begun, message, failure = edit(part, wish)
-  return begun or raise(message)
+  local session, message, details = edit(part, wish)
+  if session then return began(session) end
+  failure = loads > 0 and details or nil
+  raise(message)
 end
 
 -- The lines of a script; what stands after the last line end was cut off in the middle.
@@ -277,7 +283,9 @@ function edit_script.load(edit, path, session, given)
   if not chunk then return nil, message, {status = "format", file = path} end
   begun, failure = nil, nil
   local before = session and session.position
+  loads = loads + 1
   local fine, result = xpcall(chunk, with_line(path), session)
+  loads = loads - 1
   local made, why = begun, failure
   begun, failure = nil, nil
   if not fine then return not_replayed(path, result, why, session and session.position ~= before) end

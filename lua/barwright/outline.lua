@@ -5,6 +5,7 @@
 -- entry {{x, y}, {x, y}, {x, y}} is one to which a cubic leads, by its two control points. The first
 -- entry's line or curve comes from the last vertex and closes the loop. Edge n leads from vertex n to
 -- the next.
+local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
 local shapes = require "barwright.outline_shapes"
@@ -373,6 +374,10 @@ function methods:scaled(factor, about)
   end
   return mapped(self, f[1], 0, 0, f[2], check_pair("scaled: about", about, self.centroid), {0, 0})
 end
+
+arguments.methods("outline", methods, nil, {loop = "loop: string|integer", hole = "loop: table|outline",
+  region = "loop: table|outline", edges = "which: any", tag = "name: any, which: any", shifted = "by: any",
+  turned = "degrees: any, about?: any", scaled = "factor: any, about?: any"})
 
 -- ---- in words ------------------------------------------------------------------------------------
 

@@ -10,9 +10,10 @@
 --     --parallel N     processes (as many as there are processors)
 --     --program PATH   the barwright that is fuzzed, such as a build with sanitizers
 --     --keep           the folder with the logs stays
+--     --leaks          looks after each call, not only after each batch, for memory that is kept: slow
 -- A finding is a signal, a sanitizer's report, an error of Lua within the library, an error that names a line
--- of the library, an engine that stays busy, or a call that neither ends nor can be ended. Ends with status 1
--- when there is one, and prints what makes it again.
+-- of the library, an engine that stays busy, memory that is kept when nothing is in use, or a call that neither
+-- ends nor can be ended. Ends with status 1 when there is one, and prints what makes it again.
 local here = arg[0]:match "^(.*)/[^/]*$" or "."
 
 local usage = "api: unknown option '%s': see the head of tests/fuzz/api.lua"
@@ -23,8 +24,8 @@ do
   local i = 1
   while arg[i] do
     local name = arg[i]:match "^%-%-(%l+)$"
-    if name == "keep" then
-      wish.keep = true
+    if name == "keep" or name == "leaks" then
+      wish[name] = true
     elseif numbers[name] or texts[name] then
       i = i + 1
       wish[name] = numbers[name] and tonumber(arg[i]) or texts[name] and arg[i]

@@ -64,6 +64,21 @@ describe("an object", function()
     assert.equal(blocks, blocks_after)
   end)
 
+  it("is not kept by a script of edits that began it", function()
+    local path = check.folder() .. "/edits.lua"
+    local _, before = settle()
+    do
+      local part = bw.model {mesh = check.beam({8, 1, 1}), material = bw.material.pla}
+      local skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {1, 0.05, 0.05}}, bones = {{1, 2}}}
+      local session = assert(bw.edit(part, {skeleton = skeleton}))
+      assert(session:save(path))
+      assert.equal(session, (bw.edit.load(path, session)))
+      assert.equal(session, bw.edit.begin(path, session))
+    end
+    local _, after = settle()
+    assert.equal(before, after)
+  end)
+
   it("is the same as another box of the same thing", function()
     local mesh = check.beam()
     local part = bw.model {mesh = mesh, material = bw.material.pla}

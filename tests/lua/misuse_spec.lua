@@ -44,7 +44,7 @@ local function calls(session, part)
     ["undo: a session expected, got nil"] = function() session.undo() end,
     ["bone: name: a string or a whole number expected"] = function() session:bone {} end,
     ["write: option 'fields'"] = function() session:write("x.vtu", {fields = 5}) end,
-    ["edit.begin: session: a session expected"] = function() bw.edit.begin("x.lua", 5) end,
+    ["edit.begin: script: a string expected"] = function() bw.edit.begin(5) end,
     ["picture: options: a table of options expected"] = function() solved:picture("x.png", 5) end,
     ["picture: option 'field': an array expected"] = function() solved:picture("x.png", {field = part}) end,
     ["reaction_on: selection: a selection expected"] = function() solved:reaction_on(5) end,

@@ -43,14 +43,18 @@ local function of_path(path)
 end
 
 -- The function to be called without arguments, and the text of the call.
-local function prepare(entry, self, list)
+local function prepare(entry, self, list, wrong)
   local kind, member = entry.kind, entry.member
   if kind == "function" then
     return function() return of_path(entry.path)[member](table.unpack(list, 1, list.n)) end
   elseif kind == "call" then
     return function() return of_path(entry.path)(table.unpack(list, 1, list.n)) end
   elseif kind == "method" then
-    return function() return self[member](self, table.unpack(list, 1, list.n)) end
+    return function()
+      local object = self
+      if wrong then object = wrong[1] end
+      return self[member](object, table.unpack(list, 1, list.n))
+    end
   elseif kind == "field" then
     return function() return self[member] end
   elseif kind == "assignment" then
@@ -78,6 +82,8 @@ end
 
 --- Why an error value that was raised is a finding, or nil.
 local function bad_error(message)
+  -- A callback's own: coroutine.wrap names the line that called it.
+  if type(message) == "string" and message:find "cannot resume [%w-]+ coroutine" then return nil end
   if message == late or message == hostile.raised or message == nil then return nil end
   if type(message) ~= "string" then
     local meta = debug.getmetatable(message)
@@ -160,11 +166,13 @@ function call.make(seed, number, pool, limit, tell)
   about.self = type(self) == "userdata" and self or nil
   local list = values.arguments(random, pool, entry, about)
   if special.arguments[entry.name] then special.arguments[entry.name](list) end
-  local f = prepare(entry, self, list)
+  if entry.kind == "method" and random:chance(0.03) then about.wrong = {hostile.value(random, pool, about)} end
+  local f = prepare(entry, self, list, about.wrong)
   about.again = function() pcall(f) end
   local way = random:uniform()
-  local text = text_of(entry, self, list, way < 0.1 and " in a thread" or way < 0.2 and " with odd progress" or
-    way < 0.23 and " without memory" or "")
+  local text = text_of(entry, self, list, (about.wrong and " of " .. values.describe(about.wrong[1]) or "")
+    .. (way < 0.1 and " in a thread" or way < 0.2 and " with odd progress" or way < 0.23 and " without memory"
+    or ""))
   tell(text)
   local start = os.clock()
   deadline = start + limit

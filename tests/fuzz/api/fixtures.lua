@@ -322,6 +322,11 @@ function Pool:closed_one(name)
   return self.dead[name]
 end
 
+--- Lets go of everything.
+function Pool:drop()
+  self.made, self.results, self.dead, self.used = {}, {}, {}, {}
+end
+
 --- Another object of the value's class, or a closed one, or one of another class.
 function Pool:like(value, random)
   local home = self.home[value]

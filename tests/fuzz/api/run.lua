@@ -14,6 +14,38 @@ local batch_size = 250
 local bytes = 3e9 -- that a batch may take
 local hang_seconds = 60 -- of processor time, or five times as long on the clock, that a call may take
 
+-- Overwrites what earlier calls left on Lua's stack: the collector takes it for objects in use.
+local wipe = load("local function wipe(n) local " .. ("a, "):rep(180) .. "a if n > 0 then wipe(n - 1) end end "
+  .. "return wipe")()
+
+-- Blocks of memory that the engine holds when nothing is in use.
+local function blocks()
+  bw.remarks()
+  bw.threads(1)
+  wipe(8)
+  local held, same = -1, 0
+  repeat -- an object that only another one holds goes a cycle after it
+    collectgarbage()
+    local now = select(2, core.external())
+    same = now == held and same + 1 or 0
+    held = now
+  until same == 3
+  return held
+end
+
+local at_rest
+
+-- Whether more are held once all objects are let go.
+local function leak(pool, what)
+  pool:drop()
+  local held = blocks()
+  if held <= at_rest then return nil end
+  local more = held - at_rest
+  at_rest = held
+  return {name = "memory", finding = "leaves memory behind", text = what,
+    message = ("%d blocks; --leaks names the call"):format(more)}
+end
+
 -- ---- the child ----------------------------------------------------------------------------------
 
 -- Calls first to last; what it returns is read by the parent.
@@ -41,26 +73,40 @@ local function work(wish, pool, first, last, log)
         one.message and ": " .. tostring(one.message) or ""))
     end
     if one.finding == "leaves the engine busy" then break end
+    local kept = wish.leaks and leak(pool, one.text)
+    if kept then
+      kept.number, kept.name = number, one.name
+      findings[#findings + 1] = kept
+    end
   end
   log:write "end\n"
-  return bw.json.encode {counts = counts, findings = bw.json.list(findings), longest = longest}
+  return {counts = counts, findings = bw.json.list(findings), longest = longest}
 end
 
--- The child works inside of a scenario, so that there are expectations.
-local function start(wish, pool, slot, first, last, log_name)
+-- The child works inside of a scenario, so that there are expectations. `jobs`: how many there are with it,
+-- a block each.
+local function start(wish, pool, jobs, slot, first, last, log_name)
   local log = assert(io.open(log_name, "wb"))
   local job = assert(core.job(function()
-    local text, why
+    local result, why
     files.begin(slot)
     pool.expect = bw.scenario.expect
     record.run({title = "fuzz", work = function(t)
       pool.test = t
       bw.threads(1 + first // batch_size % 2)
+      at_rest = at_rest + jobs
       local fine
-      fine, text = xpcall(work, debug.traceback, wish, pool, first, last, log)
-      if not fine then text, why = nil, "the fuzzer's own error: " .. text end
+      fine, result = xpcall(work, debug.traceback, wish, pool, first, last, log)
+      if not fine then result, why = nil, "the fuzzer's own error: " .. result end
     end}, "fuzz.lua", log_name .. ".record", {})
-    return text, why
+    if not result then return nil, why end
+    pool.expect, pool.test = nil, nil
+    local kept = leak(pool, ("calls %d to %d"):format(first, last))
+    if kept then
+      kept.number = last
+      table.insert(result.findings, kept)
+    end
+    return bw.json.encode(result)
   end, {name = "calls from " .. first, output = log_name .. ".out", bytes = bytes}))
   log:close()
   return {job = job, slot = slot, first = first, last = last, log_name = log_name, grown = core.seconds(),
@@ -186,6 +232,7 @@ end
 return function(wish, stubs_path)
   bw.threads(1)
   local list, by_name = entries.of(read(stubs_path))
+  at_rest = blocks()
   local pool, class_names = new_pool(list)
   if wish.only then
     local some = {}
@@ -215,7 +262,7 @@ return function(wish, stubs_path)
       local range = table.remove(waiting) or {first, math.min(last, first + batch_size - 1)}
       first = math.max(first, range[2] + 1)
       number = number + 1
-      running[#running + 1] = start(wish, pool, table.remove(slots), range[1], range[2],
+      running[#running + 1] = start(wish, pool, #running + 1, table.remove(slots), range[1], range[2],
         wish.folder .. "/" .. number)
     end
     local jobs = {}

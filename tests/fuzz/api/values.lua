@@ -163,11 +163,13 @@ end
 
 -- ---- arguments ----------------------------------------------------------------------------------
 
--- A good argument whose paths lead into the batch's folder.
+-- A copy of a good argument, to be spoiled, whose paths lead into the batch's folder.
 local function in_folder(value)
   if type(value) == "string" and (value:find "^good%." or value:find "^out%.") then return files.path(value) end
   if type(value) == "table" and not getmetatable(value) then
-    for key, inner in next, value do value[key] = in_folder(inner) end
+    local copy = {}
+    for key, inner in next, value do copy[key] = in_folder(inner) end
+    return copy
   end
   return value
 end
