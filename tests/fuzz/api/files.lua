@@ -35,8 +35,9 @@ assert(bw.outline.circle({radius = 1, name = "a", tag = "b"}):write(files.path "
 assert(bw.outline.circle({radius = 1, name = "a", tag = "b"}):write(files.path "good.dxf"))
 assert(bw.picture(surface, files.path "good.png", {width = 64, height = 64}))
 assert(bw.skeleton.create({joints = {{0, 0, 0}, {1, 0, 0}}, bones = {{1, 2}}}):write(files.path "good.tgf"))
-assert(bw.metamaterial.build({bw.hyperelastic {young = 1e5, poisson = 0.3}}, {directions = 4, magnitudes = 1,
-  stretches = 4, voids = false}):write(files.path "good.bwm"))
+assert(bw.metamaterial.build({bw.hyperelastic {young = 1e5, poisson = 0.3, density = 1000, name = "soft"},
+  bw.hyperelastic {young = 1e6, poisson = 0.3, density = 1000, name = "hard"}}, {directions = 4, magnitudes = 1,
+  stretches = 4, voids = false, seed = 3}):write(files.path "good.bwm"))
 write(files.path "good.lua", "local bw = require 'barwright'\nlocal session = ...\nreturn session\n")
 
 --- A study of a file.

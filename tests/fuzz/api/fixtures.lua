@@ -206,8 +206,7 @@ makers.Palette = {function(p) return p.Solid.palette end}
 makers.Solid = {function(p) return solid(p.Grid) end, function(p) return solid(p:variant("bw.Grid", 2)) end}
 makers.SolidResult = {function(p) return assert(p.Solid:solve()) end}
 makers.SolidMotion = {function(p) return assert(p.Solid:motion {step = 0.01}) end}
-makers.Library = {function() return assert(bw.metamaterial.build(palette(), {directions = 4, magnitudes = 1,
-  stretches = 4, voids = false, seed = 3})) end}
+makers.Library = {function() return assert(bw.metamaterial.read "good/good.bwm") end}
 makers.Canvas = {function() return assert(bw.canvas(100, 80)) end}
 makers.Figure = {
   function() return bw.plot.lines {series = {{name = "a", y = {1, 2, 4}}}} end,

@@ -33,7 +33,7 @@ local function blocks()
   return held
 end
 
-local at_rest
+local at_rest, with_objects -- without objects, and with those that the parent made
 
 -- Whether more are held once all objects are let go.
 local function leak(pool, what)
@@ -59,8 +59,9 @@ local function work(wish, pool, first, last, log)
     local one = call.make(wish.seed, number, pool, wish.seconds, function(text)
       log:write(("%d %s\n"):format(number, text))
     end)
-    local count = counts[one.name] or {done = 0, failed = 0, raised = 0, late = 0}
+    local count = counts[one.name] or {done = 0, failed = 0, raised = 0, late = 0, seconds = 0}
     counts[one.name] = count
+    count.seconds = count.seconds + one.seconds
     count[one.outcome] = count[one.outcome] + 1
     if one.seconds > longest.seconds then longest = {seconds = one.seconds, number = number,
       text = one.text} end
@@ -83,9 +84,8 @@ local function work(wish, pool, first, last, log)
   return {counts = counts, findings = bw.json.list(findings), longest = longest}
 end
 
--- The child works inside of a scenario, so that there are expectations. `jobs`: how many there are with it,
--- a block each.
-local function start(wish, pool, jobs, slot, first, last, log_name)
+-- The child works inside of a scenario, so that there are expectations.
+local function start(wish, pool, slot, first, last, log_name)
   local log = assert(io.open(log_name, "wb"))
   local job = assert(core.job(function()
     local result, why
@@ -93,8 +93,8 @@ local function start(wish, pool, jobs, slot, first, last, log_name)
     pool.expect = bw.scenario.expect
     record.run({title = "fuzz", work = function(t)
       pool.test = t
+      at_rest = at_rest + blocks() - with_objects -- the jobs are the parent's
       bw.threads(1 + first // batch_size % 2)
-      at_rest = at_rest + jobs
       local fine
       fine, result = xpcall(work, debug.traceback, wish, pool, first, last, log)
       if not fine then result, why = nil, "the fuzzer's own error: " .. result end
@@ -178,7 +178,7 @@ end
 
 local function add(into, result)
   for name, count in pairs(result.counts) do
-    local sum = into.counts[name] or {done = 0, failed = 0, raised = 0, late = 0}
+    local sum = into.counts[name] or {done = 0, failed = 0, raised = 0, late = 0, seconds = 0}
     into.counts[name] = sum
     for key, n in pairs(count) do sum[key] = sum[key] + n end
   end
@@ -250,6 +250,7 @@ return function(wish, stubs_path)
     if not later[name] then pool:get("bw." .. name) end
   end
   pool.used = {}
+  with_objects = blocks()
   local begin = core.seconds()
   local sum, seen = {counts = {}, findings = {}, longest = {seconds = 0}, calls = 0}, {}
   local first = wish.call and (wish.from or wish.call) or 1
@@ -262,7 +263,7 @@ return function(wish, stubs_path)
       local range = table.remove(waiting) or {first, math.min(last, first + batch_size - 1)}
       first = math.max(first, range[2] + 1)
       number = number + 1
-      running[#running + 1] = start(wish, pool, #running + 1, table.remove(slots), range[1], range[2],
+      running[#running + 1] = start(wish, pool, table.remove(slots), range[1], range[2],
         wish.folder .. "/" .. number)
     end
     local jobs = {}
@@ -281,10 +282,15 @@ return function(wish, stubs_path)
   for name, reason in pairs(entries.left_out) do print(("left out: %s: %s"):format(name, reason)) end
   local unused = never(list, sum.counts)
   print(("never with success (%d): %s"):format(#unused, table.concat(unused, " ")))
-  local outcome = {done = 0, failed = 0, raised = 0, late = 0}
-  for _, count in pairs(sum.counts) do
+  local outcome, dear = {done = 0, failed = 0, raised = 0, late = 0, seconds = 0}, {}
+  for name, count in pairs(sum.counts) do
+    dear[#dear + 1] = {name = name, seconds = count.seconds}
     for key, n in pairs(count) do outcome[key] = outcome[key] + n end
   end
+  table.sort(dear, function(a, b) return a.seconds > b.seconds end)
+  for i = 1, math.min(12, #dear) do dear[i] = ("%s %.2f s"):format(dear[i].name, dear[i].seconds) end
+  print(("dearest, of %.2f s in calls: %s"):format(outcome.seconds,
+    table.concat(dear, ", ", 1, math.min(12, #dear))))
   local distinct = 0
   for _ in pairs(seen) do distinct = distinct + 1 end
   print(("longest: %.2f s, call %s: %s"):format(sum.longest.seconds, sum.longest.number, sum.longest.text))
