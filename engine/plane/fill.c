@@ -14,8 +14,13 @@ enum { DENSER = 8, COUNT_TRIES = 8 };
 static const double EQUILATERAL = 0.43301270189221930; /* area over squared side */
 
 void bw_plane_options_default(bw_plane_options *options) {
-  *options = (bw_plane_options){
-      .order = 1, .elements = 2000, .minimum_angle = 25, .curvature = 20, .limit = 5000000};
+  *options = (bw_plane_options){.order = 1,
+                                .elements = 2000,
+                                .minimum_angle = 25,
+                                .curvature = 20,
+                                .limit = 5000000,
+                                .time_limit = 300,
+                                .memory_limit = 6e9};
 }
 
 void bwi_filling_clear(bwi_filling *filling) {
@@ -41,29 +46,89 @@ static bw_status check_options(bw_context *context, const bw_plane_options *o) {
                    o->curvature);
   if (o->limit < 1)
     return bw_fail(context, BW_INVALID, "limit %d: at least 1 element", o->limit);
+  if (!(o->time_limit > 0) || !(o->memory_limit > 0))
+    return bw_fail(context, BW_INVALID,
+                   "time_limit %g s and memory_limit %g bytes must be positive", o->time_limit,
+                   o->memory_limit);
   return BW_OK;
+}
+
+/* ---- limits -------------------------------------------------------------------------------------
+ */
+
+/* What a mesh takes while it is made, with CGAL's queues: measured at 2,000 to 5,000,000 elements.
+ */
+static const double BYTES_OF_ELEMENT = 250;
+
+/* More elements than the limit, or than memory has room for. */
+static bw_status too_many(bw_context *context, const bw_plane_options *o, double needed,
+                          const char *instead) {
+  bool memory = o->limit > o->memory_limit / BYTES_OF_ELEMENT;
+  if (memory)
+    bw_fail(context, BW_LIMIT,
+            "about %.3g elements are needed, and %.3g bytes have room for %.0f: %s, or raise "
+            "memory_limit",
+            needed, o->memory_limit, o->memory_limit / BYTES_OF_ELEMENT, instead);
+  else
+    bw_fail(context, BW_LIMIT,
+            "about %.3g elements are needed, and the limit is %d: %s, or raise the limit", needed,
+            o->limit, instead);
+  bw_detail_text(context, "limit", memory ? "memory" : "elements");
+  return BW_LIMIT;
+}
+
+/* Refinement ends nowhere: the shortest segment and its place say why. */
+static bw_status endless(bw_context *context, const bw_outline *outline, double across) {
+  int32_t shortest = 0;
+  double least = INFINITY;
+  for (int32_t s = 0; s < outline->segment_count; s++) {
+    double from[2], to[2];
+    bw_outline_evaluate(outline, s, 0, from, NULL, NULL);
+    bw_outline_evaluate(outline, s, 1, to, NULL, NULL);
+    double length = hypot(to[0] - from[0], to[1] - from[1]);
+    if (length > 0 && length < least) {
+      least = length;
+      shortest = s;
+    }
+  }
+  const double *at = outline->point + 2 * (size_t)outline->segment[shortest].point[0];
+  bw_fail(
+      context, BW_GEOMETRY,
+      "no triangles of the wanted size fit between the outline's nodes: the outline is %.4g "
+      "across, and the ends of segment %d, which begins at (%.9g, %.9g), are %.4g apart; are the "
+      "coordinates right?",
+      across, (int)shortest + 1, at[0], at[1], least);
+  bw_detail_number(context, "x", at[0]);
+  bw_detail_number(context, "y", at[1]);
+  return BW_GEOMETRY;
 }
 
 /* ---- filling ------------------------------------------------------------------------------------
  */
 
-/* One filling with a size; `turn` is halved while boundary edges cross, and the angle is let go
- * where refinement towards it finds no end. */
+static double across_of(const bw_outline_measures *measures) {
+  return hypot(measures->high[0] - measures->low[0], measures->high[1] - measures->low[1]);
+}
+
+/* One filling with a size; `turn` is halved while boundary edges cross. Where refinement towards
+ * the angle finds no end, a smaller one will do, then none, and at last boundary edges stay whole.
+ */
 static bw_status fill_once(bw_context *context, const bw_outline *outline,
-                           const bw_plane_options *options, double area, bwi_size_field *field,
-                           double *turn, double *angle, bwi_fill_boundary *boundary,
-                           bwi_filling *filling) {
+                           const bw_plane_options *options, const bw_outline_measures *measures,
+                           const bwi_time_limit *time, bwi_size_field *field, double *turn,
+                           double *angle, bwi_fill_boundary *boundary, bwi_filling *filling) {
   bw_status status = BW_OK;
+  int64_t most = (int64_t)fmin(options->limit, options->memory_limit / BYTES_OF_ELEMENT);
   for (int denser = 0;;) {
     bwi_fill_boundary_clear(boundary);
     bwi_filling_clear(filling);
-    BW_TRY(bwi_fill_boundary_create(context, outline, field, *turn, boundary));
-    int64_t limit = options->limit;
-    if (!field->function && *angle > 0) {
-      double expected = area / (EQUILATERAL * field->size * field->size);
+    BW_TRY(bwi_fill_boundary_create(context, outline, field, *turn, most, boundary));
+    int64_t limit = most;
+    if (!field->function && *angle > BWI_WHOLE_EDGES && options->minimum_angle > 0) {
+      double expected = measures->area / (EQUILATERAL * field->size * field->size);
       limit = (int64_t)fmin((double)limit, 6 * expected + 16.0 * boundary->count + 4000);
     }
-    BW_TRY(bwi_fill_cgal(context, outline, boundary, field, *angle, limit, filling));
+    BW_TRY(bwi_fill_cgal(context, outline, boundary, field, *angle, limit, time, filling));
     BW_TRY(bwi_size_check(context, field));
     if (filling->crossed) {
       if (denser++ == DENSER) {
@@ -74,14 +139,16 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
         goto done;
       }
       *turn /= 2;
-    } else if (filling->full) {
-      if (limit == options->limit || *angle == 0) {
-        status = bw_fail(context, BW_LIMIT,
-                         "more than %d elements are needed: give a larger size, or raise the limit",
-                         options->limit);
+    } else if (filling->full || filling->stuck) {
+      if (filling->full && (limit == most || *angle == BWI_WHOLE_EDGES)) {
+        status = too_many(context, options, (double)most + 1, "give a larger size");
         goto done;
       }
-      *angle = *angle > 20 ? 20 : 0;
+      if (*angle == BWI_WHOLE_EDGES) {
+        status = endless(context, outline, across_of(measures));
+        goto done;
+      }
+      *angle = *angle > 20 ? 20 : *angle > 0 ? 0 : BWI_WHOLE_EDGES;
     } else {
       return BW_OK;
     }
@@ -100,26 +167,27 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
   bw_plane_mesh *made = NULL;
   BW_TRY(check_options(context, &options));
   BW_TRY(bw_outline_measure(context, outline, -1, &measures));
-  double across = hypot(measures.high[0] - measures.low[0], measures.high[1] - measures.low[1]);
+  double across = across_of(&measures);
+  bwi_time_limit time = bwi_time_limit_begin("filling the outline", options.time_limit);
   double turn = options.curvature * 0.017453292519943295, angle = options.minimum_angle;
   bool counted = options.size == 0 && !options.field;
   bwi_size_field field = {
       .size = options.size, .function = options.field, .data = options.field_data};
-  if (counted)
-    field.size = *guess > 0
-                     ? *guess /* thin shapes have about as many triangles as boundary edges */
-                     : fmin(fmax(sqrt(measures.area / (EQUILATERAL * options.elements)),
-                                 measures.perimeter / options.elements),
-                            across);
-  else if (options.size == 0)
+  if (counted) {
+    /* thin shapes have about as many triangles as boundary edges */
+    double fresh = fmin(fmax(sqrt(measures.area / (EQUILATERAL * options.elements)),
+                             measures.perimeter / options.elements),
+                        across);
+    /* a guess from a far smaller shape would ask for far too many */
+    field.size = *guess > fresh / 4 ? *guess : fresh;
+  } else if (options.size == 0) {
     field.size = across;
+  }
+  double expected = measures.area / (EQUILATERAL * field.size * field.size);
   if (!options.field &&
-      measures.area / (EQUILATERAL * field.size * field.size) > 2.0 * options.limit) {
-    status =
-        bw_fail(context, BW_LIMIT,
-                "about %.3g elements of the size %g are needed, and the limit is %d: give a "
-                "larger size, or raise the limit",
-                measures.area / (EQUILATERAL * field.size * field.size), field.size, options.limit);
+      expected > 2 * fmin(options.limit, options.memory_limit / BYTES_OF_ELEMENT)) {
+    status = too_many(context, &options, expected,
+                      counted ? "ask for fewer elements" : "give a larger size");
     goto done;
   }
   double off = INFINITY, best = field.size, before = 0;
@@ -127,7 +195,7 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
     bw_progress(context, "filling", 0.8 * tries / (tries + 1));
     if (tries == COUNT_TRIES)
       field.size = best; /* no size gives the number wanted: the nearest */
-    BW_TRY(fill_once(context, outline, &options, measures.area, &field, &turn, &angle, &boundary,
+    BW_TRY(fill_once(context, outline, &options, &measures, &time, &field, &turn, &angle, &boundary,
                      &filling));
     if (!counted)
       break;
@@ -173,7 +241,7 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
       goto done;
     }
     turn /= 2;
-    BW_TRY(fill_once(context, outline, &options, measures.area, &field, &turn, &angle, &boundary,
+    BW_TRY(fill_once(context, outline, &options, &measures, &time, &field, &turn, &angle, &boundary,
                      &filling));
   }
   bw_progress(context, "filling", 1);

@@ -6,13 +6,13 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized" /* in CGAL's own headers */
 #endif
 #include "plane/fill_internal.h"
+#include "plane/watched_kernel.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_mesh_face_base_2.h>
 #include <CGAL/Delaunay_mesh_vertex_base_2.h>
 #include <CGAL/Delaunay_mesher_2.h>
 #include <CGAL/Delaunay_mesher_no_edge_refinement_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
@@ -24,7 +24,7 @@
 
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Kernel = bwi::Watched_kernel;
 /* Number of a vertex: -1 is none yet. */
 struct Number {
   std::int32_t at = -1;
@@ -265,32 +265,80 @@ double sharpest_turn(const bwi_fill_boundary *boundary, std::int32_t loops) {
   return sharpest;
 }
 
+/* Asked by the watched kernel whether to go on. */
+struct Asked {
+  bw_context *context;
+  const bwi_size_field *field;
+  const bwi_time_limit *time;
+  std::int64_t most_work;
+  bwi_filling *filling;
+  bw_status status;
+};
+
+/* Work per element and boundary node that are allowed. Triangulations that come out right have
+ * taken 8 to 15 per element. */
+constexpr std::int64_t MOST_WORK = 60;
+
+bool go_on(void *data, std::int64_t work) {
+  Asked *asked = static_cast<Asked *>(data);
+  asked->status = bwi_time_limit_check(asked->context, asked->time);
+  asked->filling->stuck = work > asked->most_work;
+  return asked->status == BW_OK && !asked->field->failed && !asked->filling->stuck;
+}
+
 template <class Mesher>
-bw_status refine(bw_context *context, Triangulation &t, Mesher &mesher, bwi_size_field *field,
-                 std::int64_t limit, bwi_filling *filling) {
+void refine(Triangulation &t, Mesher &mesher, std::int64_t limit, bwi_filling *filling) {
   std::size_t before = 0;
   mesher.init(true);
   for (std::int64_t step = 0; mesher.try_one_step_refine_mesh(); step++) {
     if (step % 1024 != 0)
       continue;
-    bw_status status = bw_check_cancel(context);
-    if (status != BW_OK || field->failed)
-      return status;
     /* where rounding leaves no place for another vertex, steps lead nowhere */
-    bool stuck = step > 0 && t.number_of_vertices() == before;
+    filling->stuck = step > 0 && t.number_of_vertices() == before;
+    filling->full = static_cast<std::int64_t>(t.number_of_faces()) > limit;
+    if (filling->stuck || filling->full)
+      return;
     before = t.number_of_vertices();
-    if (stuck || static_cast<std::int64_t>(t.number_of_faces()) > limit) {
-      filling->full = true;
-      return BW_OK;
-    }
   }
-  return BW_OK;
+}
+
+/* At most this many nodes of a loop are inserted one after the other. */
+constexpr std::int32_t FIRST_NODES = 1024;
+
+/* The nodes of a loop: some of them one after the other, each looked for from the one before; then
+ * those halfway between, again and again. All of them one after the other would turn over nearly
+ * all edges for each node along a straight line. False: two nodes lie at one place. */
+bool insert_loop(Triangulation &t, const bwi_fill_boundary *boundary, std::int32_t loop,
+                 const Origin &origin, std::vector<Vertex> &vertex) {
+  std::int32_t begin = boundary->loop_start[loop], count = boundary->loop_start[loop + 1] - begin;
+  std::int32_t first = 1;
+  while (count / first > FIRST_NODES)
+    first *= 2;
+  for (std::int32_t step = first; step > 0; step /= 2)
+    for (std::int32_t i = 0; i < count; i += step) {
+      if (step < first && i % (2 * step) == 0)
+        continue; /* it is there */
+      std::size_t at = static_cast<std::size_t>(begin + i);
+      Face hint;
+      if (i > 0)
+        hint = vertex[at - static_cast<std::size_t>(step)]->face();
+      else if (at > 0)
+        hint = vertex[at - 1]->face();
+      Vertex v = t.insert(Kernel::Point_2(boundary->point[2 * at] - origin.x,
+                                          boundary->point[2 * at + 1] - origin.y),
+                          hint);
+      if (v->info().at >= 0)
+        return false;
+      v->info().at = begin + i;
+      vertex[at] = v;
+    }
+  return true;
 }
 
 bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_boundary *boundary,
-               bwi_size_field *field, double minimum_angle, std::int64_t limit,
+               bwi_size_field *field, double minimum_angle, std::int64_t limit, bwi::Watch *watch,
                bwi_filling *filling) {
-  Triangulation t;
+  Triangulation t{Kernel(watch)};
   std::vector<Vertex> vertex(static_cast<std::size_t>(boundary->count));
   std::vector<std::int32_t> loop_of(vertex.size());
   std::int32_t loops = outline->loop_count;
@@ -301,24 +349,14 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
       high[k] = std::fmax(high[k], boundary->point[2 * i + k]);
     }
   Origin origin{(low[0] + high[0]) / 2, (low[1] + high[1]) / 2};
-  /* boundary nodes one after the other: near each other along a loop, so that each is found quickly
-   * from the one before */
-  Face hint;
-  for (std::int32_t l = 0; l < loops; l++)
-    for (std::int32_t i = boundary->loop_start[l]; i < boundary->loop_start[l + 1]; i++) {
-      std::size_t at = static_cast<std::size_t>(i);
-      Vertex v = t.insert(Kernel::Point_2(boundary->point[2 * at] - origin.x,
-                                          boundary->point[2 * at + 1] - origin.y),
-                          hint);
-      if (v->info().at >= 0) { /* two nodes at one place */
-        filling->crossed = true;
-        return BW_OK;
-      }
-      v->info().at = i;
-      vertex[at] = v;
-      loop_of[at] = l;
-      hint = v->face();
+  for (std::int32_t l = 0; l < loops; l++) {
+    for (std::int32_t i = boundary->loop_start[l]; i < boundary->loop_start[l + 1]; i++)
+      loop_of[static_cast<std::size_t>(i)] = l;
+    if (!insert_loop(t, boundary, l, origin, vertex)) {
+      filling->crossed = true;
+      return BW_OK;
     }
+  }
   for (std::int32_t l = 0; l < loops; l++) {
     std::int32_t begin = boundary->loop_start[l], end = boundary->loop_start[l + 1];
     for (std::int32_t i = begin; i < end; i++) {
@@ -357,18 +395,17 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
   for (auto f = t.all_faces_begin(); f != t.all_faces_end(); ++f)
     f->set_in_domain(!t.is_infinite(f) && is_material(outline, f->info().at));
 
-  double sine = std::sin(minimum_angle * 0.017453292519943295);
+  double sine = std::sin(std::fmax(minimum_angle, 0) * 0.017453292519943295);
   Criteria criteria(field, sine * sine, origin);
-  bw_status status;
-  if (sharpest_turn(boundary, outline->loop_count) < SHARP) {
+  if (minimum_angle == BWI_WHOLE_EDGES || sharpest_turn(boundary, loops) < SHARP) {
     CGAL::Delaunay_mesher_no_edge_refinement_2<Triangulation, Criteria> mesher(t, criteria);
-    status = refine(context, t, mesher, field, limit, filling);
+    refine(t, mesher, limit, filling);
   } else {
     CGAL::Delaunay_mesher_2<Triangulation, Criteria> mesher(t, criteria);
-    status = refine(context, t, mesher, field, limit, filling);
+    refine(t, mesher, limit, filling);
   }
-  if (status != BW_OK || filling->full)
-    return status;
+  if (filling->stuck || filling->full)
+    return BW_OK;
   std::vector<Vertex> number(vertex);
   for (auto v = t.finite_vertices_begin(); v != t.finite_vertices_end(); ++v)
     if (v->info().at < 0) {
@@ -377,7 +414,7 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
     }
   std::vector<Put> put(number.size(), Put{-1, 0});
   if (!walk_chords(t, boundary, loops, vertex, put)) {
-    filling->full = true; /* rounding let two boundary edges meet */
+    filling->stuck = true; /* rounding let two boundary edges meet */
     return BW_OK;
   }
   flood(t, outline, [&](Face face, int i) {
@@ -393,10 +430,15 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
 
 bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
                         const bwi_fill_boundary *boundary, bwi_size_field *field,
-                        double minimum_angle, int64_t limit, bwi_filling *filling) {
+                        double minimum_angle, int64_t limit, const bwi_time_limit *time,
+                        bwi_filling *filling) {
   std::memset(filling, 0, sizeof *filling);
+  Asked asked{context, field, time, MOST_WORK * (limit + boundary->count), filling, BW_OK};
+  bwi::Watch watch(go_on, &asked);
   try {
-    return fill(context, outline, boundary, field, minimum_angle, limit, filling);
+    return fill(context, outline, boundary, field, minimum_angle, limit, &watch, filling);
+  } catch (const bwi::Stopped &) {
+    return asked.status;
   } catch (const std::bad_alloc &) {
     return bw_fail(context, BW_MEMORY, "filling an outline: memory ran out");
   } catch (const std::exception &error) {

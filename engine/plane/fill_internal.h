@@ -3,6 +3,7 @@
 #ifndef BARWRIGHT_PLANE_FILL_INTERNAL_H
 #define BARWRIGHT_PLANE_FILL_INTERNAL_H
 
+#include "base/limit.h"
 #include "plane/internal.h"
 
 #ifdef __cplusplus
@@ -28,9 +29,11 @@ typedef struct bwi_fill_boundary {
   double *parameter;
   int32_t *loop_start; /* loops + 1 */
 } bwi_fill_boundary;
-/* turn: radians that a boundary edge may turn by. */
+/* turn: radians that a boundary edge may turn by; limit: of elements. BW_LIMIT when so many nodes
+ * are needed that the elements between them are more than that. */
 bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outline,
-                                   bwi_size_field *field, double turn, bwi_fill_boundary *boundary);
+                                   bwi_size_field *field, double turn, int64_t limit,
+                                   bwi_fill_boundary *boundary);
 void bwi_fill_boundary_clear(bwi_fill_boundary *boundary);
 
 /* Triangles inside of the boundary (fill_cgal.cpp). The boundary's nodes keep their numbers; the
@@ -45,10 +48,16 @@ typedef struct bwi_filling {
   double *along;    /* of nodes: how far along that edge, 0 to 1 */
   bool crossed;     /* boundary edges cross: place nodes more densely. Nothing else is filled in */
   bool full;        /* the limit was reached: nothing else is filled in */
+  bool stuck; /* rounding stops refinement, or it turns in circles: nothing else is filled in */
 } bwi_filling;
+
+/* The angle that is none, and boundary edges are not split: with others they are where the circle
+ * over them holds a node, which along thin walls takes many. */
+enum { BWI_WHOLE_EDGES = -1 };
 bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
                         const bwi_fill_boundary *boundary, bwi_size_field *field,
-                        double minimum_angle, int64_t limit, bwi_filling *filling);
+                        double minimum_angle, int64_t limit, const bwi_time_limit *time,
+                        bwi_filling *filling);
 void bwi_filling_clear(bwi_filling *filling);
 
 /* The mesh (fill_mesh.c). *fits false: elements are inverted or folded, and nodes along the curves

@@ -44,6 +44,8 @@ void lbw_read_plane_options(lua_State *L, int index, const char *function,
       {"minimum_angle", LBW_REAL, offsetof(bw_plane_options, minimum_angle)},
       {"curvature", LBW_REAL, offsetof(bw_plane_options, curvature)},
       {"limit", LBW_INT, offsetof(bw_plane_options, limit)},
+      {"time_limit", LBW_REAL, offsetof(bw_plane_options, time_limit)},
+      {"memory_limit", LBW_REAL, offsetof(bw_plane_options, memory_limit)},
       {"field", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lbw_options(L, index, function, list, options);

@@ -8,26 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "barwright.h"
+#include "fill_bytes.h"
 #include "io/raw.h"
 #include "metamaterial/library.h"
+#include "parse_check.h"
 #include "shape/internal.h"
-
-static inline void parse_require(int condition) {
-  if (!condition)
-    abort();
-}
-
-static inline bw_context *parse_context(void) {
-  static bw_context *context;
-  if (!context) {
-    context = bw_context_create();
-    parse_require(context != NULL && bw_set_threads(context, 1) == BW_OK);
-  }
-  bw_clear_failure(context);
-  bw_clear_remarks(context);
-  return context;
-}
 
 static inline bw_status parse_surface(const char *name, const unsigned char *bytes, size_t count) {
   bw_context *context = parse_context();
@@ -166,6 +151,8 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
     parse_outline(name, copy, count);
   } else if (strcmp(format, "bwm") == 0) {
     parse_library(copy, count);
+  } else if (strcmp(format, "plane") == 0) {
+    fill_bytes(copy, count);
   } else {
     parse_surface(name, copy, count);
     bool surface_only = strcmp(format, "stl") == 0 || strcmp(format, "obj") == 0 ||

@@ -63,12 +63,15 @@ typedef struct bw_plane_options {
   double curvature;     /* largest turn of a boundary edge, degrees; default 20 */
   bw_size_function *field; /* may be NULL; the smaller of it and `size` counts (of it and 0: it) */
   void *field_data;
-  int32_t limit; /* of elements, BW_LIMIT beyond; default 5,000,000 */
+  int32_t limit;       /* of elements, BW_LIMIT beyond; default 5,000,000 */
+  double time_limit;   /* seconds of computing, BW_LIMIT beyond; default 300 */
+  double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
 } bw_plane_options;
 void bw_plane_options_default(bw_plane_options *options);
 /* Boundary nodes are placed along the segments first (vertices of the outline always are nodes),
  * then the inside is filled (CGAL: constrained Delaunay, refinement; then smoothing with flips).
- * Deterministic. */
+ * Deterministic. Where a limit is reached, the detail "limit" says which: "elements", "time",
+ * "memory". bw_cancel ends it within a fraction of a second. */
 bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
                         const bw_plane_options *options, bw_plane_mesh **mesh);
 /* From arrays (checked: indices, corners first, orientation, neighbours), for tests and bodies by

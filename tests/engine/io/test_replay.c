@@ -112,6 +112,7 @@ REPLAY(tgf)
 REPLAY(svg)
 REPLAY(dxf)
 REPLAY(bwm)
+REPLAY(plane)
 
 int main(void) {
   const struct CMUnitTest tests[] = {
@@ -119,6 +120,6 @@ int main(void) {
       cmocka_unit_test(replay_ply),   cmocka_unit_test(replay_msh),    cmocka_unit_test(replay_vtu),
       cmocka_unit_test(replay_medit), cmocka_unit_test(replay_tetgen), cmocka_unit_test(replay_inp),
       cmocka_unit_test(replay_tgf),   cmocka_unit_test(replay_svg),    cmocka_unit_test(replay_dxf),
-      cmocka_unit_test(replay_bwm)};
+      cmocka_unit_test(replay_bwm),   cmocka_unit_test(replay_plane)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

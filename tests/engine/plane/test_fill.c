@@ -194,6 +194,107 @@ static void scales(void **state) {
   bw_release(mesh);
 }
 
+/* A detail of 1e-8 of the outline, far from all else of it: edge lengths grow away from it, and its
+ * size is not kept up along the long curves that begin there. */
+static void details(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_options options;
+  bw_plane_options_default(&options);
+  const double step[5][2] = {{0, 0}, {1e6, 4e5}, {1.2e6, -3e5}, {0.02, -0.02}, {0.01, 0}};
+  shape s = {.points = 0};
+  add_polygon(&s, 0, "step", 5, step);
+  bw_release(filled(context, &s, &options));
+  s = (shape){.points = 0};
+  begin_loop(&s, 0, "bow");
+  const double bow[6][2] = {{0, 0}, {5e5, 4e5}, {9e5, 4e5}, {1e6, 0}, {0.02, -0.02}, {0.01, 0}};
+  memcpy(s.point, bow, sizeof bow);
+  s.points = 6;
+  s.segment[0] = (bw_segment){{0, 1, 2, 3}, 0};
+  s.segment[1] = (bw_segment){{3, -1, -1, 4}, 0};
+  s.segment[2] = (bw_segment){{4, -1, -1, 5}, 0};
+  s.segment[3] = (bw_segment){{5, -1, -1, 0}, 0};
+  s.segments = s.loop[0].count = 4;
+  bw_plane_mesh *mesh = filled(context, &s, &options);
+  assert_in_range(mesh->topology->element_count, 1800, 2200);
+  bw_release(mesh);
+}
+
+/* Nodes along a strip lie on two straight lines. Inserted one after the other they would turn over
+ * a number of edges that grows with the square of theirs. */
+static void strip(void **state) {
+  bw_context *context = check_context(state);
+  bw_plane_options options;
+  bw_plane_options_default(&options);
+  options.size = 1;
+  options.minimum_angle = 0;
+  shape s = {.points = 0};
+  add_box(&s, 0, "strip", 0, 0, 30000, 0.5);
+  bw_plane_mesh *mesh = filled(context, &s, &options);
+  assert_in_range(mesh->topology->element_count, 50000, 80000);
+  bw_release(mesh);
+}
+
+typedef struct stopping {
+  bw_context *context;
+  int64_t calls, after;
+} stopping;
+
+static double cancelling(void *data, const double at[2]) {
+  stopping *it = data;
+  (void)at;
+  if (++it->calls == it->after)
+    bw_cancel(it->context);
+  return 0.01;
+}
+
+static void limits(void **state) {
+  bw_context *context = check_context(state);
+  shape s;
+  block_with_hole(&s, 1);
+  bw_outline *outline = outline_of(context, &s);
+  bw_plane_options options;
+  bw_plane_mesh *mesh = NULL;
+  const char *key, *text;
+  double number;
+  bw_plane_options_default(&options);
+  options.time_limit = 0;
+  check_fails(context, BW_INVALID, "time_limit", bw_plane_fill(context, outline, &options, &mesh));
+  options.time_limit = 1e-9;
+  options.elements = 20000;
+  check_fails(context, BW_LIMIT, "time_limit", bw_plane_fill(context, outline, &options, &mesh));
+  assert_true(bw_detail(context, 0, &key, &number, &text));
+  assert_string_equal(key, "limit");
+  assert_string_equal(text, "time");
+  bw_plane_options_default(&options);
+  options.memory_limit = 1e5;
+  check_fails(context, BW_LIMIT, "memory_limit", bw_plane_fill(context, outline, &options, &mesh));
+  options.elements = 100;
+  check_ok(context, bw_plane_fill(context, outline, &options, &mesh));
+  bw_release(mesh);
+  mesh = NULL;
+  bw_plane_options_default(&options);
+  options.elements = 2000000000;
+  check_fails(context, BW_LIMIT, "fewer elements",
+              bw_plane_fill(context, outline, &options, &mesh));
+  bw_plane_options_default(&options);
+  stopping it = {context, 0, 3000};
+  options.field = cancelling;
+  options.field_data = &it;
+  check_fails(context, BW_CANCELLED, "", bw_plane_fill(context, outline, &options, &mesh));
+  assert_true(it.calls > 2999 && it.calls < 40000);
+  bw_clear_cancel(context);
+  bw_release(outline);
+  /* more nodes along it than elements are allowed */
+  s = (shape){.points = 0};
+  add_box(&s, 0, "strip", 0, 0, 1e5, 1e-3);
+  outline = outline_of(context, &s);
+  bw_plane_options_default(&options);
+  options.size = 0.01;
+  check_fails(context, BW_LIMIT, "nodes on the outline",
+              bw_plane_fill(context, outline, &options, &mesh));
+  bw_release(outline);
+}
+
 static void same_every_time(void **state) {
   bw_context *context = check_context(state);
   shape s;
@@ -284,7 +385,8 @@ static void large(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(block),       check_test(size_field),      check_test(regions),
-      check_test(hard_shapes), check_test(scales),          check_test(same_every_time),
+      check_test(hard_shapes), check_test(scales),          check_test(details),
+      check_test(strip),       check_test(limits),          check_test(same_every_time),
       check_test(refusals),    check_test(memory_failures), check_test(large)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -305,6 +305,33 @@ static void forced_levels(void **state) {
   bw_release(mesh);
 }
 
+/* A bar pulled out to many times its length gets about as many elements as it had, and on the way
+ * there never far more: the edge length of the short bar is no measure for the long one. */
+static void pulled_far(void **state) {
+  bw_context *context = check_context(state);
+  shape s = {.points = 0};
+  add_box(&s, 0, "bar", 0, 0, 0.2, 0.03);
+  bw_plane_mesh *mesh = filled(context, &s, 1, 60);
+  bw_follow_options options;
+  bw_follow_options_default(&options);
+  options.force = BW_LEVEL_RECONSTRUCTION;
+  options.fill.limit = 20000;
+  bw_mover *mover = NULL;
+  bw_follow_report report;
+  check_ok(context, bw_mover_create(context, mesh, &options, &mover));
+  static const double length[2] = {0.21, 6000};
+  for (int i = 0; i < 2; i++) {
+    const double at[4][2] = {{0, 0}, {length[i], 0}, {length[i], 0.03}, {0, 0.03}};
+    bw_outline *moved = NULL;
+    check_ok(context, bw_outline_moved(context, mesh->outline, &at[0][0], &moved));
+    check_ok(context, bw_mover_follow(context, mover, moved, &report));
+    assert_in_range(mover->mesh->topology->element_count, 50, 300);
+    bw_release(moved);
+  }
+  bw_release(mover);
+  bw_release(mesh);
+}
+
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
   shape s;
@@ -372,9 +399,9 @@ static void budgets(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(relocation),      check_test(translation),
-                                     check_test(adjoint),         check_test(forced_levels),
-                                     check_test(the_papers_drag), check_test(random_drags),
-                                     check_test(budgets),         check_test(memory_failures)};
+  const struct CMUnitTest tests[] = {
+      check_test(relocation),    check_test(translation),     check_test(adjoint),
+      check_test(forced_levels), check_test(the_papers_drag), check_test(random_drags),
+      check_test(budgets),       check_test(pulled_far),      check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,30 @@
+/* Limits on time. See limit.h.
+ *
+ * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+#include "base/limit.h"
+
+#include <time.h>
+
+static double thread_seconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+bwi_time_limit bwi_time_limit_begin(const char *what, double seconds) {
+  return (bwi_time_limit){what, seconds, thread_seconds()};
+}
+
+bw_status bwi_time_limit_check(bw_context *context, const bwi_time_limit *limit) {
+  bw_status status = bw_check_cancel(context);
+  if (status != BW_OK || thread_seconds() - limit->start <= limit->seconds)
+    return status;
+  bw_fail(
+      context, BW_LIMIT,
+      "%s took more than the %.4g seconds of computing it may use: raise time_limit, or ask for "
+      "larger elements",
+      limit->what, limit->seconds);
+  bw_detail_text(context, "limit", "time");
+  bw_detail_number(context, "seconds", limit->seconds);
+  return BW_LIMIT;
+}
