@@ -121,6 +121,7 @@ static bw_status prepare_base(bwi_filler *f, const bw_surface *given) {
     bw_repair_options_default(&repair);
     if (repair.time_limit > f->options->time_limit)
       repair.time_limit = f->options->time_limit;
+    repair.memory_limit = f->options->memory_limit;
     BW_TRY(bw_surface_repair(context, welded, &repair, &made, &f->base_log));
     f->repaired = f->base_log.count > 0;
     if (f->repaired)

@@ -41,6 +41,8 @@ static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, do
   bw_remesh_options_default(&job.options);
   job.options.edge_length = length;
   job.options.sharp_angle = sharp;
+  job.options.time_limit = f->options->time_limit;
+  job.options.memory_limit = f->options->memory_limit;
   double facets = f->area / (0.4330127 * length * length) + 0.5 * from->triangle_count;
   bwi_child_limits limits = {fmin(5 + 2.5e-4 * facets, f->options->time_limit),
                              f->options->memory_limit};
@@ -161,6 +163,10 @@ bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length) 
   double start = bw_seconds();
   double *hole = NULL;
   int32_t holes;
+  bw_wrap_options wrap = {.alpha = 0.7 * length,
+                          .offset = 0.07 * length,
+                          .time_limit = f->options->time_limit,
+                          .memory_limit = f->options->memory_limit};
   switch (how) {
   case WAY_AS_IS:
     made = bw_retain(f->base);
@@ -172,7 +178,7 @@ bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length) 
     BW_TRY(coarsen(f, length, &made, &log));
     break;
   default:
-    BW_TRY(bw_surface_wrap(context, f->base, 0.7 * length, 0.07 * length, &between, &log));
+    BW_TRY(bw_surface_wrap(context, f->base, &wrap, &between, &log));
     BW_TRY(remesh_sound(f, between, length, &made, &log));
     break;
   }

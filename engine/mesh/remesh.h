@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "barwright/mesh.h"
+#include "base/limit.h"
 #include "mesh/remesh_mesh.h"
 #include "mesh/surface_tree.h"
 
@@ -28,6 +29,8 @@ typedef struct bwi_remesher {
   double length, tolerance;
   double tiny;        /* edges so short go even where they are features */
   double most_facets; /* no more edges are split beyond */
+  double memory;      /* bytes allowed */
+  bwi_time_limit time;
   double *room; /* per facet of the original: how far what lies opposite is, inside or outside */
   bwi_fine_place *fine;
   size_t fine_count, fine_capacity;
@@ -67,9 +70,10 @@ static inline bool turned_over(const double before[3], const double after[3]) {
   return bw_dot(before, after) <= turn * bw_norm(before) * bw_norm(after);
 }
 
-/* Long loops look up now and then. */
+/* Long loops look up now and then: cancelled, out of time, out of memory? */
+bw_status bwi_remesh_check(const bwi_remesher *r);
 static inline bw_status look_up(const bwi_remesher *r, size_t step) {
-  return step % 1024 == 0 ? bw_check_cancel(r->context) : BW_OK;
+  return step % 1024 == 0 ? bwi_remesh_check(r) : BW_OK;
 }
 
 /* remesh_guard.c: how far the surface may be left near a point; whether a point, a side and a facet

@@ -8,9 +8,7 @@
 #include "mesh/surface_internal.h"
 #include "mesh/surface_tree.h"
 
-static const double child_memory = 4e9; /* bytes */
-
-bw_status bwi_cgal_surface(bw_context *context, const char *what, double seconds,
+bw_status bwi_cgal_surface(bw_context *context, const char *what, const bwi_child_limits *limits,
                            bwi_child_work *work, void *job, bw_surface **surface) {
   bw_status status = BW_OK;
   unsigned char *bytes = NULL;
@@ -18,8 +16,7 @@ bw_status bwi_cgal_surface(bw_context *context, const char *what, double seconds
   int64_t head[2] = {0, 0};
   double *point = NULL;
   int32_t *triangle = NULL;
-  bwi_child_limits limits = {seconds, child_memory};
-  BW_TRY(bwi_child_run(context, what, &limits, work, job, &bytes, &count));
+  BW_TRY(bwi_child_run(context, what, limits, work, job, &bytes, &count));
   if (count >= sizeof head)
     memcpy(head, bytes, sizeof head);
   if (count < sizeof head || head[0] < 0 || head[1] < 0 || head[0] > INT32_MAX ||

@@ -44,7 +44,7 @@ typedef struct bwi_hole_job {
 bw_status bwi_cgal_fill(bw_context *context, void *job, bwi_child_stream *out);
 
 /* Run a job that writes a surface and take that surface. */
-bw_status bwi_cgal_surface(bw_context *context, const char *what, double seconds,
+bw_status bwi_cgal_surface(bw_context *context, const char *what, const bwi_child_limits *limits,
                            bwi_child_work *work, void *job, bw_surface **surface);
 
 #ifdef __cplusplus

@@ -21,7 +21,36 @@
 #include "mesh/surface_topology.h"
 
 void bw_remesh_options_default(bw_remesh_options *options) {
-  *options = (bw_remesh_options){.sharp_angle = 40 * 3.14159265358979323846 / 180, .iterations = 5};
+  *options = (bw_remesh_options){.sharp_angle = 40 * 3.14159265358979323846 / 180,
+                                 .iterations = 5,
+                                 .time_limit = 300,
+                                 .memory_limit = 6e9};
+}
+
+/* What a facet takes while it is remeshed: measured, with what its points and the search take. */
+static const double BYTES_OF_FACET = 300;
+static const double EQUILATERAL = 0.43301270189221930; /* area over squared side */
+
+static bw_status too_many(const bwi_remesher *r, double area, double facets) {
+  bw_fail(
+      r->context, BW_LIMIT,
+      "edges of %g m cut this surface of %g m2 into about %.3g facets; %.3g bytes have room for "
+      "%.3g: ask for longer edges, or raise memory_limit",
+      r->length, area, facets, r->memory, r->memory / BYTES_OF_FACET);
+  bw_detail_text(r->context, "limit", "memory");
+  return BW_LIMIT;
+}
+
+bw_status bwi_remesh_check(const bwi_remesher *r) {
+  if (r->mesh && (double)r->mesh->facet_count * BYTES_OF_FACET > r->memory) {
+    bw_fail(r->context, BW_LIMIT,
+            "remeshing needs more than the %.3g bytes it may use: ask for longer edges, or raise "
+            "memory_limit",
+            r->memory);
+    bw_detail_text(r->context, "limit", "memory");
+    return BW_LIMIT;
+  }
+  return bwi_time_limit_check(r->context, &r->time);
 }
 
 static bw_status find_creases(bwi_remesher *r) {
@@ -90,11 +119,12 @@ static bw_status refine_cuts(bwi_remesher *r, const bw_surface *made,
 }
 
 /* Take the last intersections out, where that makes the result sound. */
-static bw_status resolve(bwi_remesher *r, bw_surface **made, bw_surface_report *report,
+static bw_status resolve(const bwi_remesher *r, bw_surface **made, bw_surface_report *report,
                          double *moved) {
   bw_surface *next = NULL;
   bw_surface_report after = {0};
-  bw_status status = bwi_cgal_surface(r->context, "taking out self-intersections", 60,
+  bwi_child_limits limits = {fmin(60, r->time.seconds), r->memory};
+  bw_status status = bwi_cgal_surface(r->context, "taking out self-intersections", &limits,
                                       bwi_cgal_resolve, *made, &next);
   if (status != BW_OK && status != BW_MEMORY && status != BW_CANCELLED) {
     bw_clear_failure(r->context); /* it was worth a try */
@@ -124,20 +154,23 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
   bw_remesh_options options;
   bw_surface *welded = NULL, *made = NULL;
   bw_surface_report report = {0};
-  bwi_remesher r = {.context = context};
   double moved = 0;
   if (given)
     options = *given;
   else
     bw_remesh_options_default(&options);
+  bwi_remesher r = {.context = context,
+                    .memory = options.memory_limit,
+                    .time = bwi_time_limit_begin("remeshing", options.time_limit)};
   if (!(options.edge_length >= 0) || options.triangles < 0 || !(options.sharp_angle > 0) ||
-      options.iterations < 1 || options.iterations > 100 || !(options.tolerance >= 0))
+      options.iterations < 1 || options.iterations > 100 || !(options.tolerance >= 0) ||
+      !(options.time_limit > 0) || !(options.memory_limit > 0))
     return bw_fail(
         context, BW_INVALID,
         "remeshing options: edge_length %g m, triangles %lld, sharp_angle %g, iterations "
-        "%d, tolerance %g m",
+        "%d, tolerance %g m, time_limit %g s, memory_limit %g bytes",
         options.edge_length, (long long)options.triangles, options.sharp_angle, options.iterations,
-        options.tolerance);
+        options.tolerance, options.time_limit, options.memory_limit);
   BW_TRY(bw_surface_weld(context, surface, 0, &welded));
   BW_TRY(bw_surface_check(context, welded, 1, &report));
   if (!report.closed || report.count[BW_DEFECT_MISORIENTED_EDGE] ||
@@ -154,11 +187,9 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
   r.length = options.edge_length > 0 ? options.edge_length
                                      : sqrt(4 / sqrt(3.0) * report.area / (double)wanted_count);
   r.tolerance = options.tolerance > 0 ? options.tolerance : 0.25 * r.length;
-  if (report.area / (r.length * r.length) > 2e8) {
-    status = bw_fail(context, BW_LIMIT,
-                     "edges of %g m would cut this surface of %g m2 into more than 100 million "
-                     "facets",
-                     r.length, report.area);
+  double expected = report.area / (EQUILATERAL * r.length * r.length);
+  if (!(expected * BYTES_OF_FACET <= r.memory)) {
+    status = too_many(&r, report.area, expected);
     goto done;
   }
   r.most_facets = 8.0 * welded->triangle_count + 400 * report.area / (r.length * r.length) + 1e4;
@@ -177,6 +208,7 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
   for (; attempt < 5; attempt++) {
     bw_release(made);
     made = NULL;
+    BW_TRY(bwi_remesh_check(&r));
     BW_TRY(run(&r, &options, &made));
     bw_surface_report_clear(&report);
     BW_TRY(bw_surface_check(context, made, 1000, &report));

@@ -22,7 +22,8 @@ void bw_repair_options_default(bw_repair_options *options) {
                                  .wrap = true,
                                  .wrap_alpha = 0.01,
                                  .wrap_offset = 0.001,
-                                 .time_limit = 120};
+                                 .time_limit = 120,
+                                 .memory_limit = 6e9};
 }
 
 typedef struct repairer {
@@ -224,7 +225,8 @@ static bw_status try_child(repairer *r, const char *what, bwi_child_work *work, 
   int64_t dropped;
   *kept = false;
   BW_TRY(check_time(r));
-  status = bwi_cgal_surface(r->context, what, seconds_left(r) / 3, work, job, &made);
+  bwi_child_limits limits = {seconds_left(r) / 3, r->options.memory_limit};
+  status = bwi_cgal_surface(r->context, what, &limits, work, job, &made);
   if (status != BW_OK) {
     if (!is_final(status))
       status = BW_OK;
@@ -365,8 +367,8 @@ static bw_status wrap(repairer *r, const bw_surface *original) {
                       r->options.wrap_offset * r->diagonal};
   describe(&r->report, text, sizeof text);
   BW_TRY(check_time(r));
-  BW_TRY(bwi_cgal_surface(r->context, "the alpha wrap", seconds_left(r), bwi_cgal_wrap, &job,
-                          &wrapped));
+  bwi_child_limits limits = {seconds_left(r), r->options.memory_limit};
+  BW_TRY(bwi_cgal_surface(r->context, "the alpha wrap", &limits, bwi_cgal_wrap, &job, &wrapped));
   /* The wrap starts from the surface as given: the steps before it do not count. */
   bw_release(r->now);
   r->now = (bw_surface *)bw_retain(original);
@@ -396,10 +398,12 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
     r.options = *options;
   else
     bw_repair_options_default(&r.options);
-  if (!(r.options.wrap_alpha > 0) || !(r.options.wrap_offset > 0) || !(r.options.time_limit > 0))
-    return bw_fail(context, BW_INVALID,
-                   "wrap_alpha %g, wrap_offset %g and time_limit %g must be positive",
-                   r.options.wrap_alpha, r.options.wrap_offset, r.options.time_limit);
+  if (!(r.options.wrap_alpha > 0) || !(r.options.wrap_offset > 0) || !(r.options.time_limit > 0) ||
+      !(r.options.memory_limit > 0))
+    return bw_fail(
+        context, BW_INVALID,
+        "wrap_alpha %g, wrap_offset %g, time_limit %g and memory_limit %g must be positive",
+        r.options.wrap_alpha, r.options.wrap_offset, r.options.time_limit, r.options.memory_limit);
   r.diagonal = bwi_surface_diagonal(surface);
   r.weld = r.options.weld >= 0 ? r.options.weld : 1e-6 * r.diagonal;
   r.now = (bw_surface *)bw_retain(surface);
@@ -439,35 +443,5 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
 done:
   bw_release(r.now);
   bw_surface_report_clear(&r.report);
-  return status;
-}
-
-bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface, double alpha,
-                          double offset, bw_surface **wrapped, bw_shape_log *log) {
-  bw_status status = BW_OK;
-  bw_surface *made = NULL;
-  double moved = 0;
-  if (!(alpha > 0) || !(offset > 0) || !isfinite(alpha) || !isfinite(offset))
-    return bw_fail(context, BW_INVALID, "wrapping needs positive lengths: alpha %g m, offset %g m",
-                   alpha, offset);
-  double across = bwi_surface_diagonal(surface) / alpha;
-  if (surface->triangle_count == 0)
-    return bw_fail(context, BW_EMPTY, "there is nothing to wrap: the surface has no facets");
-  if (across > 3000)
-    return bw_fail(context, BW_LIMIT,
-                   "alpha %g m is 1/%.0f of the surface's size: a wrap finer than 1/3000 would not "
-                   "fit into memory",
-                   alpha, across);
-  bwi_wrap_job job = {surface, alpha, offset};
-  BW_TRY(bwi_cgal_surface(context, "the alpha wrap", 0, bwi_cgal_wrap, &job, &made));
-  BW_TRY(bwi_take_groups(context, surface, made));
-  BW_TRY(bw_surface_distance(context, surface, made, &moved));
-  bw_shape_log_add(log, "wrap", made->triangle_count, moved,
-                   "%d facets wrapped around it with alpha %.3g m and offset %.3g m",
-                   made->triangle_count, alpha, offset);
-  *wrapped = made;
-  made = NULL;
-done:
-  bw_release(made);
   return status;
 }

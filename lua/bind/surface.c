@@ -291,6 +291,7 @@ static int surface_repair(lua_State *L) {
       {"wrap_alpha", LBW_REAL, offsetof(bw_repair_options, wrap_alpha)},
       {"wrap_offset", LBW_REAL, offsetof(bw_repair_options, wrap_offset)},
       {"time_limit", LBW_REAL, offsetof(bw_repair_options, time_limit)},
+      {"memory_limit", LBW_REAL, offsetof(bw_repair_options, memory_limit)},
       {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
   bw_repair_options options;
@@ -310,6 +311,8 @@ static int surface_remesh(lua_State *L) {
       {"sharp_angle", LBW_REAL, offsetof(bw_remesh_options, sharp_angle)},
       {"iterations", LBW_INT, offsetof(bw_remesh_options, iterations)},
       {"tolerance", LBW_REAL, offsetof(bw_remesh_options, tolerance)},
+      {"time_limit", LBW_REAL, offsetof(bw_remesh_options, time_limit)},
+      {"memory_limit", LBW_REAL, offsetof(bw_remesh_options, memory_limit)},
       {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
   bw_remesh_options options;
@@ -322,28 +325,21 @@ static int surface_remesh(lua_State *L) {
   return leave_with_log(L, box, out, &log, status);
 }
 
-/* surface:wrap{alpha, offset}: metres; by default 1/50 and 1/600 of the box's diagonal */
 static int surface_wrap(lua_State *L) {
-  struct wrap {
-    double alpha, offset;
-  } options = {0, 0};
-  static const lbw_option list[] = {{"alpha", LBW_REAL, offsetof(struct wrap, alpha)},
-                                    {"offset", LBW_REAL, offsetof(struct wrap, offset)},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"alpha", LBW_REAL, offsetof(bw_wrap_options, alpha)},
+      {"offset", LBW_REAL, offsetof(bw_wrap_options, offset)},
+      {"time_limit", LBW_REAL, offsetof(bw_wrap_options, time_limit)},
+      {"memory_limit", LBW_REAL, offsetof(bw_wrap_options, memory_limit)},
+      {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = self(L);
+  bw_wrap_options options;
+  bw_wrap_options_default(&options);
   lbw_options(L, 2, "wrap", list, &options);
-  double low[3], high[3];
-  bw_surface_box(surface, low, high);
-  double size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
-  if (options.alpha == 0)
-    options.alpha = bw_norm(size) / 50;
-  if (options.offset == 0)
-    options.offset = options.alpha / 12;
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_shape_log log = {0};
-  bw_status status =
-      bw_surface_wrap(lbw_enter(L), surface, options.alpha, options.offset, &out, &log);
+  bw_status status = bw_surface_wrap(lbw_enter(L), surface, &options, &out, &log);
   return leave_with_log(L, box, out, &log, status);
 }
 

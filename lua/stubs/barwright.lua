@@ -534,21 +534,26 @@ function Surface:write(path, options) end
 function Surface:check(options) end
 
 ---Welds, drops duplicates, orients, fills holes, resolves intersections, wraps: only what is needed.
----@param options? {weld: number, fill_holes: boolean, intersections: boolean, wrap: boolean, wrap_alpha: number, wrap_offset: number, time_limit: number}
+---@param options? {weld: number, fill_holes: boolean, intersections: boolean, wrap: boolean, wrap_alpha: number, wrap_offset: number, time_limit: number, memory_limit: number}
 ---@return bw.Surface?
 ---@return table|string log moved and steps, or a message
 ---@return table? details
 function Surface:repair(options) end
 
----Isotropic remeshing with sharp edges and small features kept.
----@param options? {edge_length: number, triangles: integer, sharp_angle: number, iterations: integer, tolerance: number}
+---Isotropic remeshing with sharp edges and small features kept. Beyond `time_limit` in seconds of
+---computing (300) or `memory_limit` in bytes (6e9): nil, a message and details with `limit` "time" or
+---"memory".
+---@param options? {edge_length: number, triangles: integer, sharp_angle: number, iterations: integer, tolerance: number, time_limit: number, memory_limit: number}
 ---@return bw.Surface?
 ---@return table|string log moved and steps, or a message
 ---@return table? details
 function Surface:remesh(options) end
 
----A closed surface around anything; holes up to `alpha` are bridged.
----@param options? {alpha: number, offset: number}
+---A closed surface around anything; holes up to `alpha` (m; 1/50 of the box's diagonal) are bridged, and
+---it lies about `offset` (m; alpha / 12) away. A child process makes it; beyond `time_limit` in seconds of
+---computing (300) or `memory_limit` in bytes (6e9): nil, a message and details with `limit` "time" or
+---"memory".
+---@param options? {alpha: number, offset: number, time_limit: number, memory_limit: number}
 ---@return bw.Surface?
 ---@return table|string log
 ---@return table? details
@@ -3348,10 +3353,11 @@ local plane_module = {}
 ---Fills an outline with triangles. `size` is the wanted edge length in m; without it (or a `field`)
 ---about `elements` triangles are made (2000). `field` gives the edge length by place: a function of
 ---x, y, or a formula in them. `minimum_angle` of elements in degrees (25), `curvature`: largest turn of
----a boundary edge in degrees (20), `limit` of elements (5 million). Every vertex of the outline is a
----node; with order 2 sides follow the curves.
+---a boundary edge in degrees (20). `limit` of elements (5 million), `time_limit` in seconds of computing
+---(300), `memory_limit` in bytes (6e9): beyond them nil, a message and details with `limit` "elements",
+---"time" or "memory". Every vertex of the outline is a node; with order 2 sides follow the curves.
 ---@param outline bw.Outline
----@param options? {order?: integer, size?: number, elements?: integer, field?: function|string|number, minimum_angle?: number, curvature?: number, limit?: integer}
+---@param options? {order?: integer, size?: number, elements?: integer, field?: function|string|number, minimum_angle?: number, curvature?: number, limit?: integer, time_limit?: number, memory_limit?: number}
 ---@return bw.PlaneMesh?
 ---@return string? message
 ---@return table? details

@@ -102,13 +102,14 @@ void bw_shape_log_add(bw_shape_log *log, const char *name, int64_t count, double
                       const char *format, ...) BW_PRINTF(5, 6);
 
 typedef struct bw_repair_options {
-  double weld;        /* tolerance in m; negative: 1e-6 of the box diagonal */
-  bool fill_holes;    /* default true */
-  bool intersections; /* resolve self-intersections; default true */
-  bool wrap;          /* alpha wrap as the last resort; default true */
-  double wrap_alpha;  /* of the box diagonal; default 1/100 */
-  double wrap_offset; /* of the box diagonal; default 1/1000 */
-  double time_limit;  /* seconds for the whole repair; default 120 */
+  double weld;         /* tolerance in m; negative: 1e-6 of the box diagonal */
+  bool fill_holes;     /* default true */
+  bool intersections;  /* resolve self-intersections; default true */
+  bool wrap;           /* alpha wrap as the last resort; default true */
+  double wrap_alpha;   /* of the box diagonal; default 1/100 */
+  double wrap_offset;  /* of the box diagonal; default 1/1000 */
+  double time_limit;   /* seconds for the whole repair; default 120 */
+  double memory_limit; /* bytes of one step; default 6e9 */
 } bw_repair_options;
 void bw_repair_options_default(bw_repair_options *options);
 /* Weld, drop duplicates and degenerates, orient, fill holes, resolve intersections, wrap: each only
@@ -124,6 +125,8 @@ typedef struct bw_remesh_options {
   double sharp_angle; /* radians between normals from which an edge is kept; default 40 degrees */
   int iterations;     /* default 5 */
   double tolerance;   /* largest distance allowed, m; 0: a quarter of edge_length */
+  double time_limit;  /* seconds of computing, BW_LIMIT beyond; default 300 */
+  double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
 } bw_remesh_options;
 void bw_remesh_options_default(bw_remesh_options *options);
 /* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
@@ -132,9 +135,18 @@ void bw_remesh_options_default(bw_remesh_options *options);
 bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
                             const bw_remesh_options *options, bw_surface **remeshed,
                             bw_shape_log *log);
-/* Alpha wrap (CGAL): a closed manifold around anything, holes up to alpha bridged. Lengths in m. */
-bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface, double alpha,
-                          double offset, bw_surface **wrapped, bw_shape_log *log);
+
+typedef struct bw_wrap_options {
+  double alpha;        /* m; 0: 1/50 of the box's diagonal */
+  double offset;       /* m; 0: alpha / 12 */
+  double time_limit;   /* seconds of computing, BW_LIMIT beyond; default 300 */
+  double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
+} bw_wrap_options;
+void bw_wrap_options_default(bw_wrap_options *options);
+/* Alpha wrap (CGAL, in a child process): a closed manifold around anything, holes up to alpha
+ * bridged. */
+bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
+                          const bw_wrap_options *options, bw_surface **wrapped, bw_shape_log *log);
 /* The larger of the two one-sided distances between surfaces, by sampling points, edge and facet
  * middles of both. */
 bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,

@@ -183,7 +183,11 @@ static void test_wrap(void **state) {
   const double low[3] = {0.5, 0.25, 0.25}, high[3] = {2, 0.5, 1.5};
   bw_surface *both = two_boxes(context, low, high), *wrapped = NULL;
   bw_shape_log log = {0};
-  check_ok(context, bw_surface_wrap(context, both, 0.2, 0.02, &wrapped, &log));
+  bw_wrap_options options;
+  bw_wrap_options_default(&options);
+  options.alpha = 0.2;
+  options.offset = 0.02;
+  check_ok(context, bw_surface_wrap(context, both, &options, &wrapped, &log));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, wrapped, 0, &report));
   assert_true(report.sound);
@@ -191,10 +195,24 @@ static void test_wrap(void **state) {
   assert_int_equal(log.count, 1);
   assert_true(log.moved > 0.01);
   bw_release(wrapped);
+  options.alpha = -1;
   check_fails(context, BW_INVALID, "positive",
-              bw_surface_wrap(context, both, 0, 0.02, &wrapped, &log));
+              bw_surface_wrap(context, both, &options, &wrapped, &log));
+  options.alpha = 1e-9;
   check_fails(context, BW_LIMIT, "1/3000",
-              bw_surface_wrap(context, both, 1e-9, 0.02, &wrapped, &log));
+              bw_surface_wrap(context, both, &options, &wrapped, &log));
+  /* an offset that makes the wrap large */
+  options.alpha = 0.5;
+  options.offset = 4294967296.0;
+  check_fails(context, BW_LIMIT, "offset",
+              bw_surface_wrap(context, both, &options, &wrapped, &log));
+  options.alpha = options.offset = 0.004; /* some seconds */
+  options.time_limit = 0.05;
+  check_fails(context, BW_LIMIT, "0.05 seconds",
+              bw_surface_wrap(context, both, &options, &wrapped, &log));
+  options.time_limit = 0;
+  check_fails(context, BW_INVALID, "time_limit",
+              bw_surface_wrap(context, both, &options, &wrapped, &log));
   bw_release(both);
 }
 
@@ -347,8 +365,20 @@ static void test_remesh_refuses_open(void **state) {
   bw_remesh_options options;
   bw_remesh_options_default(&options);
   options.edge_length = 1e-7;
-  check_fails(context, BW_LIMIT, "100 million",
+  check_fails(context, BW_LIMIT, "memory_limit",
               bw_surface_remesh(context, box, &options, &remeshed, NULL));
+  options.edge_length = 0.01;
+  options.memory_limit = 1e6;
+  check_fails(context, BW_LIMIT, "memory_limit",
+              bw_surface_remesh(context, box, &options, &remeshed, NULL));
+  options.memory_limit = 6e9;
+  options.time_limit = 1e-6;
+  check_fails(context, BW_LIMIT, "time_limit",
+              bw_surface_remesh(context, box, &options, &remeshed, NULL));
+  options.time_limit = 0;
+  check_fails(context, BW_INVALID, "time_limit",
+              bw_surface_remesh(context, box, &options, &remeshed, NULL));
+  options.time_limit = 300;
   options.edge_length = NAN;
   check_fails(context, BW_INVALID, "edge_length",
               bw_surface_remesh(context, box, &options, &remeshed, NULL));
