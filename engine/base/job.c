@@ -10,6 +10,7 @@
  * Invariant: a job is in the list `living` exactly while its state is RUNNING, and then its child
  * has not been waited for, so that its number belongs to no other process. */
 #include "base/job.h"
+#include "base/blas.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -118,13 +119,9 @@ static const bw_kind job_kind = {"job", job_destroy, job_bytes};
 
 /* ---- the start ------------------------------------------------------------------------------- */
 
-void openblas_set_num_threads(int);
-int openblas_get_num_threads(void);
-
 /* What other libraries keep of threads must not be in the child, where the threads are not. */
 static void settle_libraries(void) {
-  if (openblas_get_num_threads() != 1) /* in the child it would start its threads anew */
-    openblas_set_num_threads(1);
+  bwi_blas_enter(); /* in the child OpenBLAS would start its threads anew */
   /* CHOLMOD comes with OpenMP, whose sleeping threads a child would wait for. */
   static int (*pause_threads)(int);
   static bool looked;
@@ -190,9 +187,11 @@ bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_jo
     close(ends[0]);
     close_pipes_of_others();
     own_pipe = ends[1];
+    bwi_blas_forked();
     bwi_job_child(context, options, work, data, ends[1], output, (int)job->starter);
   }
   pthread_mutex_unlock(&lock);
+  bwi_blas_leave();
   if (job->child < 0) {
     status = bw_fail(context, BW_MEMORY, "%s: no child process (%s)", job->name, strerror(why));
     goto done;

@@ -155,7 +155,9 @@ static bw_status project(bw_context *context, workspace *w) {
     for (int j = 0; j <= i; j++)
       w->projected[i * m + j] = w->projected[j * m + i] =
           dot(w->basis + i * n, w->stiff + j * n, n);
+  bwi_blas_enter();
   dsyev_("V", "U", &m, w->projected, &m, w->theta, w->scratch, &room, &info);
+  bwi_blas_leave();
   if (info != 0)
     return bw_fail(context, BW_INTERNAL, "the projected eigenproblem of %d vectors failed (%d)", m,
                    info);

@@ -205,8 +205,9 @@ bw_status bwi_stale_unsymmetric_factor(bw_context *context, bwi_stale_unsymmetri
   BW_TRY(analyse(context, s, graph, values, work));
   BW_TRY(bw_check_cancel(context));
   controls(control);
-  bwi_blas_serial();
+  bwi_blas_enter();
   int code = umfpack_di_numeric(s->start, s->row, s->value, s->symbolic, &numeric, control, info);
+  bwi_blas_leave();
   status = judge(context, s, code, info[UMFPACK_RCOND]);
   if (s->numeric)
     umfpack_di_free_numeric(&s->numeric);
@@ -229,8 +230,10 @@ bw_status bwi_stale_unsymmetric_apply(bw_context *context, bwi_stale_unsymmetric
   if (!s->numeric)
     return bw_fail(context, BW_INTERNAL, "there is no factor to apply");
   controls(control);
+  bwi_blas_enter();
   int code = umfpack_di_wsolve(UMFPACK_At, s->start, s->row, s->value, z, r, s->numeric, control,
                                info, s->room_index, s->room);
+  bwi_blas_leave();
   if (code != UMFPACK_OK)
     return bw_fail(context, BW_INTERNAL, "UMFPACK's solve of %d unknowns failed (code %d)", s->size,
                    code);

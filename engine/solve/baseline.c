@@ -11,6 +11,7 @@
 #include "solve/internal.h"
 
 void openblas_set_num_threads(int);
+int openblas_get_num_threads(void);
 
 /* The lower triangle by unknowns in elimination order; rows of a column in no order. */
 static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symbolic,
@@ -91,6 +92,7 @@ bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const 
   common.method[0].ordering = CHOLMOD_NATURAL;
   common.postorder = 1;
   common.supernodal = CHOLMOD_SUPERNODAL;
+  int before = openblas_get_num_threads();
   openblas_set_num_threads(bw_threads(context));
   BW_TRY(reduced_matrix(context, symbolic, matrix, &common, &a));
   double start = bw_seconds();
@@ -124,7 +126,7 @@ bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const 
   times->flops = common.fl;
   times->entries = common.lnz;
 done:
-  openblas_set_num_threads(1);
+  openblas_set_num_threads(before);
   cholmod_free_dense(&u, &common);
   cholmod_free_dense(&b, &common);
   cholmod_free_factor(&l, &common);

@@ -5,14 +5,6 @@
 
 enum { BUFFER = 130 << 20 }; /* a little more than OpenBLAS takes at a time */
 
-void openblas_set_num_threads(int);
-int openblas_get_num_threads(void);
-
-void bwi_blas_serial(void) {
-  if (openblas_get_num_threads() != 1)
-    openblas_set_num_threads(1);
-}
-
 bool bwi_blas_has_room(int threads) {
   static bool had_room;
   if (__atomic_load_n(&had_room, __ATOMIC_RELAXED))

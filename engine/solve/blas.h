@@ -1,14 +1,17 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The BLAS and LAPACK routines in use, by their Fortran names (32-bit integers, column-major).
  *
- * barwright makes its own threads: every BLAS call runs on the calling thread (one BLAS thread),
- * and large products are cut into tiles that do not depend on the number of threads. That is what
- * makes results bitwise the same for any thread count. */
+ * barwright makes its own threads: every BLAS call runs on the calling thread (one BLAS thread,
+ * between bwi_blas_enter and bwi_blas_leave), and large products are cut into tiles that do not
+ * depend on the number of threads. That is what makes results bitwise the same for any thread
+ * count. */
 #ifndef BWI_SOLVE_BLAS_H
 #define BWI_SOLVE_BLAS_H
 
 #include <stdbool.h>
 #include <stddef.h>
+
+#include "base/blas.h"
 
 void dgemm_(const char *, const char *, const int *, const int *, const int *, const double *,
             const double *, const int *, const double *, const int *, const double *, double *,
@@ -30,9 +33,6 @@ void dsygv_(const int *, const char *, const char *, const int *, double *, cons
             const int *, double *, double *, const int *, int *);
 void dsyev_(const char *, const char *, const int *, double *, const int *, double *, double *,
             const int *, int *);
-
-/* One BLAS thread from here on. Cheap; called at the start of every factorisation and solve. */
-void bwi_blas_serial(void);
 
 /* Whether the address space has room for the buffers that OpenBLAS takes, one per thread: under a
  * limit (ulimit -v) it would wait for them for ever. Asked until it has once been answered yes. */

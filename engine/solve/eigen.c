@@ -162,7 +162,7 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
   int block = problem->dimension < BWI_BLOCK ? (int)problem->dimension : BWI_BLOCK;
   double tolerance = fmin(options->tolerance, 1e-6);
   bwi_lanczos l;
-  bwi_blas_serial();
+  bwi_blas_enter();
   BW_TRY(bwi_lanczos_open(context, problem, (int)capacity, block, options->seed, &l));
   BW_TRY(bwi_lanczos_random(&l));
   BW_TRY(bwi_lanczos_iterate(&l, count, tolerance));
@@ -212,6 +212,7 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
   BW_TRY(take_out(&l, count, options->tolerance, result));
   result->solves = l.solves;
 done:
+  bwi_blas_leave();
   bwi_lanczos_clear(&l);
   if (status != BW_OK)
     bwi_eigen_result_clear(result);

@@ -272,7 +272,7 @@ static bw_status factorise(factorisation *f) {
   bw_context *context = f->context;
   const bwi_plan *plan = f->plan;
   int threads = bw_threads(context);
-  bwi_blas_serial();
+  bwi_blas_enter();
   if (!bwi_blas_has_room(threads)) {
     status =
         bw_fail(context, BW_MEMORY,
@@ -299,6 +299,7 @@ static bw_status factorise(factorisation *f) {
     BW_TRY(do_front(f, plan->top[k], kept_update(f, plan->top[k]), space));
   }
 done:
+  bwi_blas_leave();
   return status;
 }
 

@@ -38,7 +38,9 @@ bw_status bwi_multi_dot(bw_context *context, int64_t size, int a_count, const do
   p.partial = BW_NEW(context, double, chunks *entries);
   if (!p.partial)
     return BW_MEMORY;
+  bwi_blas_enter();
   bw_status status = bw_parallel(context, size, CHUNK, dot_chunk, &p);
+  bwi_blas_leave();
   memset(c, 0, (size_t)entries * sizeof(double));
   for (int64_t k = 0; status == BW_OK && k < chunks; k++)
     for (int64_t i = 0; i < entries; i++)
@@ -70,5 +72,8 @@ bw_status bwi_multi_combine(bw_context *context, int64_t size, int a_count, cons
                .weights_ld = weights_ld,
                .alpha = alpha,
                .beta = beta};
-  return bw_parallel(context, size, CHUNK, combine_chunk, &p);
+  bwi_blas_enter();
+  bw_status status = bw_parallel(context, size, CHUNK, combine_chunk, &p);
+  bwi_blas_leave();
+  return status;
 }

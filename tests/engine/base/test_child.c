@@ -50,6 +50,32 @@ static void test_bytes_come_back(void **state) {
   bw_free(bytes);
 }
 
+void openblas_set_num_threads(int);
+int openblas_get_num_threads(void);
+
+static bw_status write_threads(bw_context *context, void *data, bwi_child_stream *out) {
+  int threads = openblas_get_num_threads();
+  (void)context;
+  (void)data;
+  return bwi_child_write(out, &threads, sizeof threads);
+}
+
+/* One thread in the child, and here as many as before. */
+static void test_threads_of_others(void **state) {
+  bw_context *context = check_context(state);
+  unsigned char *bytes = NULL;
+  size_t count = 0;
+  int before = openblas_get_num_threads(), there = 0;
+  openblas_set_num_threads(3);
+  check_ok(context, bwi_child_run(context, "asking", NULL, write_threads, NULL, &bytes, &count));
+  assert_int_equal(openblas_get_num_threads(), 3);
+  assert_int_equal(count, sizeof there);
+  memcpy(&there, bytes, sizeof there);
+  assert_int_equal(there, 1);
+  bw_free(bytes);
+  openblas_set_num_threads(before);
+}
+
 enum way { FAIL, ABORT, SEGFAULT, LEAVE, HANG, EAT, KEEP };
 
 static bw_status misbehave(bw_context *context, void *data, bwi_child_stream *out) {
@@ -170,9 +196,8 @@ static void test_allocation_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_bytes_come_back),
-      check_test(test_failures_are_told),
-      check_test(test_cancel_ends_the_child),
+      check_test(test_bytes_come_back),     check_test(test_threads_of_others),
+      check_test(test_failures_are_told),   check_test(test_cancel_ends_the_child),
       check_test(test_allocation_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

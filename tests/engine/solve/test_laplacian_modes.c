@@ -42,6 +42,35 @@ static void box_converges(void **state) {
   }
 }
 
+void openblas_set_num_threads(int);
+int openblas_get_num_threads(void);
+
+/* OpenBLAS's threads are a setting of the whole process: it is as it was behind a call, and what a
+ * call gives does not depend on it. */
+static void threads_of_others(void **state) {
+  bw_context *context = check_context(state);
+  double value[2][4];
+  int before = openblas_get_num_threads();
+  bw_mesh *mesh = body_box(context, 1, 0.8, 0.55, 9, 8, 6, 1);
+  for (int k = 0; k < 2; k++) {
+    bw_graph *graph = NULL;
+    bw_modes *modes = NULL;
+    bw_modes_options options;
+    bw_modes_options_default(&options);
+    options.count = 4;
+    openblas_set_num_threads(1 + 2 * k);
+    check_ok(context, bw_graph_create(context, mesh, &graph));
+    check_ok(context, bw_modes_laplacian(context, mesh, graph, &options, &modes));
+    assert_int_equal(openblas_get_num_threads(), 1 + 2 * k);
+    memcpy(value[k], modes->eigenvalue, sizeof value[k]);
+    bw_release(modes);
+    bw_release(graph);
+  }
+  assert_memory_equal(value[0], value[1], sizeof value[0]);
+  bw_release(mesh);
+  openblas_set_num_threads(before);
+}
+
 static void two_bodies(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *one = body_box(context, 1, 0.8, 0.55, 3, 3, 3, 1), *mesh = NULL;
@@ -93,7 +122,7 @@ static void versions(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(box_converges), check_test(two_bodies),
-                                     check_test(versions)};
+  const struct CMUnitTest tests[] = {check_test(box_converges), check_test(threads_of_others),
+                                     check_test(two_bodies), check_test(versions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
