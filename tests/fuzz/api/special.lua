@@ -15,11 +15,9 @@ special.arguments = {
   end,
 }
 
--- Takes minutes, and belongs to no child that can be ended yet: small wishes only.
+-- May take as long as its limit: a short one.
 special.arguments["Surface:wrap"] = function(list)
-  if type(list[1]) == "table" and not getmetatable(list[1]) and type(list[1].offset) == "number" then
-    list[1] = {alpha = 0.5, offset = 0.1}
-  end
+  if type(list[1]) == "table" and not getmetatable(list[1]) then list[1].time_limit = 2 end
 end
 
 -- Error values that are no texts and part of what is documented: Test:require and Test:skip leave the scenario.
