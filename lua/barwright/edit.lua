@@ -460,7 +460,8 @@ function class:__tostring()
 end
 
 arguments.methods("session", class, class, {
-  undo = "", redo = "", reset = "", synchronise = "", surface = "", close = "", commit = "change: table",
+  adopt = "fork: any", undo = "", redo = "", reset = "", synchronise = "", surface = "", close = "",
+  commit = "change: table",
   bone = "name: string|integer", pose = "changes: table", limit = "name: string|integer, limit?: options",
   reach = "target: string|integer|table, at?: any, options?: options",
   assign = "elements: table|array, bone?: string|integer", optimise = "options: options",

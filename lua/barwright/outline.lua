@@ -319,7 +319,7 @@ end
 --- {loop = name}, a number or a list of numbers. None raises.
 function methods:edges(which)
   if math.type(which) == "integer" then which = {edges = which} end
-  if type(which) == "table" and #which > 0 then which = {edges = which} end
+  if type(which) == "table" and rawlen(which) > 0 then which = {edges = which} end
   local wish = options.read("edges", which, selections)
   local edges = one_selection(self, wish, {})
   if #edges == 0 then raise "edges: no edge is there" end

@@ -138,9 +138,9 @@ function shapes.rounded(given)
     radius = {type = "any", needed = true},
   })
   local points, list, cut = wish.points, {}, {}
-  local count = #points
+  local count = rawlen(points)
   if count < 3 then raise "outline.rounded: points: three or more expected" end
-  for i, p in ipairs(points) do pair(("outline.rounded: point %d"):format(i), p) end
+  for i = 1, count do pair(("outline.rounded: point %d"):format(i), rawget(points, i)) end
   for i, p in ipairs(points) do
     local radius = wish.radius
     if type(radius) == "table" then radius = radius[i] end

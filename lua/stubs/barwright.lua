@@ -11,7 +11,7 @@
 -- Misuse raises. What the world can cause (a bad file, no convergence, no memory) returns nil, a
 -- message, and a table of details with a `status` word: io format geometry free singular
 -- convergence infeasible limit memory cancelled unsupported internal, empty where what is asked for is not there,
--- and of studies busy damaged different failed. Objects are released by the
+-- and of studies busy damaged different failed foreign. Objects are released by the
 -- collector, or at once by `close`, or at the end of the scope of a `<close>` variable.
 
 ---@class bw.Vector table {x, y, z}

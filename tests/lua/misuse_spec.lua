@@ -124,9 +124,11 @@ describe("a method written in Lua", function()
       ["record: name: a string expected"] = function() flow:record(0 / 0) end,
       ["coefficients: option 'stream': two finite numbers"] = function()
         flow:coefficients("boundary", {velocity = 1, length = 1, stream = {"x"}}) end,
+      ["rounded: point 2"] = function() bw.outline.rounded {points = {{0, 0}, nil, {1, 1}}, radius = 0.1} end,
       ["at: a flow expected, got integer: call it with a colon, as in flow:at(...)"] = function() flow.at(1,
         2) end,
       ["use_file: path: a string expected"] = function() study:use_file(setmetatable({}, {__index = print})) end,
+      ["study:run: option 'executor': a function"] = function() study:run {executor = {}} end,
       ["study:merge: file 1: a path expected"] = function() study:merge {{}} end,
       ["column: options: a table of options expected"] = function() trials:column("m", 5) end,
       ["where: which: a string or a function expected"] = function() trials:where(5) end,

@@ -452,6 +452,27 @@ end)]]}, "--parallel 2")
     assert.equal(0, run.status, run.out)
   end)
 
+  it("compare modes of the Laplacian, and refuse lists that contain themselves", function()
+    local run = judge({["a.lua"] = HEAD .. [[scenario("s", function(t)
+      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {3, 1, 1}}
+      local part = bw.model {mesh = mesh, material = bw.material.pla}
+      local modes = t:require(part:modes {count = 1, laplacian = true})
+      expect(modes):same_modes(modes)
+      local list = {1}
+      list[2] = list
+      local _, why = pcall(function() expect(1):near(list, {relative = 1}) end)
+      expect(why:find("near: a number, an array or a list of numbers") ~= nil):is_true()
+    end)
+    scenario("differ", function()
+      local one, other = {}, {}
+      one.x, other.x = one, other
+      expect(one):equals(other)
+    end)]]})
+    assert.equal(1, run.status, run.out)
+    assert.truthy(run.out:find("ok 1 - ", 1, true) and run.out:find("not ok 2 - ", 1, true), run.out)
+    assert.truthy(run.out:find("x.x.x", 1, true), run.out)
+  end)
+
   it("are told in order whatever ends first", function()
     local source = {HEAD}
     for i = 1, 6 do

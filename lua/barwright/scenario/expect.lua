@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Expectations: a figure, what it must be, and a record of both. A failed one does not end the scenario.
+local arguments = require "barwright.arguments"
 local baseline = require "barwright.scenario.baseline"
 local core = require "barwright.core"
 local modes = require "barwright.scenario.modes"
@@ -196,9 +197,9 @@ local function short(value)
 end
 
 -- The first place where two values differ: a path and the two, or nil.
-local function differs(a, b, path)
+local function differs(a, b, path, depth)
   if a == b then return nil end
-  if type(a) == "table" and type(b) == "table" and not getmetatable(a) and not getmetatable(b) then
+  if depth < 100 and type(a) == "table" and type(b) == "table" and not getmetatable(a) and not getmetatable(b) then
     local keys = {}
     for key in pairs(a) do keys[#keys + 1] = key end
     for key in pairs(b) do if a[key] == nil then keys[#keys + 1] = key end end
@@ -208,7 +209,7 @@ local function differs(a, b, path)
     end)
     for _, key in ipairs(keys) do
       local at, x, y = differs(a[key], b[key], path .. (type(key) == "number" and ("[%d]"):format(key)
-        or path == "" and tostring(key) or "." .. tostring(key)))
+        or path == "" and tostring(key) or "." .. tostring(key)), depth + 1)
       if at then return at, x, y end
     end
     return nil
@@ -220,7 +221,7 @@ end
 function methods:equals(other, given)
   local wish = read("equals", given)
   if self.value == nil and other ~= nil and self.failure.message then return missing(self, "equals", wish) end
-  local at, a, b = differs(self.value, other, "")
+  local at, a, b = differs(self.value, other, "", 1)
   return judged(self, "equals", {figure = type(self.value) == "number" and plain(self.value) or short(self.value),
     reference = type(other) == "number" and plain(other) or short(other), source = wish.source, how = wish.how,
     allowed = "equal"}, not at, at and ("%s%s, %s expected"):format(at ~= "" and at .. " is " or "", short(a),
@@ -343,5 +344,12 @@ function methods:matches_baseline(name, given)
   self.what = self.what or ("baseline %s"):format(name)
   return judged(self, "matches_baseline", entry, not fault, fault)
 end
+
+arguments.methods("expectation", methods, Expectation, {below = "bound: any, options?: options",
+  above = "bound: any, options?: options", between = "low: any, high: any, options?: options",
+  near = "reference: any, options?: options", equals = "other: any, options?: options",
+  is_true = "options?: options",
+  fails_with = "status: any, message?: any, options?: options", same_modes = "other: any, options?: options",
+  matches_baseline = "name: string, options?: options"})
 
 return expect

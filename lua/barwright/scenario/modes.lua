@@ -56,6 +56,10 @@ end
 --- `last` false leaves the shapes of the last group out, which the number of modes may have cut.
 function modes.compare(a, b, wish)
   local fa, fb = a.frequencies, b.frequencies
+  if (fa == nil) ~= (fb == nil) then
+    return {message = "modes with frequencies beside modes without: of the Laplacian, or of no known density"}
+  end
+  fa, fb = fa or a.eigenvalues, fb or b.eigenvalues
   local left, right = {}, {}
   for i = 1, a.count do left[i] = fa[i] end
   for i = 1, b.count do right[i] = fb[i] end

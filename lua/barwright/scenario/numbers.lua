@@ -41,7 +41,7 @@ end
 
 --- The values of a number, an array or a list of numbers (also of rows), one after the other, and how
 --- they are shaped; nil for anything else.
-function numbers.flat(value)
+function numbers.flat(value, depth)
   if type(value) == "number" then return {value}, "a number" end
   if core.class_name(value) == "array" then
     local rows, columns = value.row_count, value.column_count
@@ -51,13 +51,14 @@ function numbers.flat(value)
     end
     return out, columns == 1 and ("%d values"):format(rows) or ("%d x %d values"):format(rows, columns)
   end
-  if type(value) ~= "table" or getmetatable(value) then return nil end
+  depth = depth or 1
+  if type(value) ~= "table" or getmetatable(value) or depth > 8 then return nil end
   local out, shape = {}, ("%d values"):format(#value)
   for i, item in ipairs(value) do
     if type(item) == "number" then
       out[#out + 1] = item
     else
-      local inner, inner_shape = numbers.flat(item)
+      local inner, inner_shape = numbers.flat(item, depth + 1)
       if not inner then return nil end
       table.move(inner, 1, #inner, #out + 1, out)
       if i == 1 then shape = ("%d x %s"):format(#value, inner_shape) end

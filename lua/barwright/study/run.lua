@@ -217,6 +217,16 @@ local function shard_of(wish)
   return function(place) return (place - 1) % n == i - 1 end
 end
 
+-- What may run trials: see executor.lua.
+local function check_executor(own)
+  local good = type(own) == "table" and math.type(own.capacity) == "integer" and own.capacity > 0
+  for _, name in ipairs {"start", "wait", "close"} do good = good and type(own[name]) == "function" end
+  if not good then
+    core.raise("study:run: option 'executor': a function that gives {capacity, start, wait, close}, or that, "
+      .. "expected")
+  end
+end
+
 local function read_options(given)
   local wish = options.read("study:run", given, rules)
   if wish.stop_when ~= nil and type(wish.stop_when) ~= "function" then
@@ -291,6 +301,7 @@ function run.run(study, given)
     own, message, details = make(study, wish)
     if not own then return nil, message, details end
   end
+  check_executor(own)
   self.executor = own
   local closing <close> = setmetatable({}, {__close = function() own:close() end})
   local out

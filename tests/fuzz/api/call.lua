@@ -76,7 +76,7 @@ end
 
 local statuses = {}
 for word in ([[io format geometry free singular convergence infeasible limit memory cancelled unsupported
-  empty busy damaged failed different]]):gmatch "%S+" do
+  empty busy damaged failed different foreign]]):gmatch "%S+" do
   statuses[word] = true
 end
 
@@ -101,6 +101,7 @@ local function bad_results(entry, results)
   if entry.kind ~= "function" and entry.kind ~= "method" and entry.kind ~= "call" then return nil end
   local first, message, details = results[1], results[2], results[3]
   if first ~= nil or type(message) ~= "string" then return nil end
+  message = message:match "^[^\n]*" -- what is behind is the way to an error of the script's own
   if message:find "barwright/[%w_/]+%.lua:%d+:" then return "names a line of the library" end
   if type(details) == "table" and details.status ~= nil and not statuses[details.status] then
     return "has the status " .. tostring(details.status)
@@ -205,7 +206,8 @@ function call.make(seed, number, pool, limit, tell)
   local fine, why = pcall(engine)
   if not fine then out.finding, out.message = "leaves the engine busy", tostring(why) end
   -- A field that a script sets on a plain table of results is the script's own doing.
-  pool:settle(text:find("close", 1, true) ~= nil or entry.kind == "assignment")
+  if entry.kind == "assignment" and out.outcome == "done" then pool:forget() end
+  pool:settle(text:find("close", 1, true) ~= nil)
   return out
 end
 

@@ -20,6 +20,16 @@ special.arguments["Surface:wrap"] = function(list)
   if type(list[1]) == "table" and not getmetatable(list[1]) then list[1].time_limit = 2 end
 end
 
+-- Solvers of several processes start MPI for good, in a forked child too: tests/lua/distributed.
+for _, name in ipairs {"Model:solve", "Model:modes"} do
+  special.arguments[name] = function(list)
+    local given = list[1]
+    if type(given) == "table" and (rawget(given, "with") == "petsc" or rawget(given, "with") == "slepc") then
+      list[1] = {with = "factor"}
+    end
+  end
+end
+
 -- Error values that are no texts and part of what is documented: Test:require and Test:skip leave the scenario.
 special.raises = {[""] = true}
 
