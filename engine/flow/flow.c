@@ -223,7 +223,7 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
     if (now->older_point)
       memcpy(next->older_point, now->older_point, 2 * nodes * sizeof(double));
   }
-  bwi_flow_adopt(flow, next);
+  BW_TRY(bwi_flow_commit(context, flow, next));
   if (kept) {
     kept->pattern = same_topology;
     kept->solution = true;

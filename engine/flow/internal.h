@@ -94,6 +94,9 @@ bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plan
                          const bw_plane_graph *graph, bw_flow_state **state);
 /* Puts a state in the place of the one that stands. Cannot fail. */
 void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state);
+/* The end of an operation: the state takes its place unless somebody asked to stop meanwhile, whom
+ * a result would surprise. */
+bw_status bwi_flow_commit(bw_context *context, bw_flow *flow, const bw_flow_state *next);
 
 /* What the boundary's conditions bring at a time: tractions and heat into room.load, the part of
  * convection that goes with the temperature into room.values. */

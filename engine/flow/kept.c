@@ -2,6 +2,7 @@
 /* The states of a flow, each immutable once it stands: kept and returned to bit for bit. Solving
  * again would take as long as the first time, and may end elsewhere: a steady flow need not be the
  * only one. */
+#include <math.h>
 #include <string.h>
 
 #include "flow/internal.h"
@@ -105,6 +106,13 @@ void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state) {
   bw_release(former);
 }
 
+bw_status bwi_flow_commit(bw_context *context, bw_flow *flow, const bw_flow_state *next) {
+  bw_status status = bw_check_cancel(context);
+  if (status == BW_OK)
+    bwi_flow_adopt(flow, next);
+  return status;
+}
+
 const bw_flow_state *bw_flow_keep(const bw_flow *flow) {
   return bw_retain(flow->inner->now);
 }
@@ -132,4 +140,39 @@ bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state
   if (state != flow->inner->now)
     bwi_flow_adopt(flow, state);
   return BW_OK;
+}
+
+static bw_status check_field(bw_context *context, const char *what, const double *field,
+                             size_t count) {
+  for (size_t i = 0; field && i < count; i++)
+    if (!isfinite(field[i]))
+      return bw_fail(context, BW_INTERNAL, "number %zu of a flow's %s is %g", i, what, field[i]);
+  return BW_OK;
+}
+
+bw_status bw_flow_check(bw_context *context, const bw_flow *flow) {
+  bw_status status = BW_OK;
+  const struct bwi_flow *in = flow->inner;
+  const bw_flow_state *now = in->now;
+  const bw_plane_topology *topology = now->mesh->topology;
+  size_t nodes = (size_t)topology->nodes->node_count, unknowns = nodes * (size_t)now->components;
+  BW_TRY(bw_plane_mesh_check(context, now->mesh));
+  for (int i = 0; i < in->about.condition_count; i++)
+    if (in->condition[i].tag >= now->mesh->outline->tag_count)
+      return bw_fail(context, BW_INTERNAL, "condition %d of a flow is on tag %d of %d", i + 1,
+                     in->condition[i].tag + 1, now->mesh->outline->tag_count);
+  BW_TRY(check_field(context, "state", now->state, unknowns));
+  BW_TRY(check_field(context, "state before", now->before, unknowns));
+  BW_TRY(check_field(context, "reactions", now->reaction, unknowns));
+  BW_TRY(check_field(context, "former places", now->old_point, 2 * nodes));
+  BW_TRY(check_field(context, "places before that", now->older_point, 2 * nodes));
+  if (flow->mesh != now->mesh || flow->state != now->state || flow->before != now->before ||
+      flow->time != now->time || flow->components != now->components || !isfinite(now->time))
+    status = bw_fail(context, BW_INTERNAL, "a flow shows another state than it is at");
+  else if (now->graph->topology != topology || topology->nodes->order != 1 || !now->state ||
+           !now->before || !now->reaction || now->known < 1 || now->known > 2 ||
+           (now->known == 2 && !(now->last_step > 0)))
+    status = bw_fail(context, BW_INTERNAL, "a flow's fields do not go together");
+done:
+  return status;
 }

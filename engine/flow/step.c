@@ -420,7 +420,7 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
   memcpy(next->reaction, in->room.reaction,
          (size_t)in->now->graph->node_count * (size_t)flow->components * sizeof(double));
   next->reacted = true;
-  bwi_flow_adopt(flow, next);
+  BW_TRY(bwi_flow_commit(context, flow, next));
 done:
   bw_release(next);
   return status;

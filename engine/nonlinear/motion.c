@@ -238,3 +238,29 @@ done:
   bw_release(motion);
   return status;
 }
+
+bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *motion) {
+  const bwi_motion *inner = motion->inner;
+  const double *field[] = {motion->displacement, motion->velocity, motion->acceleration,
+                           inner->dead};
+  const double number[] = {motion->time, motion->kinetic, motion->strain, motion->potential,
+                           motion->dissipated};
+  int64_t size = 3 * (int64_t)motion->solid->grid->node_count;
+  if (!bwi_grid_same_places(motion->the->grid, motion->solid->grid) || motion->steps < 0 ||
+      (inner->contact && inner->contact->the != motion->the))
+    return bw_fail(context, BW_INTERNAL, "a motion's case is of another solid");
+  for (size_t k = 0; k < sizeof number / sizeof *number; k++)
+    if (!isfinite(number[k]))
+      return bw_fail(context, BW_INTERNAL, "time or an energy of a motion is %g", number[k]);
+  for (int64_t i = 0; i < size; i++) {
+    for (size_t k = 0; k < sizeof field / sizeof *field; k++)
+      if (!isfinite(field[k][i]))
+        return bw_fail(context, BW_INTERNAL, "node %lld of a motion has %g in field %zu",
+                       (long long)(i / 3), field[k][i], k);
+    if (motion->the->held[i] && (motion->displacement[i] != motion->the->value[i] ||
+                                 motion->velocity[i] != 0 || motion->acceleration[i] != 0))
+      return bw_fail(context, BW_INTERNAL, "node %lld of a motion is held and moves",
+                     (long long)(i / 3));
+  }
+  return BW_OK;
+}

@@ -228,6 +228,7 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
     for (int64_t i = 0; i < walk.size; i++)
       work += inner->room[1][i] * (u[1][i] - u[0][i]);
   }
+  BW_TRY(bw_check_cancel(context)); /* a result would surprise who asked to stop */
   take(motion, &rule, &walk, work);
   report.shape = walk.now.shape;
   report.contacts = walk.now.contacts;
@@ -245,5 +246,77 @@ done:
   walk.contact = NULL; /* the motion's */
   bwi_walk_clear(&walk);
   bw_free(report.history);
+  return status;
+}
+
+/* What steps change, to be put back. */
+typedef struct motion_before {
+  bw_solid_motion as; /* numbers and report, whose history it owns */
+  double *field[3], *multiplier;
+} motion_before;
+
+static bw_status keep(bw_context *context, bw_solid_motion *motion, motion_before *former) {
+  const bwi_contact *contact = motion->inner->contact;
+  const double *field[] = {motion->displacement, motion->velocity, motion->acceleration};
+  size_t size = 3 * (size_t)motion->solid->grid->node_count;
+  for (int k = 0; k < 3; k++) {
+    former->field[k] = BW_NEW(context, double, size);
+    if (!former->field[k])
+      return BW_MEMORY;
+    memcpy(former->field[k], field[k], size * sizeof(double));
+  }
+  if (contact) {
+    former->multiplier = BW_NEW(context, double, contact->count);
+    if (!former->multiplier)
+      return BW_MEMORY;
+    memcpy(former->multiplier, contact->multiplier, (size_t)contact->count * sizeof(double));
+  }
+  former->as = *motion;
+  motion->report.history = NULL;
+  return BW_OK;
+}
+
+/* A contact that steps have made begins without pushes. */
+static void put_back(bw_solid_motion *motion, motion_before *former) {
+  bwi_contact *contact = motion->inner->contact;
+  double *field[] = {motion->displacement, motion->velocity, motion->acceleration};
+  size_t size = 3 * (size_t)motion->solid->grid->node_count;
+  for (int k = 0; k < 3; k++)
+    memcpy(field[k], former->field[k], size * sizeof(double));
+  for (int64_t k = 0; contact && k < contact->count; k++)
+    contact->multiplier[k] = former->multiplier ? former->multiplier[k] : 0;
+  bw_free(motion->report.history);
+  motion->report = former->as.report;
+  former->as.report.history = NULL;
+  motion->time = former->as.time;
+  motion->steps = former->as.steps;
+  motion->kinetic = former->as.kinetic;
+  motion->strain = former->as.strain;
+  motion->potential = former->as.potential;
+  motion->dissipated = former->as.dissipated;
+}
+
+bw_status bw_solid_motion_advance(bw_context *context, bw_solid_motion *motion, int64_t count) {
+  bw_status status = BW_OK;
+  motion_before former = {0};
+  bool kept = false;
+  if (count > 1) { /* one step keeps itself */
+    BW_TRY(keep(context, motion, &former));
+    kept = true;
+  }
+  for (int64_t i = 0; i < count; i++) {
+    if (count > 1)
+      bw_progress(context, "motion", (double)i / (double)count);
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bw_solid_motion_step(context, motion));
+  }
+done:
+  if (kept && status != BW_OK)
+    put_back(motion, &former);
+  if (kept)
+    bw_free(former.as.report.history);
+  for (int k = 0; k < 3; k++)
+    bw_free(former.field[k]);
+  bw_free(former.multiplier);
   return status;
 }

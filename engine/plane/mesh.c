@@ -193,6 +193,49 @@ static bw_status check_places(bw_context *context, const bw_plane_nodes *nodes,
   return BW_OK;
 }
 
+/* Nodes on segments that there are, and neighbours that know each other. */
+static bw_status check_topology(bw_context *context, const bw_plane_topology *topology,
+                                const bw_outline *outline) {
+  const bw_plane_nodes *nodes = topology->nodes;
+  for (int32_t i = 0; i < nodes->node_count; i++)
+    if (nodes->segment[i] < -1 || nodes->segment[i] >= outline->segment_count ||
+        (nodes->segment[i] >= 0 && !(nodes->parameter[i] >= 0 && nodes->parameter[i] < 1)))
+      return bw_fail(context, BW_INTERNAL, "node %d is at parameter %g of segment %d of %d", i,
+                     nodes->parameter[i], nodes->segment[i], outline->segment_count);
+  for (int64_t h = 0; h < 3 * (int64_t)topology->element_count; h++) {
+    int64_t element = h / 3, other = topology->neighbour[h];
+    bool back = other == -1;
+    if (other < -1 || other >= topology->element_count)
+      return bw_fail(context, BW_INTERNAL, "element %lld is beside element %lld of %d",
+                     (long long)element, (long long)other, topology->element_count);
+    for (int64_t k = 3 * other; other >= 0 && k < 3 * other + 3; k++)
+      back = back || topology->neighbour[k] == element;
+    if (!back)
+      return bw_fail(context, BW_INTERNAL, "element %lld is beside %lld, which is not beside it",
+                     (long long)element, (long long)other);
+  }
+  for (int64_t k = 0; k < topology->side_count; k++)
+    if (topology->side_segment[k] < 0 || topology->side_segment[k] >= outline->segment_count ||
+        topology->side_element[2 * k] < 0 ||
+        topology->side_element[2 * k] >= topology->element_count)
+      return bw_fail(context, BW_INTERNAL, "side %lld is of element %d and segment %d",
+                     (long long)k, topology->side_element[2 * k], topology->side_segment[k]);
+  return BW_OK;
+}
+
+bw_status bw_plane_mesh_check(bw_context *context, const bw_plane_mesh *mesh) {
+  bw_status status = BW_OK;
+  const bw_plane_topology *topology = mesh->topology;
+  const bw_plane_nodes *nodes = topology->nodes;
+  BW_TRY(bwi_plane_check_arrays(context, nodes->order, nodes->node_count, mesh->point,
+                                topology->element_count, topology->element));
+  BW_TRY(check_topology(context, topology, mesh->outline));
+  BW_TRY(check_elements(context, topology, mesh->point));
+  BW_TRY(check_places(context, nodes, mesh->outline, mesh->point));
+done:
+  return status;
+}
+
 /* ---- meshes from arrays -------------------------------------------------------------------------
  */
 

@@ -272,6 +272,9 @@ done:
 
 /* The frame as the mover's state, which takes the frame's mesh and relocator over. */
 static bw_status commit(bw_context *context, bw_mover *mover, attempt *frame) {
+  bw_status status = bw_check_cancel(context); /* a result would surprise who asked to stop */
+  if (status != BW_OK)
+    return status;
   bw_mover_state *next = BW_NEW0(context, bw_mover_state, 1);
   if (!next)
     return BW_MEMORY;
@@ -333,4 +336,22 @@ bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plan
                              const double *node_gradient, double *point_gradient) {
   return bwi_relocate_adjoint(context, mover->inner->now->relocator, mesh, node_gradient,
                               point_gradient);
+}
+
+bw_status bw_mover_check(bw_context *context, const bw_mover *mover) {
+  bw_status status = BW_OK;
+  const bw_mover_state *now = mover->inner->now;
+  const bw_plane_topology *topology = now->mesh->topology;
+  const bw_plane_mesh *base = bwi_relocator_base(now->relocator);
+  BW_TRY(bw_plane_mesh_check(context, now->mesh));
+  if (mover->mesh != now->mesh || base->topology != topology ||
+      base->outline->segment_count != now->mesh->outline->segment_count ||
+      topology->nodes->order != mover->options.fill.order || !(now->reference > 0) ||
+      !(now->guess >= 0))
+    status = bw_fail(context, BW_INTERNAL,
+                     "a mover of %d nodes is based on a mesh of %d; reference %g, guess %g",
+                     topology->nodes->node_count, base->topology->nodes->node_count, now->reference,
+                     now->guess);
+done:
+  return status;
 }

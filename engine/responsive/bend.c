@@ -368,7 +368,7 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   memcpy(n.next->displacement, n.u, n.size * sizeof(double));
   n.next->solved = n.next->large = true;
   n.next->moving = n.next->statics = false;
-  bwi_sheet_adopt(sheet, n.next);
+  BW_TRY(bwi_sheet_commit(context, sheet, n.next));
 done:
   bw_release(n.next);
   bwi_bend_clear(&n.bend);

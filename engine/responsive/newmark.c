@@ -289,7 +289,7 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   bw_free(next->before); /* not of one load after another any more */
   bw_free(next->former);
   next->before = next->former = NULL;
-  bwi_sheet_adopt(sheet, next);
+  BW_TRY(bwi_sheet_commit(context, sheet, next));
 done:
   bw_release(next);
   bw_free(room);

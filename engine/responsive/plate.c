@@ -242,7 +242,7 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
     for (int k = 0; k < was->known; k++)
       bwi_plate_turn(nodes, turn, false, next->shape + k * 3 * nodes);
   }
-  bwi_plate_adopt(plate, next);
+  BW_TRY(bwi_plate_commit(context, plate, next));
   if (kept) {
     kept->pattern = same_topology;
     kept->factor = same_topology && in->factored;

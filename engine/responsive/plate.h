@@ -96,6 +96,9 @@ bw_status bwi_plate_blank(bw_context *context, const bw_plane_mesh *mesh,
                           const bwi_plate_matrices *matrices, bw_plate_state **state);
 /* Puts a state in the place of the one that stands. Cannot fail. */
 void bwi_plate_adopt(bw_plate *plate, const bw_plate_state *state);
+/* The end of an operation: the state takes its place unless somebody asked to stop meanwhile, whom
+ * a result would surprise. */
+bw_status bwi_plate_commit(bw_context *context, bw_plate *plate, const bw_plate_state *next);
 
 /* y = M x (3 numbers a node) */
 bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,

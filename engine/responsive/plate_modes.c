@@ -229,7 +229,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   next->mode_count = options.modes;
   next->known = block + past;
   next->past = past;
-  bwi_plate_adopt(plate, next);
+  BW_TRY(bwi_plate_commit(context, plate, next));
 done:
   bw_release(next);
   bw_free(vector);

@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The states of a plate: each immutable once it stands. */
+#include <math.h>
 #include <string.h>
 
 #include "responsive/plate.h"
@@ -50,6 +51,13 @@ void bwi_plate_adopt(bw_plate *plate, const bw_plate_state *state) {
   bw_release(former);
 }
 
+bw_status bwi_plate_commit(bw_context *context, bw_plate *plate, const bw_plate_state *next) {
+  bw_status status = bw_check_cancel(context);
+  if (status == BW_OK)
+    bwi_plate_adopt(plate, next);
+  return status;
+}
+
 const bw_plate_state *bw_plate_keep(const bw_plate *plate) {
   return bw_retain(plate->inner->now);
 }
@@ -60,4 +68,30 @@ bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_s
   if (state != plate->inner->now)
     bwi_plate_adopt(plate, state);
   return BW_OK;
+}
+
+bw_status bw_plate_check(bw_context *context, const bw_plate *plate) {
+  bw_status status = BW_OK;
+  const bw_plate_state *now = plate->inner->now;
+  const bw_plane_topology *topology = now->mesh->topology;
+  int64_t numbers = 3 * (int64_t)now->known * topology->nodes->node_count;
+  BW_TRY(bw_plane_mesh_check(context, now->mesh));
+  if (plate->mesh != now->mesh || plate->shape != now->shape ||
+      plate->frequency != now->frequency || plate->residual != now->residual ||
+      plate->mode_count != now->mode_count || now->matrices->graph->topology != topology ||
+      topology->nodes->order != 2)
+    status = bw_fail(context, BW_INTERNAL, "a plate shows another state than it is at");
+  else if (now->past < 0 || now->known < now->past + now->mode_count || (now->known && !now->shape))
+    status =
+        bw_fail(context, BW_INTERNAL, "a plate of %d modes keeps %d vectors, %d of them former",
+                now->mode_count, now->known, now->past);
+  for (int k = 0; k < now->mode_count && status == BW_OK; k++)
+    if (!(now->frequency[k] >= (k ? now->frequency[k - 1] : 0)) || !isfinite(now->frequency[k]))
+      status = bw_fail(context, BW_INTERNAL, "mode %d has %g Hz", k + 1, now->frequency[k]);
+  for (int64_t i = 0; i < numbers && status == BW_OK; i++)
+    if (!isfinite(now->shape[i]))
+      status = bw_fail(context, BW_INTERNAL, "number %lld of a plate's modes is %g", (long long)i,
+                       now->shape[i]);
+done:
+  return status;
 }

@@ -191,7 +191,7 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_o
   memcpy(next->displacement, inner->work, size * sizeof(double));
   next->solved = next->statics = true;
   next->large = next->moving = false;
-  bwi_sheet_adopt(sheet, next);
+  BW_TRY(bwi_sheet_commit(context, sheet, next));
 done:
   bw_release(next);
   return status;

@@ -123,6 +123,9 @@ bw_status bwi_sheet_next(bw_context *context, const bw_sheet *sheet, const bw_pl
                          bool fields, bw_sheet_state **next);
 /* Puts a state in the place of the one that stands. Cannot fail. */
 void bwi_sheet_adopt(bw_sheet *sheet, const bw_sheet_state *state);
+/* The end of an operation: the state takes its place unless somebody asked to stop meanwhile, whom
+ * a result would surprise. */
+bw_status bwi_sheet_commit(bw_context *context, bw_sheet *sheet, const bw_sheet_state *next);
 
 static inline const bwi_section *bwi_section_of(const bw_sheet *sheet, int32_t element) {
   const struct bwi_sheet *inner = sheet->inner;

@@ -61,7 +61,7 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
       BW_TRY(carry(context, sheet, mesh, sheet->acceleration, &next->acceleration));
     }
     next->statics = false;
-    bwi_sheet_adopt(sheet, next);
+    BW_TRY(bwi_sheet_commit(context, sheet, next));
   }
   if (kept && level > kept->level)
     kept->level = level;

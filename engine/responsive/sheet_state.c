@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The states of a sheet: each immutable once it stands. */
+#include <math.h>
 #include <string.h>
 
 #include "responsive/sheet.h"
@@ -123,6 +124,13 @@ void bwi_sheet_adopt(bw_sheet *sheet, const bw_sheet_state *state) {
   bw_release(former);
 }
 
+bw_status bwi_sheet_commit(bw_context *context, bw_sheet *sheet, const bw_sheet_state *next) {
+  bw_status status = bw_check_cancel(context);
+  if (status == BW_OK)
+    bwi_sheet_adopt(sheet, next);
+  return status;
+}
+
 const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet) {
   return bw_retain(sheet->inner->now);
 }
@@ -141,4 +149,41 @@ bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_s
   if (state != inner->now)
     bwi_sheet_adopt(sheet, state);
   return BW_OK;
+}
+
+static bw_status check_field(bw_context *context, const char *what, const double *field,
+                             size_t count) {
+  for (size_t i = 0; field && i < count; i++)
+    if (!isfinite(field[i]))
+      return bw_fail(context, BW_INTERNAL, "the %s of node %zu is %g", what, i / 2, field[i]);
+  return BW_OK;
+}
+
+bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet) {
+  bw_status status = BW_OK;
+  const struct bwi_sheet *inner = sheet->inner;
+  const bw_sheet_state *now = inner->now;
+  const bw_plane_topology *topology = now->mesh->topology;
+  size_t size = 2 * (size_t)topology->nodes->node_count;
+  BW_TRY(bw_plane_mesh_check(context, now->mesh));
+  BW_TRY(bwi_conditions_check(context, now->mesh, 2, inner->condition_count, inner->condition));
+  BW_TRY(check_field(context, "displacement", now->displacement, size));
+  BW_TRY(check_field(context, "velocity", now->velocity, size));
+  BW_TRY(check_field(context, "acceleration", now->acceleration, size));
+  BW_TRY(check_field(context, "former displacement", now->before, size));
+  BW_TRY(check_field(context, "displacement before that", now->former, size));
+  if (sheet->mesh != now->mesh || sheet->displacement != now->displacement ||
+      sheet->velocity != now->velocity || sheet->acceleration != now->acceleration ||
+      sheet->time != now->time || !isfinite(now->time))
+    status = bw_fail(context, BW_INTERNAL, "a sheet shows another state than it is at");
+  else if (!now->displacement || !now->velocity != !now->acceleration ||
+           (now->former && !now->before) || (now->moving && !now->velocity) ||
+           (now->statics && (now->large || now->moving || !now->solved)))
+    status = bw_fail(context, BW_INTERNAL, "a sheet's fields do not go together");
+  else if ((inner->graph && inner->graph->topology != topology) ||
+           (inner->matrix_step[0] < 0 && !inner->stiffness_current) ||
+           (inner->stiffness_current && !inner->graph))
+    status = bw_fail(context, BW_INTERNAL, "a sheet's matrices are of another mesh");
+done:
+  return status;
 }

@@ -10,6 +10,7 @@ local core = require "barwright.core"
 local members = require "barwright.members"
 local options = require "barwright.options"
 local edit_assign = require "barwright.edit_assign"
+local edit_check = require "barwright.edit_check"
 local edit_bone = require "barwright.edit_bone"
 local edit_follow = require "barwright.edit_follow"
 local edit_pose = require "barwright.edit_pose"
@@ -425,6 +426,12 @@ function class:save(path)
   current(self)
   if type(path) ~= "string" then raise("save: the path of a script expected") end
   return edit_script.save(self, path)
+end
+
+--- Checks that all parts of the session belong together, for tests and debugging. Raises where they do not.
+function class:check()
+  current(self)
+  return edit_check(self)
 end
 
 --- Lets go of the equations and of all states at once; ends the journal.

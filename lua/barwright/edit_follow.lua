@@ -19,7 +19,9 @@ function edit_follow.model(state, part)
   end
   if not model then return nil, message, details end
   if shape.material_turns and not shape.at_rest then
-    local motion = topology.domains:motion(shape.maps, shape.rotations)
+    local motion
+    motion, message, details = topology.domains:motion(shape.maps, shape.rotations)
+    if not motion then return nil, message, details end
     return core.turn_material(model, topology.domains, motion)
   end
   return model
@@ -28,15 +30,21 @@ end
 local function make(owner, state, model)
   local system, message, details = core.local_system(model, state.topology.domains, state.shape.material_turns)
   if not system then return nil, message, details end
-  if owner.following then owner.following.system:close() end
-  owner.following = {topology = state.topology, system = system, model = model,
-    memory = edit_motion.begin(state.shape), near = setmetatable({}, {__mode = "k"})}
+  local memory
+  memory, message, details = edit_motion.begin(state.shape)
+  if not memory then return nil, message, details end
+  local former = owner.following
+  owner.following = {topology = state.topology, system = system, model = model, memory = memory,
+    near = setmetatable({}, {__mode = "k"})}
+  if former then former.system:close() end
   return owner.following
 end
 
 local function follow(record, state, model)
-  local motion = edit_motion.rows(record.memory, state.shape)
-  local reuse, message, details = record.system:update(model, motion)
+  local motion, reuse, message, details
+  motion, message, details = edit_motion.rows(record.memory, state.shape)
+  if not motion then return nil, message, details end
+  reuse, message, details = record.system:update(model, motion)
   if not reuse then return nil, message, details end
   record.model, record.reuse = model, reuse
   return record

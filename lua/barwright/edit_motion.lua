@@ -50,8 +50,10 @@ end
 --- What a system made at this shape has to remember.
 function edit_motion.begin(shape)
   if shape.at_rest then return {relaxed = {}} end
+  local motion, message, details = shape.topology.domains:motion(shape.maps, shape.rotations)
+  if not motion then return nil, message, details end
   local turned = {}
-  for p, row in ipairs(shape.topology.domains:motion(shape.maps, shape.rotations):totable()) do
+  for p, row in ipairs(motion:totable()) do
     turned[p] = edit_pose.transpose {table.unpack(row, 10, 18)}
   end
   return {maps = shape.maps:totable(), turned = turned, relaxed = shape.relaxed,
@@ -62,7 +64,9 @@ end
 --- or where its inner nodes are relaxed in one of the two.
 function edit_motion.rows(memory, shape)
   local topology = shape.topology
-  local motion = topology.domains:motion(shape.maps, shape.rotations):totable()
+  local told, message, details = topology.domains:motion(shape.maps, shape.rotations)
+  if not told then return nil, message, details end
+  local motion = told:totable()
   local now = memory.maps and shape.maps:totable()
   for p, row in ipairs(motion) do
     if now then

@@ -98,14 +98,8 @@ function followed.class(what, names, more)
   return class
 end
 
--- What an object is at, until `commit`; the end of the scope returns to it where that did not come.
+-- What an object is at; the end of the scope returns to it where what was tried is not `committed`.
 local undo = {}
-undo.__index = undo
-
-function undo:commit()
-  self.committed = true
-  return self.object
-end
 
 function undo:__close()
   if not self.committed then
@@ -116,16 +110,27 @@ function undo:__close()
   self.state:close()
 end
 
---- Does `change(report)` whole or not at all: where it returns nil or raises, the object is as it was,
---- what the class keeps beside it in Lua too (its `keep` gives the function that restores it).
-function followed.whole(self, change)
-  local report, class = new_frame(), getmetatable(self)
+--- Does `change()` whole or not at all: where it returns nil or raises, the object is as it was, with what
+--- its class holds beside the engine's body (`keep` gives the function that restores it).
+function followed.attempt(self, change)
+  local class = getmetatable(self)
   local before <close> = setmetatable({object = self, last = self.last, state = self.body:keep(),
     restore = class.keep and class.keep(self)}, undo)
-  local fine, message, details = change(report)
-  if not fine then return nil, message, details end
-  rawset(self, "last", report)
-  return before:commit()
+  local result, message, details = change()
+  if not result then return nil, message, details end
+  before.committed = true
+  return result
+end
+
+--- The same for a frame, `change(report)`, which then is the last.
+function followed.whole(self, change)
+  return followed.attempt(self, function()
+    local report = new_frame()
+    local fine, message, details = change(report)
+    if not fine then return nil, message, details end
+    rawset(self, "last", report)
+    return self
+  end)
 end
 
 --- A frame: mesh and body go over to an outline, the class's `finish` solves.

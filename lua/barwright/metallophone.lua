@@ -144,6 +144,45 @@ end
 -- Farther from the pitch than this (in ln f) the size is changed first.
 local FAR = 0.05
 
+-- What `tune` does; where it fails the bar is at what it tried last.
+local function tuned(self, wanted, wish, keep)
+  local first = self.outline
+  local far = math.log(self.frequency / wanted)
+  if math.abs(far) > FAR then
+    local scaled, message, details = first:scaled(math.exp(far / 2))
+    if scaled then scaled, message, details = self:become(scaled) end
+    if not scaled then return nil, message, details end
+  end
+  local base = self.outline
+  local box = base.box
+  local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
+  local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch}
+  local aim, rounds, checked, off = wanted, 0, nil, 0
+  for _ = 1, 6 do
+    local met, message, details = tune.search(self, aim, base, search)
+    if not met then return nil, message, details end
+    rounds = rounds + message
+    if wish.finer == 1 then
+      checked = self.frequency
+    else
+      local fine
+      fine, message, details = on_finer(self, wish.finer)
+      if not fine then return nil, message, details end
+      checked = fine.frequency
+    end
+    off = pitch.cents(checked, self.frequency)
+    if math.abs(pitch.cents(checked, wanted)) < 0.1 then break end
+    aim = wanted * self.frequency / checked
+  end
+  local moved = 0
+  local from, to = first.points:totable(), self.outline.points:totable()
+  for i = 1, #from do
+    moved = math.max(moved, math.sqrt((to[i][1] - from[i][1]) ^ 2 + (to[i][2] - from[i][2]) ^ 2))
+  end
+  return {frequency = checked, cents = pitch.cents(checked, wanted), moved = moved, rounds = rounds,
+    mesh_cents = off}
+end
+
 --- Changes the outline until the tone is `target` (Hz, or a note), moving it least: |p|^2 along the
 --- outline and, over the length `smooth` (default: a tenth of the size), its unevenness. `keep`: numbers
 --- of points that stay; `pins`: of vertices that do, as in outline:pull. Where the pitch is more than 5 %
@@ -163,47 +202,7 @@ function bar:tune(target, given)
     end
     keep[segments[vertex][1]] = true
   end
-  local first = self.outline
-  local far = math.log(self.frequency / wanted)
-  if math.abs(far) > FAR then
-    local scaled, message, details = first:scaled(math.exp(far / 2))
-    if scaled then scaled, message, details = self:become(scaled) end
-    if not scaled then return nil, message, details end
-  end
-  local base = self.outline
-  local box = base.box
-  local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
-  local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch}
-  local aim, rounds, checked, off = wanted, 0, nil, 0
-  for _ = 1, 6 do
-    local met, message, details = tune.search(self, aim, base, search)
-    if not met then
-      self:become(first)
-      return nil, message, details
-    end
-    rounds = rounds + message
-    if wish.finer == 1 then
-      checked = self.frequency
-    else
-      local fine
-      fine, message, details = on_finer(self, wish.finer)
-      if not fine then
-        self:become(first)
-        return nil, message, details
-      end
-      checked = fine.frequency
-    end
-    off = pitch.cents(checked, self.frequency)
-    if math.abs(pitch.cents(checked, wanted)) < 0.1 then break end
-    aim = wanted * self.frequency / checked
-  end
-  local moved = 0
-  local from, to = first.points:totable(), self.outline.points:totable()
-  for i = 1, #from do
-    moved = math.max(moved, math.sqrt((to[i][1] - from[i][1]) ^ 2 + (to[i][2] - from[i][2]) ^ 2))
-  end
-  return {frequency = checked, cents = pitch.cents(checked, wanted), moved = moved, rounds = rounds,
-    mesh_cents = off}
+  return followed.attempt(self, function() return tuned(self, wanted, wish, keep) end)
 end
 
 -- ---- trimming ------------------------------------------------------------------------------------

@@ -398,8 +398,13 @@ local function own_coarse(self, wanted)
     if self.coarse then grid, palette = self.coarse.fine, self.fine_palette end
     repeat
       level = level + 1
-      local coarse = core.metamaterial.coarsen(grid, palette, "naive", level)
-      local body = coarse and core.solid.create(coarse.grid, coarse.palette)
+      local coarse, message, details = core.metamaterial.coarsen(grid, palette, "naive", level)
+      local body
+      if coarse then body, message, details = core.solid.create(coarse.grid, coarse.palette) end
+      -- no coarser one is to be had; what ran out or was cancelled says nothing of the next time
+      if not body and (details.status == "memory" or details.status == "cancelled") then
+        return nil, message, details
+      end
       if not body then break end
       list[#list + 1] = {coarse:coarsening(level), body}
     until level == MOST_LEVELS or coarse.grid.node_count <= MOST_FACTORED
@@ -424,7 +429,9 @@ function solid:solve(given)
   end
   local under = wish.coarse and coarse_of(wish.coarse)
   if under == nil and (wish.linear == nil or wish.linear == "coarse") then
-    under = own_coarse(self, wish.linear == "coarse")
+    local message, details
+    under, message, details = own_coarse(self, wish.linear == "coarse")
+    if message then return nil, message, details end
   end
   newton.coarse = under
   if newton.linear == nil then

@@ -66,7 +66,9 @@ end
 local function widths(outline, most)
   local points, found = outline.points:totable(), {}
   local edges = {}
-  for _, loop in ipairs(outline:polygons(1e-3 * most)) do
+  local polygons, message, details = outline:polygons(1e-3 * most)
+  if not polygons then return nil, message, details end
+  for _, loop in ipairs(polygons) do
     local list = loop:totable()
     for i, a in ipairs(list) do edges[#edges + 1] = {a, list[i % #list + 1]} end
   end
@@ -219,7 +221,9 @@ function tune.search(bar, wanted, outline, wish)
   local count = outline.points.row_count
   local origin, now = outline.points:totable(), bar.outline.points:totable()
   local most = 10 * wish.smooth
-  local width, p, kept = widths(outline, most), {}, {}
+  local p, kept = {}, {}
+  local width, unknown, because = widths(outline, most)
+  if not width then return nil, unknown, because end
   for point in pairs(wish.keep) do kept[point] = true end
   local list = measures(outline, wish.smooth, kept, width)
   for i = 1, count do p[i] = {now[i][1] - origin[i][1], now[i][2] - origin[i][2]} end

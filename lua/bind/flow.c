@@ -61,7 +61,16 @@ static bw_status return_to(bw_context *context, void *flow, const void *state) {
   return bw_flow_return(context, (bw_flow *)flow, (const bw_flow_state *)state);
 }
 
-static const lbw_followed followed = {&lbw_flow_class, follow_mesh, keep, return_to};
+static bw_status check(bw_context *context, const void *flow) {
+  return bw_flow_check(context, (const bw_flow *)flow);
+}
+
+static const bw_plane_mesh *mesh_of(const void *flow) {
+  return ((const bw_flow *)flow)->mesh;
+}
+
+static const lbw_followed followed = {&lbw_flow_class, follow_mesh, keep,
+                                      return_to,       check,       mesh_of};
 
 /* flow:follow(frame, outline) */
 static int flow_follow(lua_State *L) {
@@ -74,6 +83,9 @@ static int flow_keep(lua_State *L) {
 }
 static int flow_return_to(lua_State *L) {
   return lbw_followed_return(L, &followed);
+}
+static int flow_check(lua_State *L) {
+  return lbw_followed_check(L, &followed);
 }
 
 /* flow:step(frame, stale options, options, steps): option "step" 0: to the steady state */
@@ -247,15 +259,11 @@ static int flow_frequency(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"follow", flow_follow},
-                                   {"step", flow_step},
-                                   {"force", flow_force},
-                                   {"heat", flow_heat},
-                                   {"at", flow_at},
-                                   {"counts", flow_counts},
-                                   {"keep", flow_keep},
-                                   {"return_to", flow_return_to},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {{"follow", flow_follow}, {"step", flow_step},
+                                   {"force", flow_force},   {"heat", flow_heat},
+                                   {"at", flow_at},         {"counts", flow_counts},
+                                   {"keep", flow_keep},     {"return_to", flow_return_to},
+                                   {"check", flow_check},   {NULL, NULL}};
 static const luaL_Reg properties[] = {
     {"velocity", flow_velocity},   {"pressure", flow_pressure}, {"temperature", flow_temperature},
     {"vorticity", flow_vorticity}, {"points", flow_points},     {"elements", flow_elements},

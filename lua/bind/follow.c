@@ -215,6 +215,21 @@ done:
   return lbw_leave(L, status, 1);
 }
 
+int lbw_followed_check(lua_State *L, const lbw_followed *followed) {
+  bw_status status = BW_OK;
+  const lbw_box *box = lbw_check_box(L, 1, followed->class);
+  const bw_mover *mover = (const bw_mover *)box->extra;
+  bw_context *context = lbw_enter(L);
+  BW_TRY(bw_mover_check(context, mover));
+  BW_TRY(followed->check(context, box->object));
+  if (followed->mesh(box->object) != mover->mesh)
+    status = bw_fail(context, BW_INTERNAL, "a body is on another mesh than its mover");
+done:
+  lbw_leave_or_raise(L, status);
+  lua_settop(L, 1);
+  return 1;
+}
+
 void lbw_open_follow(lua_State *L) {
   lbw_class_register(L, &state_class);
 }

@@ -34,6 +34,8 @@ typedef struct lbw_followed {
   bw_status (*follow)(bw_context *context, void *body, const bw_plane_mesh *mesh, bw_kept *kept);
   const void *(*keep)(const void *body);
   bw_status (*return_to)(bw_context *context, void *body, const void *state);
+  bw_status (*check)(bw_context *context, const void *body);
+  const bw_plane_mesh *(*mesh)(const void *body);
 } lbw_followed;
 /* body:follow(frame, outline): mover and body go over to an outline, both or neither. */
 int lbw_follow(lua_State *L, const lbw_followed *followed);
@@ -41,6 +43,8 @@ int lbw_follow(lua_State *L, const lbw_followed *followed);
  * fails only for the state of a body that was made otherwise. */
 int lbw_followed_keep(lua_State *L, const lbw_followed *followed);
 int lbw_followed_return(lua_State *L, const lbw_followed *followed);
+/* body:check(): itself, where mover and body and their parts belong together; raises otherwise. */
+int lbw_followed_check(lua_State *L, const lbw_followed *followed);
 void lbw_open_follow(lua_State *L);
 
 #endif

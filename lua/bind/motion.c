@@ -44,23 +44,23 @@ static int motion_create(lua_State *L) {
 
 /* motion:step(count | nil): the motion itself */
 static int motion_step(lua_State *L) {
-  bw_status status = BW_OK;
   lbw_box *box = lbw_check_box(L, 1, &lbw_solid_motion_class);
   bw_solid_motion *motion = self(L);
   lua_Integer count = lbw_integer_or(L, 2, 1);
   lbw_argument_check(L, count >= 0, 2, "a number of steps expected, 0 or more");
   lua_settop(L, 1);
-  bw_context *context = lbw_enter(L);
-  for (lua_Integer i = 0; i < count; i++) {
-    if (count > 1)
-      bw_progress(context, "motion", (double)i / (double)count);
-    BW_TRY(bw_check_cancel(context));
-    BW_TRY(bw_solid_motion_step(context, motion));
-  }
-done:;
+  bw_status status = bw_solid_motion_advance(lbw_enter(L), motion, count);
   int results = lbw_leave(L, status, 1);
   lbw_box_account(L, box); /* factors and matrices come with the first step */
   return results;
+}
+
+/* motion:check(): itself, where its parts belong together; raises otherwise */
+static int motion_check(lua_State *L) {
+  bw_solid_motion *motion = self(L);
+  lbw_leave_or_raise(L, bw_solid_motion_check(lbw_enter(L), motion));
+  lua_settop(L, 1);
+  return 1;
 }
 
 /* Fields change in place: each is a copy of its moment. */
@@ -112,7 +112,7 @@ static int motion_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"step", motion_step}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"step", motion_step}, {"check", motion_check}, {NULL, NULL}};
 static const luaL_Reg properties[] = {{"time", motion_time},
                                       {"steps", motion_steps},
                                       {"displacement", motion_displacement},

@@ -131,6 +131,14 @@ static int mover_pull_back(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* mover:check(): itself, where its parts belong together; raises otherwise */
+static int mover_check(lua_State *L) {
+  const bw_mover *mover = self(L);
+  lbw_leave_or_raise(L, bw_mover_check(lbw_enter(L), mover));
+  lua_settop(L, 1);
+  return 1;
+}
+
 static int mover_mesh(lua_State *L) {
   lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh);
   return 1;
@@ -142,7 +150,7 @@ static int mover_outline(lua_State *L) {
 }
 
 static const luaL_Reg methods[] = {
-    {"follow", mover_follow}, {"pull_back", mover_pull_back}, {NULL, NULL}};
+    {"follow", mover_follow}, {"pull_back", mover_pull_back}, {"check", mover_check}, {NULL, NULL}};
 static const luaL_Reg properties[] = {
     {"mesh", mover_mesh}, {"outline", mover_outline}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};

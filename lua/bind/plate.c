@@ -60,7 +60,16 @@ static bw_status return_to(bw_context *context, void *plate, const void *state) 
   return bw_plate_return(context, (bw_plate *)plate, (const bw_plate_state *)state);
 }
 
-static const lbw_followed followed = {&lbw_plate_class, follow_mesh, keep, return_to};
+static bw_status check(bw_context *context, const void *plate) {
+  return bw_plate_check(context, (const bw_plate *)plate);
+}
+
+static const bw_plane_mesh *mesh_of(const void *plate) {
+  return ((const bw_plate *)plate)->mesh;
+}
+
+static const lbw_followed followed = {&lbw_plate_class, follow_mesh, keep,
+                                      return_to,        check,       mesh_of};
 
 /* plate:follow(frame, outline) */
 static int plate_follow(lua_State *L) {
@@ -73,6 +82,9 @@ static int plate_keep(lua_State *L) {
 }
 static int plate_return_to(lua_State *L) {
   return lbw_followed_return(L, &followed);
+}
+static int plate_check(lua_State *L) {
+  return lbw_followed_check(L, &followed);
 }
 
 /* plate:solve(frame, {modes, tolerance, scratch}) */
@@ -250,6 +262,7 @@ static int wav_write(lua_State *L) {
 static const luaL_Reg methods[] = {{"follow", plate_follow},
                                    {"keep", plate_keep},
                                    {"return_to", plate_return_to},
+                                   {"check", plate_check},
                                    {"solve", plate_solve},
                                    {"mode", plate_mode},
                                    {"gradient", plate_gradient},

@@ -82,7 +82,16 @@ static bw_status return_to(bw_context *context, void *sheet, const void *state) 
   return bw_sheet_return(context, (bw_sheet *)sheet, (const bw_sheet_state *)state);
 }
 
-static const lbw_followed followed = {&lbw_sheet_class, follow_mesh, keep, return_to};
+static bw_status check(bw_context *context, const void *sheet) {
+  return bw_sheet_check(context, (const bw_sheet *)sheet);
+}
+
+static const bw_plane_mesh *mesh_of(const void *sheet) {
+  return ((const bw_sheet *)sheet)->mesh;
+}
+
+static const lbw_followed followed = {&lbw_sheet_class, follow_mesh, keep,
+                                      return_to,        check,       mesh_of};
 
 /* sheet:follow(frame, outline) */
 static int sheet_follow(lua_State *L) {
@@ -95,6 +104,9 @@ static int sheet_keep(lua_State *L) {
 }
 static int sheet_return_to(lua_State *L) {
   return lbw_followed_return(L, &followed);
+}
+static int sheet_check(lua_State *L) {
+  return lbw_followed_check(L, &followed);
 }
 
 /* sheet:static(frame, stale options) */
@@ -289,10 +301,16 @@ done:
   return lbw_leave(L, status, 3);
 }
 
-static const luaL_Reg methods[] = {
-    {"follow", sheet_follow},       {"static", sheet_static},           {"shake", sheet_shake},
-    {"bend", sheet_bend},           {"stress_norm", sheet_stress_norm}, {"keep", sheet_keep},
-    {"return_to", sheet_return_to}, {"counts", sheet_counts},           {NULL, NULL}};
+static const luaL_Reg methods[] = {{"follow", sheet_follow},
+                                   {"static", sheet_static},
+                                   {"shake", sheet_shake},
+                                   {"bend", sheet_bend},
+                                   {"stress_norm", sheet_stress_norm},
+                                   {"keep", sheet_keep},
+                                   {"return_to", sheet_return_to},
+                                   {"check", sheet_check},
+                                   {"counts", sheet_counts},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
                                       {"velocity", sheet_velocity},
                                       {"acceleration", sheet_acceleration},

@@ -60,10 +60,14 @@ static void echo_remarks(lbw_state *state) {
   bw_clear_remarks(state->context);
 }
 
-/* Raises the error of a callback, if there was one. */
+/* Raises the error of a callback, if there was one. What was asked of this call is not of the next.
+ */
 static void finish(lua_State *L, lbw_state *state) {
   state->running = 0;
   state->caller = NULL;
+  if (state->asked && !state->stopping)
+    bw_clear_cancel(state->context);
+  state->asked = false;
   if (state->echo && bw_remark_at(state->context, 0))
     echo_remarks(state);
   if (state->callback_failed) {
@@ -193,8 +197,10 @@ static void on_progress(void *data, const char *stage, double fraction) {
     return;
   }
   /* Returning false asks the engine to stop. */
-  if (lua_isboolean(L, -1) && !lua_toboolean(L, -1))
+  if (lua_isboolean(L, -1) && !lua_toboolean(L, -1)) {
+    state->asked = state->running;
     bw_cancel(state->context);
+  }
   lua_pop(L, 1);
 }
 

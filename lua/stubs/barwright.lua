@@ -2053,6 +2053,10 @@ function Session:report(path, options) end
 ---@return table? details
 function Session:save(path) end
 
+---Checks that all parts of the session belong together, for tests and debugging. Raises where they do not.
+---@return bw.Session
+function Session:check() end
+
 ---Lets go of the equations and all states at once, and ends the journal.
 function Session:close() end
 
@@ -2785,6 +2789,10 @@ function Sheet:keep() end
 ---@return table? details
 function Sheet:return_to(state) end
 
+---Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
+---@return table
+function Sheet:check() end
+
 ---@param p number
 ---@return number?
 ---@return bw.Array|string by_points
@@ -2867,6 +2875,10 @@ function Plate:keep() end
 ---@return string? message
 ---@return table? details
 function Plate:return_to(state) end
+
+---Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
+---@return table
+function Plate:check() end
 
 ---Releases it early.
 function Plate:close() end
@@ -3281,6 +3293,10 @@ local SolidMotion = {}
 ---@return table? details
 function SolidMotion:step(count) end
 
+---Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
+---@return bw.SolidMotion
+function SolidMotion:check() end
+
 ---Releases it early.
 function SolidMotion:close() end
 
@@ -3473,6 +3489,10 @@ function Mover:follow(outline) end
 ---@return string? message
 ---@return table? details
 function Mover:pull_back(gradient) end
+
+---Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
+---@return bw.Mover
+function Mover:check() end
 
 ---Lets go at once.
 function Mover:close() end
@@ -3730,6 +3750,10 @@ function FlowBody:keep() end
 ---@return string? message
 ---@return table? details
 function FlowBody:return_to(state) end
+
+---Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
+---@return table
+function FlowBody:check() end
 
 ---@param x number
 ---@param y number

@@ -113,6 +113,19 @@ describe("a plane mesh", function()
     end
   end)
 
+  it("follows to outlines of quite another size with as many elements", function()
+    local function house(size)
+      return assert(bw.outline {{0, 0}, {2 * size, 0}, {2 * size, size}, {size, 1.2 * size}, {0, size}})
+    end
+    local mesh = assert(bw.plane.fill(block(), {elements = 200}))
+    local mover = assert(bw.plane.mover(mesh, {fill = {elements = 200}}))
+    for _, outline in ipairs {house(1), assert(bw.outline.rectangle {width = 2e-6, height = 1e-6}), house(1e6),
+      assert(bw.outline.rectangle {width = 2e-6, height = 1e-6}), house(1)} do
+      assert(mover:follow(outline))
+      check.near(200, mover.mesh.element_count, 0.1)
+    end
+  end)
+
   it("pulls gradients back to the outline", function()
     local outline = block()
     local mesh = assert(bw.plane.fill(outline, {elements = 200}))

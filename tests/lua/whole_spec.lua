@@ -179,6 +179,80 @@ describe("what goes with a sheet", function()
   end)
 end)
 
+describe("a bar that is tuned", function()
+  it("is as it was when the script's function raises in the midst of it", function()
+    local bar = assert(bw.responsive.metallophone {outline = outline(), material = bw.material.pla,
+      thickness = 0.05, elements = 60})
+    local before = bar.points:tostring "<f8" .. bar.frequencies:tostring "<f8" .. tostring(bar.reused)
+    check.raises("enough", bar.tune, bar, 1.2 * bar.frequency, {watch = function() error "enough" end})
+    assert.equal(before, bar.points:tostring "<f8" .. bar.frequencies:tostring "<f8" .. tostring(bar.reused))
+  end)
+end)
+
+describe("a bar that is tuned without memory", function()
+  it("says so", function()
+    local bar = assert(bw.responsive.metallophone {outline = outline(), material = bw.material.pla,
+      thickness = 0.05, elements = 60})
+    local wanted = 1.02 * bar.frequency
+    for n = 1, 30 do
+      core.fail_allocation(n, true)
+      local fine, tuned, _, details = pcall(bar.tune, bar, wanted)
+      core.fail_allocation(0)
+      assert.truthy(not fine and tostring(tuned):find "memory" or details and details.status == "memory")
+    end
+  end)
+end)
+
+describe("a motion", function()
+  it("makes all of the steps that it is asked for, or none", function()
+    local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {1, 1, 2}})
+    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e5, poisson = 0.3,
+      density = 1000}}})
+    assert(solid:hold {side = "low z"}):force({side = "high z"}, {5, 0, 0})
+    local motion = assert(solid:motion {step = 1e-3})
+    assert(motion:step(2))
+    local function said()
+      return motion.displacement:tostring "<f8" .. motion.velocity:tostring "<f8"
+        .. ("%a %a %d %a"):format(motion.time, motion.kinetic, motion.steps, motion.report.residual)
+    end
+    local before = said()
+    for fraction = 1, 3 do
+      local former = bw.progress(function(stage, part) return stage ~= "motion" or part < fraction / 4 end)
+      check.fails("cancelled", "", motion:step(4))
+      bw.progress(former)
+      assert.equal(before, said())
+    end
+    assert(motion:step(4))
+    assert.equal(6, motion.steps)
+  end)
+end)
+
+describe("a progress function", function()
+  it("that asks to stop too late stops neither that call nor the next", function()
+    local told = 0
+    local former = bw.progress(function(_, fraction)
+      told = told + 1
+      return fraction < 1
+    end)
+    local mesh, message = bw.plane.fill(outline(), {elements = 20})
+    bw.progress(former)
+    assert.is_true(told > 0)
+    assert(mesh, message)
+    assert(bw.plane.fill(outline(), {elements = 20}))
+  end)
+
+  it("that raises where a mesh is made anew leaves the mover where it was", function()
+    local mover = assert(bw.plane.mover(assert(bw.plane.fill(outline(), {elements = 20}))))
+    local mesh = mover.mesh
+    for last = 0, 1 do
+      local former = bw.progress(function(_, fraction) return fraction < last or error "no" end)
+      check.raises("no", mover.follow, mover, assert(bw.outline {points = {{0, 0}, {2, 0}, {1, 1}}}))
+      bw.progress(former)
+      assert.is_true(mesh == mover.mesh)
+    end
+  end)
+end)
+
 describe("the signals of a flow", function()
   it("lose what a step recorded that came to nothing", function()
     left = math.huge

@@ -65,6 +65,8 @@ const bw_flow_state *bw_flow_keep(const bw_flow *flow);
 /* The mesh that it was kept on. */
 const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
 bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
+/* Whether its parts belong together: see bw_plane_mesh_check. */
+bw_status bw_flow_check(bw_context *context, const bw_flow *flow);
 
 /* Force of the fluid on the segments of a tag, per depth (N/m), as the reaction of the discrete
  * equations (the consistent one, twice the order of integrating stresses), and heat flow into the

@@ -338,6 +338,10 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
  * (never with one iteration, unless nothing lowers the potential), BW_GEOMETRY where it has
  * inverted elements; both name time, residual, worst element and its place. */
 bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion);
+/* So many steps, with progress: all of them, or where one fails none. */
+bw_status bw_solid_motion_advance(bw_context *context, bw_solid_motion *motion, int64_t count);
+/* Whether its parts belong together: see bw_plane_mesh_check. */
+bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *motion);
 
 #ifdef __cplusplus
 }

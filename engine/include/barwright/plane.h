@@ -102,6 +102,11 @@ bw_status bw_plane_mesh_moved(bw_context *context, const bw_plane_mesh *mesh,
                               const bw_outline *outline, const double *point,
                               bw_plane_mesh **moved);
 
+/* Whether all that a mesh is made of belongs together: finite places, nodes on their segments,
+ * sound elements, neighbours that know each other. For tests and debuggers, like all checks of
+ * objects. */
+bw_status bw_plane_mesh_check(bw_context *context, const bw_plane_mesh *mesh);
+
 typedef struct bw_plane_quality {
   double worst; /* 2 sqrt(3) inradius / longest edge: 1 equilateral, 0 flat, < 0 inverted; with
                    order 2 also multiplied by the smallest Jacobian over the mean one */
@@ -182,6 +187,7 @@ bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline
 typedef struct bw_mover_state bw_mover_state;
 const bw_mover_state *bw_mover_keep(const bw_mover *mover);
 bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state);
+bw_status bw_mover_check(bw_context *context, const bw_mover *mover);
 /* d J / d outline points (of mesh->outline, point_count x 2) from d J / d nodes (node_count x 2):
  * the adjoint of harmonic relocation. For shape optimisation. The mesh is the mover's, or one that
  * has its nodes; BW_INVALID otherwise. */

@@ -168,6 +168,8 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
 typedef struct bw_sheet_state bw_sheet_state;
 const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
 bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
+/* Whether its parts belong together: see bw_plane_mesh_check. */
+bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
 /* (e) Linear statics. BW_FREE when rigid motions are free. */
 bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
                           bw_kept *kept);
@@ -240,6 +242,7 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
 typedef struct bw_plate_state bw_plate_state;
 const bw_plate_state *bw_plate_keep(const bw_plate *plate);
 bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state);
+bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
 typedef struct bw_plate_options {
   int modes;        /* default 1 */
   double tolerance; /* of `residual`; the frequency's error is its square; default 1e-6 */
