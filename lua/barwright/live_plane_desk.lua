@@ -119,22 +119,44 @@ local function keep(self)
   return true
 end
 
+--- Where nothing is dragged, the object is as the last whole edit left it: it goes back there after
+--- something failed, or when the next message comes, where that fails too.
+function desk:settle()
+  local here = self.history[self.position]
+  if self.drag or self.object.outline == here.outline then return end
+  local fine, there = pcall(become, self, here.outline, here.back)
+  self.unsettled = not (fine and there)
+end
+
+-- The edits up to a place of a history are those that count, where they can be kept.
+local function take(self, history, position)
+  local former, place = self.history, self.position
+  self.history, self.position = history, position
+  local fine, why = keep(self)
+  if not fine then
+    self.history, self.position = former, place
+    self:settle()
+    return nil, why
+  end
+  return true
+end
+
 -- What the object is now, as an edit.
 local function push(self, line)
-  for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
-  self.position = self.position + 1
-  self.history[self.position] = {outline = self.object.outline, line = line, back = followed.kept(self.object)}
-  local older = self.history[self.position - states_kept]
+  local history = table.move(self.history, 1, self.position, 1, {})
+  history[#history + 1] = {outline = self.object.outline, line = line, back = followed.kept(self.object)}
+  local fine, why = take(self, history, #history)
+  if not fine then return nil, why end
+  local older = history[#history - states_kept]
   if older then older.back = nil end
-  return keep(self)
+  return true
 end
 
 local function go_to(self, position)
   local to = self.history[position]
   local fine, why = become(self, to.outline, to.back)
   if not fine then return nil, why end
-  self.position = position
-  return keep(self)
+  return take(self, self.history, position)
 end
 
 --- What is dragged, in words.
@@ -372,6 +394,7 @@ local events = {read = live_plane_message.read, open = open, close = close, hand
 
 --- Handles what arrived: {client, "open" | "message" | "close", text}, ...
 function desk:handle(list)
+  if self.unsettled then self:settle() end
   room.handle(self, list, events)
 end
 

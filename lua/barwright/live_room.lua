@@ -121,11 +121,12 @@ end
 -- ---- what arrives --------------------------------------------------------------------------------
 
 --- Runs a handler. What neither a check nor the session caught is told too; the session is then as
--- the last whole edit left it.
+-- the last whole edit left it (which `self:settle()` does for a desk that drags the thing itself).
 function room.protected(self, client, message, handler)
   local fine, result, why = pcall(handler, self, client, message)
   if fine and (result ~= nil or not why) then return end
   if self.drag and self.drag.client == client then self.drag = nil end
+  if self.settle then self:settle() end
   room.refuse(self, client, message, tostring(fine and why or result))
 end
 

@@ -198,6 +198,27 @@ describe("a desk in the plane", function()
     assert.is_nil(talk.say(1, {type = "limit", von_mises = 1e7}).fields.displacement)
   end)
 
+  it("makes no edit that it cannot keep", function()
+    local folder = check.folder()
+    local talk = desk_on(made "steady", {saved = folder .. "/edits.lua", script = "made.lua"})
+    talk.open(1)
+    local function drag()
+      talk.say(1, {type = "begin", handle = {loop = "hole"}, seq = 1})
+      talk.say(1, {type = "move", seq = 2, by = {0.01, 0}})
+      return select(2, talk.say(1, {type = "end"}))
+    end
+    drag()
+    local before, position = points_of(talk.object), talk.desk.position
+    os.execute("rm -r '" .. folder .. "'")
+    for _, act in ipairs {drag, function() return select(2, talk.say(1, {type = "undo"})) end} do
+      local all, told = act(), nil
+      for _, message in ipairs(all) do told = told or message.type == "refused" and message.message end
+      assert.truthy(told and told:find "cannot be kept")
+      assert.equal(before, points_of(talk.object))
+      assert.equal(position, talk.desk.position)
+    end
+  end)
+
   it("lets time go on at its own pace while a window is open, through drags, until it is paused", function()
     local talk = desk_on(made "vibration")
     assert.equal(3600, talk.desk:wait())
