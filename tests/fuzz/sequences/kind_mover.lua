@@ -1,0 +1,51 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A mesh that follows its outline, alone.
+local bw = require "barwright"
+local followed_kinds = require "followed_kinds"
+local fuse = require "fuse"
+
+local kind = {}
+local told = followed_kinds.told
+
+function kind.make()
+  local size = fuse.around(function(x) return 0.2 + 0.1 * math.abs(x) end)
+  local options = {order = math.random(2), elements = math.random(8, 80)}
+  local mesh = assert(bw.plane.fill(followed_kinds.first(), options))
+  local fill = math.random() < 0.3 and {field = size} or nil
+  return {mover = assert(bw.plane.mover(mesh, {relocation = math.random() < 0.5 and "springs" or "harmonic",
+    fill = fill}))}
+end
+
+function kind.seen(subject)
+  local mesh = subject.mover.mesh
+  return table.concat({told(mesh.points), told(mesh.elements), told(subject.mover.outline.points)}, "|")
+end
+
+function kind.check(subject) subject.mover:check() end
+
+function kind.close(subject)
+  subject.mover:close()
+  subject.mover:close()
+  if pcall(function() return subject.mover.mesh end) then error "a closed mover answers" end
+end
+
+kind.operations = {
+  follow = {5, function(subject)
+    local outline, message = followed_kinds.dragged(subject.mover.outline)
+    if not outline then return nil, message end
+    return subject.mover:follow(outline)
+  end},
+  other = {2, function(subject)
+    local outline, message = followed_kinds.other(subject.mover.outline)
+    if not outline then return nil, message end
+    return subject.mover:follow(outline)
+  end},
+  ["pull back"] = {1, function(subject)
+    local rows = {}
+    local count = #subject.mover.mesh.points + (math.random() < 0.2 and 1 or 0)
+    for i = 1, count do rows[i] = {math.random(), math.random()} end
+    return subject.mover:pull_back(rows)
+  end},
+}
+
+return kind

@@ -1,0 +1,25 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- A steady sheet.
+local acting = require "acting"
+local bw = require "barwright"
+local followed_kinds = require "followed_kinds"
+
+return followed_kinds.new {
+  make = function()
+    acting.load = 1e3
+    local methods = {"auto", "iterate", "refactor", "scratch"}
+    return bw.responsive.steady {outline = followed_kinds.first(), material = acting.rubber,
+      elements = math.random(8, 60), order = math.random(2), solver = {method = methods[math.random(4)]},
+      conditions = {left = "fixed", right = {traction = {acting.function_of_load, 0}}}}
+  end,
+  fields = {"displacement", "stress", "time"},
+  moves = {
+    load = {0.5, acting.change},
+    solve = {2, function(subject) return subject.object:solve() end},
+    norm = {2, function(subject)
+      local exponents = {1, 2, 8, 500, 1000, 0, -1, 1e9, 0 / 0}
+      return subject.object:stress_norm(exponents[math.random(#exponents)])
+    end},
+    estimate = {0.5, function(subject) return subject.object.error_estimate >= 0 end},
+  },
+}
