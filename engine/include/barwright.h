@@ -34,10 +34,10 @@
 #include "barwright/base.h"
 #include "barwright/confine.h"
 #include "barwright/job.h"
-#include "barwright/temporary.h"
 #include "barwright/mesh.h"
 #include "barwright/outline.h"
 #include "barwright/plane.h"
+#include "barwright/temporary.h"
 
 #include "barwright/grid.h"
 #include "barwright/io.h"
