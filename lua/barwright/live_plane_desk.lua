@@ -192,7 +192,9 @@ local function finish(self, wanted)
   self.drag = nil
   if not drag.line then return true end
   if wanted then return push(self, drag.line) end
-  return become(self, drag.base, drag.back)
+  local fine, why = become(self, drag.base, drag.back)
+  if not fine then self:settle() end
+  return fine, why
 end
 
 local function done(self, client, message, fine, why)
