@@ -96,7 +96,8 @@ end
 
 -- Runs the words in a job; what they print goes into the part's folder. {status, message, seconds}.
 local function run(part, words, out)
-  local line = {files.quoted(program())}
+  -- What runs ends with the process that waits for it, also where that one is killed.
+  local line = {"exec setpriv --pdeathsig KILL " .. files.quoted(program())}
   for i, word in ipairs(words) do line[i + 1] = files.quoted(word) end
   local command = ("%s >%s 2>&1 </dev/null"):format(table.concat(line, " "), files.quoted(out .. "/printed.txt"))
   local job, message = core.job(function()

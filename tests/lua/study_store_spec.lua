@@ -18,7 +18,9 @@ local function count_done(path)
   if not there then return 0 end
   there:close()
   local db <close> = core.database(path, {read_only = true})
-  local list = db and db:rows "SELECT count(*) AS n FROM trials WHERE status = 'done'"
+  local tables = db and db:rows "SELECT name FROM sqlite_master WHERE name = 'trials'"
+  if not tables or #tables == 0 then return 0 end -- killed before it had made them
+  local list = db:rows "SELECT count(*) AS n FROM trials WHERE status = 'done'"
   return list and list[1].n or 0
 end
 

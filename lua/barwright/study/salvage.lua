@@ -38,9 +38,11 @@ local function look(into)
   local rows
   rows, message, details = db:rows "SELECT name, value FROM study"
   if not rows then return nil, message, details end
-  for _, row in ipairs(rows) do out.about[row.name] = row.value end
+  for _, row in ipairs(rows) do out.about[tostring(row.name)] = row.value end
   local text = out.about.definition
-  if text and core.sha256_of(text) == out.about.definition_sha256 then out.definition = json.decode(text) end
+  if type(text) == "string" and core.sha256_of(text) == out.about.definition_sha256 then
+    out.definition = json.decode(text)
+  end
   return out
 end
 
@@ -50,7 +52,8 @@ local function fitting(seen, plain)
   for name, statement in pairs(definition.tables(seen.definition, plain)) do
     local there = seen.tables[name]
     local free = not seen.definition and (name == "points" or name == "results")
-      and there and there:find(("CREATE TABLE %s (number INTEGER PRIMARY KEY"):format(name), 1, true) == 1
+      and type(there) == "string"
+      and there:find(("CREATE TABLE %s (number INTEGER PRIMARY KEY"):format(name), 1, true) == 1
     if there ~= statement and not free then return false end
   end
   return true
