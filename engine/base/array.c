@@ -120,8 +120,10 @@ bw_status bw_array_view(bw_context *context, const bw_array *array, int64_t firs
   bw_status status = array_new(context, array->type, rows, columns, data, array, &made);
   if (status != BW_OK)
     return status;
-  made->row_stride = array->row_stride * (ptrdiff_t)row_step;
-  made->column_stride = array->column_stride * (ptrdiff_t)column_step;
+  /* A step that leads to no second row may be as large as it likes: its product is not formed. */
+  made->row_stride = rows > 1 ? array->row_stride * (ptrdiff_t)row_step : array->row_stride;
+  made->column_stride =
+      columns > 1 ? array->column_stride * (ptrdiff_t)column_step : array->column_stride;
   *view = made;
   return BW_OK;
 }

@@ -80,6 +80,7 @@ double bwi_local_refinements(const bw_local_system *local, double tolerance);
 
 /* The model's machine. */
 #define BWI_LOCAL_BYTES_PER_SECOND 17e9
+#define BWI_LOCAL_TOLERANCE 1e-10 /* of iterations, where none is given */
 static inline double bwi_local_flops_per_second(int bits) {
   return bits == 32 ? 110e9 : 55e9;
 }
@@ -153,7 +154,8 @@ bw_status bwi_local_by_levels(bw_context *context, bw_local_system *local,
 /* ---- local_check.c ------------------------------------------------------------------------- */
 
 /* Compare stiffness and solution with those made from scratch: BW_INTERNAL. */
-bw_status bwi_local_check(bw_context *context, const bw_local_system *local, int64_t count,
-                          const double *force, const double *displacement, bw_reuse *reuse);
+bw_status bwi_local_check(bw_context *context, const bw_local_system *local, double tolerance,
+                          int64_t count, const double *force, const double *displacement,
+                          bw_reuse *reuse);
 
 #endif

@@ -17,7 +17,7 @@
 enum { MOST_ITERATIONS = 2000, MOST_REFINEMENTS = 40 };
 
 void bw_local_options_default(bw_local_options *options) {
-  *options = (bw_local_options){.method = BW_LOCAL_AUTO, .tolerance = 1e-10};
+  *options = (bw_local_options){.method = BW_LOCAL_AUTO, .tolerance = BWI_LOCAL_TOLERANCE};
 }
 
 static bw_status options_of(bw_context *context, const bw_local_options *given,
@@ -26,7 +26,7 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
   if (given)
     *options = *given;
   if (options->tolerance == 0)
-    options->tolerance = 1e-10;
+    options->tolerance = BWI_LOCAL_TOLERANCE;
   if (!(options->tolerance > 0 && options->tolerance < 1))
     return bw_fail(context, BW_INVALID,
                    "the tolerance of the iteration is %g; it must be between 0 and 1",
@@ -290,7 +290,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   }
   local->inner->answered = true;
   if (options.check)
-    BW_TRY(bwi_local_check(context, local, count, load, displacement, reuse));
+    BW_TRY(bwi_local_check(context, local, options.tolerance, count, load, displacement, reuse));
 done:
   bwi_rest_clear(&left);
   bw_free(load);

@@ -33,7 +33,8 @@ local tests = {
   options = function(value) return type(value) == "table" end,
   integer = function(value) return math.type(value) == "integer" end,
 }
-for _, name in ipairs {"string", "number", "boolean", "table", "function"} do
+function tests.table(value) return type(value) == "table" and options.countable(value) end
+for _, name in ipairs {"string", "number", "boolean", "function"} do
   tests[name] = function(value) return type(value) == name end
 end
 

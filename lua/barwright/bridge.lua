@@ -84,7 +84,10 @@ end
 
 local properties = {
   outline = function(self) return rawget(self, "sheet").outline end,
-  whole = function(self) return assert(mirror.outline(self.outline, "axis")) end,
+  whole = function(self)
+    local whole, message = mirror.outline(self.outline, "axis")
+    return whole or raise(message)
+  end,
   area = function(self) return 2 * self.outline.area end,
   stress_limit = function(self) return rawget(self, "wish").stress_limit end,
   utilisation = function(self) return self.von_mises:max() / self.stress_limit end,

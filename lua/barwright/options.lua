@@ -17,6 +17,14 @@ end
 
 options.kind = kind_of
 
+local function length(value) return #value end
+
+--- Whether a table's length is a count: a metatable may make anything of it.
+function options.countable(value)
+  local fine, count = pcall(length, value)
+  return fine and math.type(count) == "integer" and count >= 0 and count < 1e9
+end
+
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,
 -- most =, one_of = {...}, above = }; type "any" is checked by the caller
 local function check(where, key, value, rule)
@@ -26,6 +34,9 @@ local function check(where, key, value, rule)
   if kind ~= rule.type then
     fail(where, key, ("%s expected, got %s"):format(
       rule.type == "integer" and "a whole number" or "a " .. rule.type, kind))
+  end
+  if rule.type == "table" and not options.countable(value) then
+    fail(where, key, "a table with a length expected")
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
     fail(where, key, "a finite number expected")

@@ -181,7 +181,7 @@ local function create(given)
   if type(given) ~= "table" then
     raise(("outline: a table of points expected, got %s"):format(kind_of(given)))
   end
-  if #given > 0 then given = {points = given} end
+  if rawlen(given) > 0 then given = {points = given} end
   local wish = options.read("outline", given, rules)
   if #wish.points == 0 then raise "outline: points: a list of points expected" end
   local draft, names = new_draft(), {}

@@ -170,7 +170,7 @@ end
 
 --- A polygon from {points}.
 function shapes.polygon(given)
-  local list = type(given) == "table" and #given > 0
+  local list = type(given) == "table" and rawlen(given) > 0
   local wish = read("outline.polygon", list and {points = given} or given, {
     points = {type = "table", needed = true},
   })

@@ -28,7 +28,7 @@ local function with(more)
 end
 
 local function is_list(value)
-  return type(value) == "table" and #value > 0
+  return type(value) == "table" and rawlen(value) > 0
 end
 
 -- One section, or one for each region.

@@ -273,4 +273,13 @@ describe("a bridge", function()
     if full then assert.is_true(b:check(0.002) <= 30e6 * 1.005) end
     assert.equal(b.area, (run()).area)
   end)
+
+  it("whose image has no memory says so at the script's line", function()
+    local bridge = assert(small_bridge {size = 0.02})
+    require("barwright.core").fail_allocation(1, false)
+    local fine, why = pcall(function() return bridge.whole end)
+    require("barwright.core").fail_allocation(0, false)
+    assert.is_false(fine)
+    assert.truthy(why:find "^[^\n]*bridge_spec%.lua:%d+: out of memory", why)
+  end)
 end)

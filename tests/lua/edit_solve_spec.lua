@@ -9,6 +9,19 @@ local beam_skeleton, beam_part, beam = edit_bodies.beam_skeleton, edit_bodies.be
 local body, same_nodes, compare = edit_bodies.body, edit_bodies.same_nodes, edit_bodies.compare
 
 describe("a solve", function()
+  it("checks what was asked for: iterations down to a loose tolerance pass", function()
+    local mesh = check.beam {4, 1, 1}
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {0, 0, -10}}
+    local skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.05, 0.05}, {1, 0.05, 0.05}},
+      bones = {{1, 2}, {2, 3, name = "lower"}}, root = 1}
+    local session = assert(bw.edit(part, {skeleton = skeleton}))
+    assert(session:solve())
+    assert(session:bone("lower"):scale {1, 1.01, 1.01})
+    local loose = assert(session:solve {check = true, method = "iterate", tolerance = 0.5})
+    assert.truthy(loose.residual > 1e-8)
+  end)
+
   it("is that of the part made anew, after every kind of edit, by every method", function()
     local session = body()
     local first = assert(session:solve())

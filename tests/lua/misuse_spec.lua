@@ -125,6 +125,8 @@ describe("a method written in Lua", function()
       ["record: name: a string expected"] = function() flow:record(0 / 0) end,
       ["coefficients: option 'stream': two finite numbers"] = function()
         flow:coefficients("boundary", {velocity = 1, length = 1, stream = {"x"}}) end,
+      ["outline.polygon: option 'points': a table with a length"] = function()
+        bw.outline.polygon(setmetatable({{0, 0}, {1, 0}, {1, 1}}, {__len = function() return "3" end})) end,
       ["rounded: point 2"] = function() bw.outline.rounded {points = {{0, 0}, nil, {1, 1}}, radius = 0.1} end,
       ["at: a flow expected, got integer: call it with a colon, as in flow:at(...)"] = function() flow.at(1,
         2) end,

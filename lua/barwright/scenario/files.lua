@@ -41,7 +41,8 @@ local held = {}
 
 --- A new folder for passing files; one that a killed process left is removed by the next run.
 function files.scratch()
-  local folder = assert(core.temporary_folder())
+  local folder, message = core.temporary_folder()
+  if not folder then core.raise(message) end
   held[folder.path] = folder
   return folder.path
 end

@@ -79,6 +79,12 @@ static void test_arrays(void **state) {
   check_fails(context, BW_INVALID, "does not fit",
               bw_array_view(context, again, 1, 2, INT64_MAX, 0, 1, 1, &view));
   bw_release(again);
+  /* The step to a second row that there is not. */
+  check_ok(context, bw_array_create(context, BW_F64, 2, 2, &array));
+  check_ok(context, bw_array_view(context, array, 1, 1, INT64_MAX, 1, 1, INT64_MIN, &view));
+  check_near(bw_array_get(view, 0, 0), 0, 0);
+  bw_release(array);
+  bw_release(view);
   check_fails(context, BW_INVALID, "sizes", bw_array_create(context, BW_F64, -1, 3, &array));
 }
 
