@@ -197,10 +197,8 @@ describe("a job", function()
   end)
 
   it("leaves nothing behind", function()
-    local function files()
-      local list <close> = assert(io.popen "ls /proc/$PPID/fd")
-      return select(2, list:read "a":gsub("\n", ""))
-    end
+    -- Not by a child process: popen closes its own end of the pipe at any time after the child has begun.
+    local function files() return #assert(core.list_folder "/proc/self/fd") end
     collectgarbage()
     collectgarbage()
     local before = files()

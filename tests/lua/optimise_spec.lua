@@ -302,7 +302,7 @@ describe("the scaling optimisation", function()
 
   it("refuses misuse", function()
     local session = bar(1, {load = tip {0, 0, -1}, cells = {6, 1, 1}})
-    check.raises("von_mises", session.optimise, session)
+    check.raises("a table of options expected", session.optimise, session)
     check.raises("did you mean 'von_mises'", session.optimise, session, {von_mise = 1})
     check.raises("greater than 0", session.optimise, session, {von_mises = 0})
     check.raises("bone 1", session.optimise, session, {von_mises = 1, bones = {"bone one"}})
