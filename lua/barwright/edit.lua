@@ -180,7 +180,35 @@ local function commit(self, edit)
   forget_far_shapes(self)
   return state
 end
-class.commit = commit
+
+-- A pose has a row of fifteen finite numbers for each bone; a topology is one of edit_shape's.
+local function check_change(self, change)
+  local count = current(self).topology.skeleton.bone_count
+  local function expected(what) raise("commit: " .. what .. " expected") end
+  if type(change.script) ~= "string" then expected "script: the line that makes this edit" end
+  if change.limits ~= nil and type(change.limits) ~= "table" then expected "limits: a table by bones' numbers" end
+  if change.topology ~= nil and not edit_shape.is_topology(change.topology) then
+    expected "topology: one that barwright.edit_shape made"
+  end
+  local pose = change.pose
+  if pose == nil then return end
+  if type(pose) ~= "table" or rawlen(pose) ~= count then expected(("pose: a list of %d rows"):format(count)) end
+  for i = 1, count do
+    local row = rawget(pose, i)
+    local good = type(row) == "table" and rawlen(row) == 15
+    for k = 1, 15 do
+      local number = good and rawget(row, k)
+      good = type(number) == "number" and number - number == 0
+    end
+    if not good then expected(("pose: fifteen finite numbers in row %d"):format(i)) end
+  end
+end
+
+--- Makes an edit, for Lua files that add edits: {script =, pose =, limits =, topology =}.
+function class:commit(change)
+  check_change(self, change)
+  return commit(self, change)
+end
 
 local function go_to(self, position, word)
   local state = self.history[position]

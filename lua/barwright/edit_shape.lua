@@ -22,8 +22,14 @@ function edit_shape.topology(domains, floor, node_from)
     list[d] = {bones = bones, type = domain.type, adjacent = domain.adjacent,
       elements = domain.elements}
   end
-  return {domains = domains, skeleton = skeleton, mesh = mesh, list = list, box = mesh.box,
+  local made = {domains = domains, skeleton = skeleton, mesh = mesh, list = list, box = mesh.box,
     piece_bones = domains.piece_bones, node_from = node_from, floor = floor}
+  topologies[made] = true
+  return made
+end
+
+function edit_shape.is_topology(value)
+  return topologies[value] == true
 end
 
 --- The quality asked for; a mesh that is poor at rest is not held against the edits.

@@ -38,7 +38,9 @@ function json.list(table)
   if table ~= nil and type(table) ~= "table" then
     raise(("json.list: a table expected, got %s"):format(type(table)))
   end
-  return setmetatable(table or {}, list_mark)
+  local fine, list = pcall(setmetatable, table or {}, list_mark)
+  if not fine then raise "json.list: a table whose metatable is not protected expected" end
+  return list
 end
 
 local function is_list(value)

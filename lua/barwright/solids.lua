@@ -113,6 +113,9 @@ local function vector(where, key, value)
 end
 
 local function check_where(function_name, where)
+  if type(where) == "table" and not options.countable(where) then
+    raise(("%s: a place expected first, got a table without a length"):format(function_name))
+  end
   if where == nil then
     raise(("%s: a place expected first: {side = \"low z\"}, a function of x, y, z, numbers of nodes"):format(
       function_name))

@@ -55,6 +55,8 @@ local function calls(session, part)
     ["hypervolume: costs 1: numbers expected, got x at 2"] = function() bw.study.hypervolume({{1, "x"}}, {2,
       2}) end,
     ["hypervolume: reference"] = function() bw.study.hypervolume({}, {}) end,
+    ["json.list: a table whose metatable is not protected"] = function()
+      bw.json.list(setmetatable({}, {__metatable = 5})) end,
     ["json.list: a table expected"] = function() bw.json.list "x" end,
     ["json.encode: indent: a string expected"] = function() bw.json.encode({}, 2) end,
     ["more than 200 deep"] = function() local t = {} for _ = 1, 1000 do t = {t} end bw.json.encode(t) end,

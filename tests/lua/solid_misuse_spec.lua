@@ -85,6 +85,7 @@ describe("what acts on a solid", function()
       check.raises("numbers from 1 to 45", solid.hold, solid, bad)
     end
     check.raises("chooses nothing", solid.hold, solid, {})
+    check.raises("a table without a length", solid.hold, solid, setmetatable({}, {__len = function() return "3" end}))
     check.raises("a place expected", solid.force, solid, nil, {1, 0, 0})
     check.raises("no node lies", solid.force, solid, {low = {9, 9, 9}}, {1, 0, 0})
     check.raises("holds nothing", solid.hold, solid, top, {false, false, false})
