@@ -8,6 +8,9 @@ local edit_pose = require "barwright.edit_pose"
 
 local edit_shape = {}
 
+-- The topologies made here: a script cannot make one by hand.
+local topologies = setmetatable({}, {__mode = "k"})
+
 --- A topology: domains, what is asked about them often, the quality below which elements are
 --- mended, and the numbers that the nodes have in the part as it was given (nil: the same). A refilled
 --- one also has the topology before it (`former`), and where its elements were there.
