@@ -381,11 +381,13 @@ static void check_range(lua_State *L, int64_t count, int64_t *first, int64_t *nu
     from += count + 1;
   if (to < 0)
     to += count + 1;
-  int64_t n = *step > 0 ? (to >= from ? (to - from) / *step + 1 : 0)
-                        : (from >= to ? (from - to) / -*step + 1 : 0);
-  if (n > 0 && (from < 1 || from > count || to < 1 || to > count))
+  bool any = *step > 0 ? to >= from : from >= to;
+  if (any && (from < 1 || from > count || to < 1 || to > count))
     lbw_error(L, "rows or columns %I to %I: there are %I", (LUAI_UACINT)from, (LUAI_UACINT)to,
               (LUAI_UACINT)count);
+  /* A longer step leaves the range at once, and could not be negated or multiplied. */
+  *step = *step > count ? count : *step < -count ? -count : *step;
+  int64_t n = any ? (to - from) / *step + 1 : 0;
   *first = n > 0 ? from - 1 : 0;
   *number = n;
 }

@@ -162,6 +162,11 @@ describe("a plot", function()
     check.raises("series 2: unknown option 'color': did you mean 'colour'", bw.plot.lines,
       {series = {{y = {1}}, {y = {1}, color = "red"}}})
     check.raises("entry 2: a number expected, got string", bw.plot.lines, {series = {{y = {1, "2"}}}})
+    local endless = setmetatable({}, {__len = function() return "3" end})
+    check.raises("a table without a length", bw.plot.lines, {series = {{y = endless}}})
+    check.raises("a table with a length", bw.plot.lines, {series = endless})
+    check.raises("a table without a length", bw.plot.sensitivity,
+      {base = 1, high = endless, low = {1}, names = {"a"}})
     check.raises("'logarithmic' is not known", bw.plot.lines, {series = {{y = {1}}}, x = {scale = "logarithmic"}})
     check.raises("least 3 must be below most 2", bw.plot.lines, {series = {}, x = {least = 3, most = 2}})
     check.raises("#rrggbb", bw.plot.lines, {series = {{y = {1}, colour = "red"}}})

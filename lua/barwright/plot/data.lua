@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What the plots are given: lists of numbers, checked and told apart from what cannot be shown.
 local core = require "barwright.core"
+local options = require "barwright.options"
 local palette = require "barwright.plot.palette"
 
 local raise = core.raise
@@ -30,6 +31,9 @@ function data.numbers(where, what, given, count)
   if type(given) ~= "table" then
     raise(("%s: %s: a list of numbers expected, got %s"):format(where, what, type(given)))
   end
+  if not options.countable(given) then
+    raise(("%s: %s: a list of numbers expected, got a table without a length"):format(where, what))
+  end
   local length = #given
   if count and length > count then
     raise(("%s: %s: %d numbers expected, got %d"):format(where, what, count, length))
@@ -37,7 +41,7 @@ function data.numbers(where, what, given, count)
   local out = {}
   for i = 1, count or length do
     local value = given[i]
-    if type(value) == "table" and #value == 1 then value = value[1] end
+    if type(value) == "table" and options.countable(value) and #value == 1 then value = value[1] end
     if value ~= nil and value ~= false and math.type(value) == nil then
       raise(("%s: %s: entry %d: a number expected, got %s"):format(where, what, i, type(value)))
     end
@@ -71,6 +75,9 @@ end
 function data.list(where, what, given)
   if type(given) ~= "table" then
     raise(("%s: %s: a list expected, got %s"):format(where, what, type(given)))
+  end
+  if not options.countable(given) then
+    raise(("%s: %s: a list expected, got a table without a length"):format(where, what))
   end
   return given
 end
