@@ -84,7 +84,8 @@ struct bwi_flow {
   /* What follows from it, or makes it faster. */
   bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
   bw_stale *stale;
-  bwi_flow_room room; /* of the current graph; empty until it is needed */
+  bwi_flow_room room;      /* of the current graph; empty until it is needed */
+  bool conflicts_reported; /* of the conditions' prescribed values */
 };
 
 /* A copy of the state that stands, as the first draft of the next on the same nodes. */

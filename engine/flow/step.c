@@ -153,7 +153,7 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   BW_TRY(assemble(context, flow, linear));
   memset(room->held, 0, unknowns);
   BW_TRY(bw_conditions_prescribe(context, flow->mesh, c, about->condition_count, about->condition,
-                                 time, room->held, room->prescribed));
+                                 time, room->held, room->prescribed, &in->conflicts_reported));
   BW_TRY(bwi_flow_boundary(context, flow, time));
   bool enclosed = is_enclosed(flow);
   if (enclosed) {

@@ -73,16 +73,42 @@ bw_status bwi_condition_value(bw_context *context, const bw_condition *condition
   return BW_OK;
 }
 
-bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
+/* What tags ask for one component of a node. They ask for one value, except where their edges meet.
+ */
+typedef struct request {
+  int32_t order;      /* the highest so far; below it a request does not count */
+  double low, high;   /* of that order */
+  double least, most; /* of every order, and the conditions that ask for them */
+  int32_t least_by, most_by;
+  bool any;
+} request;
+
+static void add_request(request *r, const bw_condition *condition, int32_t k, double value) {
+  int32_t order = condition[k].order;
+  if (!r->any || order > r->order)
+    r->order = order, r->low = r->high = value;
+  else if (order == r->order)
+    r->low = fmin(r->low, value), r->high = fmax(r->high, value);
+  if (!r->any || value < r->least)
+    r->least = value, r->least_by = k;
+  if (!r->any || value > r->most)
+    r->most = value, r->most_by = k;
+  r->any = true;
+}
+
+/* Neither names nor places in the list decide: of displacements and velocities the one nearest to
+ * rest holds, so that no fluid passes a wall at its corner, and of temperatures the middle. */
+static double decide(const request *r, int component) {
+  if (component >= 2)
+    return 0.5 * (r->low + r->high);
+  return fmin(fmax(r->low, 0), r->high);
+}
+
+static bw_status collect_requests(bw_context *context, const bw_plane_mesh *mesh, int components,
                                   int32_t count, const bw_condition *condition, double time,
-                                  uint8_t *held, double *prescribed) {
+                                  request *all) {
   const bw_plane_topology *topology = mesh->topology;
   int width = topology->nodes->order + 1;
-  size_t size = (size_t)topology->nodes->node_count * (size_t)components;
-  for (size_t i = 0; i < size; i++) {
-    held[i] = 0;
-    prescribed[i] = 0;
-  }
   for (int32_t k = 0; k < count; k++) {
     const bw_condition *c = &condition[k];
     if (c->kind != BW_PRESCRIBED || c->component >= components)
@@ -93,19 +119,83 @@ bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh
         continue;
       const int32_t *node = topology->side + (int64_t)s * width;
       for (int a = 0; a < width; a++) {
-        size_t i = (size_t)node[a] * (size_t)components + (size_t)c->component;
+        double value;
         if (node[a] == before)
           continue;
-        held[i] = 1;
-        bw_status status = bwi_condition_value(context, c, mesh->point + 2 * (size_t)node[a], time,
-                                               &prescribed[i]);
+        bw_status status =
+            bwi_condition_value(context, c, mesh->point + 2 * (size_t)node[a], time, &value);
         if (status != BW_OK)
           return status;
+        add_request(&all[(size_t)node[a] * (size_t)components + (size_t)c->component], condition, k,
+                    value);
       }
       before = node[1];
     }
   }
   return BW_OK;
+}
+
+enum { REPORTED_CONFLICTS = 8 };
+
+/* A warning for each pair of tags that ask for different values of a component. */
+static bool report_conflicts(bw_context *context, const bw_plane_mesh *mesh, int components,
+                             const bw_condition *condition, const request *all) {
+  static const char *const name[] = {"x", "y", "pressure", "temperature"};
+  const request *reported[REPORTED_CONFLICTS];
+  size_t size = (size_t)mesh->topology->nodes->node_count * (size_t)components;
+  int count = 0;
+  double scale[4] = {0};
+  for (size_t i = 0; i < size; i++)
+    if (all[i].any)
+      scale[i % (size_t)components] =
+          fmax(scale[i % (size_t)components], fmax(fabs(all[i].least), fabs(all[i].most)));
+  for (size_t i = 0; i < size && count < REPORTED_CONFLICTS; i++) {
+    const request *r = &all[i];
+    int component = (int)(i % (size_t)components);
+    if (!r->any || r->most - r->least <= 1e-9 * scale[component])
+      continue;
+    int32_t a = condition[r->least_by].tag, b = condition[r->most_by].tag;
+    bool known = a == b;
+    for (int j = 0; j < count && !known; j++) {
+      int32_t c = condition[reported[j]->least_by].tag, d = condition[reported[j]->most_by].tag;
+      known = (int)((size_t)(reported[j] - all) % (size_t)components) == component &&
+              ((a == c && b == d) || (a == d && b == c));
+    }
+    if (known)
+      continue;
+    reported[count++] = r;
+    const double *at = mesh->point + 2 * (i / (size_t)components);
+    const bw_name *tag = mesh->outline->tag;
+    bw_remark(context,
+              "conditions conflict at (%.6g, %.6g): tag '%s' prescribes %s = %.6g, tag '%s' "
+              "%.6g; %.6g is used%s",
+              at[0], at[1], a < 0 ? "" : tag[a].text, name[component], r->least,
+              b < 0 ? "" : tag[b].text, r->most, decide(r, component),
+              condition[r->least_by].order == condition[r->most_by].order
+                  ? "; conditions in a list are ordered, and the last one decides"
+                  : ", of the condition that is given last");
+  }
+  return count > 0;
+}
+
+bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
+                                  int32_t count, const bw_condition *condition, double time,
+                                  uint8_t *held, double *prescribed, bool *reported) {
+  size_t size = (size_t)mesh->topology->nodes->node_count * (size_t)components;
+  request *all = BW_NEW0(context, request, size);
+  if (!all)
+    return BW_MEMORY;
+  bw_status status = collect_requests(context, mesh, components, count, condition, time, all);
+  if (status == BW_OK) {
+    for (size_t i = 0; i < size; i++) {
+      held[i] = all[i].any;
+      prescribed[i] = all[i].any ? decide(&all[i], (int)(i % (size_t)components)) : 0;
+    }
+    if (reported && !*reported)
+      *reported = report_conflicts(context, mesh, components, condition, all);
+  }
+  bw_free(all);
+  return status;
 }
 
 const double bwi_side_at[3] = {0.11270166537925831148, 0.5, 0.88729833462074168852};

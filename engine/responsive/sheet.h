@@ -111,10 +111,11 @@ struct bwi_sheet {
   uint8_t *held;                           /* node_count x 2 */
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */
 
-  bool stiffness_current; /* of the mesh as it is; so also mass */
-  double matrix_step[4];  /* step, beta, damping: what `matrix` is made with; step 0: nothing that
-                             lasts, -1: the statics of the mesh as it is */
-  bool held_checked;      /* no piece of this topology is free */
+  bool stiffness_current;  /* of the mesh as it is; so also mass */
+  double matrix_step[4];   /* step, beta, damping: what `matrix` is made with; step 0: nothing that
+                              lasts, -1: the statics of the mesh as it is */
+  bool held_checked;       /* no piece of this topology is free */
+  bool conflicts_reported; /* of the conditions' prescribed values */
 };
 
 /* The state that stands as the first draft of the next, on `mesh`, which has the same nodes where

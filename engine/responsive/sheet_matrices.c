@@ -208,7 +208,7 @@ bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
 bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time) {
   struct bwi_sheet *inner = sheet->inner;
   return bw_conditions_prescribe(context, sheet->mesh, 2, inner->condition_count, inner->condition,
-                                 time, inner->held, inner->prescribed);
+                                 time, inner->held, inner->prescribed, &inner->conflicts_reported);
 }
 
 /* ---- free rigid motions -------------------------------------------------------------------- */

@@ -44,13 +44,51 @@ local function add_heat(list, tag, one, component, where)
     coefficient = coefficient}
 end
 
---- {tag = "fixed" | {x = , y = , traction = {x, y}, pressure = }} as the list of the engine, in the
---- order of the tags' names, prescribed values last. Where a temperature is known also heat_flux and
+-- The conditions as a list of {tag =, one =, order =}, and by tag. Those of one table have no order, and
+-- the names give none; in a list of tables later ones decide over earlier ones.
+local function by_tag(where, given, word)
+  local listed = rawlen(given) > 0
+  local rows, conditions_by_tag, tables = {}, {}, listed and given or {given}
+  for key in pairs(listed and given or {}) do
+    if math.type(key) ~= "integer" then
+      raise(("%s: conditions are {tag = ...} or a list {{tag = ...}, {tag = ...}}, not both: '%s' is beside "
+        .. "the list"):format(where, tostring(key)))
+    end
+  end
+  for order = 1, rawlen(tables) do
+    local group = tables[order]
+    if type(group) ~= "table" then
+      raise(("%s: entry %d of the list of conditions: {tag = ...} expected, got %s"):format(where, order,
+        type(group)))
+    end
+    for tag, one in pairs(group) do
+      if type(tag) ~= "string" then
+        raise(("%s: conditions are named by tags of the outline: {tag = ...}"):format(where))
+      end
+      if one ~= word and type(one) ~= "table" then
+        raise(("%s: condition of '%s': \"%s\" or a table expected, got %s"):format(where, tag, word,
+          type(one) == "string" and ("'%s'"):format(one) or type(one)))
+      end
+      if conditions_by_tag[tag] then
+        raise(("%s: the list of conditions names '%s' twice: give its conditions in one entry"):format(where, tag))
+      end
+      conditions_by_tag[tag] = one
+      rows[#rows + 1] = {tag = tag, one = one, order = order}
+    end
+  end
+  table.sort(rows, function(a, b) return a.tag < b.tag end) -- the same list in every run
+  return rows, conditions_by_tag
+end
+
+--- {tag = "fixed" | {x = , y = , traction = {x, y}, pressure = }} as the list of the engine, prescribed
+--- values last; or a list of such tables, whose later entries decide over earlier ones where tags meet.
+--- Where a temperature is known also heat_flux and
 --- convection = {coefficient = , temperature = }, over density times heat capacity.
 --- `components`: names of what may be prescribed, in the engine's order ("" for none at that place).
 --- `word`: what stands for x and y being 0 ("fixed").
+--- Also returns the conditions by tag.
 function conditions.read(where, given, components, word)
-  local tags, loads, held, keys = {}, {}, {}, {"traction", "pressure"}
+  local loads, held, keys = {}, {}, {"traction", "pressure"}
   word = word or "fixed"
   local heat
   for component, name in ipairs(components) do
@@ -58,19 +96,9 @@ function conditions.read(where, given, components, word)
     if name == "temperature" then heat = component end
   end
   if heat then keys[#keys + 1], keys[#keys + 2] = "heat_flux", "convection" end
-  for tag, one in pairs(given) do
-    if type(tag) ~= "string" then
-      raise(("%s: conditions are named by tags of the outline: {tag = ...}"):format(where))
-    end
-    if one ~= word and type(one) ~= "table" then
-      raise(("%s: condition of '%s': \"%s\" or a table expected, got %s"):format(where, tag, word,
-        type(one) == "string" and ("'%s'"):format(one) or type(one)))
-    end
-    tags[#tags + 1] = tag
-  end
-  table.sort(tags)
-  for _, tag in ipairs(tags) do
-    local one = given[tag]
+  local rows, conditions_by_tag = by_tag(where, given, word)
+  for _, row in ipairs(rows) do
+    local tag, one = row.tag, row.one
     if one == word then one = {[components[1]] = 0, [components[2]] = 0} end
     for key in pairs(one) do
       local known = false
@@ -85,12 +113,12 @@ function conditions.read(where, given, components, word)
     if heat then add_heat(loads, tag, one, heat, where) end
     for component, key in ipairs(components) do
       if one[key] ~= nil then
-        held[#held + 1] = {tag = tag, kind = "prescribed", component = component, value = one[key]}
+        held[#held + 1] = {tag = tag, kind = "prescribed", component = component, value = one[key],
+          order = row.order}
       end
     end
   end
-  return table.move(held, 1, #held, #loads + 1, loads)
+  return table.move(held, 1, #held, #loads + 1, loads), conditions_by_tag
 end
-
 
 return conditions

@@ -188,7 +188,8 @@ local function create(where, made, given, rules, components)
       raise(("%s: option 'gravity': {x, y} expected"):format(where))
     end
   end
-  local list = conditions.read(where, wish.conditions, components, "wall")
+  local list
+  list, wish.conditions = conditions.read(where, wish.conditions, components, "wall")
   return followed.object(made, wish, core.flow.create(wish.outline,
     followed.mesh(where, wish, list), wish.follow, {density = wish.density,
       viscosity = wish.viscosity, gravity = wish.gravity, diffusivity = wish.diffusivity,

@@ -63,7 +63,8 @@ end
 local function create(where, class, given, own_rules, add_conditions)
   local wish = options.read(where, given, own_rules)
   check_pair(where, "gravity", wish.gravity, -math.huge)
-  local list = conditions.read(where, wish.conditions, {"x", "y"})
+  local list
+  list, wish.conditions = conditions.read(where, wish.conditions, {"x", "y"})
   if wish.damping then check_pair(where, "damping", wish.damping, 0) end
   if add_conditions then add_conditions(where, wish, list) end
   return followed.object(class, wish, core.sheet.create(wish.outline,
@@ -126,8 +127,9 @@ local function stand_on_ground(where, wish, list)
     end
   end
   for _, tag in ipairs(ground) do
-    for component, key in ipairs {"x", "y"} do
-      list[#list + 1] = {tag = tag, component = component, value = wish.shake[key] or 0}
+    for component, key in ipairs {"x", "y"} do -- after all conditions: the ground decides
+      list[#list + 1] = {tag = tag, component = component, value = wish.shake[key] or 0,
+        order = math.maxinteger >> 33}
     end
   end
 end

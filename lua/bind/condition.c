@@ -127,6 +127,9 @@ lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
     lua_getfield(L, -1, "coefficient");
     c->coefficient = lua_tonumber(L, -1);
     lua_pop(L, 1);
+    lua_getfield(L, -1, "order");
+    c->order = (int32_t)lua_tointeger(L, -1);
+    lua_pop(L, 1);
     read_value(L, what, all, i);
     lua_pop(L, 1);
   }

@@ -9,9 +9,10 @@
 
 typedef struct lbw_conditions lbw_conditions;
 /* Reads the list at `index`, {{tag = name (nil: everywhere), kind = "prescribed" | "traction" |
- * "pressure" | "convection", component = from 1, value = , coefficient = of convection}}, into a
- * userdata that is pushed. Raises for what is none, naming the nearest tag. A last one of kind
- * "size" is no condition but the wanted length of edges. */
+ * "pressure" | "convection", component = from 1, value = , coefficient = of convection, order = of
+ * prescribed values that conflict}}, into a userdata that is pushed. Raises for what is none,
+ * naming the nearest tag. A last one of kind "size" is no condition but the wanted length of edges.
+ */
 lbw_conditions *lbw_conditions_read(lua_State *L, int index, const char *what,
                                     const bw_outline *outline);
 const bw_condition *lbw_conditions_list(const lbw_conditions *all, int32_t *count);

@@ -2298,7 +2298,10 @@ function Results:write(result) end
 ---"refactor" | "scratch", tolerance, iterations}).
 ---conditions = {tag = "fixed"} or {tag = {x = , y = , traction = {x, y}, pressure = }}: displacements
 ---(m) and loads (Pa; pressure along the inner normal) on the edges with that tag, each a number, a
----formula in x, y and t, or a function of them.
+---formula in x, y and t, or a function of them. Where edges of different tags meet, what one of them
+---prescribes holds over what the other leaves free; of two prescribed values the one nearest to 0 (of
+---temperatures the middle). conditions = {{tag = ...}, {tag = ...}}, a list of such tables, has an order: later
+---entries decide over earlier ones. bw.remarks() names conflicts.
 ---@class bw.ResponsiveModule
 local responsive_module = {}
 

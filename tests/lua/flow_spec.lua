@@ -22,6 +22,81 @@ local function wind(more)
   return bw.responsive.flow(options)
 end
 
+-- A cavity whose lid is called so, 0.16 m2/s viscosity; its conditions by the lid's name.
+local function cavity(lid, conditions_of, kind)
+  local outline = assert(bw.outline.rectangle {width = 1, height = 1,
+    tags = {floor = 1, right = 2, [lid] = 3, left = 4}})
+  return assert(bw.responsive[kind or "flow"] {outline = outline, viscosity = 0.16, size = 0.1, steady = true,
+    diffusivity = kind and 1, conditions = conditions_of(lid)})
+end
+
+describe("conditions that meet at a corner", function()
+  local function unordered(lid)
+    return {[lid] = {x = 1, y = 0}, floor = "wall", left = "wall", right = "wall"}
+  end
+
+  it("do not obey their names", function()
+    bw.remarks()
+    local s = cavity("ceiling", unordered)
+    assert.equal(0, (s:at(0, 1)))
+    assert.equal(0, (s:at(1, 1)))
+    assert.same({"conditions conflict at (0, 1): tag 'left' prescribes x = 0, tag 'ceiling' 1; 0 is used; "
+      .. "conditions in a list are ordered, and the last one decides",
+      "conditions conflict at (1, 1): tag 'right' prescribes x = 0, tag 'ceiling' 1; 0 is used; "
+      .. "conditions in a list are ordered, and the last one decides"}, (function(list)
+        table.sort(list)
+        return list
+      end)(bw.remarks()))
+    for _, lid in ipairs {"top", "a", "z"} do
+      local other = cavity(lid, unordered)
+      for _, y in ipairs {0.1, 0.5, 0.9} do assert.same({s:at(0.5, y)}, {other:at(0.5, y)}) end
+    end
+  end)
+
+  it("obey the order of a list, the last one first", function()
+    bw.remarks()
+    for lid_last, corner in pairs {[true] = 1, [false] = 0} do
+      for _, lid in ipairs {"ceiling", "top"} do
+        local s = cavity(lid, function(name)
+          local walls, lids = {floor = "wall", left = "wall", right = "wall"}, {[name] = {x = 1, y = 0}}
+          return lid_last and {walls, lids} or {lids, walls}
+        end)
+        assert.equal(corner, (s:at(0, 1)))
+        local wanted = ("%d is used, of the condition that is given last"):format(corner)
+        assert.is_truthy(bw.remarks()[1]:find(wanted, 1, true))
+      end
+    end
+  end)
+
+  it("take the middle of temperatures, and what one of them leaves free from the other", function()
+    for _, lid in ipairs {"ceiling", "top"} do
+      local s = cavity(lid, function(name)
+        return {[name] = {y = 0, temperature = 30}, left = {x = 0, y = 0, temperature = 10}, right = "wall",
+          floor = "wall"}
+      end, "thermal")
+      assert.equal(20, (select(4, s:at(0, 1))))
+      assert.equal(30, (select(4, s:at(1, 1))))
+      assert.equal(0, (s:at(0, 1)))
+    end
+  end)
+
+  it("that agree are no conflict", function()
+    bw.remarks()
+    cavity("top", function(name)
+      return {[name] = {x = "x*(1 - x)", y = 0}, floor = "wall", left = "wall", right = "wall"}
+    end)
+    assert.same({}, bw.remarks())
+  end)
+
+  it("are refused as a list that is none", function()
+    local function with(conditions) return function() wind {conditions = conditions} end end
+    check.raises("both: 'inlet' is beside the list", with {{body = "wall"}, inlet = {x = 1, y = 0}})
+    check.raises("names 'body' twice", with {{body = "wall"}, {body = {x = 0}}})
+    check.raises("entry 2 of the list of conditions: {tag = ...} expected, got string",
+      with {{body = "wall"}, "wall"})
+  end)
+end)
+
 describe("a steady flow", function()
   it("is Poiseuille's in a channel, also driven by pressure", function()
     local profile = {x = "4*y*(1 - y)", y = 0}

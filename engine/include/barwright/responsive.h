@@ -117,11 +117,15 @@ typedef struct bw_condition {
   bw_plane_function *function; /* in place of value; may be NULL */
   void *data;
   double coefficient; /* of convection, over density times heat capacity (m/s) */
+  int32_t order;      /* of prescribed values that conflict at a node, the highest order decides */
 } bw_condition;
-/* held and prescribed (node_count x components) at a time. Later conditions win at shared nodes. */
+/* held and prescribed (node_count x components) at a time. A component that any tag of a node
+ * prescribes is prescribed. Where tags of one order prescribe different values, the displacement or
+ * velocity nearest to 0 holds (0 between values of both signs), and the middle of temperatures.
+ * Conflicts are remarked unless *reported, which is then set; `reported` may be NULL. */
 bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
                                   int32_t count, const bw_condition *condition, double time,
-                                  uint8_t *held, double *prescribed);
+                                  uint8_t *held, double *prescribed, bool *reported);
 /* Consistent nodal forces of tractions and pressures, times thickness. */
 bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
                               int32_t count, const bw_condition *condition, double time,
