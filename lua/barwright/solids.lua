@@ -141,7 +141,7 @@ function solid:hold(where, by)
   return add(self, {kind = type(by) == "table" and "hold" or "move", by = by}, where)
 end
 
---- Nodes are held and turned about an axis: {axis =, point =, angle = (radians), move = {x, y, z}}.
+--- Nodes are held and turned about an axis: {axis =, point =, angle = (degrees), move = {x, y, z}}.
 function solid:turn(where, given)
   check_self("turn", self)
   check_where("turn", where)
@@ -154,7 +154,7 @@ function solid:turn(where, given)
   local axis = vector("turn", "axis", wish.axis)
   local length = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
   if length == 0 then raise "turn: axis: a direction expected, it has no length" end
-  return add(self, {kind = "turn", angle = wish.angle,
+  return add(self, {kind = "turn", angle = math.rad(wish.angle),
     axis = {axis[1] / length, axis[2] / length, axis[3] / length},
     point = vector("turn", "point", wish.point), move = vector("turn", "move", wish.move)},
     where)

@@ -583,7 +583,7 @@ function Surface:translate(by) end
 
 ---Turns about an axis through a centre, right-handed.
 ---@param axis bw.Vector
----@param angle number
+---@param angle number radians
 ---@param centre? bw.Vector
 ---@return bw.Surface?
 function Surface:rotate(axis, angle, centre) end
@@ -828,13 +828,13 @@ function Selection:sphere(centre, radius) end
 
 ---Facets whose outward normal is within an angle (default 0.001) of a direction.
 ---@param direction bw.Vector
----@param angle? number
+---@param angle? number radians
 ---@return bw.Selection
 function Selection:facing(direction, angle) end
 
 ---What hangs together around a point without an edge sharper than an angle (default 30 degrees).
 ---@param point bw.Vector
----@param angle? number
+---@param angle? number radians
 ---@return bw.Selection
 function Selection:patch(point, angle) end
 
@@ -3158,7 +3158,8 @@ local Solid = {}
 ---@return bw.Solid
 function Solid:hold(where, by) end
 
----Holds nodes and turns them about an axis, along their arcs; `move` shifts them too.
+---Holds nodes and turns them about an axis by `angle` (degrees, right-handed), along their arcs; `move` (m)
+---shifts them too.
 ---@param where bw.Region|function|string|bw.Array|integer[]
 ---@param options {axis: bw.Vector, point?: bw.Vector, angle: number, move?: bw.Vector}
 ---@return bw.Solid

@@ -23,7 +23,7 @@ end
 local function twisted(cells)
   local solid, angle = bar(cells), 0.01
   solid:hold {side = "low z"}
-  solid:turn({side = "high z"}, {axis = {0, 0, 1}, angle = angle})
+  solid:turn({side = "high z"}, {axis = {0, 0, 1}, angle = math.deg(angle)})
   local result = assert(solid:solve {tolerance = 1e-8})
   local nodes = solid.grid:nodes {side = "high z"}
   local at, by = solid.grid.points:gather(nodes):totable(), result.reaction:gather(nodes):totable()

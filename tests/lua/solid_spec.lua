@@ -95,7 +95,7 @@ describe("a solid", function()
   it("goes along the arc of a turn", function()
     local solid = column(3)
     solid:hold {side = "low z"}
-    solid:turn({side = "high z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = math.pi / 2})
+    solid:turn({side = "high z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = 90})
     local result = assert(solid:solve())
     local nodes = solid.grid:nodes {side = "high z"}
     local at, by = solid.grid.points:gather(nodes):totable(), result.displacement:gather(nodes):totable()

@@ -292,7 +292,7 @@ add {
   ["bw.solid"] = function(p) return {grid = p.Grid, palette = laws()} end,
   ["Solid:hold"] = function(p, r) return region(p, r), r:one_of {{0, 0, 0}, {0.01, false, 0}, function()
     return 0, 0, 0.01 end} end,
-  ["Solid:turn"] = function(p, r) return region(p, r), {axis = {1, 0, 0}, angle = 0.2, point = {0, 0, 0},
+  ["Solid:turn"] = function(p, r) return region(p, r), {axis = {1, 0, 0}, angle = 10, point = {0, 0, 0},
     move = {0.01, 0, 0}} end,
   ["Solid:force"] = function(p, r) return region(p, r), {0, 0, -1} end,
   ["Solid:gravity"] = function() return {0, 0, -9.81} end,
