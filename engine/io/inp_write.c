@@ -107,7 +107,14 @@ static void write_material(bw_writer *writer, const bw_inp_deck *deck) {
     write_number(writer, deck->density);
     bw_writer_bytes(writer, "\n", 1);
   }
+  if (deck->temperature) {
+    bw_writer_print(writer, "*EXPANSION, ZERO=0\n");
+    write_number(writer, deck->expansion);
+    bw_writer_bytes(writer, "\n", 1);
+  }
   bw_writer_print(writer, "*SOLID SECTION, ELSET=EALL, MATERIAL=MATERIAL\n");
+  if (deck->temperature) /* every node needs one before the step that changes it */
+    bw_writer_print(writer, "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nNALL, 0\n");
 }
 
 /* The first term of an equation is the one that CalculiX eliminates: the largest leads. */
@@ -188,6 +195,18 @@ static void write_loads(bw_writer *writer, const bw_inp_deck *deck) {
   }
 }
 
+static void write_temperatures(bw_writer *writer, const bw_inp_deck *deck) {
+  if (!deck->temperature)
+    return;
+  bw_writer_print(writer, "*TEMPERATURE\n");
+  for (int64_t i = 0; i < deck->mesh->node_count; i++) {
+    bw_writer_integer(writer, i + 1);
+    bw_writer_bytes(writer, ", ", 2);
+    write_number(writer, deck->temperature[i]);
+    bw_writer_bytes(writer, "\n", 1);
+  }
+}
+
 static void write_step(bw_writer *writer, const bw_inp_deck *deck) {
   bw_writer_print(writer, "*STEP\n");
   if (deck->modes > 0) {
@@ -196,6 +215,7 @@ static void write_step(bw_writer *writer, const bw_inp_deck *deck) {
     bw_writer_print(writer, "*STATIC\n");
     write_moved(writer, deck);
     write_loads(writer, deck);
+    write_temperatures(writer, deck);
   }
   bw_writer_print(writer, "*NODE PRINT, NSET=NALL\nU\n*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n");
 }

@@ -83,12 +83,36 @@ static bw_status oblique_node(bw_context *context, const bw_numbering *numbering
   return BW_OK;
 }
 
+/* CalculiX takes one coefficient of expansion for the material and one temperature for each node:
+ * loads with other coefficients are scaled to the largest. *out is NULL where nothing expands. */
+static bw_status temperatures(bw_context *context, const bw_model *model, double *expansion,
+                              double **out) {
+  *out = NULL;
+  *expansion = 0;
+  for (int l = 0; l < model->load_count; l++)
+    if (model->load[l].kind == BW_LOAD_TEMPERATURE &&
+        fabs(model->load[l].expansion) > fabs(*expansion))
+      *expansion = model->load[l].expansion;
+  if (*expansion == 0)
+    return BW_OK;
+  *out = BW_NEW0(context, double, model->mesh->node_count);
+  if (!*out)
+    return BW_MEMORY;
+  for (int l = 0; l < model->load_count; l++) {
+    const bw_load *load = &model->load[l];
+    double scale = load->expansion / *expansion;
+    for (int32_t i = 0; load->kind == BW_LOAD_TEMPERATURE && i < model->mesh->node_count; i++)
+      (*out)[i] += scale * bw_array_get(load->nodal, i, 0);
+  }
+  return BW_OK;
+}
+
 bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                              int modes) {
   const bw_mesh *mesh = model->mesh;
   bw_numbering *numbering = NULL;
   conditions c = {0};
-  double *force = NULL;
+  double *force = NULL, *temperature = NULL;
   bw_inp_deck deck = {.mesh = mesh, .title = "written by barwright", .modes = modes};
   bw_status status;
   if (modes < 0)
@@ -131,14 +155,8 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
         fix(&c, i, k, numbering->value[3 * (size_t)i + (size_t)k]);
   }
   BW_TRY(bwi_force_vector(context, model, false, force));
-  for (int i = 0; i < model->load_count; i++)
-    if (model->load[i].kind == BW_LOAD_TEMPERATURE && modes == 0) {
-      bw_remark(context,
-                "%s: thermal expansion is written as nodal forces: displacements agree, but "
-                "CalculiX's stresses include what free expansion would not",
-                path);
-      break;
-    }
+  if (modes == 0)
+    BW_TRY(temperatures(context, model, &deck.expansion, &temperature));
   for (int i = 0; i < model->load_count; i++)
     for (int k = 0; k < 3 && model->load[i].kind == BW_LOAD_GRAVITY; k++)
       deck.gravity[k] += model->load[i].vector[k];
@@ -155,6 +173,7 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   deck.equation_node = c.equation_node;
   deck.equation_normal = c.equation_normal;
   deck.force = force;
+  deck.temperature = temperature;
   BW_TRY(bw_inp_write(context, &deck, path));
 done:
   bw_free(c.fixed_node);
@@ -163,6 +182,7 @@ done:
   bw_free(c.equation_node);
   bw_free(c.equation_normal);
   bw_free(force);
+  bw_free(temperature);
   bw_release(numbering);
   return status;
 }

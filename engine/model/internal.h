@@ -92,8 +92,8 @@ void bwi_facet_incidence_clear(bwi_facet_incidence *incidence);
 
 /* Fills area, resultant and moment. */
 bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *load);
-/* As bw_model_force_vector, gravity left out when false. */
-bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity, double *force);
+/* As bw_model_force_vector; gravity and temperature are left out when `volume` is false. */
+bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volume, double *force);
 
 /* ---- thermal.c ------------------------------------------------------------------------------- */
 

@@ -194,11 +194,11 @@ static void add_vector(void *data, int32_t node, const double force[3]) {
     f[k] += force[k];
 }
 
-bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool gravity,
-                           double *force) {
+bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volume, double *force) {
   memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);
   for (int i = 0; i < model->load_count; i++) {
-    if (!gravity && model->load[i].kind == BW_LOAD_GRAVITY)
+    bw_load_kind kind = model->load[i].kind;
+    if (!volume && (kind == BW_LOAD_GRAVITY || kind == BW_LOAD_TEMPERATURE))
       continue;
     bw_status status = spread(context, model, &model->load[i], add_vector, force);
     if (status != BW_OK)

@@ -1035,7 +1035,8 @@ function Model:moved(mesh) end
 ---@return table? details
 function Model:transferred(mesh, node_from) end
 
----As an .inp for CalculiX; modes > 0: a frequency step.
+---As an .inp for CalculiX; modes > 0: a frequency step. Forces are nodal; gravity and temperatures are
+---written as such (one coefficient of expansion, the largest; temperatures are scaled to it).
 ---@param path string
 ---@param options? {modes: integer}
 ---@return true?

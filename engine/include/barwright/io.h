@@ -149,6 +149,8 @@ typedef struct bw_inp_deck {
   const int32_t *equation_node;
   const double *equation_normal; /* equation_count x 3 */
   const double *force;           /* node_count x 3, or NULL */
+  double expansion;              /* 1/K, alike in all directions; with `temperature` */
+  const double *temperature;     /* node_count: changes of temperature (K), or NULL */
   int modes;                     /* > 0: a *FREQUENCY step for so many modes instead */
 } bw_inp_deck;
 bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);
