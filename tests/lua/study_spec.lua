@@ -285,6 +285,13 @@ describe("a run", function()
     end
   end)
 
+  it("raises what a design or the progress raises, unchanged", function()
+    local fine, message = pcall(function()
+      return study({objectives = {"mass"}, design = function() error("my own error", 0) end}):run()
+    end)
+    assert.same({false, "my own error"}, {fine, message})
+  end)
+
   it("lets a function be the design", function()
     local rounds = 0
     local one = study {objectives = {"mass"}, design = function(evaluate, problem)

@@ -250,12 +250,8 @@ local function finished_trials(self, summary)
 end
 
 local function run_design(self, design)
-  local fine, summary = xpcall(design.run, function(message)
-    if type(message) == "string" and not core.interrupted() then
-      return debug.traceback(message, 2)
-    end
-    return message
-  end, function(points) return evaluate(self, points) end, self.study.problem, design.wish)
+  local fine, summary = pcall(design.run, function(points) return evaluate(self, points) end, self.study.problem,
+    design.wish)
   if fine then
     if type(summary) == "number" or type(summary) == "string" then summary = {value = summary} end
     return finished_trials(self, type(summary) == "table" and summary or {})
