@@ -108,7 +108,15 @@ static int model_gravity(lua_State *L) {
   return leave_self(L, bw_model_gravity(lbw_enter(L), model, acceleration));
 }
 
-enum load_bit { PRESSURE = 1, FORCE = 2, TRACTION = 4, TORQUE = 8, NODAL = 16, ABOUT = 32 };
+enum load_bit {
+  PRESSURE = 1,
+  FORCE = 2,
+  TRACTION = 4,
+  TORQUE = 8,
+  NODAL = 16,
+  ABOUT = 32,
+  NET_FORCE = 64
+};
 
 static bool option_present(lua_State *L, const char *key) {
   bool present = lbw_option_get(L, 2, key) != LUA_TNIL;
@@ -116,33 +124,41 @@ static bool option_present(lua_State *L, const char *key) {
   return present;
 }
 
-/* model:load{on = selection, force = | traction = | pressure = | torque =, about = } or
- * model:load{nodal = array} */
+/* model:load{on = selection, force = | traction = | pressure = | torque =, about =,
+ * net_force = } or model:load{nodal = array} */
 static int model_load(lua_State *L) {
   struct load {
     double pressure, force[3], traction[3], torque[3], about[3];
-  } load;
+    bool net_force;
+  } load = {.net_force = false};
   static const lbw_option list[] = {{"on", LBW_OTHER, 0},
                                     {"pressure", LBW_REAL, offsetof(struct load, pressure)},
                                     {"force", LBW_VECTOR, offsetof(struct load, force)},
                                     {"traction", LBW_VECTOR, offsetof(struct load, traction)},
                                     {"torque", LBW_VECTOR, offsetof(struct load, torque)},
                                     {"about", LBW_VECTOR, offsetof(struct load, about)},
+                                    {"net_force", LBW_BOOLEAN, offsetof(struct load, net_force)},
                                     {"nodal", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
-  static const char *const kinds[] = {"pressure", "force", "traction", "torque", "nodal", "about"};
+  static const char *const kinds[] = {"pressure", "force", "traction", "torque",
+                                      "nodal",    "about", "net_force"};
   bw_model *model = self(L);
   lbw_check_type(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
   lbw_options(L, 2, "load", list, &load);
   int given = 0;
-  for (int i = 0; i < 6; i++)
+  for (int i = 0; i < 7; i++)
     given |= option_present(L, kinds[i]) << i;
-  int kind = given & ~ABOUT;
+  int kind = given & ~(ABOUT | NET_FORCE);
   if (kind == 0 || (kind & (kind - 1)))
     return lbw_error(L, "load: one of force, traction, pressure, torque, nodal expected");
   if ((given & ABOUT) && kind != TORQUE)
     return lbw_error(L, "load: 'about' belongs to a torque");
+  if ((given & NET_FORCE) && kind != TORQUE)
+    return lbw_error(L, "load: 'net_force' belongs to a torque");
+  if (load.net_force && !(given & ABOUT))
+    return lbw_error(
+        L, "load: 'net_force' needs the point that the torque is about: about = {x, y, z}");
   if (kind == NODAL) {
     lbw_option_get(L, 2, "nodal");
     const bw_array *nodal = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
@@ -164,7 +180,7 @@ static int model_load(lua_State *L) {
   else if (kind == TRACTION)
     status = bw_model_traction(context, model, on, load.traction);
   else
-    status = bw_model_torque(context, model, on, load.torque, given & ABOUT ? load.about : NULL);
+    status = bw_model_torque(context, model, on, load.torque, load.net_force ? load.about : NULL);
   return leave_self(L, status);
 }
 

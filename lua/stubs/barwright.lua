@@ -969,8 +969,10 @@ function Model:clear_supports() end
 function Model:gravity(acceleration) end
 
 ---One of: force (total, N), traction (per area, Pa), pressure (Pa, positive pushes inwards), torque
----(N m, about a point or the selection's centre), each on a selection; or nodal forces.
----@param options {on?: bw.Selection, force?: bw.Vector, traction?: bw.Vector, pressure?: number, torque?: bw.Vector, about?: bw.Vector, nodal?: bw.Array}
+---(N m), each on a selection; or nodal forces. A torque is a couple: its moment is the same about every
+---point (`about` changes nothing), and it has no net force. With net_force = true the traction turns about
+---the point `about`, and has a net force where the selection's centre of area is elsewhere.
+---@param options {on?: bw.Selection, force?: bw.Vector, traction?: bw.Vector, pressure?: number, torque?: bw.Vector, about?: bw.Vector, net_force?: boolean, nodal?: bw.Array}
 ---@return bw.Model
 function Model:load(options) end
 

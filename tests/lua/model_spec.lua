@@ -75,6 +75,27 @@ describe("a model", function()
     assert.equal(static.stress, static.stress) -- kept, not computed again
   end)
 
+  it("takes a torque as a couple unless a net force is asked for", function()
+    local part, mesh = bar()
+    local tip = mesh.boundary:above(1, 1)
+    local about = {1, 0.3, -0.2}
+    part:load {on = tip, torque = {100, 20, 0}, about = about}
+    part:load {on = tip, torque = {100, 20, 0}}
+    part:load {on = tip, torque = {100, 20, 0}, about = about, net_force = true}
+    local couple, same, turned = table.unpack(part.loads)
+    for k, moment in ipairs {100, 20, 0} do
+      assert.is_true(math.abs(couple.resultant[k]) < 1e-9)
+      assert.is_true(math.abs(moment - couple.moment[k]) < 1e-9)
+      assert.equal(same.moment[k], couple.moment[k])
+    end
+    local force = turned.resultant
+    assert.is_true(math.abs(force[2]) + math.abs(force[3]) > 10)
+    check.near(100, turned.moment[1] - (about[2] * force[3] - about[3] * force[2]), 1e-9)
+    check.raises("'net_force' needs the point", part.load, part, {on = tip, torque = {1, 0, 0}, net_force = true})
+    check.raises("'net_force' belongs to a torque", part.load, part,
+      {on = tip, force = {1, 0, 0}, net_force = true})
+  end)
+
   it("takes loads of every kind, with their resultants", function()
     local part, mesh = bar()
     local tip = mesh.boundary:above(1, 1)

@@ -63,7 +63,7 @@ typedef enum bw_load_kind {
   BW_LOAD_PRESSURE,   /* Pa, positive pushes inwards */
   BW_LOAD_TRACTION,   /* Pa, a vector per area */
   BW_LOAD_FORCE,      /* N, the total, spread evenly over the area */
-  BW_LOAD_TORQUE,     /* N m about a point, by tangential traction rotating with the distance */
+  BW_LOAD_TORQUE,     /* N m, by tangential traction proportional to the distance from `about` */
   BW_LOAD_GRAVITY,    /* m/s2 on the whole body */
   BW_LOAD_NODAL,      /* N at single nodes */
   BW_LOAD_TEMPERATURE /* K at nodes: thermal expansion of the whole body */
@@ -118,8 +118,10 @@ bw_status bw_model_traction(bw_context *context, bw_model *model, const bw_selec
                             const double traction[3]);
 bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selection *on,
                          const double force[3]);
+/* About NULL: a couple, which has the moment `torque` about every point and no net force. About a
+ * point: the traction turns about it, and has a net force where the area's centre is elsewhere. */
 bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
-                          const double torque[3], const double about[3]); /* NULL: area centre */
+                          const double torque[3], const double about[3]);
 bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
 /* As bw_model_prescribe, each node with its own value: rows of `field` (node_count x 3). */
 bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const bw_selection *on,
