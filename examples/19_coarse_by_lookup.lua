@@ -40,7 +40,7 @@ for _, by in ipairs {library, "naive"} do
   clock = os.clock()
   local result = assert(coarse:solve())
   local title = by == library and "lookup" or by
-  print(("%s: %d elements, %.1f times faster, mean error %.2f %% of the length"):format(title,
+  print(("%s: %d elements, %.1f times faster, mean error %.1f %% of the displacement"):format(title,
     coarse.element_count, spent / (os.clock() - clock), 100 * result:error(reference)))
   panels[#panels + 1] = result:panel(title, "movement")
 end

@@ -3249,10 +3249,12 @@ function Solid:coarsen(by, levels) end
 ---@field fine_displacement bw.Array of a coarse solid: at the nodes of its fine grid
 local SolidResult = {}
 
----Mean distance of the fine grid's nodes from those of a reference on the same fine grid, over the
----longest side of the body.
+---Mean distance of the fine grid's nodes from those of a reference on the same fine grid: over the mean
+---displacement of the reference (1: as wrong as no displacement at all; math.huge where the reference does not
+---move), and over the longest side of the body. Example: `local relative, of_size = coarse:error(fine)`.
 ---@param reference bw.SolidResult
----@return number
+---@return number relative to the displacement
+---@return number of_size relative to the longest side of the body
 function SolidResult:error(reference) end
 
 ---The sum of the reactions at nodes.

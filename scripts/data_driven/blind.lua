@@ -158,7 +158,7 @@ for seed = wish.first, wish.first + wish.bodies - 1 do
           local coarse, solution
           coarse = assert(fine:coarsen(by, level))
           solution, message = coarse:solve()
-          row[method] = solution and solution:error(reference) or nil
+          row[method] = solution and select(2, solution:error(reference)) or nil
           line = line .. ("  %s %s"):format(method, solution and ("%.2e"):format(row[method]) or message)
           if solution and method ~= "naive" and row.naive then
             ratio_of(method, level, row.naive / row[method])

@@ -87,7 +87,7 @@ for _, name in ipairs(names) do
         if solution then
           local v = solution.fine_displacement
           local one, all = best.factor(v, u), best.factors(v, u)
-          local part = {error = solution:error(reference), factor = one, factors = all,
+          local part = {error = select(2, solution:error(reference)), factor = one, factors = all,
             after_factor = fine.grid:difference(v * one, u),
             after_factors = fine.grid:difference(best.times(v, all), u)}
           row.methods[method] = part

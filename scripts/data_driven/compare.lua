@@ -63,7 +63,7 @@ function compare.scene(scene, fine, by, methods, each)
         if bw.interrupted() then return nil, "interrupted", {status = "cancelled"}, rows end
         if solution then
           row = row_of(method, level, coarse, solution, spent)
-          row.error = solution:error(reference)
+          row.error = select(2, solution:error(reference))
           row.speed_up = rows[1].seconds / spent.processor
         else
           row = {method = method, level = level, elements = coarse.element_count, failed = message}

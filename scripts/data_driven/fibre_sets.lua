@@ -62,7 +62,7 @@ for number = wish.only or 1, wish.only or #sets do
     local error, line = {}, ("   level %d:"):format(level)
     for _, method in ipairs {"naive", "grown"} do
       local solution = assert(assert(fine:coarsen(method == "naive" and method or grown, level)):solve())
-      error[method] = solution:error(reference)
+      error[method] = select(2, solution:error(reference))
       local stretch, twist = pulled(fine.grid, solution.fine_displacement)
       line = line .. ("  %s %.2e (stretch %.4f, twist %.1f)"):format(method, error[method], stretch, twist)
     end

@@ -126,7 +126,7 @@ local function edit(scene, fine, library, result, out)
       row.seconds_coarsening, row.looked_up = spent.clock, coarse.coarse.looked_up
       spent, solution, message, details = compare.timed(coarse.solve, coarse, scene.solve)
       if not solution then return nil, message, details end
-      row.seconds_coarse, row.error = spent.processor, solution:error(reference)
+      row.seconds_coarse, row.error = spent.processor, select(2, solution:error(reference))
       row.speed_up = row.seconds_fine / row.seconds_coarse
       panels[3] = solution:panel("lookup", "movement")
       print(("   %s: %d blocks looked up, coarsened in %.2f ms, error %.2e, %.1f times faster"):format(

@@ -18,7 +18,7 @@ for _, by in ipairs {{library, "looked up"}, {"naive", "without"}} do
   local coarse = assert(fine:coarsen(by[1]))
   local result = assert(coarse:solve())
   panels[#panels + 1] = result:panel(("%d, %s: error %.1f %%"):format(coarse.element_count, by[2],
-    100 * result:error(reference)), "movement")
+    100 * select(2, result:error(reference))), "movement")
 end
 assert(bw.grid.picture(root .. "/docs/images/coarse.png", panels, {width = 330, height = 300, columns = 4,
   unit = "movement, mm", scale = 1e3, low = 0, up = {0, 0, 1}}))

@@ -107,6 +107,25 @@ describe("a solid", function()
     assert.equal(3, result.report.load_steps)
   end)
 
+  it("has an error relative to the reference's displacement, however little that is", function()
+    local function pulled(force)
+      local solid = column(2)
+      solid:hold {side = "low z"}
+      solid:force({side = "high z"}, {0, 0, force})
+      return assert(solid:solve())
+    end
+    local reference, size = pulled(-1e-3), 0.2
+    local relative, of_size = pulled(-2e-3):error(reference)
+    check.near(1, relative, 1e-3)
+    local sum = 0
+    for i = 1, #reference.movement do sum = sum + reference.movement[i] end
+    check.near(sum / #reference.movement, of_size * size, 1e-3)
+    local none = pulled(0)
+    check.near(1, (none:error(reference)), 1e-9)
+    assert.same({0, 0}, {none:error(none)})
+    assert.equal(math.huge, (reference:error(none)))
+  end)
+
   it("is found again on a coarse grid and on an edited one", function()
     local palette = {rubber(1e5), rubber(1e7)}
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.3}, cells = {4, 4, 12},
@@ -121,8 +140,8 @@ describe("a solid", function()
       assert.equal(24, coarse.element_count)
       assert.equal(1, coarse.levels)
       local result = assert(coarse:solve())
-      local error = result:error(reference)
-      assert.is_true(error > 0 and error < 0.05, error)
+      local error, of_size = result:error(reference)
+      assert.is_true(of_size > 0 and of_size < 0.05 and error > of_size, error)
       check.near(-100, result:total_reaction({side = "low z"})[3], 1e-6)
       assert.equal(#reference.displacement, #result.fine_displacement)
     end
