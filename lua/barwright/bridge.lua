@@ -4,6 +4,7 @@
 -- outline with the tags "foot", "pad", "hold" (the middle of the pad), "axis" and "free".
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local form_of = require "barwright.free_form"
 local members = require "barwright.members"
 local mirror = require "barwright.mirror"
 local options = require "barwright.options"
@@ -31,6 +32,9 @@ local rules = {
 }
 
 local order_of_starts = {"truss", "gable", "beam", "arch"}
+local known_starts = {"current", table.unpack(order_of_starts)}
+local is_start = {}
+for _, name in ipairs(known_starts) do is_start[name] = true end
 
 local bridge, class = {}, {}
 
@@ -187,6 +191,7 @@ function class.become(self, outline)
     if fine then rawset(self, "sheet", fine) end
   end
   if not fine then return nil, message, details end
+  rawset(self, "edited", true)
   return self
 end
 
@@ -273,7 +278,7 @@ end
 -- ---- automatic design ----------------------------------------------------------------------------
 
 local design_rules = {
-  starts = {type = "table", default = order_of_starts},
+  starts = {type = "table"}, -- the current outline where it was given or changed, else all of the others
   rounds = {type = "integer", default = 120, least = 1},
   holes = {type = "integer", default = 6, least = 0}, -- in the half, besides one across the axis
   polish = {type = "integer", default = 40, least = 0},
@@ -293,26 +298,44 @@ local function told(self, wish, name, first, count, report_total)
   end
 end
 
--- The best of the starts again on finer meshes, until it passes on one finer still.
-local function polished(self, wish, best, report)
-  local size, margin = 0.6 * self.wish.size, 0.004
-  local found
-  for _ = 1, 4 do
-    local problem = problem_of(self.wish, {size = size, rounds = math.max(wish.polish, 1),
-      margin = margin, polish = true})
-    local message, details
-    found, message, details = shape_design.search(problem, best.form:copy(), report)
-    if not found then return nil, message, details end
-    if core.interrupted() then return found end
-    local outline = found.form:outline()
+-- Makes a shape the bridge's, and judges it on every mesh that answers are given for: the bridge's own and,
+-- where the shape was polished, one finer than that.
+local function judge(self, found, polish)
+  local fine, message, details = class.become(self, (found.form:outline()))
+  if not fine then return nil, message, details end
+  found.worst = self.sheet.von_mises:max()
+  if polish then
     local sheet
-    sheet, message, details = shape_design.sheet(problem, outline, 0.4 * self.wish.size)
+    sheet, message, details = shape_design.sheet(problem_of(self.wish), self.outline, 0.4 * self.wish.size)
     if not sheet then return nil, message, details end
-    found.checked = sheet.von_mises:max()
-    found.checked_elements = sheet.element_count
-    if found.checked <= self.wish.stress_limit then return found end
-    margin = margin + math.log(found.checked / self.wish.stress_limit) + 0.002
-    best = found
+    found.checked, found.checked_elements = sheet.von_mises:max(), sheet.element_count
+    found.worst = math.max(found.worst, found.checked)
+  end
+  return found
+end
+
+-- The best of the starts again, on finer meshes where it is polished, until it passes wherever it is judged.
+-- One that failed before is not tried again without that.
+local function settled(self, wish, best, report)
+  local polish = wish.polish > 0 and not core.interrupted()
+  local margin, found = polish and 0.004 or 0.003, best
+  local message, details
+  if not polish then
+    found, message, details = judge(self, best, false)
+    if not found or not best.passes then return found, message, details end
+  end
+  for _ = 1, 4 do
+    if found.worst then
+      if found.worst <= self.wish.stress_limit or core.interrupted() then break end
+      margin = margin + math.log(found.worst / self.wish.stress_limit) + 0.002
+    end
+    local problem = problem_of(self.wish, {size = (polish and 0.6 or 1) * self.wish.size,
+      rounds = polish and wish.polish or 10, margin = margin, polish = true})
+    local start = found
+    found, message, details = shape_design.search(problem, start.form:copy(), report)
+    if found then found, message, details = judge(self, found, polish) end
+    if not found then return nil, message, details end
+    if not polish then found.falling, found.converged = best.falling, best.converged end
   end
   return found
 end
@@ -336,8 +359,38 @@ local function failing(self, utilisation)
     wish.thickness * utilisation, self:moment_share())
 end
 
---- Finds the shape of least area that passes, from several starts, and becomes it. Where none was found that
---- passes, the one of the least stress, and a `message`; where there is none, nil and why.
+-- The form to begin with; holes that were put in by hand stay in it. nil and why where they do not fit.
+local function form_of_start(self, name, kept)
+  local form = starts[name](self.wish, self.outline, self.designed)
+  if #kept == 0 then return form end
+  form = form_of.create(table.move(kept, 1, #kept, #form.loops + 1,
+    table.move(form.loops, 1, #form.loops, 1, {})))
+  local fine, message = form:outline()
+  if fine then return form end
+  return nil, ("the holes that were put in by hand do not fit the start '%s': %s. Take them away with "
+    .. "bridge:without, or begin with 'current'"):format(name, message)
+end
+
+-- The names of the holes that a design made, which the next one may move.
+local function note_designed(self, kept)
+  local by_hand, designed = {}, {}
+  for _, loop in ipairs(kept) do by_hand[loop.name] = true end
+  for _, loop in ipairs(self.outline.loops) do designed[loop.name] = not by_hand[loop.name] or nil end
+  rawset(self, "designed", designed)
+end
+
+-- What to say of the end of a search; nil: nothing.
+local function remark_of(self, last, most)
+  if most > 1 then return failing(self, most) end
+  if last.converged then return nil end
+  if not last.falling then return "the search has not converged: more rounds are needed" end
+  return ("the search has not converged: the area fell by %.1f %% in the last %d rounds; more rounds are needed")
+    :format(100 * last.falling, last.falling_rounds)
+end
+
+--- Finds the shape of least area that passes, from the current outline or several starts, and becomes it; holes
+--- that were put in by hand stay. Where none was found that passes, the one of the least stress, and a
+--- `message`; where there is none, nil and why.
 function class.design(self, given)
   local wish = options.read("design", given, design_rules)
   local share = self:moment_share()
@@ -348,18 +401,24 @@ function class.design(self, given)
         self.wish.thickness * share * math.sqrt(3) / 2), {status = "infeasible", moment_share = share}
   end
   local results, best = {}, nil
+  wish.starts = wish.starts or self.edited and {"current"} or order_of_starts
+  local kept = starts.kept_holes(self.outline, self.designed)
   local total = #wish.starts + 1
   for i, name in ipairs(wish.starts) do
-    if not starts[name] then
+    if type(name) ~= "string" or not is_start[name] then
       raise(("design: start '%s' is not known: %s"):format(tostring(name),
-        core.suggestion(tostring(name), order_of_starts)))
+        core.suggestion(tostring(name), known_starts)))
     end
     local problem = problem_of(self.wish, {holes = wish.holes, rounds = wish.rounds})
-    local found, message = shape_design.search(problem, starts[name](self.wish),
-      told(self, wish, name, i - 1, wish.rounds, total))
+    local form, message = form_of_start(self, name, kept)
+    local found
+    if form then
+      found, message = shape_design.search(problem, form, told(self, wish, name, i - 1, wish.rounds, total))
+    end
     if found then
       results[i] = {start = name, area = 2 * found.area, utilisation = found.most / self.wish.stress_limit,
-        passes = found.passes, rounds = found.rounds, history = found.history}
+        passes = found.passes and found.most <= self.wish.stress_limit, converged = found.converged,
+        rounds = found.rounds, history = found.history}
       found.start = name
       if not best or found.passes and (not best.passes or found.area < best.area)
         or not found.passes and not best.passes and found.most < best.most then
@@ -374,20 +433,15 @@ function class.design(self, given)
     return nil, ("no start could be analysed: %s"):format(results[1] and results[1].message or ""),
       {status = "infeasible"}
   end
-  local last = best
-  if wish.polish > 0 and not core.interrupted() then
-    local found, message, details = polished(self, wish, best,
-      told(self, wish, best.start, total - 1, wish.polish, total))
-    if not found then return nil, message, details end
-    last = found
-  end
-  local fine, message, details = class.become(self, (last.form:outline()))
-  if not fine then return nil, message, details end
-  local most = (last.checked or last.most) / self.wish.stress_limit
+  local last, message, details = settled(self, wish, best, told(self, wish, best.start, total - 1,
+    math.max(wish.polish, 10), total))
+  if not last then return nil, message, details end
+  note_designed(self, kept)
+  local most = last.worst / self.wish.stress_limit
   return {starts = results, start = best.start, area = self.area, utilisation = self.utilisation,
     checked_utilisation = last.checked and last.checked / self.wish.stress_limit,
     checked_elements = last.checked_elements, interrupted = core.interrupted(), passes = most <= 1,
-    message = most > 1 and failing(self, most) or nil}
+    converged = last.converged, message = remark_of(self, last, most)}
 end
 
 -- ---- making --------------------------------------------------------------------------------------
@@ -402,18 +456,17 @@ function bridge.create(given)
     fine, message, details = check_supports(wish, outline)
     if not fine then return nil, message, details end
   else
-    local start = starts[wish.start]
-    if not start then
+    if not is_start[wish.start] or wish.start == "current" then
       raise(("bridge: start '%s' is not known: %s"):format(wish.start,
         core.suggestion(wish.start, order_of_starts)))
     end
-    outline, message, details = start(wish):outline()
+    outline, message, details = starts[wish.start](wish):outline()
     if not outline then return nil, message, details end
   end
   local sheet
   sheet, message, details = shape_design.sheet(problem_of(wish), outline, wish.size)
   if not sheet then return nil, message, details end
-  return setmetatable({sheet = sheet, wish = wish}, class)
+  return setmetatable({sheet = sheet, wish = wish, edited = wish.outline ~= nil, designed = {}}, class)
 end
 
 arguments.methods("bridge", class, class, {become = "outline: any", drag = "handle: table, by: pair",

@@ -92,4 +92,99 @@ function starts.arch(wish)
   return make(wish, bottom, {{e, 0}, {e, 0.3 * H}, {e - 2 * w, H - 2 * w}, {c, H}})
 end
 
+-- ---- from an outline -----------------------------------------------------------------------------
+
+-- Places along edges first to last (of a loop), without the last one's end.
+local function trace(outline, first, last)
+  local list = {}
+  for n = first, last do
+    for j = 0, 7 do list[#list + 1] = outline:at(n, j / 8) end
+  end
+  return list
+end
+
+-- A chain of edges of one outline whose knots lie on it.
+local function fitted(polygon, spacing, first, last)
+  local made = chain(polygon, spacing, first, last)
+  local knots = {}
+  for k, c in ipairs(made.controls) do knots[k] = {c[1], c[2]} end
+  made.controls = form_of.through(made, knots)
+  return made
+end
+
+local function ring(outline, loop, spacing)
+  local polygon = trace(outline, loop.first, loop.first + loop.count - 1)
+  polygon[#polygon + 1] = polygon[1]
+  local made = chain(polygon, spacing, "clamped", "clamped")
+  local knots = {}
+  for k = 1, #made.controls - 1 do knots[k] = {made.controls[k][1], made.controls[k][2]} end
+  local closed = {controls = knots, closed = true, tag = "free"}
+  closed.controls = form_of.through(closed, knots)
+  return {name = loop.name, hole = true, closed}
+end
+
+-- The outer loop: runs of edges that carry nothing become curves, the others stay lines.
+local function outer(outline, loop, spacing)
+  local count = loop.count
+  local function tag(k) return outline:edge(loop.first + (k - 1) % count).tag end
+  local function carries(k)
+    local name = tag(k)
+    return name == "foot" or name == "pad" or name == "hold" or name == "axis"
+  end
+  local begin = 1
+  while not (carries(begin) and not carries(begin + 1)) do begin = begin + 1 end
+  local pieces, k = {name = loop.name}, begin + 1
+  while k <= begin + count do
+    if carries(k) then
+      pieces[#pieces + 1] = {line = true, tag = tag(k)}
+      if carries(k + 1) then
+        local to = outline:edge(loop.first + (k - 1) % count).to
+        pieces[#pieces + 1] = {controls = {{to[1], to[2], "fixed"}}}
+      end
+      k = k + 1
+    else
+      local from, polygon = k, {}
+      while not carries(k) do
+        local n = loop.first + (k - 1) % count
+        table.move(trace(outline, n, n), 1, 8, #polygon + 1, polygon)
+        k = k + 1
+      end
+      polygon[#polygon + 1] = outline:edge(loop.first + (k - 2) % count).to
+      pieces[#pieces + 1] = fitted(polygon, spacing, tag(from - 1) == "axis" and "axis" or "clamped",
+        tag(k) == "axis" and "axis" or "clamped")
+    end
+  end
+  return pieces
+end
+
+--- Holes of an outline that stay as they are: all but those named in `designed`.
+function starts.kept_holes(outline, designed)
+  local points, segments, list = outline.points:totable(), outline.segments:totable(), {}
+  for _, loop in ipairs(outline.loops) do
+    if loop.hole and not designed[loop.name] then
+      local bezier = {}
+      for n = loop.first, loop.first + loop.count - 1 do
+        local s = segments[n]
+        bezier[#bezier + 1] = {at = points[s[1]], control = s[2] > 0 and points[s[2]] or nil,
+          control2 = s[3] > 0 and points[s[3]] or nil}
+      end
+      list[#list + 1] = {name = loop.name, hole = true, {bezier = bezier, tag = "free"}}
+    end
+  end
+  return list
+end
+
+--- The outline as it is, its curves as splines; holes named in `designed` are curves too.
+function starts.current(wish, outline, designed)
+  local loops = {}
+  for _, loop in ipairs(outline.loops) do
+    if not loop.hole then
+      table.insert(loops, 1, outer(outline, loop, wish.spacing))
+    elseif designed[loop.name] then
+      loops[#loops + 1] = ring(outline, loop, wish.spacing)
+    end
+  end
+  return form_of.create(loops)
+end
+
 return starts

@@ -6,6 +6,7 @@
 --   {controls = {control, ...}, first = end, last = end, tag = name}   an open curve
 --   {controls = {control, ...}, closed = true, tag = name}             a closed one, the whole loop
 --   {line = true, tag = name}                                          from the piece before to the next
+--   {bezier = {{at =, control =, control2 =}, ...}, tag = name}        a whole loop that stays, bit for bit
 -- A curve of a single control is a vertex. An end is "clamped" (the curve ends in the control, without
 -- curvature) or "axis" (on x = 0, the curve goes on as its mirror image). A control is {x, y, mode}:
 -- "free" moves along the curve's normal, "x" and "y" along an axis, "fixed" not at all.
@@ -86,6 +87,37 @@ local function add_chain(self, chain, segments, tag)
   return first, from
 end
 
+-- A loop that stays: each of its points is a control of its own that does not move.
+local function add_bezier(self, piece, segments, tag)
+  local function point(at)
+    if not at then return 0 end
+    self.controls[#self.controls + 1] = {at[1], at[2], "fixed"}
+    self.rows[#self.rows + 1] = {{#self.controls, 1, 1}}
+    return #self.rows
+  end
+  local at, first = {}, #segments
+  for k, one in ipairs(piece.bezier) do at[k] = point(one.at) end
+  for k, one in ipairs(piece.bezier) do
+    segments[first + k] = {at[k], point(one.control), point(one.control2), at[k % #at + 1], tag}
+  end
+  piece.segments = table.move(segments, first + 1, #segments, 1, {})
+end
+
+-- Place, and derivative, in a segment of such a loop.
+local function on_bezier(self, segment, t)
+  local s = 1 - t
+  local weights = segment[2] > 0 and {s ^ 3, 3 * s * s * t, 3 * s * t * t, t ^ 3} or {s, 0, 0, t}
+  local slopes = segment[2] > 0 and {-s * s, s * s - 2 * s * t, 2 * s * t - t * t, t * t} or {-1, 0, 0, 1}
+  local row, slope = {}, {}
+  for i = 1, 4 do
+    if segment[i] > 0 then
+      local c = self.rows[segment[i]][1][1]
+      row[#row + 1], slope[#slope + 1] = {c, weights[i], weights[i]}, {c, slopes[i], slopes[i]}
+    end
+  end
+  return row, slope
+end
+
 --- A form of loops (copied), {{name =, hole = true, pieces...}}.
 function form.create(loops)
   local self = setmetatable({loops = {}, chains = {}, controls = {}, rows = {}, segments = {},
@@ -106,6 +138,8 @@ function form.create(loops)
     for i, piece in ipairs(loop) do
       if piece.line then
         own[i] = {line = true, tag = piece.tag}
+      elseif piece.bezier then
+        own[i] = {bezier = piece.bezier, tag = piece.tag}
       else
         local chain = {controls = {}, first = piece.first, last = piece.last, closed = piece.closed,
           tag = piece.tag, start = #self.controls + 1}
@@ -120,7 +154,10 @@ function form.create(loops)
     -- lines need to know where the curve after them begins, so curves in advance
     local made = {}
     for i, piece in ipairs(own) do
-      if not piece.line then
+      if piece.bezier then
+        made[i] = {}
+        add_bezier(self, piece, made[i], tag_of(piece))
+      elseif not piece.line then
         made[i] = {}
         local from, to = add_chain(self, piece, made[i], tag_of(piece))
         ends[i] = {from, to}
@@ -172,6 +209,7 @@ end
 --- Direction {x, y} in which every control moves, out of the material; {0, 0} for those that stay.
 function form:directions()
   local list = {}
+  for c = 1, #self.controls do list[c] = {0, 0} end
   for _, chain in ipairs(self.chains) do
     for k, c in ipairs(chain.controls) do
       local dx, dy = 0, 0
@@ -237,8 +275,8 @@ local function along(list, length, from)
   return {a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])}, i
 end
 
--- Controls of the spline through points at its knots: Gauss-Seidel, which the matrix 1 4 1 suits.
-local function through(chain, knots)
+--- Controls of the spline through points at its knots: Gauss-Seidel, which the matrix 1 4 1 suits.
+function form.through(chain, knots)
   local count = #knots
   local d = {}
   for k, q in ipairs(knots) do d[k] = {q[1], q[2], "free"} end
@@ -279,14 +317,14 @@ function form:respaced(spacing)
     loops[l] = {name = loop.name, hole = loop.hole}
     for i, piece in ipairs(loop) do
       loops[l][i] = piece
-      if not piece.line and #piece.controls > 1 then
+      if piece.controls and #piece.controls > 1 then
         local list, length = trace(self, piece)
         local count = math.max(piece.closed and 8 or 4, math.floor(length / spacing + 0.5))
         local knots, from = {}, 1
         for k = 0, piece.closed and count - 1 or count do
           knots[k + 1], from = along(list, length * k / count, from)
         end
-        loops[l][i] = {controls = through(piece, knots), first = piece.first, last = piece.last,
+        loops[l][i] = {controls = form.through(piece, knots), first = piece.first, last = piece.last,
           closed = piece.closed, tag = piece.tag}
       end
     end
@@ -302,10 +340,16 @@ function form:samples(mirrored)
   local list = {}
   for l, loop in ipairs(self.loops) do
     for _, chain in ipairs(loop) do
-      local segments = chain.line and 0 or chain.closed and #chain.controls or #chain.controls - 1
+      local segments = chain.line and 0 or chain.bezier and #chain.segments
+        or chain.closed and #chain.controls or #chain.controls - 1
       for k = 1, segments do
         for j = 0, 1 do
-          local row, slope = at_parameter(chain, k, j / 2)
+          local row, slope
+          if chain.bezier then
+            row, slope = on_bezier(self, chain.segments[k], j / 2)
+          else
+            row, slope = at_parameter(chain, k, j / 2)
+          end
           local x, y = place(self, row)
           local tx, ty = unit(place(self, slope))
           list[#list + 1] = {x = x, y = y, nx = ty, ny = -tx, row = row, loop = l, sign = 1,

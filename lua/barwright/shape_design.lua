@@ -174,7 +174,7 @@ end
 function design.without_small_holes(form, least)
   local loops, gone = {}, 0
   for _, loop in ipairs(form.loops) do
-    if loop.hole and loop_area(loop) < least then
+    if loop.hole and loop[1].controls and loop_area(loop) < least then
       gone = gone + 1
     else
       loops[#loops + 1] = loop
@@ -222,7 +222,7 @@ end
 local function try_hole(problem, state, form)
   local holes, names = 0, {}
   for _, loop in ipairs(form.loops) do
-    if loop.hole then holes = holes + 1 end
+    if loop.hole and loop[1].controls then holes = holes + 1 end
     if loop.name then names[loop.name] = true end
   end
   if holes >= problem.holes then return nil end
@@ -266,7 +266,7 @@ function design.merged(problem, state, form)
   for l, one in ipairs(form.loops) do
     for m = l + 1, #form.loops do
       local other = form.loops[m]
-      if one.hole and other.hole then
+      if one.hole and other.hole and one[1].controls and other[1].controls then
         local a, b = one[1].controls, other[1].controls
         local i, j, apart = nearest_controls(a, b)
         if apart < 1.5 * problem.wall and (not best or apart < best.apart) then
@@ -399,11 +399,21 @@ local function advance(self, done)
   return true
 end
 
+-- Whether the area of the best shape has come to rest: it fell by less than 1 % in the last fifth of the rounds.
+local function settle(best, problem)
+  local last = math.max(6, problem.rounds // 5)
+  local before = best.history[#best.history - last]
+  best.falling = best.passes and before and before.best_area and 1 - best.area / before.best_area or nil
+  best.falling_rounds = last
+  best.converged = best.falling ~= nil and best.falling < 0.01
+end
+
 --- Moves a form to least area under the problem's limit.
 --- problem: material, thickness, conditions, limit (Pa), wall, gap, size (of elements), spacing (of controls),
 --- box = {low, high}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin,
 --- polish (the form is nearly there). report(round, here, best) may return false to stop.
---- Returns {form, area, most, passes, rounds, history}: the smallest that passes, or that of the least excess.
+--- Returns {form, area, most, passes, rounds, history, converged, falling}: the smallest that passes, or that
+--- of the least excess; `falling`: the part by which its area fell in the last rounds.
 function design.search(problem, form, report)
   local self = {problem = problem, form = form, state = {p = 8}, recent = {}, stalled = 0, refusals = 0,
     radius = (problem.polish and 0.05 or 0.3) * problem.wall}
@@ -415,7 +425,8 @@ function design.search(problem, form, report)
     local done = round / problem.rounds
     self.state.p = problem.polish and 24 or done < 0.3 and 8 or done < 0.6 and 14 or 24
     keep(self)
-    history[round] = {area = self.here.area, most = self.here.most, radius = self.radius}
+    history[round] = {area = self.here.area, most = self.here.most, radius = self.radius,
+      best_area = self.best.passes and self.best.area or nil}
     if report and report(round, self.here, self.best) == false or core.interrupted() then break end
     if self.stalled > 25 and done > 0.65 then break end
     if round % 8 == 0 and not problem.polish then renew(self, done < 0.6) end
@@ -423,6 +434,7 @@ function design.search(problem, form, report)
   end
   if self.here then keep(self) end
   self.best.history, self.best.rounds = history, #history
+  settle(self.best, problem)
   return self.best
 end
 

@@ -2637,11 +2637,14 @@ function Bridge:michell_area() end
 function Bridge:moment_share() end
 
 ---Finds the shape of least area that passes, and becomes it; where none was found, that of the least stress, and
----`message` says what it bears. starts: where to begin, the best is kept;
----rounds: of each; holes: most in a half; polish: rounds on a finer mesh, until it passes on one finer still.
+---`message` says what it bears. passes: utilisation and checked_utilisation are 1 at most. converged: the area
+---fell by less than 1 % in the last fifth of the rounds, else `message` says so. starts: where to begin, the best
+---is kept: "current" (the outline as it is; default where it was given or changed), "truss", "gable", "beam",
+---"arch" (else the default). Holes that were put in by hand stay as they are, whatever the start; a place that must stay
+---free of material is such a hole. rounds: of each; holes: most in a half; polish: rounds on a finer mesh, until it passes on one finer still.
 ---report is told of every round and may return false to end it. Ctrl-C keeps the best.
 ---@param options? {starts?: string[], rounds?: integer, holes?: integer, polish?: integer, report?: fun(now: table): boolean?}
----@return {start: string, area: number, utilisation: number, passes: boolean, checked_utilisation: number?, checked_elements: integer?, interrupted: boolean, message: string?, starts: table[]}?
+---@return {start: string, area: number, utilisation: number, passes: boolean, checked_utilisation: number?, checked_elements: integer?, interrupted: boolean, converged: boolean, message: string?, starts: table[]}?
 ---@return string? message
 ---@return table? details
 function Bridge:design(options) end

@@ -260,6 +260,62 @@ describe("a bridge", function()
     end
   end)
 
+  -- A cable duct that is put in by hand, below the pad.
+  it("is designed from the outline as it is, whose holes stay bit for bit", function()
+    local b = assert(small_bridge {size = 0.006})
+    assert(b:hole({0.02, 0.06}, 0.007))
+    local holes = {}
+    local function places()
+      local list = {}
+      for _, loop in ipairs(b.outline.loops) do
+        if loop.name == "hole 1" then
+          for n = loop.first, loop.first + loop.count - 1 do list[#list + 1] = b.outline:edge(n).from end
+        end
+      end
+      return list
+    end
+    holes[1] = places()
+    assert.is_true(#holes[1] >= 4)
+    local told
+    local found = assert(b:design {rounds = 4, holes = 1, polish = 0, report = function(now)
+      told = told or now
+    end})
+    assert.equal("current", found.start)
+    assert.equal(1, #found.starts)
+    assert.equal(2, #told.outline.loops)
+    assert.same(holes[1], places())
+    -- the utilisation of the first round is that of the outline as it was, closely
+    local same = assert(small_bridge {size = 0.006})
+    assert(same:hole({0.02, 0.06}, 0.007))
+    check.near(same.utilisation, told.utilisation, 0.05)
+    check.near(same.area, told.area, 0.01)
+    assert.equal(found.utilisation, b.utilisation)
+    -- also where another start is asked for, or nothing else
+    found = assert(b:design {starts = {"beam"}, rounds = 2, holes = 0, polish = 0})
+    assert.equal("beam", found.start)
+    assert.same(holes[1], places())
+    assert.is_false(found.converged)
+    check.fails("infeasible", "do not fit the start 'truss'", b:design {starts = {"truss"}, rounds = 1})
+    check.raises("did you mean 'current'", b.design, b, {starts = {"curent"}})
+    check.raises("is not known", small_bridge, {start = "current"})
+  end)
+
+  it("never passes with a utilisation above 1, and says when it did not converge", function()
+    for _, rounds in ipairs {3, 6, 12} do
+      local b = assert(small_bridge {size = 0.006})
+      local found = assert(b:design {starts = {"beam"}, rounds = rounds, polish = 0})
+      assert.equal(found.utilisation <= 1, found.passes)
+      assert.equal(b.utilisation, found.utilisation)
+      assert.equal(b.passes, found.passes)
+      for _, start in ipairs(found.starts) do assert.is_true(not start.passes or start.utilisation <= 1) end
+      if not found.converged then assert.is_string(found.message) end
+    end
+    local b = assert(small_bridge {size = 0.006})
+    local found = assert(b:design {starts = {"beam"}, rounds = 3, polish = 0})
+    assert.is_false(found.converged)
+    assert.truthy(found.message:find("more rounds are needed", 1, true) or not found.passes)
+  end)
+
   it("gets smaller by itself and passes, the same every time", function()
     local function run()
       local b = assert(small_bridge())
