@@ -95,6 +95,10 @@ bw_status bwi_load_measure(bw_context *context, const bw_model *model, bw_load *
 /* As bw_model_force_vector; gravity and temperature are left out when `volume` is false. */
 bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volume, double *force);
 
+/* Consistent nodal forces of one load, node_count x 3 (overwritten). */
+bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,
+                         double *force);
+
 /* ---- thermal.c ------------------------------------------------------------------------------- */
 
 /* Nodal forces of one element that expands. */

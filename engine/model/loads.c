@@ -207,6 +207,12 @@ bw_status bwi_force_vector(bw_context *context, const bw_model *model, bool volu
   return BW_OK;
 }
 
+bw_status bwi_load_force(bw_context *context, const bw_model *model, const bw_load *load,
+                         double *force) {
+  memset(force, 0, 3 * sizeof *force * (size_t)model->mesh->node_count);
+  return spread(context, model, load, add_vector, force);
+}
+
 bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force) {
   return bwi_force_vector(context, model, true, force);
 }

@@ -76,8 +76,25 @@ static bw_status check_finite(bw_context *context, const char *what, const doubl
   return BW_OK;
 }
 
+/* Where this share of the area that a selection probably means is missing, it warns. */
+static const double missed_share = 0.1;
+
+static void warn_of_missed_area(bw_context *context, const bw_selection *on, const char *what) {
+  double area = bw_selection_area(on), whole = area + on->missed_area;
+  char covered[40], meant[40];
+  if (!(on->missed_area > missed_share * whole))
+    return;
+  bwi_number_string(covered, sizeof covered, area, 4, 0);
+  bwi_number_string(meant, sizeof meant, whole, 4, 0);
+  bw_remark(context,
+            "%s covers %s m2 of the %s m2 that lie along the border of its selection: the face is "
+            "not flat to the selection's tolerance; give a larger tolerance or select the face",
+            what, covered, meant);
+}
+
+/* Whether a support (points: may hold a node set) or a load acts on this selection. */
 static bw_status check_selection(bw_context *context, const bw_model *model, const bw_selection *on,
-                                 bool facets, const char *what) {
+                                 bool points, const char *what) {
   if (!on)
     return bw_fail(context, BW_INVALID, "%s needs a selection of the mesh's boundary", what);
   if (on->mesh != model->mesh)
@@ -88,11 +105,21 @@ static bw_status check_selection(bw_context *context, const bw_model *model, con
         what, on->mesh->node_count, model->mesh->node_count);
   if (on->node_count == 0)
     return bw_fail(context, BW_EMPTY, "%s is given on an empty selection", what);
-  if (facets && on->facet_count == 0)
-    return bw_fail(context, BW_EMPTY,
-                   "%s acts on area, but the selection has %d nodes and no whole facet: make it "
-                   "larger than one facet, or give forces at nodes",
-                   what, on->node_count);
+  if (on->facet_count == 0 && !(points && on->node_set)) {
+    char meant[40];
+    bwi_number_string(meant, sizeof meant, on->missed_area, 4, 0);
+    bw_status status = bw_fail(
+        context, BW_EMPTY,
+        "%s acts on area, but the selection has %d node%s and no whole facet: it covers 0 of the "
+        "%s "
+        "m2 that lie along its border. Give a larger tolerance, select the face, or %s",
+        what, on->node_count, on->node_count == 1 ? "" : "s", meant,
+        points ? "make it a node set if points or edges are meant" : "give forces at nodes");
+    bw_detail_number(context, "nodes", on->node_count);
+    bw_detail_number(context, "missed_area", on->missed_area);
+    return status;
+  }
+  warn_of_missed_area(context, on, what);
   return BW_OK;
 }
 
@@ -130,7 +157,7 @@ bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_s
 
 bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on) {
   bw_support support = {.on = on, .held = {true, true, true}};
-  bw_status status = check_selection(context, model, on, false, "a fixed support");
+  bw_status status = check_selection(context, model, on, true, "a fixed support");
   return status != BW_OK ? status : bwi_model_add_support(context, model, &support);
 }
 
@@ -138,7 +165,7 @@ bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selectio
                          const double normal[3]) {
   bw_support support = {.on = on, .slide = true};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, false, "a sliding support"));
+  BW_TRY(check_selection(context, model, on, true, "a sliding support"));
   if (normal) {
     BW_TRY(check_finite(context, "sliding support's normal", normal));
     double most = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
@@ -161,7 +188,7 @@ bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_sele
                              const bool held[3], const double value[3]) {
   bw_support support = {.on = on, .held = {held[0], held[1], held[2]}};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, false, "a prescribed displacement"));
+  BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
   if (!held[0] && !held[1] && !held[2]) {
     status = bw_fail(context, BW_INVALID, "a prescribed displacement holds no direction");
     goto done;
@@ -178,7 +205,7 @@ bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const b
                                    const bool held[3], const bw_array *field) {
   bw_support support = {.on = on, .held = {held[0], held[1], held[2]}, .field = field};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, false, "a prescribed displacement"));
+  BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
   if (!held[0] && !held[1] && !held[2]) {
     status = bw_fail(context, BW_INVALID, "a prescribed displacement holds no direction");
     goto done;
@@ -215,7 +242,7 @@ static bw_status add_on(bw_context *context, bw_model *model, const bw_selection
                         bw_load_kind kind, const double vector[3], const char *what) {
   bw_load load = {.kind = kind, .on = on};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, what));
+  BW_TRY(check_selection(context, model, on, false, what));
   BW_TRY(check_finite(context, what, vector));
   memcpy(load.vector, vector, sizeof load.vector);
   BW_TRY(bwi_model_add_load(context, model, &load));
@@ -259,7 +286,7 @@ bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selecti
                           const double torque[3], const double about[3]) {
   bw_load load = {.kind = BW_LOAD_TORQUE, .on = on};
   bw_status status;
-  BW_TRY(check_selection(context, model, on, true, "a torque"));
+  BW_TRY(check_selection(context, model, on, false, "a torque"));
   BW_TRY(check_finite(context, "torque", torque));
   if (about) {
     BW_TRY(check_finite(context, "point that the torque is about", about));

@@ -78,6 +78,7 @@ static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_s
   }
   BW_TRY(bwi_selection_copy(t->context, t->to->mesh, on->facet_count, on->facet, on->node_count,
                             node ? node : on->node, &made));
+  made->node_set = on->node_set;
   t->before[t->count] = on;
   t->after[t->count++] = made;
   *out = made;

@@ -148,6 +148,17 @@ bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t
   bw_status status =
       bwi_selection_make(context, mesh, facet, node_mask, "the mask", -1, 0, selection);
   bw_free(facet);
+  if (status == BW_OK)
+    (*selection)->node_set = !facet_mask;
+  return status;
+}
+
+bw_status bw_select_node_set(bw_context *context, const bw_selection *from,
+                             bw_selection **selection) {
+  bw_status status = bwi_selection_copy(context, from->mesh, from->facet_count, from->facet,
+                                        from->node_count, from->node, selection);
+  if (status == BW_OK)
+    (*selection)->node_set = true;
   return status;
 }
 
@@ -177,6 +188,13 @@ bw_status bw_select_combine(bw_context *context, const bw_selection *a, const bw
   for (int32_t i = 0; i < mesh->node_count; i++)
     node[i] = keep[operation][node[i]];
   status = bwi_selection_make(context, mesh, facet, node, name[operation], -1, 0, selection);
+  if (status == BW_OK) {
+    (*selection)->node_set = operation == BW_UNION          ? a->node_set && b->node_set
+                             : operation == BW_INTERSECTION ? a->node_set || b->node_set
+                                                            : a->node_set;
+    if (operation == BW_UNION)
+      (*selection)->missed_area = a->missed_area + b->missed_area;
+  }
 done:
   bw_free(facet);
   bw_free(node);

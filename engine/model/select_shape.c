@@ -7,14 +7,31 @@
 
 #include "model/internal.h"
 
-/* How far a position is from fulfilling a selection: <= 0 when it does. */
+/* How far a position is from fulfilling a selection: <= 0 when it does. Near the shape's border the
+ * size is the distance from the border on both sides. */
 typedef double distance_function(const void *shape, const double x[3]);
+
+/* A facet lies along the border of a shape where its corners are nearer to it than this share of
+ * the facet's size (the root of its area). */
+static const double along_border = 0.05;
+
+/* The area of a facet that is not chosen, though it lies along the border; else 0. */
+static double missed_area(const bw_mesh *mesh, int32_t facet, distance_function *distance,
+                          const void *shape) {
+  const int32_t *corner = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+  double middle[3] = {1. / 3, 1. / 3, 1. / 3}, normal[3], far = 0;
+  for (int k = 0; k < 3; k++)
+    far = fmax(far, fabs(distance(shape, mesh->node + 3 * (size_t)corner[k])));
+  bwi_boundary_normal(mesh, facet, middle, normal);
+  double area = bw_norm(normal) / 2;
+  return far <= along_border * sqrt(area) ? area : 0;
+}
 
 static bw_status select_by(bw_context *context, const bw_mesh *mesh, distance_function *distance,
                            const void *shape, const char *what, bw_selection **selection) {
   bw_status status = BW_MEMORY;
   int32_t nearest = -1;
-  double least = HUGE_VAL;
+  double least = HUGE_VAL, missed = 0;
   uint8_t *facet = BW_NEW0(context, uint8_t, mesh->facet_count);
   uint8_t *node = BW_NEW0(context, uint8_t, mesh->node_count);
   if (!facet || !node)
@@ -31,8 +48,12 @@ static bw_status select_by(bw_context *context, const bw_mesh *mesh, distance_fu
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *corner = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
     facet[f] = node[corner[0]] && node[corner[1]] && node[corner[2]];
+    if (!facet[f])
+      missed += missed_area(mesh, f, distance, shape);
   }
   status = bwi_selection_make(context, mesh, facet, node, what, nearest, least, selection);
+  if (status == BW_OK)
+    (*selection)->missed_area = missed;
 done:
   bw_free(facet);
   bw_free(node);
@@ -55,12 +76,13 @@ typedef struct box {
 
 static double box_distance(const void *shape, const double x[3]) {
   const box *b = (const box *)shape;
-  double square = 0;
+  double square = 0, inside = -HUGE_VAL;
   for (int k = 0; k < 3; k++) {
-    double d = x[k] < b->low[k] ? b->low[k] - x[k] : x[k] > b->high[k] ? x[k] - b->high[k] : 0;
-    square += d * d;
+    double d = fmax(b->low[k] - x[k], x[k] - b->high[k]);
+    square += d > 0 ? d * d : 0;
+    inside = fmax(inside, d);
   }
-  return sqrt(square);
+  return square > 0 ? sqrt(square) : inside;
 }
 
 bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],

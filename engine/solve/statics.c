@@ -110,6 +110,7 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
     status = BW_MEMORY;
     goto done;
   }
+  BW_TRY(bw_model_check_absorbed(context, model, numbering));
   BW_TRY(bw_model_force_vector(context, model, result->force));
   if (numbering->motion_count > 0 && !wish.inertia_relief)
     BW_TRY(check_balance(context, numbering, result->force, wish.tolerance));

@@ -243,6 +243,7 @@ static int select_where(lua_State *L) {
   const bw_mesh *mesh = self(L)->mesh;
   const uint8_t *nodes = NULL, *facets = NULL;
   lua_settop(L, 2);
+  bool predicate = !lbw_test(L, 2, &lbw_array_class); /* asks for a place, not for single nodes */
   if (lua_type(L, 2) == LUA_TSTRING)
     nodes = mask_by_formula(L, mesh, lua_tostring(L, 2));
   else if (lua_isfunction(L, 2))
@@ -261,6 +262,8 @@ static int select_where(lua_State *L) {
   bw_selection *chosen = NULL;
   bw_context *context = lbw_enter(L);
   bw_status status = bw_select_mask(context, mesh, facets, nodes, &chosen);
+  if (status == BW_OK && predicate)
+    chosen->node_set = false;
   return leave_within(L, box, context, chosen, status);
 }
 
@@ -285,6 +288,16 @@ static int select_intersection(lua_State *L) {
 }
 static int select_difference(lua_State *L) {
   return combine(L, BW_DIFFERENCE);
+}
+
+/* selection:node_set(): the same, for supports on points and edges */
+static int select_node_set(lua_State *L) {
+  const bw_selection *from = self(L);
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_selection *out = NULL;
+  bw_status status = bw_select_node_set(lbw_enter(L), from, &out);
+  lbw_box_fill(L, box, out);
+  return lbw_leave(L, status, 1);
 }
 
 /* ---- properties ------------------------------------------------------------------------------ */
@@ -357,6 +370,7 @@ static const luaL_Reg methods[] = {{"below", select_below},
                                    {"patch", select_patch},
                                    {"nearest", select_nearest},
                                    {"where", select_where},
+                                   {"node_set", select_node_set},
                                    {"union", select_union},
                                    {"intersection", select_intersection},
                                    {"difference", select_difference},

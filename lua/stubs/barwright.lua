@@ -838,16 +838,23 @@ function Selection:facing(direction, angle) end
 ---@return bw.Selection
 function Selection:patch(point, angle) end
 
----The nodes nearest to a point.
+---The nodes nearest to a point: a node set.
 ---@param point bw.Vector
 ---@param count? integer default 1
 ---@return bw.Selection
 function Selection:nearest(point, count) end
 
----By a formula in x, y, z, a mask over nodes or facets, or a function of x, y, z.
+---By a formula in x, y, z, a mask over nodes or facets, or a function of x, y, z. A mask over nodes makes a
+---node set.
 ---@param predicate string|bw.Array|fun(x: number, y: number, z: number): boolean
 ---@return bw.Selection
 function Selection:where(predicate) end
+
+---The same facets and nodes as a node set. A support takes a node set that covers no facet, to hold points or
+---an edge; it refuses any other selection without a facet.
+---`part:fix((boundary:below("x", 0) & boundary:below("y", 0)):node_set())`
+---@return bw.Selection
+function Selection:node_set() end
 
 ---@param other bw.Selection
 ---@return bw.Selection
@@ -943,7 +950,8 @@ function Material:close() end
 ---@field supports table[] {on, slide, displacement}
 local Model = {}
 
----Holds a selection in all directions.
+---Holds a selection in all directions. A selection without a facet raises an error, unless it is a node set;
+---one that misses more than a tenth of the face along its border is a remark with both areas.
 ---@param selection bw.Selection
 ---@return bw.Model
 function Model:fix(selection) end
@@ -994,7 +1002,8 @@ function Model:force_vector() end
 function Model:free_motions() end
 
 ---Static solution. A load that is not balanced on a free body is refused, unless inertia relief is
----asked for. with "auto" (default): by a factor, or over levels where that counts as much cheaper or the
+---asked for. So are a body whose whole boundary is fixed at zero and a load that acts on supports only; a load of
+---which at least 5 % of the area lies on supports is a remark with the share. with "auto" (default): by a factor, or over levels where that counts as much cheaper or the
 ---factor would take more than 4 GB or more than memory_limit bytes (what is free); "factor": a sparse factor, which other
 ---loads, modes and the worst case then use; "levels": conjugate gradients over linear and quadratic elements without
 ---one, in a tenth of the memory, at most that many iterations (2000): quadratic elements, and supports that hold the

@@ -55,6 +55,24 @@ describe("a model", function()
     return part, mesh
   end
 
+  it("refuses a support without a facet, unless it is a node set", function()
+    local part, mesh = bar()
+    local edge = mesh.boundary:below(1, 0) & mesh.boundary:below(2, 0)
+    check.raises("no whole facet", part.fix, part, edge)
+    check.raises("make it a node set", part.prescribe, part, edge, {0, 0, false})
+    check.raises("no whole facet", part.fix, part, mesh.boundary:where "x < 1e-9 and y < 1e-9")
+    part:fix(edge:node_set()):slide(mesh.boundary:nearest {1, 0, 0}, {0, 0, 1})
+    assert.equal(edge.node_count, edge:node_set().node_count)
+  end)
+
+  it("refuses a load that acts on supports only, and a body that is fixed all over", function()
+    local part, mesh = bar()
+    part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:below(1, 0), force = {0, 0, 1}}
+    check.raises("load 1, a force, acts on supports only", part.solve, part)
+    part:clear_loads():clear_supports():fix(mesh.boundary:below(1, 2)):gravity {0, 0, -9.81}
+    check.raises("the supports fix all", part.solve, part)
+  end)
+
   it("stretches as a bar does", function()
     local part, mesh = bar()
     part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1e6, 0, 0}}

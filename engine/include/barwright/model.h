@@ -21,6 +21,11 @@ typedef struct bw_selection {
   int32_t facet_count, node_count;
   int32_t *facet; /* numbers of boundary facets */
   int32_t *node;  /* numbers of mesh nodes */
+  bool node_set;  /* chosen as single nodes: supports may hold points and edges */
+  /* Of a geometric selection: the area of the facets outside of it that lie along the border of the
+   * shape asked for, nearer to it than a twentieth of their size. A face that is not quite flat
+   * loses such facets: a support or load warns where they are more than a tenth of the whole. */
+  double missed_area;
 } bw_selection;
 
 bw_status bw_select_all(bw_context *context, const bw_mesh *mesh, bw_selection **selection);
@@ -41,10 +46,11 @@ bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const 
  * differ by more than `angle`. */
 bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double point[3],
                           double angle, bw_selection **selection);
-/* The `count` boundary nodes nearest to a point (and the facets they span). */
+/* The `count` boundary nodes nearest to a point (and the facets they span): a node set. */
 bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const double point[3],
                             int32_t count, bw_selection **selection);
-/* By masks: facet_mask (facet_count) or node_mask (node_count); either may be NULL. */
+/* By masks: facet_mask (facet_count) or node_mask (node_count); either may be NULL. A mask of nodes
+ * alone makes a node set. */
 bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
                          const uint8_t *node_mask, bw_selection **selection);
 typedef enum bw_set_operation { BW_UNION, BW_INTERSECTION, BW_DIFFERENCE } bw_set_operation;
@@ -52,6 +58,9 @@ typedef enum bw_set_operation { BW_UNION, BW_INTERSECTION, BW_DIFFERENCE } bw_se
  * the difference of the boundary and a foot still holds the foot's rim. */
 bw_status bw_select_combine(bw_context *context, const bw_selection *a, const bw_selection *b,
                             bw_set_operation operation, bw_selection **selection);
+/* The same facets and nodes as a node set, for supports on points and edges. */
+bw_status bw_select_node_set(bw_context *context, const bw_selection *from,
+                             bw_selection **selection);
 double bw_selection_area(const bw_selection *selection);
 void bw_selection_centre(const bw_selection *selection,
                          double centre[3]); /* of area, or of nodes */
@@ -102,6 +111,9 @@ typedef struct bw_model {
 
 bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                           bw_model **model);
+/* A support or load on a selection without a facet is BW_EMPTY, but for a support on a node set:
+ * the nodes that a geometric selection finds on a face that is not quite flat hold points, and the
+ * stress at points has no limit. */
 /* Give the model its material turned by element (bw_material_turned): element e by rotation 9 *
  * of_element[e]. */
 bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
@@ -217,6 +229,12 @@ bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
                               const bw_numbering *previous, int32_t domain_count,
                               const int32_t *node_domain, const double *frame, bool *same,
                               bw_numbering **numbering);
+/* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
+ * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on
+ * supports only. A load of which a part of the area lies on supports is a remark with the share;
+ * so is any where some prescribed displacement is not zero. */
+bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
+                                  const bw_numbering *numbering);
 /* The free motions as text, for messages: "3 rigid motions are free: ...". Release with bw_free. */
 bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
                                      char **text);

@@ -116,6 +116,108 @@ static void selections_combine(void **state) {
   bw_release(mesh);
 }
 
+/* The top of a box left unflat by rounding: every other node lies a hair above. */
+static bw_mesh *unflat_box(bw_context *context, double hair) {
+  bw_mesh *flat = box_mesh(context, 2, 1, 1, 8, 4, 4, 1), *mesh = NULL;
+  double *x = malloc(3 * (size_t)flat->node_count * sizeof *x);
+  assert_non_null(x);
+  memcpy(x, flat->node, 3 * (size_t)flat->node_count * sizeof *x);
+  for (int32_t i = 0; i < flat->node_count; i++) {
+    double *at = x + 3 * (size_t)i;
+    int column = (int)lround(4 * at[0]), row = (int)lround(4 * at[1]);
+    if (at[2] == 1 && (column + row) % 2 == 1)
+      at[2] += hair;
+  }
+  check_ok(context, bw_mesh_moved(context, flat, x, &mesh));
+  free(x);
+  bw_release(flat);
+  return mesh;
+}
+
+static void a_selection_knows_the_face_it_misses(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = unflat_box(context, 1e-5), *flat = box_mesh(context, 2, 1, 1, 8, 4, 4, 1);
+  bw_selection *on = NULL;
+  const double top[3] = {0, 0, 1}, z[3] = {0, 0, 1}, high[3] = {2, 1, 1}, low[3] = {0, 0, 1};
+  check_ok(context, bw_select_plane(context, mesh, top, z, 1e-6, &on));
+  assert_int_equal(on->facet_count, 0);
+  check_near(on->missed_area, 2, 1e-6);
+  bw_release(on);
+  check_ok(context, bw_select_box(context, mesh, low, high, &on));
+  check_near(on->missed_area, 2, 1e-6);
+  bw_release(on);
+  check_ok(context, bw_select_plane(context, mesh, top, z, 1e-4, &on));
+  check_near(bw_selection_area(on), 2, 1e-6);
+  check_near(on->missed_area, 0, 0);
+  bw_release(on);
+  /* what is cut off on purpose is not missed */
+  const double half[3] = {1.1, 0, 0}, x[3] = {1, 0, 0};
+  check_ok(context, bw_select_half_space(context, flat, half, x, 0, &on));
+  check_near(on->missed_area, 0, 0);
+  bw_release(on);
+  bw_release(flat);
+  bw_release(mesh);
+}
+
+static void supports_need_facets_or_a_node_set(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = unflat_box(context, 1e-5);
+  bw_model *model = some_model(context, mesh);
+  bw_selection *on = NULL, *set = NULL, *both = NULL;
+  const double top[3] = {0, 0, 1}, z[3] = {0, 0, 1}, force[3] = {1, 0, 0};
+  const bool held[3] = {true, true, true};
+  check_ok(context, bw_select_plane(context, mesh, top, z, 1e-6, &on));
+  check_fails(context, BW_EMPTY, "23 nodes and no whole facet: it covers 0 of the 2 m2",
+              bw_model_fix(context, model, on));
+  check_fails(context, BW_EMPTY, "make it a node set", bw_model_slide(context, model, on, NULL));
+  check_fails(context, BW_EMPTY, "no whole facet",
+              bw_model_prescribe(context, model, on, held, NULL));
+  check_fails(context, BW_EMPTY, "forces at nodes", bw_model_force(context, model, on, force));
+  assert_int_equal(model->support_count + model->load_count, 0);
+  check_ok(context, bw_select_node_set(context, on, &set));
+  check_ok(context, bw_model_fix(context, model, set));
+  check_ok(context, bw_select_combine(context, set, on, BW_INTERSECTION, &both));
+  assert_true(both->node_set);
+  bw_release(both);
+  bw_release(set);
+  bw_release(on);
+  check_ok(context, bw_select_nearest(context, mesh, top, 1, &on));
+  check_ok(context, bw_model_fix(context, model, on));
+  bw_release(on);
+  bw_release(model);
+  bw_release(mesh);
+}
+
+/* Three nodes of the top are out of the tolerance, each with six facets of 1/32 m2. */
+static void what_is_missed_is_told(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *flat = box_mesh(context, 2, 1, 1, 8, 4, 4, 1), *mesh = NULL;
+  double *x = malloc(3 * (size_t)flat->node_count * sizeof *x);
+  assert_non_null(x);
+  memcpy(x, flat->node, 3 * (size_t)flat->node_count * sizeof *x);
+  for (int32_t i = 0; i < flat->node_count; i++) {
+    double *at = x + 3 * (size_t)i;
+    if (at[2] == 1 && at[1] == 0.5 && (at[0] == 0.5 || at[0] == 1 || at[0] == 1.5))
+      at[2] -= 1e-5;
+  }
+  check_ok(context, bw_mesh_moved(context, flat, x, &mesh));
+  bw_model *model = some_model(context, mesh);
+  bw_selection *on = NULL;
+  const double top[3] = {0, 0, 1}, z[3] = {0, 0, 1};
+  check_ok(context, bw_select_plane(context, mesh, top, z, 1e-6, &on));
+  bw_clear_remarks(context);
+  check_ok(context, bw_model_pressure(context, model, on, 1));
+  assert_null(bw_remark_at(context, 1));
+  assert_non_null(bw_remark_at(context, 0));
+  assert_non_null(strstr(bw_remark_at(context, 0), "m2 of the 2 m2 that lie along the border"));
+  check_near(bw_selection_area(on), 2 - 18. / 32, 1e-12);
+  bw_release(on);
+  bw_release(model);
+  bw_release(mesh);
+  bw_release(flat);
+  free(x);
+}
+
 static void empty_selections_say_where_the_body_is(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = box_mesh(context, 2, 1, 1, 2, 1, 1, 1);
@@ -151,6 +253,9 @@ int main(void) {
       check_test(shapes_select_what_lies_in_them),
       check_test(directions_select_sides),
       check_test(selections_combine),
+      check_test(a_selection_knows_the_face_it_misses),
+      check_test(supports_need_facets_or_a_node_set),
+      check_test(what_is_missed_is_told),
       check_test(empty_selections_say_where_the_body_is),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -239,9 +239,73 @@ static void nothing_to_solve(void **state) {
   bw_release(mesh);
 }
 
+/* Answers of 0 MPa that look safe: everything fixed, or the load on the support itself. */
+static void loads_that_reach_nothing_are_refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 2, 1, 1, 4, 2, 2, 2);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *all = NULL, *foot = NULL, *tip = NULL, *side = NULL;
+  bw_static *result = NULL;
+  const double origin[3] = {0, 0, 0}, far[3] = {2, 0, 0}, x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
+  const double down[3] = {0, 0, -10}, along[3] = {5, 0, 0}, middle[3] = {1, 0, 0};
+  bw_selection *near = NULL;
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_select_all(context, mesh, &all));
+  check_ok(context, bw_select_plane(context, mesh, origin, x, 1e-9, &foot));
+  check_ok(context, bw_select_plane(context, mesh, far, x, 1e-9, &tip));
+  check_ok(context, bw_select_plane(context, mesh, origin, y, 1e-9, &side));
+  check_ok(context, bw_select_half_space(context, mesh, middle, x, 1e-9, &near));
+  check_ok(context, bw_model_fix(context, model, all));
+  check_ok(context, bw_model_gravity(context, model, down));
+  check_fails(context, BW_INVALID, "fix all", bw_statics(context, model, NULL, NULL, &result));
+  bw_model_clear_supports(model);
+  bw_model_clear_loads(model);
+  check_ok(context, bw_model_fix(context, model, foot));
+  check_ok(context, bw_model_force(context, model, tip, down));
+  check_ok(context, bw_statics(context, model, NULL, NULL, &result));
+  bw_release(result);
+  check_ok(context, bw_model_force(context, model, foot, down));
+  check_fails(context, BW_INVALID, "load 2, a force, acts on supports only",
+              bw_statics(context, model, NULL, NULL, &result));
+  /* a slide takes what pushes across it, not what pulls along it */
+  bw_model_clear_loads(model);
+  check_ok(context, bw_model_slide(context, model, side, y));
+  check_ok(context, bw_model_force(context, model, side, along));
+  bw_clear_remarks(context);
+  check_ok(context, bw_statics(context, model, NULL, NULL, &result));
+  bw_release(result);
+  bw_model_clear_loads(model);
+  check_ok(context, bw_model_pressure(context, model, side, 1e3));
+  check_fails(context, BW_INVALID, "load 1, a pressure, acts on supports only",
+              bw_statics(context, model, NULL, NULL, &result));
+  /* the half of a side where x <= 1 is fixed */
+  bw_model_clear_loads(model);
+  bw_model_clear_supports(model);
+  check_ok(context, bw_model_fix(context, model, near));
+  check_ok(context, bw_model_force(context, model, side, down));
+  bw_clear_remarks(context);
+  check_ok(context, bw_statics(context, model, NULL, NULL, &result));
+  assert_null(bw_remark_at(context, 1));
+  assert_non_null(strstr(bw_remark_at(context, 0), "50 % of the area of load 1, a force"));
+  bw_release(result);
+  bw_release(near);
+  bw_release(side);
+  bw_release(tip);
+  bw_release(foot);
+  bw_release(all);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(bar_in_tension), check_test(bar_under_own_weight), check_test(prescribed_stretch),
-      check_test(free_bodies),    check_test(mechanism_is_refused), check_test(nothing_to_solve)};
+  const struct CMUnitTest tests[] = {check_test(bar_in_tension),
+                                     check_test(bar_under_own_weight),
+                                     check_test(prescribed_stretch),
+                                     check_test(free_bodies),
+                                     check_test(mechanism_is_refused),
+                                     check_test(nothing_to_solve),
+                                     check_test(loads_that_reach_nothing_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
