@@ -134,7 +134,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
          *turn = NULL;
   bw_kept none = {0};
   kept = kept ? kept : &none;
-  if (options.modes < 1 || options.modes + GUARDS + RIGID >= n)
+  if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
     return bw_fail(context, BW_INVALID, "%d modes of a plate with %lld unknowns", options.modes,
                    (long long)n);
   if (!(options.tolerance > 0))

@@ -321,6 +321,8 @@ static void test_inplane(void **state) {
     check_near(frequency[i] / exact, 1, 0.005);
   }
   check_fails(context, BW_INVALID, "0 modes", bw_plate_inplane(context, plate, 0, frequency));
+  const bw_plate_options many = {.modes = INT32_MAX, .tolerance = 1e-6};
+  check_fails(context, BW_INVALID, "2147483647 modes", bw_plate_solve(context, plate, &many, NULL));
   bw_release(plate);
   bw_release(mesh);
   bw_release(material);

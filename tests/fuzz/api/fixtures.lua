@@ -261,11 +261,11 @@ function Pool:variant(class, n)
   self.made[name] = made
   if made[n] == nil then
     local fine, object = pcall(makers[name][n], self)
-    if not fine then -- a call closed what it is made of
+    if not fine or object == nil then -- a call closed what it is made of
       self:forget()
       made = {}
       self.made[name] = made
-      object = makers[name][n](self)
+      object = assert(makers[name][n](self))
     end
     made[n] = object
     hostile.named(("%s-%d"):format(name, n), made[n])
