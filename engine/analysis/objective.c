@@ -5,6 +5,7 @@
  * Stress: J(u) = sum_e w_e integral over e of tr sigma(u). With s = C : I (a symmetric tensor, the
  * stress that a unit volumetric strain's dual asks for), tr sigma = s : grad u because C is
  * symmetric, so the force at node a is sum_e w_e s (integral over e of grad phi_a).
+ * Direction: J(u) = sum_e integral over e of T_e : sigma(u); the same with s = C : T_e.
  * Displacement: J(u) = sum_e integral over e of w_e . u; the force is sum_e w_e (integral of
  * phi_a). */
 #include "analysis/weak_internal.h"
@@ -69,6 +70,15 @@ double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3]
   return volume;
 }
 
+/* s = C : T, so that T : sigma = s : grad u. */
+static void conjugate_stress(const double c[36], const double t[6], double s[6]) {
+  for (int k = 0; k < 6; k++) {
+    const double *row = c + 6 * k;
+    s[k] = row[0] * t[0] + row[1] * t[1] + row[2] * t[2] +
+           2 * (row[3] * t[3] + row[4] * t[4] + row[5] * t[5]);
+  }
+}
+
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side) {
   const bw_mesh *mesh = regions->mesh;
@@ -77,7 +87,8 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
                    regions->count, regions->count - 1);
   const bw_weak_region *r = &regions->region[region];
   int nodes = mesh->nodes_per_element;
-  bool stress = regions->options.target == BW_WORST_STRESS;
+  bw_worst_target target = regions->options.target;
+  bool stress = target != BW_WORST_DISPLACEMENT;
   bw_status status = bw_material_fits(context, material, mesh->element_count);
   if (status != BW_OK)
     return status;
@@ -86,15 +97,18 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
     int32_t e = r->element[i];
     const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
     const double *c = bw_material_elasticity(material, e);
-    double gradient[10][3], value[10], s[6];
-    for (int k = 0; k < 6; k++)
+    double gradient[10][3], value[10], s[6], w = 1;
+    if (target == BW_WORST_DIRECTION)
+      conjugate_stress(c, r->weight + 6 * (size_t)i, s);
+    for (int k = 0; k < 6 && target == BW_WORST_STRESS; k++)
       s[k] = c[6 * k] + c[6 * k + 1] + c[6 * k + 2];
+    if (target == BW_WORST_STRESS)
+      w = r->weight[i];
     bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
     for (int a = 0; a < nodes; a++) {
       double *to = right_hand_side + 3 * (size_t)node[a];
       if (stress) {
         const double *g = gradient[a];
-        double w = r->weight[i];
         to[0] += w * (s[0] * g[0] + s[5] * g[1] + s[4] * g[2]);
         to[1] += w * (s[5] * g[0] + s[1] * g[1] + s[3] * g[2]);
         to[2] += w * (s[4] * g[0] + s[3] * g[1] + s[2] * g[2]);

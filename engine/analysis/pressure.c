@@ -9,7 +9,7 @@
  * Invariant: columns are by ascending mesh node, the rows within a column ascend too, and every
  * row of a column belongs to the same body. Since the shape functions add up to one and reproduce
  * rigid motions, a uniform pressure over a closed boundary has no resultant and no moment. */
-#include "barwright/analysis.h"
+#include "analysis/programme.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,6 +32,16 @@ static size_t basis_bytes(const void *object) {
 }
 
 static const bw_kind basis_kind = {"pressure basis", basis_destroy, basis_bytes};
+
+bw_status bwi_pressure_basis_empty(bw_context *context, const bw_mesh *mesh,
+                                   bw_pressure_basis **basis) {
+  *basis = BW_NEW0(context, bw_pressure_basis, 1);
+  if (!*basis)
+    return BW_MEMORY;
+  bw_object_init(*basis, &basis_kind);
+  (*basis)->mesh = (const bw_mesh *)bw_retain(mesh);
+  return BW_OK;
+}
 
 static bool is_straight(const double (*x)[3]) {
   for (int k = 0; k < 3; k++) {
@@ -139,14 +149,12 @@ static int64_t find_row(bw_pressure_basis *basis, int64_t begin, int32_t *count,
 
 bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
                                    bw_pressure_basis **result) {
-  bw_status status = BW_OK;
-  bw_pressure_basis *basis = BW_NEW0(context, bw_pressure_basis, 1);
+  bw_pressure_basis *basis;
   int32_t *column = NULL, *filled = NULL;
   int nodes = mesh->nodes_per_facet;
-  if (!basis)
-    return BW_MEMORY;
-  bw_object_init(basis, &basis_kind);
-  basis->mesh = (const bw_mesh *)bw_retain(mesh);
+  bw_status status = bwi_pressure_basis_empty(context, mesh, &basis);
+  if (status != BW_OK)
+    return status;
 
   /* Columns: corners of boundary facets, ascending. */
   column = BW_NEW(context, int32_t, mesh->node_count);

@@ -102,11 +102,13 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
 
 /* ---- balance rows -------------------------------------------------------------------------- */
 
+/* The cross product and the sum are written out: every row of every column passes here. */
 static void motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]) {
-  double arm[3] = {x[0] - motion->centre[0], x[1] - motion->centre[1], x[2] - motion->centre[2]};
-  bw_cross(motion->rotation, arm, u);
-  for (int k = 0; k < 3; k++)
-    u[k] += motion->translation[k];
+  const double *w = motion->rotation, *c = motion->centre;
+  double arm[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]};
+  u[0] = w[1] * arm[2] - w[2] * arm[1] + motion->translation[0];
+  u[1] = w[2] * arm[0] - w[0] * arm[2] + motion->translation[1];
+  u[2] = w[0] * arm[1] - w[1] * arm[0] + motion->translation[2];
 }
 
 /* <motion, G e_j> / A_j for the body's motions. */

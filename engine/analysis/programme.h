@@ -48,6 +48,10 @@ typedef struct bwi_programme {
   double force, pressure; /* F_tot, p_max */
 } bwi_programme;
 
+/* A basis without columns, to be filled: released as every other. */
+bw_status bwi_pressure_basis_empty(bw_context *context, const bw_mesh *mesh,
+                                   bw_pressure_basis **basis);
+
 bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *basis,
                                const bw_numbering *numbering, const bw_worst_load_options *options,
                                bwi_programme **programme);
@@ -71,6 +75,11 @@ typedef struct bwi_solution {
 bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *programme,
                                  const double *cost, const bwi_vertex *vertex,
                                  bwi_solution *solution);
+
+/* A bound of  max gain . t,  sum t = 1,  0 <= t <= upper:  x + sum upper max(0, gain - x)  for the
+ * multiplier x that so many halvings find. It is never too small; the excess is at most the range
+ * of the gains times 2^-halvings. */
+double bwi_knapsack(int32_t count, const double *gain, const double *upper, int halvings);
 
 /* Solve a dense system in place by elimination with column pivoting; false when singular. */
 bool bwi_dense_factor(int32_t n, double *a, int32_t *pivot);

@@ -35,7 +35,7 @@ static void regions_destroy(void *object) {
 
 static size_t regions_bytes(const void *object) {
   const bw_weak_regions *regions = (const bw_weak_regions *)object;
-  size_t weights = regions->options.target == BW_WORST_STRESS ? 1 : 3, bytes = sizeof *regions;
+  size_t weights = bwi_weight_width(regions->options.target), bytes = sizeof *regions;
   for (int i = 0; i < regions->count; i++)
     bytes += sizeof *regions->region + (size_t)regions->region[i].count * (4 + 8 * weights);
   return bytes;
@@ -381,13 +381,12 @@ done:
   return status;
 }
 
-bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64_t count,
-                                 const int32_t *element, double sign, bw_weak_regions **result) {
+bw_status bwi_element_regions(bw_context *context, const bw_mesh *mesh, int64_t count,
+                              const int32_t *element, bw_worst_target target,
+                              bw_weak_regions **result) {
   if (count < 1 || count > INT32_MAX)
     return bw_fail(context, BW_INVALID, "%lld single-element regions are asked for",
                    (long long)count);
-  if (sign == 0 || !isfinite(sign))
-    return bw_fail(context, BW_INVALID, "the sign of single-element regions is %g", sign);
   if (!element && count > mesh->element_count)
     return bw_fail(context, BW_INVALID, "%lld regions of a mesh of %d elements", (long long)count,
                    mesh->element_count);
@@ -401,19 +400,20 @@ bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64
   bw_object_init(regions, &regions_kind);
   regions->mesh = (const bw_mesh *)bw_retain(mesh);
   bw_weak_options_default(&regions->options);
+  regions->options.target = target;
   regions->region = BW_NEW0(context, bw_weak_region, count);
   if (!regions->region)
     goto no_memory;
   for (int64_t i = 0; i < count; i++) {
     bw_weak_region *r = &regions->region[regions->count++];
     r->count = 1;
+    r->mode = r->rank = -1;
     r->element = BW_NEW(context, int32_t, 1);
-    r->weight = BW_NEW(context, double, 1);
+    r->weight = BW_NEW0(context, double, bwi_weight_width(target));
     if (!r->element || !r->weight)
       goto no_memory;
     r->element[0] = element ? element[i] : (int32_t)i;
     r->volume = mesh->volume[r->element[0]];
-    r->weight[0] = copysign(1, sign) / r->volume;
   }
   *result = regions;
   return BW_OK;

@@ -18,7 +18,35 @@ local rules = {
   seed = {type = "integer", default = 1},
   one_sign = {type = "boolean", default = false},
   batch = {type = "integer", default = 0, least = 0},
+  objective = {type = "string", default = "trace", one_of = {"trace", "principal"}},
 }
+
+-- Steps of the ascent at most, and the share by which some element must gain for another one.
+local ASCENT_STEPS, GAIN = 6, 1e-3
+
+--- Ascent of the principal stress in every element tried: its programme with the principal direction of
+--- the stress under its load as the objective, until none gains. Results as those of the first run.
+local function ascend(mesh, system, basis, elements, loads, limits)
+  local count, stresses = loads.peaks.row_count, loads.own_stresses
+  local peaks, own = loads.peaks, core.max_principal(stresses)
+  for _ = 1, ASCENT_STEPS do
+    local stressed = own:above(0):where()
+    if stressed.row_count < count then break end -- an element without stress has no direction
+    local regions, message, details = core.directed_regions(mesh, elements, stresses)
+    if not regions then return nil, message, details end
+    local more
+    more, message, details = core.worst_loads(system, basis, regions, limits)
+    if not more then return nil, message, details end
+    local weakness = core.array.map("max(a, b)", {a = loads.weakness, b = more.weakness})
+    peaks = core.array.map("max(a, b)", {a = peaks, b = more.peaks})
+    local reached = core.max_principal(more.own_stresses)
+    local gain = core.array.map("a / b", {a = reached, b = own}):max()
+    stresses, own = more.own_stresses, reached
+    loads = {weakness = weakness, peaks = peaks, element = (weakness:argmax())}
+    if gain < 1 + GAIN then break end
+  end
+  return loads
+end
 
 --- The largest stress that any allowed load can cause in each of the elements tried.
 function brute_force.analyse(part, given)
@@ -38,15 +66,21 @@ function brute_force.analyse(part, given)
   if not regions then return nil, message, details end
   basis, message, details = core.pressure_basis(mesh)
   if not basis then return nil, message, details end
-  loads, message, details = core.worst_loads(system, basis, regions, {pressure = wish.pressure,
-    force = wish.force, at_most = wish.at_most, one_sign = wish.one_sign, batch = wish.batch,
-    keep_pressures = false})
+  local limits = {pressure = wish.pressure, force = wish.force, at_most = wish.at_most,
+    one_sign = wish.one_sign, batch = wish.batch, keep_pressures = false}
+  loads, message, details = core.worst_loads(system, basis, regions, limits)
   if not loads then return nil, message, details end
+  if wish.objective == "principal" then
+    limits.one_sign = true
+    chosen = chosen or core.array.range(1, mesh.element_count, 1)
+    loads, message, details = ascend(mesh, system, basis, chosen, loads, limits)
+    if not loads then return nil, message, details end
+  end
   self.elements = regions.count
   self.weakness = loads.weakness
   self.peaks = loads.peaks
   self.max_principal = loads.peaks:max()
-  self.element = loads.peak_elements[(loads.peaks:argmax())]
+  self.element = loads.element or loads.peak_elements[(loads.peaks:argmax())]
   self.seconds = core.seconds() - start
   return self
 end

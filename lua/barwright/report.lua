@@ -80,7 +80,7 @@ local function add_loads(worst, nodes, data, shown)
     stress, message, details = worst:stress(region)
     if not stress then return nil, message, details end
     local about = worst.regions[region]
-    local name = ("mode %d, region %d"):format(about.mode, about.rank)
+    local name = about.label
     data.fields[#data.fields + 1] = {name = "stress under the load of " .. name, unit = "MPa",
       values = floats(mesh:to_nodes(core.max_principal(stress), "max"):gather(nodes) * 1e-6)}
     data.displacements[k] = {name = "worst load of " .. name, kind = "load",
@@ -107,15 +107,15 @@ local function table_of_regions(worst, shown)
   for k, region in ipairs(shown) do motion[region] = k - 1 end
   local rows = {}
   for i, region in ipairs(worst.regions) do
-    rows[#rows + 1] = ("<tr%s><td>%d</td><td>%d</td><td>%.3g</td><td>%.4g</td><td>%s</td><td>%s</td>"
+    rows[#rows + 1] = ("<tr%s><td>%s</td><td>%.3g</td><td>%.4g</td><td>%s</td><td>%s</td>"
       .. "<td>%.4g</td></tr>"):format(
-      motion[i] and (' data-motion="%d"'):format(motion[i]) or "", region.mode, region.rank,
+      motion[i] and (' data-motion="%d"'):format(motion[i]) or "", region.label,
       100 * region.volume_fraction, region.max_principal / 1e6,
       region.utilisation and ("%.3g"):format(100 * region.utilisation) or "",
       ("%.4g, %.4g, %.4g"):format(region.at[1] * 1e3, region.at[2] * 1e3, region.at[3] * 1e3),
       region.displacement * 1e3)
   end
-  return "<h2>Weak regions</h2>\n<div class=\"scroll\"><table><thead><tr><th>mode</th><th>region</th>"
+  return "<h2>Weak regions</h2>\n<div class=\"scroll\"><table><thead><tr><th>found from</th>"
     .. "<th>volume, %</th><th>stress, MPa</th><th>of strength, %</th><th>at, mm</th>"
     .. "<th>largest motion, mm</th></tr></thead><tbody>\n" .. table.concat(rows, "\n")
     .. "\n</tbody></table></div>"

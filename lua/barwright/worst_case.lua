@@ -1,9 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The worst-case analysis (Zhou, Panetta, Zorin 2013): modes -> weak regions -> worst loads ->
--- stresses, from one factorisation. docs/theory/worst_case.md tells why.
+-- The worst-case analysis: modes -> weak regions -> worst loads -> stresses (Zhou, Panetta, Zorin 2013),
+-- then the search beside the modes (worst_search.lua), from one factorisation.
+-- docs/theory/worst_case.md tells why.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
+local worst_search = require "barwright.worst_search"
 
 local raise = core.raise
 
@@ -12,6 +14,8 @@ worst_case.__index = worst_case
 worst_case.__name = "barwright.worst_case"
 
 local rules = {
+  method = {type = "string", one_of = {"search", "paper"}},
+  targets = {type = "integer", default = 48, least = 1, most = 100000},
   force = {type = "number", default = 20, above = 0},
   pressure = {type = "number", default = 2e5, above = 0},
   at_most = {type = "boolean", default = false},
@@ -42,22 +46,35 @@ local function centres(mesh)
   end
 end
 
-local function region_list(self, weak, loads)
+-- What a load was found from: a weak region of a mode, an element of the screening, or an ascent.
+local function source(self, weak, origins, i)
+  if i <= weak.count then
+    local region = weak[i]
+    return {origin = "mode", mode = region.mode, rank = region.rank, elements = region.count,
+      volume = region.volume, energy = region.energy,
+      label = ("mode %d, region %d"):format(region.mode, region.rank)}
+  end
+  local found = origins[i]
+  return {origin = found.origin, target = found.target, from = found.from, elements = 1,
+    volume = self.mesh.volumes[found.target],
+    label = ("%s, element %d"):format(found.origin == "ascent" and "ascent" or "screening", found.target)}
+end
+
+local function region_list(self, weak, loads, origins)
   local total, centre = self.mesh.volume, centres(self.mesh)
   local list = {}
-  for i = 1, weak.count do
-    local region = weak[i]
-    list[i] = {
-      mode = region.mode, rank = region.rank, elements = region.count,
-      volume = region.volume, volume_fraction = region.volume / total, energy = region.energy,
-      max_principal = loads.peaks[i], element = loads.peak_elements[i],
-      at = centre(loads.peak_elements[i]),
-      utilisation = self.material.strength and loads.utilisations[i] or nil,
-      utilised_at = self.material.strength and loads.utilised_elements[i] > 0
-        and centre(loads.utilised_elements[i]) or nil,
-      displacement = loads.displacements[i], objective = loads.objectives[i],
-      seconds = loads.seconds[i], flipped = loads.flipped[i] ~= 0,
-    }
+  for i = 1, loads.peaks.row_count do
+    local region = source(self, weak, origins, i)
+    region.volume_fraction = region.volume / total
+    region.max_principal, region.element = loads.peaks[i], loads.peak_elements[i]
+    region.at = centre(loads.peak_elements[i])
+    if self.material.strength then
+      region.utilisation = loads.utilisations[i]
+      if loads.utilised_elements[i] > 0 then region.utilised_at = centre(loads.utilised_elements[i]) end
+    end
+    region.displacement, region.objective = loads.displacements[i], loads.objectives[i]
+    region.seconds, region.flipped = loads.seconds[i], loads.flipped[i] ~= 0
+    list[i] = region
   end
   return list
 end
@@ -70,12 +87,12 @@ local function find_worst(self, loads)
   return (used > 0 and loads.utilisations or loads.peaks):argmax()
 end
 
-local function summarise(self, weak, loads)
-  self.regions = region_list(self, weak, loads)
+local function summarise(self, weak, loads, origins)
+  self.regions = region_list(self, weak, loads, origins)
   self.region = find_worst(self, loads)
   local worst = self.regions[self.region]
   self.max_principal, self.at, self.element = worst.max_principal, worst.at, worst.element
-  self.mode, self.rank = worst.mode, worst.rank
+  self.origin, self.mode, self.rank = worst.origin, worst.mode, worst.rank
   self.max_displacement = loads.displacements:max()
   if self.material.strength then
     self.strength = self.material.strength
@@ -85,11 +102,15 @@ local function summarise(self, weak, loads)
   self.pressures = loads.pressures
 end
 
---- Where a part breaks whatever happens to it. Returns nil, message, details when it cannot tell.
+--- Where a part breaks, under the worst loads that are found. Returns nil, message, details when it cannot tell.
 --- `view`: its equations, where they are at hand (those that a session follows edits with).
 function worst_case.analyse(part, given, view)
   options.object("worst_case", "part", part, "model")
   local wish = options.read("worst_case", given, rules)
+  if wish.method == "search" and wish.target == "displacement" then
+    raise("worst_case: method \"search\" maximises stress; for target \"displacement\" give method \"paper\"")
+  end
+  wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
   local clock = core.seconds
@@ -134,12 +155,19 @@ function worst_case.analyse(part, given, view)
   basis, message, details = core.pressure_basis(mesh)
   if not basis then return nil, message, details end
   self.basis = basis
-  loads, message, details = core.worst_loads(system, basis, weak, {pressure = wish.pressure,
-    force = wish.force, at_most = wish.at_most, one_sign = wish.one_sign, batch = wish.batch,
-    glpk = wish.glpk})
+  local limits = {pressure = wish.pressure, force = wish.force, at_most = wish.at_most,
+    one_sign = wish.one_sign, batch = wish.batch, glpk = wish.glpk}
+  loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
   seconds.programmes = clock() - start
-  summarise(self, weak, loads)
+  local origins
+  if wish.method == "search" then
+    start = clock()
+    loads, origins, details = worst_search.extend(self, loads, limits)
+    if not loads then return nil, origins, details end
+    seconds.search = clock() - start
+  end
+  summarise(self, weak, loads, origins)
   return self
 end
 
@@ -219,7 +247,7 @@ function worst_case:__tostring()
   end
   local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
     or "strength not known"
-  return ("%s: mode %d, region %d; %s"):format(head, self.mode, self.rank, tail)
+  return ("%s: %s; %s"):format(head, self.regions[self.region].label, tail)
 end
 
 --- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.
@@ -256,8 +284,7 @@ function worst_case:picture(path, given)
     values = core.max_principal(stress)
     wish.displacement = self:displacement(region):gather(nodes)
     wish.unit = wish.unit or "largest principal stress, MPa"
-    wish.title = wish.title or ("Under the worst load of mode %d, region %d"):format(
-      self.regions[region].mode, self.regions[region].rank)
+    wish.title = wish.title or "Under the worst load of " .. self.regions[region].label
   else
     values = self.weakness
     wish.unit = wish.unit or "weakness (largest principal stress), MPa"

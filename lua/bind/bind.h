@@ -292,6 +292,7 @@ void lbw_open_material(lua_State *L);
 void lbw_open_model(lua_State *L);
 void lbw_open_solve(lua_State *L);
 void lbw_open_worst(lua_State *L);
+void lbw_open_worst_loads(lua_State *L);
 void lbw_open_picture(lua_State *L);
 void lbw_open_canvas(lua_State *L);
 void lbw_open_skeleton(lua_State *L);

@@ -1,10 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The parts of the worst case: weak regions, pressure basis, worst loads, drops. The steps are put
- * together in lua/barwright/worst_case.lua. */
+/* The parts of the worst case: weak regions, pressure basis, drops; worst_loads.c has the loads.
+ * The steps are put together in lua/barwright/worst_case.lua. */
 #include "bind.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* ---- weak regions ---------------------------------------------------------------------------- */
@@ -63,15 +61,33 @@ static int single_regions(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* regions[i]: {mode, rank, count, volume, energy, peak} */
+/* directed_regions(mesh, elements, stresses) */
+static int directed_regions(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  int64_t count, rows;
+  lua_settop(L, 3);
+  const int32_t *element = lbw_to_indices(L, 2, "elements", 1, &count);
+  const double *stress = lbw_to_doubles(L, 3, "stresses", 6, &rows);
+  lbw_argument_check(L, rows == count, 3, "stresses: a row of six for every element expected");
+  lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
+  bw_weak_regions *regions = NULL;
+  bw_status status = bw_weak_regions_directed(lbw_enter(L), mesh, count, element, stress, &regions);
+  lbw_box_fill(L, box, regions);
+  return lbw_leave(L, status, 1);
+}
+
+/* regions[i]: {mode, rank, count, volume, energy, peak}; mode and rank where a mode gave the region
+ */
 static int regions_index(lua_State *L) {
   const bw_weak_regions *regions = regions_self(L);
   const bw_weak_region *region = &regions->region[lbw_check_index(L, 2, "region", regions->count)];
   lua_createtable(L, 0, 6);
-  lua_pushinteger(L, (lua_Integer)region->mode + 1);
-  lua_setfield(L, -2, "mode");
-  lua_pushinteger(L, (lua_Integer)region->rank + 1);
-  lua_setfield(L, -2, "rank");
+  if (region->mode >= 0) {
+    lua_pushinteger(L, (lua_Integer)region->mode + 1);
+    lua_setfield(L, -2, "mode");
+    lua_pushinteger(L, (lua_Integer)region->rank + 1);
+    lua_setfield(L, -2, "rank");
+  }
   lua_pushinteger(L, region->count);
   lua_setfield(L, -2, "count");
   lua_pushnumber(L, region->volume);
@@ -92,7 +108,9 @@ static int regions_elements(lua_State *L) {
 static int regions_weights(lua_State *L) {
   const bw_weak_regions *regions = regions_self(L);
   const bw_weak_region *region = &regions->region[lbw_check_index(L, 2, "region", regions->count)];
-  int columns = regions->options.target == BW_WORST_DISPLACEMENT ? 3 : 1;
+  static const int widths[] = {
+      [BW_WORST_STRESS] = 1, [BW_WORST_DISPLACEMENT] = 3, [BW_WORST_DIRECTION] = 6};
+  int columns = widths[regions->options.target];
   return lbw_push_borrowed(L, BW_F64, region->count, columns, region->weight, regions);
 }
 
@@ -278,143 +296,13 @@ static const luaL_Reg basis_properties[] = {
 const lbw_class lbw_pressure_basis_class = {"pressure_basis", basis_methods, basis_properties,
                                             basis_meta, NULL};
 
-/* ---- worst loads ----------------------------------------------------------------------------- */
-
-/* What is kept of each visit: no Lua inside, the arrays are made before. */
-typedef struct collection {
-  bw_context *context;
-  const bw_mesh *mesh;
-  const bw_material *material;
-  int32_t basis_count;
-  bool directional; /* strengths differ with the direction: utilisation needs the tensors */
-  double *peak, *objective, *seconds, *utilisation, *displacement; /* per region */
-  int32_t *peak_element, *utilised_element, *worst_region;
-  uint8_t *flipped;
-  double *weakness; /* per element: the largest stress over all regions */
-  double *pressure; /* regions x basis_count, or NULL */
-  double *scratch;  /* per element */
-} collection;
-
-static bw_status collect(void *data, const bw_worst_case_visit *visit) {
-  collection *c = (collection *)data;
-  int r = visit->region;
-  double peak = -1, used = 0;
-  for (int32_t e = 0; e < c->mesh->element_count; e++) {
-    double value = visit->max_principal[e];
-    if (value > peak) {
-      peak = value;
-      c->peak_element[r] = e + 1;
-    }
-    if (value > c->weakness[e]) {
-      c->weakness[e] = value;
-      c->worst_region[e] = r + 1;
-    }
-  }
-  if (c->directional) {
-    bw_status status = bw_utilisation_field(c->context, c->material, c->mesh->element_count,
-                                            visit->stress, c->scratch);
-    if (status != BW_OK)
-      return status;
-    for (int32_t e = 0; e < c->mesh->element_count; e++)
-      if (c->scratch[e] > used) {
-        used = c->scratch[e];
-        c->utilised_element[r] = e + 1;
-      }
-  } else {
-    used = c->material->strength[0] > 0 ? peak / c->material->strength[0] : 0;
-    c->utilised_element[r] = c->peak_element[r];
-  }
-  double moved = 0;
-  for (int64_t i = 0; i < c->mesh->node_count; i++)
-    moved = fmax(moved, bw_norm(visit->displacement + 3 * i));
-  c->peak[r] = peak;
-  c->utilisation[r] = used;
-  c->displacement[r] = moved;
-  c->objective[r] = visit->objective;
-  c->flipped[r] = visit->flipped;
-  c->seconds[r] = visit->seconds;
-  if (c->pressure)
-    memcpy(c->pressure + (int64_t)r * c->basis_count, visit->pressure,
-           (size_t)c->basis_count * sizeof(double));
-  return BW_OK;
-}
-
-/* A new array as field `key` of the table at `table`; its data. */
-static void *kept_array(lua_State *L, int table, const char *key, bw_type type, int64_t rows,
-                        int64_t columns) {
-  void *data = lbw_push_array(L, type, rows, columns)->data;
-  lua_setfield(L, table, key);
-  return data;
-}
-
-/* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, batch, keep_pressures,
- * glpk}): a table of arrays */
-static int worst_loads(lua_State *L) {
-  struct wish {
-    bw_worst_load_options options;
-    int batch;
-    bool keep_pressures, glpk;
-  } wish;
-  static const lbw_option list[] = {
-      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
-      {"force", LBW_REAL, offsetof(struct wish, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
-      {"one_sign", LBW_BOOLEAN, offsetof(struct wish, options.one_sign)},
-      {"batch", LBW_INT, offsetof(struct wish, batch)},
-      {"keep_pressures", LBW_BOOLEAN, offsetof(struct wish, keep_pressures)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
-      {NULL, LBW_OTHER, 0}};
-  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
-  const bw_pressure_basis *basis =
-      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
-  const bw_weak_regions *regions =
-      (const bw_weak_regions *)lbw_check(L, 3, &lbw_weak_regions_class);
-  memset(&wish, 0, sizeof wish);
-  wish.keep_pressures = true;
-  lua_settop(L, 4);
-  lbw_options(L, 4, "worst_loads", list, &wish);
-  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
-  const bw_mesh *mesh = system->mesh;
-  lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
-  lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
-  lua_createtable(L, 0, 12);
-  const int table = 5, count = regions->count;
-  const bw_material *material = system->material;
-  const double *strength = material->strength;
-  collection c = {.mesh = mesh,
-                  .material = material,
-                  .basis_count = basis->count,
-                  .directional = strength[0] > 0 &&
-                                 (strength[0] != strength[1] || strength[0] != strength[2])};
-  c.peak = (double *)kept_array(L, table, "peaks", BW_F64, count, 1);
-  c.peak_element = (int32_t *)kept_array(L, table, "peak_elements", BW_I32, count, 1);
-  c.utilisation = (double *)kept_array(L, table, "utilisations", BW_F64, count, 1);
-  c.utilised_element = (int32_t *)kept_array(L, table, "utilised_elements", BW_I32, count, 1);
-  c.displacement = (double *)kept_array(L, table, "displacements", BW_F64, count, 1);
-  c.objective = (double *)kept_array(L, table, "objectives", BW_F64, count, 1);
-  c.seconds = (double *)kept_array(L, table, "seconds", BW_F64, count, 1);
-  c.flipped = (uint8_t *)kept_array(L, table, "flipped", BW_U8, count, 1);
-  c.weakness = (double *)kept_array(L, table, "weakness", BW_F64, mesh->element_count, 1);
-  c.worst_region = (int32_t *)kept_array(L, table, "worst_region", BW_I32, mesh->element_count, 1);
-  if (wish.keep_pressures)
-    c.pressure = (double *)kept_array(L, table, "pressures", BW_F64, count, basis->count);
-  if (c.directional)
-    c.scratch =
-        (double *)lua_newuserdatauv(L, (size_t)mesh->element_count * sizeof *c.scratch + 1, 0);
-  lua_settop(L, table + (c.directional ? 1 : 0)); /* the scratch block stays alive on the stack */
-  lua_pushvalue(L, table);
-  c.context = lbw_enter(L);
-  bw_status status =
-      bw_worst_case_run(c.context, system, basis, regions, &wish.options, wish.batch, collect, &c);
-  return lbw_leave(L, status, 1);
-}
-
 /* ---- drops ----------------------------------------------------------------------------------- */
 
 static void copy_out(lua_State *L, int table, const char *key, int64_t rows, int64_t columns,
                      const double *data) {
-  memcpy(kept_array(L, table, key, BW_F64, rows, columns), data,
-         (size_t)(rows * columns) * sizeof *data);
+  void *to = lbw_push_array(L, BW_F64, rows, columns)->data;
+  lua_setfield(L, table, key);
+  memcpy(to, data, (size_t)(rows * columns) * sizeof *data);
 }
 
 typedef struct drop_out {
@@ -487,11 +375,12 @@ void lbw_open_worst(lua_State *L) {
   static const luaL_Reg functions[] = {{"weak_regions", weak_regions_find},
                                        {"single_regions", single_regions},
                                        {"pressure_basis", pressure_basis},
-                                       {"worst_loads", worst_loads},
+                                       {"directed_regions", directed_regions},
                                        {"drops", drops},
                                        {"rank_correlation", rank_correlation},
                                        {NULL, NULL}};
   lbw_class_register(L, &lbw_weak_regions_class);
   lbw_class_register(L, &lbw_pressure_basis_class);
   luaL_setfuncs(L, functions, 0);
+  lbw_open_worst_loads(L);
 }

@@ -47,8 +47,9 @@ local bw = {}
 ---@return bw.Model
 function bw.model(options) end
 
----Where a part breaks whatever happens to it: the worst loads that pressures up to `pressure` with a
----total of `force` allow (Zhou, Panetta, Zorin 2013).
+---Where a part breaks when nobody knows its loads: the largest stress that was found among all pressures
+---up to `pressure` with a total of `force` (Zhou, Panetta, Zorin 2013, and a search beside the modes).
+---The stress is a lower bound of the largest one, and comes with the load that causes it.
 ---@param part bw.Model
 ---@param options? bw.WorstCaseOptions
 ---@return bw.WorstCase? worst
@@ -57,8 +58,10 @@ function bw.model(options) end
 function bw.worst_case(part, options) end
 
 ---The same with every element, or a sample of them, as its own region. Slow; the measure of the rest.
+---With objective "trace" (default, the paper's) each load maximises the trace of the element's stress;
+---with "principal" an ascent of its principal stress follows, about three times as long.
 ---@param part bw.Model
----@param options? {force: number, pressure: number, at_most: boolean, elements: integer, seed: integer, one_sign: boolean, batch: integer}
+---@param options? {force: number, pressure: number, at_most: boolean, elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
 ---@return bw.BruteForce?
 ---@return string? message
 ---@return table? details
@@ -125,11 +128,13 @@ function bw.pressure_basis(mesh) end
 
 ---The worst load of every region and the stresses under it: arrays peaks, peak_elements,
 ---utilisations, utilised_elements, displacements, objectives, seconds, flipped (of regions), weakness,
----worst_region (of elements), pressures (regions x nodes of the basis).
+---worst_region (of elements), pressures (regions x nodes of the basis); peak_stresses and own_stresses: of
+---every region six components of the stress where it is largest, and in the region's first element.
+---`after`: results of an earlier call on the same mesh, whose regions come first in those returned.
 ---@param system bw.System
 ---@param basis bw.PressureBasis
 ---@param regions bw.WeakRegions
----@param options {pressure: number, force: number, at_most?: boolean, one_sign?: boolean, batch?: integer, keep_pressures?: boolean, glpk?: boolean}
+---@param options {pressure: number, force: number, at_most?: boolean, one_sign?: boolean, batch?: integer, keep_pressures?: boolean, glpk?: boolean, after?: table}
 ---@return table?
 ---@return string? message
 ---@return table? details
@@ -240,6 +245,8 @@ function bw.version() end
 ---@field force? number total force, N; default 20
 ---@field pressure? number largest pressure, Pa; default 0.2 MPa
 ---@field at_most? boolean the total force may also be smaller; default false
+---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
+---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025
@@ -1179,12 +1186,13 @@ function System:close() end
 ---@field at bw.Vector m
 ---@field element integer
 ---@field region integer the worst one, a place in `regions`
----@field mode integer
----@field rank integer
+---@field origin "mode"|"element"|"ascent" what the worst load was found from: a mode's weak region, an element of the screening, an ascent
+---@field mode integer? where a mode's weak region gave the worst load
+---@field rank integer? of that region in its mode
 ---@field utilisation number? stress over strength
 ---@field strength number|bw.Vector|nil Pa
 ---@field max_displacement number m
----@field regions table[] {mode, rank, elements, volume, volume_fraction, energy, max_principal, at, element, utilisation, utilised_at, displacement, objective, seconds, flipped}
+---@field regions table[] {origin, label, mode, rank (of a mode's region), target, from (element aimed at and, of an ascent, the region it starts from), elements, volume, volume_fraction, energy, max_principal, at, element, utilisation, utilised_at, displacement, objective, seconds, flipped}
 ---@field weakness bw.Array of every element: the largest stress over all worst loads, Pa
 ---@field worst_region bw.Array of every element: which region's load causes it
 ---@field pressures bw.Array regions x nodes of the basis
@@ -1195,7 +1203,7 @@ function System:close() end
 ---@field weak_regions bw.WeakRegions
 ---@field basis bw.PressureBasis
 ---@field options table as given, with defaults
----@field seconds table by stage: system, assemble, factor, modes, regions, programmes
+---@field seconds table by stage: system, assemble, factor, modes, regions, programmes, search
 local WorstCase = {}
 
 ---The worst pressure of a region (left out: the worst region), for every node of the mesh, Pa.

@@ -3,6 +3,7 @@
 --   build/barwright scripts/worst_case/run.lua MODEL --out DIR [--elements N] [--modes 15]
 --       [--regions 5] [--material NAME] [--unit mm] [--force N] [--pressure PA] [--fraction 0.025]
 --       [--measure stress|energy] [--target stress|displacement] [--laplacian] [--order 1|2]
+--       [--method search|paper]
 -- MODEL: a surface (STL OBJ OFF PLY), which is repaired where it must be and filled, or a mesh of
 -- tetrahedra (.msh .vtu .mesh .inp .node), which is taken as it is. Exit status 0: answered. 2: the
 -- input was refused, one sentence on standard error. 3: the computation could not finish.
@@ -18,7 +19,7 @@ local known = {
   force = {"number", 20, above = 0}, pressure = {"number", 2e5, above = 0},
   fraction = {"number", 0.025, nil, 1, above = 0}, measure = {"string", "stress"},
   target = {"string", "stress"}, laplacian = {"flag", false}, order = {"whole number", 1, 1, 2},
-  out = {"string"}, threads = {"whole number", nil, 1, 64},
+  method = {"string"}, out = {"string"}, threads = {"whole number", nil, 1, 64},
 }
 
 -- The share of what full pressure could push that the total force may be: with less room the
@@ -225,7 +226,7 @@ local function main()
   local part = bw.model {mesh = mesh, material = material}
   local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
     pressure = wish.pressure, modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
-    measure = wish.measure, target = wish.target, laplacian = wish.laplacian})
+    measure = wish.measure, target = wish.target, laplacian = wish.laplacian, method = wish.method})
   say_remarks()
   if not worst then unfinished(message, details) end
 
@@ -236,7 +237,8 @@ local function main()
   result.worst_region = worst.region
   result.regions = bw.json.list {}
   for i, region in ipairs(worst.regions) do
-    result.regions[i] = {mode = region.mode, rank = region.rank, elements = region.elements,
+    result.regions[i] = {origin = region.origin, target = region.target, mode = region.mode,
+      rank = region.rank, elements = region.elements,
       volume_fraction = region.volume_fraction, max_principal_pa = region.max_principal,
       max_principal_at_m = region.at, utilisation = region.utilisation,
       max_displacement_m = region.displacement, objective = region.objective,

@@ -76,7 +76,11 @@ bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, co
 /* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 
 typedef enum bw_weak_measure { BW_WEAK_STRESS, BW_WEAK_ENERGY } bw_weak_measure;
-typedef enum bw_worst_target { BW_WORST_STRESS, BW_WORST_DISPLACEMENT } bw_worst_target;
+typedef enum bw_worst_target {
+  BW_WORST_STRESS,       /* the trace of the stress: one weight per element */
+  BW_WORST_DISPLACEMENT, /* the displacement: a vector per element */
+  BW_WORST_DIRECTION     /* the normal stress in a direction: a symmetric tensor per element */
+} bw_worst_target;
 
 typedef struct bw_weak_options {
   bw_weak_measure measure; /* what the threshold is on; default stress (max principal) */
@@ -87,11 +91,11 @@ typedef struct bw_weak_options {
 void bw_weak_options_default(bw_weak_options *options);
 
 typedef struct bw_weak_region {
-  int mode;      /* 0-based */
+  int mode;      /* 0-based; -1 for a region that no mode gave */
   int rank;      /* 0-based, by energy */
   int32_t count; /* elements */
   int32_t *element;
-  double *weight; /* count signed weights (stress), or count x 3 (displacement) */
+  double *weight; /* count signed weights (stress), count x 3 (displacement) or x 6 (direction) */
   double volume, energy, peak;
 } bw_weak_region;
 typedef struct bw_weak_regions {
@@ -108,6 +112,12 @@ bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
 /* Every element (or the given ones) as a region of its own with weight `sign`: brute force. */
 bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64_t count,
                                  const int32_t *element, double sign, bw_weak_regions **regions);
+/* Elements as regions of their own whose objective is the mean normal stress s n . sigma n of the
+ * element, n the direction and s the sign of the principal stress of largest magnitude of
+ * stress[6 i]. A maximisation of it keeps or raises that principal stress. */
+bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int64_t count,
+                                   const int32_t *element, const double *stress,
+                                   bw_weak_regions **regions);
 /* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side);
@@ -174,6 +184,21 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
                             int batch,
                             bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
                             void *data);
+
+/* Screening: which elements a load can stress most, estimated for all elements with pressures that
+ * are constant over `patches` patches of the boundary (more where the balance rows need more). Such
+ * pressures are admissible, so `stress` (the element's stress under the best of them that was
+ * found) is a lower bound. The programmes are solved for the `wanted` elements of the largest
+ * knapsack bound; the results are by descending principal stress. */
+typedef struct bw_screening {
+  int32_t count;
+  int32_t *element;
+  double *stress; /* count x 6 */
+} bw_screening;
+bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
+                             const bw_worst_load_options *options, int32_t patches, int32_t wanted,
+                             bw_screening *screening);
+void bw_screening_clear(bw_screening *screening);
 
 /* Sum a pressure's forces into a few arrows, largest first: clusters of loaded nodes within
  * `radius` (0: a twentieth of the box diagonal) that push the same way. Together they carry the

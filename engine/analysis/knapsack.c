@@ -1,0 +1,27 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The programme without its balance rows: a continuous knapsack, and its bound. */
+#include "analysis/programme.h"
+
+#include <math.h>
+
+double bwi_knapsack(int32_t count, const double *gain, const double *upper, int halvings) {
+  double low = INFINITY, high = -INFINITY;
+  for (int32_t j = 0; j < count; j++) {
+    low = fmin(low, gain[j]);
+    high = fmax(high, gain[j]);
+  }
+  /* The multiplier where the columns above it just fill the knapsack is optimal. */
+  for (int step = 0; step < halvings; step++) {
+    double x = 0.5 * (low + high), filled = 0;
+    for (int32_t j = 0; j < count; j++)
+      filled += gain[j] > x ? upper[j] : 0;
+    if (filled > 1)
+      low = x;
+    else
+      high = x;
+  }
+  double sum = high;
+  for (int32_t j = 0; j < count; j++)
+    sum += upper[j] * fmax(0, gain[j] - high);
+  return sum;
+}

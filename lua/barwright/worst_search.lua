@@ -1,0 +1,140 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The search beside the modes (docs/theory/worst_case.md, section 13): elements chosen by a screening
+-- with coarse pressures become targets of their own; the largest stresses found ascend.
+local core = require "barwright.core"
+
+local worst_search = {}
+
+-- A pressed area F / p_max should span at least two patches.
+local PATCHES_PER_CONTACT, FEWEST_PATCHES, MOST_PATCHES = 2, 64, 192
+-- The responses to the patches take 24 bytes for each node and patch: so many at most, if 64 fit.
+local MOST_BYTES = 2 ^ 29
+-- Rounds of targets: at least two; more while the percentile by volume grows by this much.
+local ROUNDS, MOST_ROUNDS, GROWTH = 2, 3, 0.01
+local PERCENTILE = 0.9975
+-- Peaks that ascend at once, and steps at most. A step that gains less than this ends the ascent.
+local ASCENTS, ASCENT_STEPS, GAIN = 6, 8, 1e-4
+-- Stress that the exact programme reaches over that of the screening, before any is known.
+local FIRST_RATIO = 1.5
+
+--- Numbers 1..count of the elements that a screening left as targets, most promising first: no two of
+--- them share a node. `ratio`: what the exact programme is expected to gain.
+local function choose(self, screened, weakness, ratio, count)
+  local order, known = {}, weakness:gather(screened.elements)
+  for i = 1, screened.elements.row_count do
+    local promising = ratio * screened.values[i] > (1 + GROWTH) * known[i]
+    if promising and not screened.tried[i] then order[#order + 1] = i end
+  end
+  local corners, touched, chosen = self.mesh.elements, {}, {}
+  for _, i in ipairs(order) do -- the screening is by descending stress
+    if #chosen == count then break end
+    local element, free = screened.elements[i], true
+    for corner = 1, 4 do free = free and not touched[corners(element, corner)] end
+    if free then
+      for corner = 1, 4 do touched[corners(element, corner)] = true end
+      screened.tried[i] = true
+      chosen[#chosen + 1] = i
+    end
+  end
+  return chosen
+end
+
+local function median(list)
+  table.sort(list)
+  return list[(#list + 1) // 2]
+end
+
+-- The worst loads of more targets, after those at hand.
+local function extend(self, loads, elements, stresses, limits)
+  local regions, message, details = core.directed_regions(self.mesh, elements, stresses)
+  if not regions then return nil, message, details end
+  local wish = {one_sign = true, after = loads}
+  for key, value in pairs(limits) do wish[key] = value end
+  local more
+  more, message, details = core.worst_loads(self.system, self.basis, regions, wish)
+  if not more then return nil, message, details end
+  return more
+end
+
+local function rows_of(array, list)
+  return array:gather(core.array.new(list, "i32"))
+end
+
+local function elements_of(array, list)
+  local out = {}
+  for k, i in ipairs(list) do out[k] = array[i] end
+  return out
+end
+
+-- Targets that the screening suggests, in rounds.
+local function explore(self, loads, origins, limits)
+  local patches = math.min(MOST_PATCHES, MOST_BYTES // (24 * self.mesh.node_count),
+    PATCHES_PER_CONTACT * limits.pressure * self.basis.areas:sum() // limits.force)
+  local screened, message, details = core.worst_screening(self.system, self.basis, {
+    pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,
+    patches = math.floor(math.max(FEWEST_PATCHES, patches)), elements = 2 * self.options.targets + 32})
+  if not screened then return nil, message, details end
+  screened.values, screened.tried = core.max_principal(screened.stresses), {}
+  local ratio, round = FIRST_RATIO, 0
+  local volumes = self.mesh.volumes
+  local reached, before = loads.weakness:quantile(PERCENTILE, volumes), 0
+  while round < ROUNDS or (round < MOST_ROUNDS and reached > (1 + GROWTH) * before) do
+    round = round + 1
+    local chosen = choose(self, screened, loads.weakness, ratio, math.max(1, self.options.targets // ROUNDS))
+    if #chosen == 0 then break end
+    local elements = elements_of(screened.elements, chosen)
+    local earlier = loads.peaks.row_count
+    loads, message, details = extend(self, loads, elements, rows_of(screened.stresses, chosen), limits)
+    if not loads then return nil, message, details end
+    local ratios = {}
+    for k, i in ipairs(chosen) do
+      origins[earlier + k] = {origin = "element", target = elements[k]}
+      ratios[k] = loads.objectives[earlier + k] / screened.values[i]
+    end
+    ratio = math.max(1, median(ratios))
+    before, reached = reached, loads.weakness:quantile(PERCENTILE, volumes)
+  end
+  return loads
+end
+
+-- The largest peaks, no two in one element, along their principal directions: each programme reaches at
+-- least the stress that it starts from, in that element.
+local function ascend(self, loads, origins, limits)
+  local tried = {}
+  for _ = 1, ASCENT_STEPS do
+    local order, taken, chosen = loads.peaks:order(), {}, {}
+    for k = order.row_count, 1, -1 do
+      local i = order[k]
+      local element = loads.peak_elements[i]
+      if not taken[element] then
+        taken[element] = true
+        if not tried[i] then chosen[#chosen + 1] = i end
+        if #chosen == ASCENTS then break end
+      end
+    end
+    if #chosen == 0 then break end
+    local earlier, largest = loads.peaks.row_count, loads.peaks:max()
+    local elements = elements_of(loads.peak_elements, chosen)
+    for _, i in ipairs(chosen) do tried[i] = true end
+    local more, message, details = extend(self, loads, elements, rows_of(loads.peak_stresses, chosen), limits)
+    if not more then return nil, message, details end
+    loads = more
+    for k, i in ipairs(chosen) do
+      origins[earlier + k] = {origin = "ascent", target = elements[k], from = i}
+    end
+    if loads.peaks:max() < (1 + GAIN) * largest then break end
+  end
+  return loads
+end
+
+--- More loads after those of the modes' regions: nil, message, details or the results of all, as
+--- core.worst_loads gives them. `origins[i]` of each load beyond the first ones: {origin, target, from}.
+function worst_search.extend(self, loads, limits)
+  local origins = {}
+  local more, message, details = explore(self, loads, origins, limits)
+  if more then more, message, details = ascend(self, more, origins, limits) end
+  if not more then return nil, message, details end
+  return more, origins
+end
+
+return worst_search

@@ -1,0 +1,260 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The worst loads of regions, and the screening of all elements by a coarse pressure. */
+#include "bind.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- worst loads ----------------------------------------------------------------------------- */
+
+/* What is kept of each visit: no Lua inside, the arrays are made before. */
+typedef struct collection {
+  bw_context *context;
+  const bw_mesh *mesh;
+  const bw_material *material;
+  int32_t basis_count;
+  bool directional; /* strengths differ with the direction: utilisation needs the tensors */
+  int first;        /* regions of earlier runs */
+  const bw_weak_regions *regions;
+  double *peak, *objective, *seconds, *utilisation, *displacement; /* per region */
+  double *peak_stress, *own_stress;                                /* per region: six */
+  int32_t *peak_element, *utilised_element, *worst_region;
+  uint8_t *flipped;
+  double *weakness; /* per element: the largest stress over all regions */
+  double *pressure; /* regions x basis_count, or NULL */
+  double *scratch;  /* per element */
+} collection;
+
+static bw_status collect(void *data, const bw_worst_case_visit *visit) {
+  collection *c = (collection *)data;
+  int r = c->first + visit->region;
+  double peak = -1, used = 0;
+  for (int32_t e = 0; e < c->mesh->element_count; e++) {
+    double value = visit->max_principal[e];
+    if (value > peak) {
+      peak = value;
+      c->peak_element[r] = e + 1;
+    }
+    if (value > c->weakness[e]) {
+      c->weakness[e] = value;
+      c->worst_region[e] = r + 1;
+    }
+  }
+  if (c->directional) {
+    bw_status status = bw_utilisation_field(c->context, c->material, c->mesh->element_count,
+                                            visit->stress, c->scratch);
+    if (status != BW_OK)
+      return status;
+    for (int32_t e = 0; e < c->mesh->element_count; e++)
+      if (c->scratch[e] > used) {
+        used = c->scratch[e];
+        c->utilised_element[r] = e + 1;
+      }
+  } else {
+    used = c->material->strength[0] > 0 ? peak / c->material->strength[0] : 0;
+    c->utilised_element[r] = c->peak_element[r];
+  }
+  memcpy(c->peak_stress + 6 * r, visit->stress + 6 * (int64_t)(c->peak_element[r] - 1),
+         6 * sizeof(double));
+  memcpy(c->own_stress + 6 * r,
+         visit->stress + 6 * (int64_t)c->regions->region[visit->region].element[0],
+         6 * sizeof(double));
+  double moved = 0;
+  for (int64_t i = 0; i < c->mesh->node_count; i++)
+    moved = fmax(moved, bw_norm(visit->displacement + 3 * i));
+  c->peak[r] = peak;
+  c->utilisation[r] = used;
+  c->displacement[r] = moved;
+  c->objective[r] = visit->objective;
+  c->flipped[r] = visit->flipped;
+  c->seconds[r] = visit->seconds;
+  if (c->pressure)
+    memcpy(c->pressure + (int64_t)r * c->basis_count, visit->pressure,
+           (size_t)c->basis_count * sizeof(double));
+  return BW_OK;
+}
+
+/* Arrays by region: those of earlier runs come first. */
+typedef struct kept {
+  lua_State *L;
+  int table, after; /* stack places; after: 0 for none */
+  int earlier, count;
+} kept;
+
+static void *kept_array(const kept *k, const char *key, bw_type type, int64_t rows,
+                        int64_t columns) {
+  void *data = lbw_push_array(k->L, type, rows, columns)->data;
+  lua_setfield(k->L, k->table, key);
+  return data;
+}
+
+/* Field `key` of the earlier results: an array of this type and size. */
+static const void *earlier_array(const kept *k, const char *key, bw_type type, int64_t rows,
+                                 int64_t columns) {
+  lua_getfield(k->L, k->after, key);
+  const bw_array *array = (const bw_array *)lbw_test(k->L, -1, &lbw_array_class);
+  bool fits = array && array->type == type && array->rows == rows && array->columns == columns &&
+              array->row_stride == (ptrdiff_t)bw_type_size(type) * (ptrdiff_t)columns &&
+              (columns == 1 || array->column_stride == (ptrdiff_t)bw_type_size(type));
+  lbw_argument_check(k->L, fits, 4, "after: results of worst_loads for the same mesh expected");
+  lua_pop(k->L, 1); /* the table keeps it alive */
+  return array->data;
+}
+
+static void *by_region(const kept *k, const char *key, bw_type type, int64_t columns) {
+  size_t size = (size_t)bw_type_size(type) * (size_t)columns;
+  void *data = kept_array(k, key, type, (int64_t)k->earlier + k->count, columns);
+  if (k->after)
+    memcpy(data, earlier_array(k, key, type, k->earlier, columns), (size_t)k->earlier * size);
+  return data;
+}
+
+static void *by_element(const kept *k, const char *key, bw_type type, int64_t elements) {
+  void *data = kept_array(k, key, type, elements, 1);
+  if (k->after)
+    memcpy(data, earlier_array(k, key, type, elements, 1),
+           (size_t)elements * (size_t)bw_type_size(type));
+  return data;
+}
+
+/* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, batch, keep_pressures,
+ * glpk, after}): a table of arrays */
+static int worst_loads(lua_State *L) {
+  struct wish {
+    bw_worst_load_options options;
+    int batch;
+    bool keep_pressures, glpk;
+  } wish;
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct wish, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
+      {"one_sign", LBW_BOOLEAN, offsetof(struct wish, options.one_sign)},
+      {"batch", LBW_INT, offsetof(struct wish, batch)},
+      {"keep_pressures", LBW_BOOLEAN, offsetof(struct wish, keep_pressures)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
+      {"after", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
+  const bw_weak_regions *regions =
+      (const bw_weak_regions *)lbw_check(L, 3, &lbw_weak_regions_class);
+  memset(&wish, 0, sizeof wish);
+  wish.keep_pressures = true;
+  lua_settop(L, 4);
+  lbw_options(L, 4, "worst_loads", list, &wish);
+  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  const bw_mesh *mesh = system->mesh;
+  lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
+  lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
+  if (lua_isnil(L, 4)) {
+    lua_newtable(L);
+    lua_replace(L, 4);
+  }
+  lua_getfield(L, 4, "after"); /* 5 */
+  lua_createtable(L, 0, 14);   /* 6 */
+  kept k = {.L = L, .table = 6, .count = regions->count};
+  if (!lua_isnil(L, 5)) {
+    lbw_argument_check(L, lua_istable(L, 5), 4, "after: results of worst_loads expected");
+    lua_getfield(L, 5, "peaks");
+    const bw_array *peaks = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
+    lbw_argument_check(L, peaks && peaks->rows < INT32_MAX - regions->count, 4,
+                       "after: results of worst_loads expected");
+    k.after = 5;
+    k.earlier = (int)peaks->rows;
+    lua_pop(L, 1);
+  }
+  const bw_material *material = system->material;
+  const double *strength = material->strength;
+  collection c = {.mesh = mesh,
+                  .material = material,
+                  .basis_count = basis->count,
+                  .first = k.earlier,
+                  .regions = regions,
+                  .directional = strength[0] > 0 &&
+                                 (strength[0] != strength[1] || strength[0] != strength[2])};
+  c.peak = (double *)by_region(&k, "peaks", BW_F64, 1);
+  c.peak_element = (int32_t *)by_region(&k, "peak_elements", BW_I32, 1);
+  c.peak_stress = (double *)by_region(&k, "peak_stresses", BW_F64, 6);
+  c.own_stress = (double *)by_region(&k, "own_stresses", BW_F64, 6);
+  c.utilisation = (double *)by_region(&k, "utilisations", BW_F64, 1);
+  c.utilised_element = (int32_t *)by_region(&k, "utilised_elements", BW_I32, 1);
+  c.displacement = (double *)by_region(&k, "displacements", BW_F64, 1);
+  c.objective = (double *)by_region(&k, "objectives", BW_F64, 1);
+  c.seconds = (double *)by_region(&k, "seconds", BW_F64, 1);
+  c.flipped = (uint8_t *)by_region(&k, "flipped", BW_U8, 1);
+  c.weakness = (double *)by_element(&k, "weakness", BW_F64, mesh->element_count);
+  c.worst_region = (int32_t *)by_element(&k, "worst_region", BW_I32, mesh->element_count);
+  if (wish.keep_pressures)
+    c.pressure = (double *)by_region(&k, "pressures", BW_F64, basis->count);
+  if (c.directional)
+    c.scratch =
+        (double *)lua_newuserdatauv(L, (size_t)mesh->element_count * sizeof *c.scratch + 1, 0);
+  lua_pushvalue(L, k.table); /* the scratch block stays alive below it */
+  c.context = lbw_enter(L);
+  bw_status status =
+      bw_worst_case_run(c.context, system, basis, regions, &wish.options, wish.batch, collect, &c);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- screening ------------------------------------------------------------------------------- */
+
+static int push_screening(lua_State *L) {
+  const bw_screening *found = (const bw_screening *)lua_touserdata(L, 1);
+  lua_createtable(L, 0, 2);
+  lbw_push_indices(L, found->count, 1, found->element);
+  lua_setfield(L, 2, "elements");
+  void *to = lbw_push_array(L, BW_F64, found->count, 6)->data;
+  if (found->count > 0)
+    memcpy(to, found->stress, 6 * (size_t)found->count * sizeof(double));
+  lua_setfield(L, 2, "stresses");
+  return 1;
+}
+
+/* worst_screening(system, basis, {pressure, force, at_most, glpk, patches, elements}): {elements,
+ * stresses}, largest first */
+static int worst_screening(lua_State *L) {
+  struct wish {
+    bw_worst_load_options options;
+    int patches, elements;
+    bool glpk;
+  } wish;
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct wish, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
+      {"patches", LBW_INT, offsetof(struct wish, patches)},
+      {"elements", LBW_INT, offsetof(struct wish, elements)},
+      {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
+  memset(&wish, 0, sizeof wish);
+  wish.patches = 128;
+  wish.elements = 512;
+  lua_settop(L, 3);
+  lbw_options(L, 3, "worst_screening", list, &wish);
+  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  lbw_argument_check(L, basis->mesh == system->mesh, 2,
+                     "a pressure basis of the same mesh expected");
+  bw_screening found;
+  memset(&found, 0, sizeof found);
+  lua_pushcfunction(L, push_screening);
+  lua_pushlightuserdata(L, &found);
+  bw_status status = bw_worst_screening(lbw_enter(L), system, basis, &wish.options, wish.patches,
+                                        wish.elements, &found);
+  lbw_state_of(L)->running = 0;
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_screening_clear(&found);
+  return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
+}
+
+void lbw_open_worst_loads(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"worst_loads", worst_loads}, {"worst_screening", worst_screening}, {NULL, NULL}};
+  luaL_setfuncs(L, functions, 0);
+}

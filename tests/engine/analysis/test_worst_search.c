@@ -1,0 +1,270 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The search of the worst case: screening, directed objectives, the ascent, the knapsack bound. */
+#include "bodies.h"
+
+#include "analysis/programme.h"
+#include "analysis/weak_internal.h"
+#include "analysis/worst_internal.h"
+
+typedef struct part {
+  bw_mesh *mesh;
+  bw_material *material;
+  bw_model *model;
+  bw_numbering *numbering;
+  bw_system *system;
+  bw_pressure_basis *basis;
+} part;
+
+/* Held at x = 0, or free. */
+static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool held) {
+  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6};
+  const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
+  bw_selection *foot = NULL;
+  memset(p, 0, sizeof *p);
+  p->mesh = mesh;
+  check_ok(context, bw_material_isotropic(context, &constants, &p->material));
+  check_ok(context, bw_model_create(context, mesh, p->material, &p->model));
+  if (held) {
+    check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
+    check_ok(context, bw_model_fix(context, p->model, foot));
+  }
+  check_ok(context, bw_numbering_create(context, p->model, &p->numbering));
+  check_ok(context, bw_system_create(context, mesh, p->material, p->numbering, NULL, &p->system));
+  check_ok(context, bw_pressure_basis_create(context, mesh, &p->basis));
+  bw_release(foot);
+}
+
+static void part_close(part *p) {
+  bw_release(p->basis);
+  bw_release(p->system);
+  bw_release(p->numbering);
+  bw_release(p->model);
+  bw_release(p->material);
+  bw_release(p->mesh);
+}
+
+static double principal(const double stress[6]) {
+  double value[3];
+  bw_eigen3(stress, value, NULL);
+  return fmax(fabs(value[0]), fabs(value[2]));
+}
+
+typedef struct climb {
+  const bw_weak_regions *regions;
+  double own[512][6]; /* stress of the region's element under its load */
+  double objective[512];
+} climb;
+
+static bw_status keep_own(void *data, const bw_worst_case_visit *visit) {
+  climb *c = (climb *)data;
+  int32_t e = c->regions->region[visit->region].element[0];
+  memcpy(c->own[visit->region], visit->stress + 6 * (size_t)e, sizeof c->own[0]);
+  c->objective[visit->region] = visit->objective;
+  assert_false(visit->flipped);
+  return BW_OK;
+}
+
+/* From the stress of the screening on, an exact programme along the principal direction of the last
+ * stress never loses: principal before <= objective <= principal after. */
+static void ascent_never_decreases(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 4; kind++) {
+    part p;
+    bool held = kind == 1;
+    part_open(context, &p,
+              kind < 2 ? make_bar(context, dumbbell_profile, 12, 3, 1)
+                       : make_bar(context, dumbbell_profile, 6, 2, 2),
+              held);
+    bw_worst_load_options options = {.pressure = 1e5, .force = 300, .at_most = kind == 3};
+    bw_screening found;
+    check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 40, 30, &found));
+    assert_true(found.count > 0 && found.count <= 30);
+    for (int32_t i = 1; i < found.count; i++)
+      assert_true(principal(found.stress + 6 * i) <= principal(found.stress + 6 * (i - 1)));
+    options.one_sign = true;
+    climb c;
+    double *stress = found.stress, gained = 0;
+    for (int step = 0; step < 3; step++) {
+      bw_weak_regions *regions = NULL;
+      check_ok(context, bw_weak_regions_directed(context, p.mesh, found.count, found.element,
+                                                 stress, &regions));
+      c.regions = regions;
+      for (int32_t i = 0; i < found.count; i++) {
+        check_near(regions->region[i].peak, principal(stress + 6 * i),
+                   1e-9 * principal(stress + 6 * i));
+        assert_int_equal(regions->region[i].mode, -1);
+      }
+      double before[512];
+      for (int32_t i = 0; i < found.count; i++)
+        before[i] = principal(stress + 6 * i);
+      check_ok(context,
+               bw_worst_case_run(context, p.system, p.basis, regions, &options, 7, keep_own, &c));
+      for (int32_t i = 0; i < found.count; i++) {
+        assert_true(c.objective[i] >= before[i] * (1 - 1e-7));
+        assert_true(principal(c.own[i]) >= c.objective[i] * (1 - 1e-7));
+        gained = fmax(gained, principal(c.own[i]) / before[i]);
+      }
+      stress = c.own[0];
+      bw_release(regions);
+    }
+    assert_true(gained > 1.01); /* pressures by patch are coarser than those of the programme */
+    bw_screening_clear(&found);
+    part_close(&p);
+  }
+}
+
+/* The stress of the screening is that of the element under some pressure by patch. */
+static void patches_divide_the_boundary(void **state) {
+  bw_context *context = check_context(state);
+  part p;
+  part_open(context, &p, make_box(context, 1, 0.6, 0.02, 10, 6, 1, 1), false);
+  for (int32_t patches = 1; patches <= 64; patches *= 4) {
+    bw_pressure_basis *coarse = NULL;
+    check_ok(context, bwi_pressure_patches(context, p.basis, patches, &coarse));
+    assert_int_equal(coarse->count, patches);
+    double area = 0, fine = 0;
+    for (int32_t k = 0; k < coarse->count; k++) {
+      assert_true(coarse->area[k] > 0);
+      area += coarse->area[k];
+    }
+    for (int32_t j = 0; j < p.basis->count; j++)
+      fine += p.basis->area[j];
+    check_near(area, fine, 1e-12);
+    /* The same pressure on all patches gives the forces of the uniform pressure. */
+    size_t n = 3 * (size_t)p.mesh->node_count;
+    double *one = BW_NEW(context, double, p.basis->count), *a = BW_NEW(context, double, n),
+           *b = BW_NEW(context, double, n);
+    for (int32_t j = 0; j < p.basis->count; j++)
+      one[j] = 1;
+    bw_pressure_force(coarse, one, a);
+    bw_pressure_force(p.basis, one, b);
+    for (size_t i = 0; i < n; i++)
+      check_near(a[i], b[i], 1e-12);
+    bw_free(one);
+    bw_free(a);
+    bw_free(b);
+    bw_release(coarse);
+  }
+  part_close(&p);
+}
+
+static uint64_t state_of_noise = 7;
+static double noise(void) {
+  state_of_noise = state_of_noise * 6364136223846793005u + 1442695040888963407u;
+  return (double)(state_of_noise >> 11) / 9007199254740992.0;
+}
+
+/* The bound is at least every feasible value, and the greedy filling (optimal) attains it. */
+static void knapsack_bounds(void **state) {
+  (void)state;
+  enum { N = 40 };
+  for (int turn = 0; turn < 50; turn++) {
+    double gain[N], upper[N], room = 1, greedy = 0, range = 0;
+    bool used[N] = {false};
+    for (int j = 0; j < N; j++) {
+      gain[j] = 2 * noise() - 1;
+      upper[j] = 0.01 + 0.1 * noise();
+      range = fmax(range, fabs(gain[j]));
+    }
+    while (room > 0) {
+      int best = -1;
+      for (int j = 0; j < N; j++)
+        if (!used[j] && (best < 0 || gain[j] > gain[best]))
+          best = j;
+      assert_true(best >= 0);
+      double t = fmin(room, upper[best]);
+      greedy += t * gain[best];
+      room -= t;
+      used[best] = true;
+    }
+    double close = bwi_knapsack(N, gain, upper, 48), rough = bwi_knapsack(N, gain, upper, 6);
+    check_near(close, greedy, 1e-12);
+    assert_true(close >= greedy - 1e-12 && rough >= greedy - 1e-12);
+    assert_true(rough <= greedy + 2 * range / 64 * 2);
+  }
+}
+
+static void same_bits_for_any_number_of_threads(void **state) {
+  bw_context *context = check_context(state);
+  bw_screening first = {0};
+  for (int threads = 1; threads <= 3; threads++) {
+    check_ok(context, bw_set_threads(context, threads));
+    part p;
+    bw_screening found;
+    part_open(context, &p, make_bar(context, dumbbell_profile, 10, 3, 1), false);
+    bw_worst_load_options options = {.pressure = 1e5, .force = 300};
+    check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 32, 24, &found));
+    if (threads == 1) {
+      first = found;
+    } else {
+      assert_int_equal(found.count, first.count);
+      assert_memory_equal(found.element, first.element, (size_t)found.count * sizeof(int32_t));
+      assert_memory_equal(found.stress, first.stress, 6 * (size_t)found.count * sizeof(double));
+      bw_screening_clear(&found);
+    }
+    part_close(&p);
+  }
+  bw_screening_clear(&first);
+}
+
+static void failures(void **state) {
+  bw_context *context = check_context(state);
+  part p;
+  part_open(context, &p, make_bar(context, dumbbell_profile, 5, 2, 1), false);
+  bw_worst_load_options options = {.pressure = 1e5, .force = 300};
+  bw_screening found;
+  check_fails(context, BW_INVALID, "both must be positive",
+              bw_worst_screening(context, p.system, p.basis, &options, 0, 5, &found));
+  check_fails(context, BW_INVALID, "both must be positive",
+              bw_worst_screening(context, p.system, p.basis, &options, 5, 0, &found));
+  options.force = 1e12;
+  check_fails(context, BW_INFEASIBLE, "raise the pressure",
+              bw_worst_screening(context, p.system, p.basis, &options, 5, 5, &found));
+  options.force = 300;
+  /* Fewer patches than balance rows would leave the uniform pressure alone: it takes more. */
+  check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 2, 5, &found));
+  assert_int_equal(found.count, 5);
+  bw_screening_clear(&found);
+  bw_weak_regions *regions = NULL;
+  const int32_t element[2] = {3, 1};
+  const double stress[12] = {1, 2, 3, 0, 0, 0};
+  check_fails(context, BW_INVALID, "region 1 must be finite and not zero",
+              bw_weak_regions_directed(context, p.mesh, 2, element, stress, &regions));
+  const int32_t far[1] = {100000};
+  check_fails(context, BW_INVALID, "element 100000",
+              bw_weak_regions_directed(context, p.mesh, 1, far, stress, &regions));
+  bw_cancel(context);
+  check_fails(context, BW_CANCELLED, "",
+              bw_worst_screening(context, p.system, p.basis, &options, 16, 5, &found));
+  bw_clear_cancel(context);
+  check_ok(context, bw_set_threads(context, 1));
+  for (int64_t fail = 1;; fail++) {
+    int64_t blocks = bw_live_blocks();
+    bw_fail_allocation(fail, true);
+    bw_status status = bw_worst_screening(context, p.system, p.basis, &options, 16, 5, &found);
+    if (status == BW_OK)
+      status = bw_weak_regions_directed(context, p.mesh, 1, element, stress, &regions);
+    bw_fail_allocation(0, false);
+    bw_screening_clear(&found);
+    bw_release(regions);
+    regions = NULL;
+    assert_int_equal(bw_live_blocks(), blocks);
+    if (status == BW_OK) {
+      assert_true(fail > 20);
+      break;
+    }
+    assert_int_equal(status, BW_MEMORY);
+  }
+  part_close(&p);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(ascent_never_decreases),
+      check_test(patches_divide_the_boundary),
+      check_test(knapsack_bounds),
+      check_test(same_bits_for_any_number_of_threads),
+      check_test(failures),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
