@@ -29,7 +29,7 @@ local limit = 0.6 * before
 
 -- 2. The factors of each bone: along it (always 1), and across it in its two directions. The axes
 --    are those of skeleton.frames; what resists bending most is found without being told.
-local found = assert(session:optimise {von_mises = limit, high = 2})
+local found = assert(session:optimise {von_mises = limit, move_supports = true, high = 2})
 print(found)
 print(("corners moved %.2g mm on average (root mean square), %d shapes tried, %.1f factorisations")
   :format(found.mean_move / mm, found.shapes, found.factorisations))
@@ -41,7 +41,7 @@ assert(math.abs(assert(session.part:solve()).von_mises:max() / now - 1) < 1e-6)
 
 -- 4. Bounds may forbid what would be needed. Then you get the best that was found, and no edit.
 assert(session:undo())
-local none, message, details = session:optimise {von_mises = limit, high = 1.05}
+local none, message, details = session:optimise {von_mises = limit, move_supports = true, high = 1.05}
 assert(not none and details.status == "infeasible")
 print(message)
 print(("the best has %.1f MPa"):format(details.best.von_mises / MPa))

@@ -6,6 +6,7 @@
 -- A problem has unknowns (optimise_unknowns), constrained nodes with models of their stresses
 -- (optimise_models), steps (optimise_steps), and a stage on which shapes are tried (optimise_stage).
 local core = require "barwright.core"
+local held = require "barwright.optimise_held"
 local models = require "barwright.optimise_models"
 local options = require "barwright.options"
 local stages = require "barwright.optimise_stage"
@@ -20,7 +21,8 @@ local optimise = {}
 local rules = {
   von_mises = {type = "number", needed = true, above = 0},
   bones = {type = "table"}, -- names; left out: those near high stresses
-  keep = {type = "table", default = {}}, -- names of bones that stay as they are
+  keep = {type = "table", default = {}}, -- names of bones that stay as they are, selections that do not move
+  move_supports = {type = "boolean", default = false},
   ties = {type = "table", default = {}}, -- lists of names of bones that change alike
   low = {type = "number", default = 0.5, above = 0},
   high = {type = "number", default = 3, above = 0},
@@ -230,6 +232,7 @@ local function refuse(self, word)
       end
     end
   end
+  if self.refused then text = text .. "; " .. self.refused end
   if word == "cancelled" then
     text = text .. " (details.best); the session is as it was"
   elseif #self.groups == 0 then
@@ -295,7 +298,10 @@ function optimise.run(session, given)
   end
   local skeleton = session.skeleton
   self.only = wish.bones and unknowns.bones(skeleton, wish.bones, "bones")
-  self.keep = unknowns.set(unknowns.bones(skeleton, wish.keep, "keep"))
+  local kept_bones
+  kept_bones, self.held = held.split(session, wish.keep)
+  if not wish.move_supports then held.add_supports(self.held, parts) end
+  self.keep = unknowns.set(unknowns.bones(skeleton, kept_bones, "keep"))
   self.tied = unknowns.ties(skeleton, wish.ties)
   if wish.low > wish.high then
     raise(("optimise: option 'low' (%g) is above 'high' (%g)"):format(wish.low, wish.high))

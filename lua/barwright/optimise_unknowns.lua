@@ -6,6 +6,7 @@
 --
 -- A problem has groups, t, H and motions (of all nodes by each t), which only grow together.
 local core = require "barwright.core"
+local held = require "barwright.optimise_held"
 
 local raise = core.raise
 local unknowns = {}
@@ -74,7 +75,13 @@ local function add_group(self, bones, axis)
   self.groups[n], self.t[n] = group, 1
   local fine, message, details = measure(self, n)
   if not fine then return nil, message, details end
-  if self.H[n][n] <= 0 then -- moves nothing
+  local blocked = held.moved(self.held, self.stage.topology, self.motions[n])
+  if blocked then
+    self.refused = ("%s across %s would move %s%s"):format(
+      self.stage.topology.skeleton.bone_names[bones[1]], ("xyz"):sub(axis, axis), blocked.name,
+      blocked.support and " ('move_supports' allows that)" or "")
+  end
+  if blocked or self.H[n][n] <= 0 then -- may not move, or moves nothing
     self.groups[n], self.t[n], self.H[n], self.motions[n] = nil, nil, nil, nil
     for i = 1, n - 1 do self.H[i][n] = nil end
   end

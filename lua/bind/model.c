@@ -538,6 +538,10 @@ static int model_supports(lua_State *L) {
       lua_rawseti(L, -2, k + 1);
     }
     lua_setfield(L, -2, "displacement");
+    if (support->slide && bw_norm(support->normal) > 0) {
+      lbw_push_vector(L, support->normal);
+      lua_setfield(L, -2, "direction");
+    }
     lua_rawseti(L, -2, i + 1);
   }
   return 1;

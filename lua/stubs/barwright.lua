@@ -954,7 +954,7 @@ function Material:close() end
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field loads table[] {kind, value, area, resultant, moment}
----@field supports table[] {on, slide, displacement}
+---@field supports table[] {on, slide, displacement, direction (of a slide that was given one)}
 local Model = {}
 
 ---Holds a selection in all directions. A selection without a facet raises an error, unless it is a node set;
@@ -1876,7 +1876,8 @@ function edit_module.begin(script, session) end
 ---@class bw.OptimiseOptions
 ---@field von_mises number the limit, Pa
 ---@field bones? string[] these bones; left out: those of domains with stresses above the limit, and those next to blended domains with such stresses
----@field keep? string[] bones that stay as they are
+---@field keep? (string|bw.Selection)[] bones that stay as they are, by name; and selections on the session's original mesh (faces, places) that do not move: no bone is scaled in a direction that would move a node of them
+---@field move_supports? boolean let scaled bones move the supports too; default false: as for selections that are kept, in the directions that a support holds
 ---@field ties? string[][] lists of bones that change by the same factors
 ---@field low? number least factor since rest; default 0.5
 ---@field high? number largest factor since rest; default 3
@@ -2017,7 +2018,8 @@ function Session:solve(options) end
 ---stress is above the limit, changing the shape least: the sum over the corner nodes of the squares of
 ---their moves. One edit, which undo takes back. When the limit cannot be met: nil, message, details
 ---with status "infeasible" (or "convergence", or "cancelled" after Ctrl-C) and `best`, a report of the
----best that was found; the session is then as it was. What is too high next to a support may be out of the bones' reach.
+---best that was found; the session is then as it was. Supports do not move unless `move_supports` is set, so that
+---what is too high next to a support may be out of the bones' reach.
 ---@param options bw.OptimiseOptions
 ---@return bw.Optimisation?
 ---@return string? message

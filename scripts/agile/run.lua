@@ -157,7 +157,8 @@ end
 
 -- Scaled until it bears its loads, or as near to that as it gets.
 local function strengthen(session, scene, result, results)
-  local report, message, details = session:optimise {von_mises = result.limit_pa, ties = scene.ties}
+  local report, message, details = session:optimise {von_mises = result.limit_pa, move_supports = true,
+    ties = scene.ties}
   local met = report ~= nil
   report = report or details and details.best
   if not report then return nil, message, details end

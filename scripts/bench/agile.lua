@@ -162,7 +162,8 @@ for name in wish.scenes:gmatch "[^,]+" do
   if wish.optimise then
     start = bw.seconds()
     local processor = os.clock()
-    local report, message, details = session:optimise {von_mises = scenes.threshold, ties = scene.ties}
+    local report, message, details = session:optimise {von_mises = scenes.threshold, move_supports = true,
+      ties = scene.ties}
     row.seconds_optimise, row.optimise_met = bw.seconds() - start, report ~= nil
     row.seconds_optimise_processor = os.clock() - processor
     report = report or details and details.best

@@ -113,7 +113,8 @@ local function main()
           now.area * 1e6, 100 * now.utilisation, now.best_area * 1e6))
       end
     end})
-  local result = {finished = not found.interrupted, passes = found.passes, converged = found.converged, start = found.start,
+  local result = {finished = not found.interrupted, passes = found.passes, converged = found.converged,
+    start = found.start,
     area_m2 = bridge.area, utilisation = found.utilisation,
     checked_utilisation = found.checked_utilisation, checked_elements = found.checked_elements,
     beam_height_m = height, beam_area_m2 = beam, michell_area_m2 = bridge:michell_area(),

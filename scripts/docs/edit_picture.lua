@@ -38,7 +38,7 @@ assert(session:bone("lower neck"):rotate {y = 10})
 assert(session:bone("upper neck"):rotate {y = 18})
 assert(session:bone("head"):rotate {y = 15})
 assert(session:bone("tail"):rotate {y = 20})
-local found = assert(session:optimise {von_mises = scenes.threshold, ties = scene.ties})
+local found = assert(session:optimise {von_mises = scenes.threshold, move_supports = true, ties = scene.ties})
 local after = assert(session:solve()).von_mises
 print(("%.1f MPa as drawn"):format(before:max() / 1e6))
 print(found)

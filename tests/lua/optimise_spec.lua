@@ -84,7 +84,7 @@ describe("the scaling optimisation", function()
     local session = bar(1, {poisson = 0, load = tip {force, 0, 0}, cells = {8, 2, 2}})
     local before = session.mesh
     check.near(50 * MPa, max_of(session), 1e-9)
-    local found = assert(session:optimise {von_mises = 30 * MPa})
+    local found = assert(session:optimise {von_mises = 30 * MPa, move_supports = true})
     assert.truthy(found.met)
     local s = found.factors["bone 1"]
     assert.equal(1, s[1])
@@ -102,7 +102,7 @@ describe("the scaling optimisation", function()
   it("makes one edit, which undo takes back", function()
     local session = bar(3, {load = tip {0, 40, -100}})
     local before, mesh = max_of(session), session.mesh
-    local found = assert(session:optimise {von_mises = 0.6 * before})
+    local found = assert(session:optimise {von_mises = 0.6 * before, move_supports = true})
     assert.equal(1, #session.edits)
     check.near(found.von_mises, max_of(session), 1e-6)
     assert.truthy(max_of(session) <= 0.6 * before)
@@ -119,7 +119,7 @@ describe("the scaling optimisation", function()
       assert.truthy(documented:find("@field " .. key, 1, true), key .. " is not in the stubs")
     end
     -- what already bears its loads is left alone
-    local again = assert(session:optimise {von_mises = 0.6 * before})
+    local again = assert(session:optimise {von_mises = 0.6 * before, move_supports = true})
     assert.equal(0, again.iterations)
     assert.equal(1, #session.edits)
   end)
@@ -129,7 +129,7 @@ describe("the scaling optimisation", function()
     local session = bar(3, {load = tip {0, 60, -100}})
     local mesh = session.mesh
     local limit = 0.5 * max_of(session)
-    local found = assert(session:optimise {von_mises = limit})
+    local found = assert(session:optimise {von_mises = limit, move_supports = true})
     local random, tried = math.random, 0
     math.randomseed(4)
     for _ = 1, 200 do
@@ -151,19 +151,59 @@ describe("the scaling optimisation", function()
   it("chooses bones by stress, keeps and adds as told", function()
     local session = bar(3, {load = tip {0, 0, -100}})
     local before = max_of(session)
-    local found = assert(session:optimise {von_mises = 0.9 * before})
+    local found = assert(session:optimise {von_mises = 0.9 * before, move_supports = true})
     assert.truthy(found.factors["bone 1"] and not found.factors["bone 3"])
     session:undo()
-    check.fails("infeasible", "no bone", session:optimise {von_mises = 0.9 * before,
+    check.fails("infeasible", "no bone", session:optimise {von_mises = 0.9 * before, move_supports = true,
       keep = {"bone 1", "bone 2", "bone 3"}})
-    found = assert(session:optimise {von_mises = 0.9 * before, bones = {"bone 1", "bone 3"}})
+    found = assert(session:optimise {von_mises = 0.9 * before, move_supports = true, bones = {"bone 1", "bone 3"}})
     assert.truthy(found.factors["bone 3"] and not found.factors["bone 2"])
+  end)
+
+  -- Three bones held at the left: the first one reaches the support, the last one what is loaded.
+  it("does not move supports, nor what is kept", function()
+    local session, part = bar(3, {load = tip {0, 0, -100}})
+    local before, mesh = max_of(session), session.mesh
+    local left, right = mesh.boundary:below(1, 0), mesh.boundary:above(1, 300 * mm)
+    local function moved(on)
+      local d = session.mesh.nodes:gather(on.nodes) - mesh.nodes:gather(on.nodes)
+      return math.sqrt(d:dot(d))
+    end
+    check.fails("infeasible", "bone 1 across z would move support 1 ('move_supports' allows that)",
+      session:optimise {von_mises = 0.9 * before, bones = {"bone 1"}})
+    assert.equal(0, #session.edits)
+    -- what the others can do, they do
+    local bones = {"bone 1", "bone 2", "bone 3"}
+    local _, _, details = session:optimise {von_mises = 0.5 * before, bones = bones}
+    assert.is_nil(details.best.factors["bone 1"])
+    assert.truthy(details.best.factors["bone 3"])
+    assert(session:optimise {von_mises = 0.9 * before, bones = bones, move_supports = true})
+    assert.is_true(moved(left) > 1e-4 * mm)
+    session:undo()
+    assert(session:optimise {von_mises = 0.9 * before, bones = bones, move_supports = true, keep = {right}})
+    assert.is_true(moved(left) > 1e-4 * mm and moved(right) == 0)
+    session:undo()
+    check.fails("infeasible", "bone 1 across z would move what keep[1] keeps", session:optimise {
+      von_mises = 0.9 * before, bones = {"bone 1"}, move_supports = true, keep = {left, "bone 2"}})
+    -- a support that slides holds along its normal only
+    local sliding = bw.model {mesh = part.mesh, material = part.material}
+    local boundary = part.mesh.boundary
+    sliding:slide(boundary:below(1, 0), {1, 0, 0}):slide(boundary:below(3, -8 * mm), {0, 0, 1})
+    sliding:fix(boundary:nearest({0, 0, 0}, 1))
+    sliding:load {on = boundary:above(1, 300 * mm), force = {1000, 0, 0}}
+    local other = assert(bw.edit(sliding, {skeleton = session.skeleton}))
+    local limit = 0.9 * max_of(other)
+    local found, message, about = other:optimise {von_mises = limit, bones = {"bone 1"}}
+    local factors = assert(found or about and about.best, message).factors["bone 1"]
+    assert.is_true(factors[2] > 1 and factors[3] == 1) -- the underside holds along z
+    other:close()
+    check.raises("keep[1]: a selection expected", session.optimise, session, {von_mises = 1, keep = {1}})
   end)
 
   it("says what cannot be met and leaves the session alone", function()
     local session = bar(3, {load = tip {0, 0, -100}})
     local before = max_of(session)
-    local none, message, details = session:optimise {von_mises = 0.5 * before, high = 1.1}
+    local none, message, details = session:optimise {von_mises = 0.5 * before, move_supports = true, high = 1.1}
     check.fails("infeasible", "no factors within the bounds", none, message, details)
     assert.truthy(message:find("bone 1 across z", 1, true))
     assert.equal(0, #session.edits)
@@ -181,7 +221,7 @@ describe("the scaling optimisation", function()
     local limit = 0.6 * max_of(session)
     assert(session:pose {["bone 1"] = {scale = {1.1, 1.2, 0.9}}, ["bone 2"] = {rotation = {z = 20}}})
     local mesh = session.mesh
-    local found = assert(session:optimise {von_mises = limit})
+    local found = assert(session:optimise {von_mises = limit, move_supports = true})
     assert.equal(1.1, found.factors["bone 1"][1])
     assert.truthy(max_of(session) <= limit)
     check.near(change_of(mesh, session), found.change, 1e-9)
@@ -196,11 +236,11 @@ describe("the scaling optimisation", function()
     end
     local session = bar(3, {free = true, load = load})
     local limit = 0.7 * max_of(session)
-    local found = assert(session:optimise {von_mises = limit})
+    local found = assert(session:optimise {von_mises = limit, move_supports = true})
     local plain = found.change
     assert.truthy((found.factors["bone 1"] or {1, 1, 1})[3] < found.factors["bone 3"][3] - 0.05)
     session:undo()
-    found = assert(session:optimise {von_mises = limit, ties = {{"bone 1", "bone 3"}}})
+    found = assert(session:optimise {von_mises = limit, move_supports = true, ties = {{"bone 1", "bone 3"}}})
     for _, axis in pairs(axes) do
       assert.equal(found.factors["bone 1"][axis], found.factors["bone 3"][axis])
     end
@@ -213,9 +253,9 @@ describe("the scaling optimisation", function()
     other:fix(part.mesh.boundary:below(1, 0)):load {on = part.mesh.boundary:above(1, 300 * mm),
       force = {0, 150, 0}}
     local limit = 0.6 * max_of(session)
-    local one = assert(session:optimise {von_mises = limit})
+    local one = assert(session:optimise {von_mises = limit, move_supports = true})
     session:undo()
-    local found = assert(session:optimise {von_mises = limit, cases = {other}})
+    local found = assert(session:optimise {von_mises = limit, move_supports = true, cases = {other}})
     assert.truthy(found.change > one.change)
     assert.truthy(max_of(session) <= limit)
     local under_other = assert(session:moved(other):solve()).von_mises:max()
@@ -229,7 +269,7 @@ describe("the scaling optimisation", function()
     local session = bar(3, {free = true})
     local limit = 0.4 * MPa
     local wish = {force = 20, pressure = 2e5, modes = 4, regions = 2}
-    local found = assert(session:optimise {von_mises = limit, loads = "worst", worst = wish})
+    local found = assert(session:optimise {von_mises = limit, move_supports = true, loads = "worst", worst = wish})
     assert.truthy(found.met and #found.rounds >= 2)
     assert.truthy(found.rounds[1].max > limit)
     local last = found.rounds[#found.rounds].max
@@ -252,13 +292,13 @@ describe("the scaling optimisation", function()
         rising, last, told = rising and fraction >= last, fraction, told + 1
       end
     end)
-    assert(session:optimise {von_mises = 0.6 * before})
+    assert(session:optimise {von_mises = 0.6 * before, move_supports = true})
     assert.truthy(told > 1 and rising and last > 0 and last < 1)
     assert.truthy(session:undo())
     -- Half-way, not after so many calls: work that a pool thread takes over is not told of, so that
     -- their number differs from run to run.
     bw.progress(function(_, fraction) return fraction < 0.5 * last end)
-    local none, message, details = session:optimise {von_mises = 0.6 * before}
+    local none, message, details = session:optimise {von_mises = 0.6 * before, move_supports = true}
     bw.progress(old)
     assert.is_nil(none)
     assert.equal("cancelled", details.status)
@@ -271,7 +311,7 @@ describe("the scaling optimisation", function()
     local session = bar(2, {load = tip {0, 40, -100}})
     local before = max_of(session)
     local fork = session:fork()
-    local found = assert(fork:optimise {von_mises = 0.6 * before})
+    local found = assert(fork:optimise {von_mises = 0.6 * before, move_supports = true})
     check.near(before, max_of(session), 1e-9)
     assert(session:adopt(fork))
     check.near(found.von_mises, max_of(session), 1e-6)

@@ -152,7 +152,7 @@ makers.Bone = {
 makers.LocalSystem = {function(p) return (assert(p.Session:synchronise())) end}
 makers.Optimisation = {function(p)
   local session = assert(bw.edit(p.Model, {skeleton = p.Skeleton}))
-  return assert(session:optimise {von_mises = 1e12})
+  return assert(session:optimise {von_mises = 1e12, move_supports = true})
 end}
 makers.LiveServer = {function() return assert(core.live_server {}) end}
 makers.Results = {function() return assert(bw.results.open(files.path "results", {script = "good.lua"})) end}
