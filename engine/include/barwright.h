@@ -33,6 +33,7 @@
 
 #include "barwright/base.h"
 #include "barwright/confine.h"
+#include "barwright/faces.h"
 #include "barwright/job.h"
 #include "barwright/mesh.h"
 #include "barwright/outline.h"

@@ -84,6 +84,8 @@ void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size
 static void set_base(bwi_filler *f, bw_surface *surface) {
   double low[3], high[3], d[3];
   bw_release(f->base);
+  bw_release(f->faces);
+  f->faces = NULL;
   f->base = surface;
   bw_surface_box(surface, low, high);
   for (int k = 0; k < 3; k++)
@@ -233,6 +235,7 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
 done:
   bw_release(made);
   bw_release(f.base);
+  bw_release(f.faces);
   bw_release(f.best_surface);
   bw_release(f.tidy);
   bw_release(f.surface);

@@ -3,6 +3,7 @@
 #ifndef BWI_FILL_INTERNAL_H
 #define BWI_FILL_INTERNAL_H
 
+#include "mesh/faces_internal.h"
 #include "mesh/tetgen_run.h"
 
 /* A point strictly inside every cavity of a closed surface without intersections: shells are nested
@@ -45,6 +46,7 @@ typedef struct bwi_filler {
   bw_surface *base;
   double volume, area, diagonal;
   bw_shape_log base_log;
+  bw_faces *faces; /* of the base, once the surface has been changed; or NULL */
 
   bw_surface
       *tidy; /* the base without very short edges, for lengths from tidy_length on; or NULL */

@@ -155,6 +155,28 @@ done:
   return status;
 }
 
+/* Points that remeshing moved off the planes and round faces of the base go back onto them. */
+static bw_status onto_faces(bwi_filler *f, double length, bw_surface **surface, bw_shape_log *log) {
+  bw_surface *made;
+  int64_t count;
+  double moved;
+  bw_status status = BW_OK;
+  if (!f->faces)
+    status = bw_faces_find(f->context, f->base, 0, &f->faces);
+  if (status == BW_OK)
+    status = bwi_faces_project(f->context, f->base, f->faces, *surface, 0.3 * length, &made, &count,
+                               &moved);
+  if (status != BW_OK)
+    return status;
+  if (count > 0)
+    bw_shape_log_add(log, "project", count, moved,
+                     "%lld points were put back onto the planes and round faces of the surface",
+                     (long long)count);
+  bw_release(*surface);
+  *surface = made;
+  return BW_OK;
+}
+
 bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length) {
   bw_context *context = f->context;
   bw_status status = BW_OK;
@@ -191,6 +213,8 @@ bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length) 
       made = refined;
     }
   }
+  if (how != WAY_AS_IS)
+    BW_TRY(onto_faces(f, length, &made, &log));
   BW_TRY(bwi_find_cavities(context, made, &hole, &holes));
   bw_release(f->surface);
   bw_free(f->hole);

@@ -476,6 +476,7 @@ static int surface_tostring(lua_State *L) {
   lbw_push_box_text(L, low, high);
   lua_pushfstring(L, "surface of %d triangles and %d points, %s", (int)surface->triangle_count,
                   (int)surface->point_count, lua_tostring(L, -1));
+  lbw_add_faces(L, surface);
   return 1;
 }
 
@@ -504,19 +505,14 @@ done:
   return lbw_leave(L, status, 2);
 }
 
-static const luaL_Reg methods[] = {{"write", surface_write},
-                                   {"check", surface_check},
-                                   {"repair", surface_repair},
-                                   {"remesh", surface_remesh},
-                                   {"wrap", surface_wrap},
-                                   {"orient", surface_orient},
-                                   {"weld", surface_weld},
-                                   {"scale", surface_scale},
-                                   {"transform", surface_transform},
-                                   {"translate", surface_translate},
-                                   {"rotate", surface_rotate},
-                                   {"distance", surface_distance},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"write", surface_write},         {"check", surface_check},
+    {"repair", surface_repair},       {"remesh", surface_remesh},
+    {"wrap", surface_wrap},           {"orient", surface_orient},
+    {"weld", surface_weld},           {"scale", surface_scale},
+    {"transform", surface_transform}, {"translate", surface_translate},
+    {"rotate", surface_rotate},       {"distance", surface_distance},
+    {"faces", lbw_surface_faces},     {NULL, NULL}};
 static const luaL_Reg properties[] = {{"points", surface_points},
                                       {"triangles", surface_triangles},
                                       {"groups", surface_groups},

@@ -600,6 +600,30 @@ function Surface:rotate(axis, angle, centre) end
 ---@return number?
 function Surface:distance(other) end
 
+---A part of a surface bounded by sharp edges or by the end of a primitive. Lengths in m, areas in m2. A free
+---form has neither point nor residual; a sphere has no axis; planes have no radius.
+---@class bw.Face
+---@field name string "plane 2": the second largest plane
+---@field kind "plane"|"cylinder"|"cone"|"sphere"|"free form"
+---@field area number
+---@field triangle_count integer
+---@field centre number[] of area
+---@field normal number[] mean outward; 0 where the face closes on itself
+---@field point? number[] of the plane or the axis; the centre of the sphere
+---@field axis? number[] unit; the plane's outward normal
+---@field radius? number of the cone: at the point
+---@field slope? number of the cone: growth of the radius per length along the axis
+---@field residual? number largest distance of a corner from the primitive
+
+---The faces by descending area; `print(surface)` lists the largest twelve. Facets whose normals differ by at most
+---`angle` (radians, default 30 degrees) are of one face unless primitives part them (docs/theory/faces.md).
+---`for _, face in ipairs(surface:faces()) do print(face.name, face.area) end`
+---@param options? {angle?: number}
+---@return bw.Face[]? faces
+---@return string? message
+---@return table? details
+function Surface:faces(options) end
+
 ---@param path string
 ---@param options? bw.PictureOptions
 ---@return true?
@@ -856,6 +880,13 @@ function Selection:nearest(point, count) end
 ---@param predicate string|bw.Array|fun(x: number, y: number, z: number): boolean
 ---@return bw.Selection
 function Selection:where(predicate) end
+
+---A face of the mesh's boundary (Surface:faces of `mesh:surface()`), within the selection: by number, by name
+---or the nearest to a point. An unknown face raises an error.
+---`part:fix(mesh.boundary:face {near = {0, 0, 0}})`
+---@param which integer|string|{near: bw.Vector}
+---@return bw.Selection
+function Selection:face(which) end
 
 ---The same facets and nodes as a node set. A support takes a node set that covers no facet, to hold points or
 ---an edge; it refuses any other selection without a facet.

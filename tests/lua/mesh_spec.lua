@@ -13,7 +13,44 @@ describe("a surface", function()
     check.near(4 / 3 * math.pi * 8, ball.volume, 0.01)
     local rod = bw.surface.cylinder {axis = {0, 0, 5}, radius = 1, segments = 96}
     check.near(5 * math.pi, rod.volume, 0.01)
-    assert.equal("surface of 12 triangles and 8 points, 1 x 2 x 3 m from (0, 0, 0)", tostring(box))
+    local lines = {}
+    for line in tostring(box):gmatch "[^\n]+" do lines[#lines + 1] = line end
+    assert.equal("surface of 12 triangles and 8 points, 1 x 2 x 3 m from (0, 0, 0)", lines[1])
+    assert.equal("  plane 1      60000 cm2 at (0, 1000, 1500) mm, normal (-1, -0, -0)", lines[2])
+    assert.equal(7, #lines)
+  end)
+
+  it("has faces", function()
+    local rod = bw.surface.cylinder {axis = {0, 0, 5}, radius = 1, segments = 48}
+    local faces = rod:faces()
+    assert.same({"cylinder 1", "plane 1", "plane 2"}, {faces[1].name, faces[2].name, faces[3].name})
+    check.near(1, faces[1].radius, 1e-13)
+    check.near(rod.area, faces[1].area + faces[2].area + faces[3].area, 1e-12)
+    assert.is_nil(faces[2].radius)
+    assert.equal(3, #rod:faces {angle = 0.5})
+    check.raises("unknown option 'angel'", rod.faces, rod, {angel = 1})
+    -- a facet of the cylinder turns by 7.5 degrees: below that each is a face of its own
+    assert.equal(50, #rod:faces {angle = 0.1})
+  end)
+
+  it("keeps its faces when it is filled, to be selected on the mesh", function()
+    local rod = bw.surface.cylinder {axis = {0, 0, 0.05}, radius = 0.01, segments = 48}
+    local mesh = assert(bw.mesh.fill(rod, {elements = 4000}))
+    local round, foot = mesh.boundary:face "cylinder 1", mesh.boundary:face {near = {0, 0, 0}}
+    check.near(1, -foot.normal[3], 1e-12)
+    check.near(round.area + foot.area + mesh.boundary:face {near = {0, 0, 0.05}}.area, mesh.boundary.area, 1e-12)
+    for _, node in ipairs(round.nodes:totable()) do
+      check.near(0.01, math.sqrt(mesh.nodes(node, 1) ^ 2 + mesh.nodes(node, 2) ^ 2), 1e-12)
+    end
+    for _, node in ipairs(foot.nodes:totable()) do assert.equal(0, mesh.nodes(node, 3)) end
+    local upper = mesh.boundary:above(3, 0.025):face(1)
+    assert.is_true(upper.area < round.area and upper.area > 0.3 * round.area)
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(foot):load {on = mesh.boundary:face {near = {0, 0, 0.05}}, force = {0, 0, 1}}
+    check.raises("the boundary has 3 faces, but not one of that number", mesh.boundary.face, mesh.boundary, 4)
+    check.raises("but not plane 7", mesh.boundary.face, mesh.boundary, "plane 7")
+    check.raises("{near = {x, y, z}} expected", mesh.boundary.face, mesh.boundary, {})
+    check.raises("a number of 1 or more", mesh.boundary.face, mesh.boundary, 0)
   end)
 
   it("is made by a function or a formula that is negative inside", function()

@@ -1,0 +1,55 @@
+/* faces: parts of a surface bounded by sharp edges, with the plane, cylinder, cone or sphere that
+ * each lies on. */
+#ifndef BARWRIGHT_FACES_H
+#define BARWRIGHT_FACES_H
+
+#include "barwright/mesh.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum bw_face_kind {
+  BW_FACE_PLANE,
+  BW_FACE_CYLINDER,
+  BW_FACE_CONE,
+  BW_FACE_SPHERE,
+  BW_FACE_FREE /* none of these */
+} bw_face_kind;
+const char *bw_face_word(bw_face_kind kind); /* "plane", ... */
+
+typedef struct bw_face {
+  bw_face_kind kind;
+  int32_t triangle_count;
+  double area, centre[3]; /* of area */
+  double normal[3];       /* mean outward, unit; 0 where it closes on itself */
+  double point[3];        /* of the plane, of the axis, the centre of the sphere */
+  double axis[3];         /* unit: the plane's outward normal; of cylinder and cone */
+  double radius;          /* of cylinder and sphere; of the cone at `point`; else 0 */
+  double slope;           /* of the cone: growth of the radius per length along the axis; else 0 */
+  double residual;        /* largest distance of a corner from the primitive; 0 for free ones */
+} bw_face;
+
+typedef struct bw_faces {
+  bw_object object;
+  int32_t count;
+  bw_face *face; /* by descending area */
+  int32_t triangle_count;
+  int32_t *of_triangle; /* triangle_count: the number of its face */
+} bw_faces;
+
+/* Facets whose normals differ by at most `angle` (radians; 0: 30 degrees) are of one face, unless
+ * primitives part them (docs/theory/faces.md). */
+bw_status bw_faces_find(bw_context *context, const bw_surface *surface, double angle,
+                        bw_faces **faces);
+/* The number of the face nearest to a point of the surface that the faces were found on; -1 where
+ * the surface has no facets. */
+int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface, const double point[3]);
+/* The signed distance of a point from a face's primitive and its gradient (unit, may be NULL); 0
+ * for a free one. Inside a cylinder, cone or sphere it is negative. */
+double bw_face_distance(const bw_face *face, const double x[3], double gradient[3]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

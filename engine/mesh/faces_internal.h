@@ -1,0 +1,65 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of faces share. */
+#ifndef BWI_FACES_INTERNAL_H
+#define BWI_FACES_INTERNAL_H
+
+#include "barwright/faces.h"
+#include "mesh/surface_topology.h"
+
+/* Points with unit normals and areas of facets, which a primitive is fitted to. */
+typedef struct bwi_cloud {
+  int64_t points, facets;
+  double *point;  /* 3 per point */
+  double *normal; /* 3 per facet, unit */
+  double *area;   /* per facet */
+} bwi_cloud;
+
+/* ---- faces_regions.c ------------------------------------------------------------------------- */
+
+typedef struct bwi_link { /* smooth border of two regions */
+  int32_t from, to;
+  double length;
+} bwi_link;
+
+typedef struct bwi_face_finder {
+  bw_context *context;
+  const bwi_topology *top;
+  double diagonal, smooth; /* cosine of the largest angle inside of a face */
+  double *normal, *area;   /* per facet; normal 0 for one without area */
+  int32_t *order;          /* facets by descending area */
+  int32_t *label;          /* per facet: its region */
+  int32_t regions;
+  double *region_area;
+  int32_t *first, *member; /* facets by region */
+  bwi_link *links;         /* by `from`, both ways */
+  size_t link_count, link_capacity;
+  int64_t *link_start;
+  int32_t *face_of; /* per region */
+  bw_face *face;
+  size_t face_count, face_capacity;
+  uint8_t *seen; /* per welded point */
+  double limit;  /* how far corners may be from the primitive that was fitted last */
+  bwi_cloud cloud;
+} bwi_face_finder;
+
+/* 0 .. count - 1 by descending size. */
+bw_status bwi_order_by(bw_context *context, int32_t count, const double *size, int32_t *order);
+/* Normals and areas; flat regions; their members, areas and smooth borders. */
+bw_status bwi_faces_measure(bwi_face_finder *f);
+bw_status bwi_find_regions(bwi_face_finder *f);
+bw_status bwi_link_regions(bwi_face_finder *f);
+
+/* ---- fits and projection --------------------------------------------------------------------- */
+
+/* faces_fit.c: the primitive of a kind with the least squares of distances; false where there is
+ * none. Fills kind, point, axis, radius, slope, residual. */
+bool bwi_face_fit(const bwi_cloud *cloud, bw_face_kind kind, bw_face *face);
+
+/* faces_project.c: `surface`, which was made from `base` by remeshing, with its points on the
+ * primitives of the faces of `base`. Points stay where they are where a move would be long or turn
+ * a facet. *moved is the longest move; the same surface is retained where nothing moves. */
+bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const bw_faces *faces,
+                            const bw_surface *surface, double longest, bw_surface **projected,
+                            int64_t *count, double *moved);
+
+#endif

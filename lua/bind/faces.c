@@ -1,0 +1,218 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Faces of surfaces and of meshes' boundaries: surface:faces(), selection:face(which). */
+#include "bind.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* "plane 2": the second largest plane. */
+static void name_of(const bw_faces *faces, int32_t face, char *name, size_t size) {
+  int number = 1;
+  for (int32_t i = 0; i < face; i++)
+    number += faces->face[i].kind == faces->face[face].kind;
+  snprintf(name, size, "%s %d", bw_face_word(faces->face[face].kind), number);
+}
+
+static void push_face(lua_State *L, const bw_faces *faces, int32_t i) {
+  const bw_face *face = &faces->face[i];
+  char name[40];
+  name_of(faces, i, name, sizeof name);
+  lua_createtable(L, 0, 11);
+  lua_pushstring(L, name);
+  lua_setfield(L, -2, "name");
+  lua_pushstring(L, bw_face_word(face->kind));
+  lua_setfield(L, -2, "kind");
+  lua_pushnumber(L, face->area);
+  lua_setfield(L, -2, "area");
+  lua_pushinteger(L, face->triangle_count);
+  lua_setfield(L, -2, "triangle_count");
+  lbw_push_vector(L, face->centre);
+  lua_setfield(L, -2, "centre");
+  lbw_push_vector(L, face->normal);
+  lua_setfield(L, -2, "normal");
+  if (face->kind == BW_FACE_FREE)
+    return;
+  lbw_push_vector(L, face->point);
+  lua_setfield(L, -2, "point");
+  lua_pushnumber(L, face->residual);
+  lua_setfield(L, -2, "residual");
+  if (face->kind != BW_FACE_SPHERE) {
+    lbw_push_vector(L, face->axis);
+    lua_setfield(L, -2, "axis");
+  }
+  if (face->kind != BW_FACE_PLANE) {
+    lua_pushnumber(L, face->radius);
+    lua_setfield(L, -2, "radius");
+  }
+  if (face->kind == BW_FACE_CONE) {
+    lua_pushnumber(L, face->slope);
+    lua_setfield(L, -2, "slope");
+  }
+}
+
+static int push_faces(lua_State *L) {
+  const bw_faces *faces = (const bw_faces *)lua_touserdata(L, 1);
+  lua_createtable(L, faces->count, 0);
+  for (int32_t i = 0; i < faces->count; i++) {
+    push_face(L, faces, i);
+    lua_rawseti(L, -2, i + 1);
+  }
+  return 1;
+}
+
+/* surface:faces{angle}: a list by descending area */
+int lbw_surface_faces(lua_State *L) {
+  static const lbw_option list[] = {{"angle", LBW_REAL, 0}, {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
+  double angle = 0;
+  bw_faces *faces = NULL;
+  lbw_options(L, 2, "faces", list, &angle);
+  bw_status status = bw_faces_find(lbw_enter(L), surface, angle, &faces);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  lbw_state_of(L)->running = 0;
+  lua_pushcfunction(L, push_faces);
+  lua_pushlightuserdata(L, faces);
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_release(faces);
+  return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
+}
+
+/* Which face: by number, by name, or the nearest to a point. */
+typedef struct wish {
+  lua_Integer number;
+  char name[40];
+  bool near;
+  double point[3];
+} wish;
+
+static wish read_wish(lua_State *L) {
+  wish w = {0};
+  static const lbw_option list[] = {{"near", LBW_VECTOR, offsetof(wish, point)},
+                                    {NULL, LBW_OTHER, 0}};
+  lua_settop(L, 2);
+  if (lua_istable(L, 2)) {
+    lbw_options(L, 2, "face", list, &w);
+    w.near = lbw_option_get(L, 2, "near") != LUA_TNIL;
+    lbw_argument_check(L, w.near, 2, "which: {near = {x, y, z}} expected");
+  } else if (lua_type(L, 2) == LUA_TSTRING)
+    snprintf(w.name, sizeof w.name, "%s", lua_tostring(L, 2));
+  else {
+    w.number = lbw_integer_or(L, 2, 0);
+    lbw_argument_check(L, w.number >= 1, 2,
+                       "which: a number of 1 or more, a name, or {near = {x, y, z}} expected");
+  }
+  lua_settop(L, 2);
+  return w;
+}
+
+static int32_t find_face(const bw_faces *faces, const bw_surface *surface, const wish *w) {
+  char name[40];
+  if (w->near)
+    return bw_faces_near(faces, surface, w->point);
+  if (!w->name[0])
+    return w->number <= faces->count ? (int32_t)w->number - 1 : -1;
+  for (int32_t i = 0; i < faces->count; i++) {
+    name_of(faces, i, name, sizeof name);
+    if (strcmp(name, w->name) == 0)
+      return i;
+  }
+  return -1;
+}
+
+static bw_status select_face(bw_context *context, const bw_mesh *mesh, const wish *w, uint8_t *mask,
+                             bw_selection **chosen) {
+  bw_surface *surface = NULL;
+  bw_faces *faces = NULL;
+  bw_status status;
+  BW_TRY(bw_mesh_boundary(context, mesh, &surface, NULL));
+  BW_TRY(bw_faces_find(context, surface, 0, &faces));
+  int32_t face = find_face(faces, surface, w);
+  if (face < 0) {
+    status = bw_fail(context, BW_EMPTY,
+                     "the boundary has %d faces, but not %s: print(mesh:surface()) lists them",
+                     faces->count, w->name[0] ? w->name : "one of that number");
+    goto done;
+  }
+  for (int32_t t = 0; t < mesh->facet_count; t++)
+    mask[t] = faces->of_triangle[t] == face;
+  status = bw_select_mask(context, mesh, mask, NULL, chosen);
+done:
+  bw_release(surface);
+  bw_release(faces);
+  return status;
+}
+
+/* selection:face(which): the face of the mesh's boundary, within the selection */
+int lbw_selection_face(lua_State *L) {
+  const bw_selection *from = (const bw_selection *)lbw_check(L, 1, &lbw_selection_class);
+  wish w = read_wish(L);
+  bw_selection *chosen = NULL, *within = NULL;
+  uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)from->mesh->facet_count + 1, 0);
+  lbw_box *box = lbw_box_new(L, &lbw_selection_class);
+  bw_context *context = lbw_enter(L);
+  bw_status status;
+  BW_TRY(select_face(context, from->mesh, &w, mask, &chosen));
+  status = bw_select_combine(context, from, chosen, BW_INTERSECTION, &within);
+done:
+  bw_release(chosen);
+  lbw_box_fill(L, box, within);
+  return lbw_leave(L, status, 1);
+}
+
+/* ---- what print shows ------------------------------------------------------------------------ */
+
+enum { LINES = 12, MOST_TRIANGLES = 200000 };
+
+static int add_lines(lua_State *L) {
+  const bw_faces *faces = (const bw_faces *)lua_touserdata(L, 2);
+  luaL_Buffer buffer;
+  lua_settop(L, 2);
+  luaL_buffinit(L, &buffer);
+  luaL_addstring(&buffer, lua_tostring(L, 1));
+  for (int32_t i = 0; i < faces->count && i < LINES; i++) {
+    const bw_face *face = &faces->face[i];
+    char line[240], name[40];
+    name_of(faces, i, name, sizeof name);
+    snprintf(line, sizeof line, "\n  %-12s %.5g cm2 at (%.4g, %.4g, %.4g) mm", name,
+             1e4 * face->area, 1e3 * face->centre[0], 1e3 * face->centre[1], 1e3 * face->centre[2]);
+    luaL_addstring(&buffer, line);
+    if (face->kind == BW_FACE_PLANE)
+      snprintf(line, sizeof line, ", normal (%.3g, %.3g, %.3g)", face->axis[0], face->axis[1],
+               face->axis[2]);
+    else if (face->kind == BW_FACE_SPHERE)
+      snprintf(line, sizeof line, ", radius %.5g mm", 1e3 * face->radius);
+    else if (face->kind != BW_FACE_FREE)
+      snprintf(line, sizeof line, ", radius %.5g mm, axis (%.3g, %.3g, %.3g)", 1e3 * face->radius,
+               face->axis[0], face->axis[1], face->axis[2]);
+    else
+      line[0] = 0;
+    luaL_addstring(&buffer, line);
+  }
+  if (faces->count > LINES)
+    lua_pushfstring(L, "\n  and %d more faces", (int)faces->count - LINES);
+  else
+    lua_pushliteral(L, "");
+  luaL_addvalue(&buffer);
+  luaL_pushresult(&buffer);
+  return 1;
+}
+
+void lbw_add_faces(lua_State *L, const bw_surface *surface) {
+  bw_faces *faces = NULL;
+  if (lbw_state_of(L)->running || surface->triangle_count > MOST_TRIANGLES)
+    return;
+  bw_context *context = lbw_enter(L);
+  if (bw_faces_find(context, surface, 0, &faces) != BW_OK)
+    bw_clear_failure(context);
+  lbw_leave(L, BW_OK, 0);
+  if (!faces)
+    return;
+  lua_pushcfunction(L, add_lines);
+  lua_insert(L, -2);
+  lua_pushlightuserdata(L, faces);
+  int failure = lua_pcall(L, 2, 1, 0);
+  bw_release(faces);
+  if (failure)
+    lua_error(L);
+}
