@@ -2,6 +2,7 @@
 /* Building the linear programme from a pressure basis and a numbering's free motions, and judging a
  * vertex that a solver ended at. See programme.h for the form. */
 #include "analysis/programme.h"
+#include "model/internal.h"
 
 #include <float.h>
 #include <math.h>
@@ -102,15 +103,6 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
 
 /* ---- balance rows -------------------------------------------------------------------------- */
 
-/* The cross product and the sum are written out: every row of every column passes here. */
-static void motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]) {
-  const double *w = motion->rotation, *c = motion->centre;
-  double arm[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]};
-  u[0] = w[1] * arm[2] - w[2] * arm[1] + motion->translation[0];
-  u[1] = w[2] * arm[0] - w[0] * arm[2] + motion->translation[1];
-  u[2] = w[0] * arm[1] - w[1] * arm[0] + motion->translation[2];
-}
-
 /* <motion, G e_j> / A_j for the body's motions. */
 static void raw_rows(const bw_pressure_basis *basis, const bw_numbering *numbering,
                      const bwi_balance *body, int32_t j, double raw[BWI_LOCAL_ROWS]) {
@@ -119,7 +111,7 @@ static void raw_rows(const bw_pressure_basis *basis, const bw_numbering *numberi
     double sum = 0;
     for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++) {
       double u[3];
-      motion_at(motion, basis->mesh->node + 3 * (size_t)basis->row[k], u);
+      bwi_motion_at(motion, basis->mesh->node + 3 * (size_t)basis->row[k], u);
       sum += bw_dot(u, basis->coefficient + 3 * k);
     }
     raw[m] = sum / basis->area[j];
@@ -176,8 +168,8 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
       continue;
     for (int m = 0; m < n; m++) {
       double u[3];
-      motion_at(&numbering->motion[body->motion[m]], basis->mesh->node + 3 * (size_t)basis->node[j],
-                u);
+      bwi_motion_at(&numbering->motion[body->motion[m]],
+                    basis->mesh->node + 3 * (size_t)basis->node[j], u);
       natural[m] = fmax(natural[m], bw_norm(u));
     }
   }

@@ -12,4 +12,11 @@
 bw_status bwi_pressure_patches(bw_context *context, const bw_pressure_basis *basis, int32_t patches,
                                bw_pressure_basis **coarse);
 
+/* Spherical triangles that cover a half sphere, so that of every direction n or -n lies in one. */
+enum { BWI_HALF_ICOSAHEDRON = 10 };
+typedef struct bwi_triangle {
+  double corner[3][3]; /* unit vectors */
+} bwi_triangle;
+void bwi_half_icosahedron(bwi_triangle *face);
+
 #endif

@@ -15,6 +15,7 @@ worst_case.__name = "barwright.worst_case"
 
 local rules = {
   method = {type = "string", one_of = {"search", "paper"}},
+  certify = {type = "number", least = 0.001, most = 0.5},
   targets = {type = "integer", default = 48, least = 1, most = 100000},
   force = {type = "number", default = 20, above = 0},
   pressure = {type = "number", default = 2e5, above = 0},
@@ -46,7 +47,10 @@ local function centres(mesh)
   end
 end
 
--- What a load was found from: a weak region of a mode, an element of the screening, or an ascent.
+local labels = {element = "screening", ascent = "ascent", bound = "branch and bound"}
+
+-- What a load was found from: a weak region of a mode, an element of the screening, an ascent, or the
+-- search of the upper bound.
 local function source(self, weak, origins, i)
   if i <= weak.count then
     local region = weak[i]
@@ -57,7 +61,7 @@ local function source(self, weak, origins, i)
   local found = origins[i]
   return {origin = found.origin, target = found.target, from = found.from, elements = 1,
     volume = self.mesh.volumes[found.target],
-    label = ("%s, element %d"):format(found.origin == "ascent" and "ascent" or "screening", found.target)}
+    label = ("%s, element %d"):format(labels[found.origin], found.target)}
 end
 
 local function region_list(self, weak, loads, origins)
@@ -110,6 +114,9 @@ function worst_case.analyse(part, given, view)
   if wish.method == "search" and wish.target == "displacement" then
     raise("worst_case: method \"search\" maximises stress; for target \"displacement\" give method \"paper\"")
   end
+  if wish.certify and wish.target == "displacement" then
+    raise "worst_case: option 'certify' bounds the stress: it is not for target \"displacement\""
+  end
   wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
@@ -160,12 +167,21 @@ function worst_case.analyse(part, given, view)
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
   seconds.programmes = clock() - start
-  local origins
+  local origins = {}
   if wish.method == "search" then
     start = clock()
     loads, origins, details = worst_search.extend(self, loads, limits)
     if not loads then return nil, origins, details end
     seconds.search = clock() - start
+  end
+  if wish.certify then
+    start = clock()
+    local upper
+    upper, message, details = worst_search.certify(self, loads, origins, limits, wish.certify)
+    if not upper then return nil, message, details end
+    loads = message
+    self.upper_bound, self.gap = upper, upper / loads.peaks:max() - 1
+    seconds.bound = clock() - start
   end
   summarise(self, weak, loads, origins)
   return self
@@ -247,6 +263,7 @@ function worst_case:__tostring()
   end
   local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
     or "strength not known"
+  if self.upper_bound then tail = ("%s; at most %.4g MPa on this mesh"):format(tail, self.upper_bound / 1e6) end
   return ("%s: %s; %s"):format(head, self.regions[self.region].label, tail)
 end
 

@@ -127,6 +127,22 @@ local function ascend(self, loads, origins, limits)
   return loads
 end
 
+--- An upper bound within `tolerance` of the largest stress: the bound, then results and origins with
+--- a load more where a larger stress was found on the way.
+function worst_search.certify(self, loads, origins, limits, tolerance)
+  local bound, message, details = core.worst_bound(self.system, self.basis, {pressure = limits.pressure,
+    force = limits.force, at_most = limits.at_most, glpk = limits.glpk, incumbent = loads.peaks:max(),
+    tolerance = tolerance})
+  if not bound then return nil, message, details end
+  if bound.element then
+    local earlier = loads.peaks.row_count
+    loads, message, details = extend(self, loads, {bound.element}, bound.stress, limits)
+    if not loads then return nil, message, details end
+    origins[earlier + 1] = {origin = "bound", target = bound.element}
+  end
+  return bound.upper, loads
+end
+
 --- More loads after those of the modes' regions: nil, message, details or the results of all, as
 --- core.worst_loads gives them. `origins[i]` of each load beyond the first ones: {origin, target, from}.
 function worst_search.extend(self, loads, limits)

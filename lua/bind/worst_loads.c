@@ -253,8 +253,61 @@ static int worst_screening(lua_State *L) {
   return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
 }
 
+/* ---- the upper bound ------------------------------------------------------------------------- */
+
+/* worst_bound(system, basis, {pressure, force, at_most, glpk, incumbent, tolerance}): {upper,
+ * largest, programmes} and, where `largest` is more than the incumbent, element and stress (an
+ * array of one row) */
+static int worst_bound(lua_State *L) {
+  struct wish {
+    bw_worst_load_options options;
+    double incumbent, tolerance;
+    bool glpk;
+  } wish;
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct wish, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
+      {"incumbent", LBW_REAL, offsetof(struct wish, incumbent)},
+      {"tolerance", LBW_REAL, offsetof(struct wish, tolerance)},
+      {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
+  memset(&wish, 0, sizeof wish);
+  lua_settop(L, 3);
+  lbw_options(L, 3, "worst_bound", list, &wish);
+  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  lbw_argument_check(L, basis->mesh == system->mesh, 2,
+                     "a pressure basis of the same mesh expected");
+  lua_createtable(L, 0, 5);
+  double *stress = (double *)lbw_push_array(L, BW_F64, 1, 6)->data;
+  bw_worst_bound bound;
+  bw_status status = bw_worst_bound_find(lbw_enter(L), system, basis, &wish.options, wish.incumbent,
+                                         wish.tolerance, &bound);
+  if (status != BW_OK)
+    return lbw_leave(L, status, 0);
+  memcpy(stress, bound.stress, sizeof bound.stress);
+  if (bound.element >= 0) {
+    lua_setfield(L, 4, "stress");
+    lua_pushinteger(L, (lua_Integer)bound.element + 1);
+    lua_setfield(L, 4, "element");
+  }
+  lua_settop(L, 4);
+  lua_pushnumber(L, bound.upper);
+  lua_setfield(L, 4, "upper");
+  lua_pushnumber(L, bound.largest);
+  lua_setfield(L, 4, "largest");
+  lua_pushinteger(L, bound.programmes);
+  lua_setfield(L, 4, "programmes");
+  return lbw_leave(L, BW_OK, 1);
+}
+
 void lbw_open_worst_loads(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"worst_loads", worst_loads}, {"worst_screening", worst_screening}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"worst_loads", worst_loads},
+                                       {"worst_screening", worst_screening},
+                                       {"worst_bound", worst_bound},
+                                       {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

@@ -247,6 +247,7 @@ function bw.version() end
 ---@field at_most? boolean the total force may also be smaller; default false
 ---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
+---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress: several times the time of brute force
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025
@@ -1217,7 +1218,9 @@ function System:close() end
 ---@field at bw.Vector m
 ---@field element integer
 ---@field region integer the worst one, a place in `regions`
----@field origin "mode"|"element"|"ascent" what the worst load was found from: a mode's weak region, an element of the screening, an ascent
+---@field origin "mode"|"element"|"ascent"|"bound" what the worst load was found from: a mode's weak region, an element of the screening, an ascent, the search of the upper bound
+---@field upper_bound number? with `certify`: no load within the limits stresses any element of this mesh more, Pa
+---@field gap number? with `certify`: how far the bound exceeds the largest stress found, as a share of it
 ---@field mode integer? where a mode's weak region gave the worst load
 ---@field rank integer? of that region in its mode
 ---@field utilisation number? stress over strength
@@ -1234,7 +1237,7 @@ function System:close() end
 ---@field weak_regions bw.WeakRegions
 ---@field basis bw.PressureBasis
 ---@field options table as given, with defaults
----@field seconds table by stage: system, assemble, factor, modes, regions, programmes, search
+---@field seconds table by stage: system, assemble, factor, modes, regions, programmes, search, bound
 local WorstCase = {}
 
 ---The worst pressure of a region (left out: the worst region), for every node of the mesh, Pa.

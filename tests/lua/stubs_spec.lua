@@ -96,7 +96,8 @@ describe("the stubs", function()
       out.analyse, out.solved = nil, nil
       return out
     end
-    same(inner(worst), "bw.WorstCase", {mode = true, rank = true}) -- where a mode gave the worst load
+    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true}
+    same(inner(worst), "bw.WorstCase", sometimes)
     same(inner(brute), "bw.BruteForce")
     same(inner(drops), "bw.DropTest")
     assert(loads)

@@ -96,6 +96,34 @@ describe("the search of the worst case", function()
     assert.equal(20, assert(bw.brute_force(part, limits)).elements)
   end)
 
+  it("bounds the largest stress from above", function()
+    local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {8, 2, 2}})
+    local body = bw.model {mesh = box, material = bw.material.pla}
+    local limits = {force = 5, pressure = 2e5, modes = 4, regions = 2, targets = 8, certify = 0.01}
+    local certified = assert(bw.worst_case(body, limits))
+    assert.truthy(certified.upper_bound >= certified.max_principal)
+    assert.truthy(certified.gap >= 0 and certified.gap <= 0.0101)
+    check.near(certified.gap, certified.upper_bound / certified.max_principal - 1, 1e-12)
+    assert.truthy(tostring(certified):find "at most [%d.]+ MPa on this mesh$")
+    -- No admissible load that anything else finds exceeds it.
+    local best = assert(bw.brute_force(body, {force = 5, pressure = 2e5, objective = "principal"}))
+    assert.truthy(best.max_principal <= certified.upper_bound * (1 + 1e-9))
+    -- From a poor start (one region of one mode) it finds the larger stress on its own.
+    limits.modes, limits.regions, limits.method, limits.certify = 1, 1, "paper", 0.02
+    local threads = bw.threads()
+    local poor = assert(bw.worst_case(body, limits))
+    bw.threads(threads == 1 and 3 or 1)
+    local again = assert(bw.worst_case(body, limits))
+    bw.threads(threads)
+    assert.equal("bound", poor.origin)
+    assert.equal("branch and bound, element " .. poor.regions[poor.region].target, poor.regions[poor.region].label)
+    assert.truthy(poor.max_principal >= certified.upper_bound / 1.0101 / 1.02)
+    assert.equal(poor.upper_bound, again.upper_bound)
+    assert.equal(poor.weakness:tostring "<f8", again.weakness:tostring "<f8")
+    check.raises("option 'certify'", bw.worst_case, body, {certify = 0.01, target = "displacement"})
+    check.raises("option 'certify': at least 0.001", bw.worst_case, body, {certify = 1e-9})
+  end)
+
   it("gives the same bits on any number of threads", function()
     local threads = bw.threads()
     bw.threads(threads == 1 and 3 or 1)

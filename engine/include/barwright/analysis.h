@@ -200,6 +200,22 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
                              bw_screening *screening);
 void bw_screening_clear(bw_screening *screening);
 
+/* An upper bound of the principal stress of largest magnitude (mean over an element) that any
+ * admissible pressure causes in any element of this mesh, by branch and bound over elements and
+ * directions. `incumbent`: a stress known to be reached, Pa. Ends when `upper` is within the
+ * relative `tolerance` (0.001 to 0.5) of the largest stress found. Six adjoint solves for every
+ * element: several times the cost of brute force. */
+typedef struct bw_worst_bound {
+  double upper;       /* Pa: no admissible pressure exceeds it, up to rounding */
+  double largest;     /* Pa: the incumbent, or a larger stress that was found on the way */
+  int32_t element;    /* where that larger one is; -1: the incumbent is */
+  double stress[6];   /* of that element then */
+  int64_t programmes; /* linear programmes solved */
+} bw_worst_bound;
+bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
+                              const bw_pressure_basis *basis, const bw_worst_load_options *options,
+                              double incumbent, double tolerance, bw_worst_bound *bound);
+
 /* Sum a pressure's forces into a few arrows, largest first: clusters of loaded nodes within
  * `radius` (0: a twentieth of the box diagonal) that push the same way. Together they carry the
  * whole force. *arrows is NULL when nothing is loaded; release with bw_free. */

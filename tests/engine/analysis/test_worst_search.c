@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The search of the worst case: screening, directed objectives, the ascent, the knapsack bound. */
+/* The search of the worst case: screening, directed objectives, the ascent, bounds. */
 #include "bodies.h"
 
 #include "analysis/programme.h"
@@ -184,6 +184,81 @@ static void knapsack_bounds(void **state) {
   }
 }
 
+/* The faces cover a half sphere once: their solid angles sum to 2 pi, and of each direction n or -n
+ * lies in one. */
+static void faces_cover_the_half_sphere(void **state) {
+  (void)state;
+  bwi_triangle face[BWI_HALF_ICOSAHEDRON];
+  double angle = 0, cross[3];
+  bwi_half_icosahedron(face);
+  for (int f = 0; f < BWI_HALF_ICOSAHEDRON; f++) {
+    const double *a = face[f].corner[0], *b = face[f].corner[1], *c = face[f].corner[2];
+    bw_cross(b, c, cross);
+    angle += 2 * atan2(fabs(bw_dot(a, cross)), 1 + bw_dot(a, b) + bw_dot(b, c) + bw_dot(c, a));
+  }
+  check_near(angle, 2 * acos(-1), 1e-12);
+  for (int turn = 0; turn < 2000; turn++) {
+    double n[3] = {noise() - 0.5, noise() - 0.5, noise() - 0.5};
+    int inside = 0;
+    for (int f = 0; f < BWI_HALF_ICOSAHEDRON; f++) {
+      double side[3];
+      for (int k = 0; k < 3; k++) {
+        bw_cross(face[f].corner[k], face[f].corner[(k + 1) % 3], cross);
+        side[k] = bw_dot(n, cross);
+      }
+      inside += (side[0] >= 0 && side[1] >= 0 && side[2] >= 0) ||
+                (side[0] <= 0 && side[1] <= 0 && side[2] <= 0);
+    }
+    assert_true(inside >= 1);
+  }
+}
+
+/* The bound exceeds every stress of random directions' programmes, by no more than the tolerance of
+ * the best found; free, held, with a smaller force, of one and two threads. */
+static void bound_is_above_every_programme(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 3; kind++) {
+    part p;
+    part_open(context, &p, make_bar(context, dumbbell_profile, 6, 2, kind == 2 ? 2 : 1), kind == 1);
+    bw_worst_load_options options = {.pressure = 1e5, .force = 300, .at_most = kind == 2};
+    bw_worst_bound bound, again;
+    check_ok(context, bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &bound));
+    assert_true(bound.largest > 0 && bound.upper >= bound.largest);
+    assert_true(bound.upper <= 1.0301 * bound.largest);
+    assert_true(bound.element >= 0 && bound.programmes > 0);
+    check_near(principal(bound.stress), bound.largest, 1e-9 * bound.largest);
+    check_ok(context, bw_set_threads(context, 3));
+    check_ok(context, bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &again));
+    assert_memory_equal(&again.upper, &bound.upper, sizeof bound.upper);
+    assert_memory_equal(again.stress, bound.stress, sizeof bound.stress);
+    assert_int_equal(again.programmes, bound.programmes);
+    check_ok(context, bw_set_threads(context, 1));
+    /* A better start needs fewer programmes and finds nothing larger than the bound. */
+    check_ok(context,
+             bw_worst_bound_find(context, p.system, p.basis, &options, bound.upper, 0.03, &again));
+    assert_true(again.programmes < bound.programmes && again.element == -1);
+    options.one_sign = true;
+    for (int turn = 0; turn < 20; turn++) {
+      int32_t element[8];
+      double stress[8][6];
+      for (int i = 0; i < 8; i++) {
+        element[i] = (int32_t)(noise() * p.mesh->element_count);
+        for (int k = 0; k < 6; k++)
+          stress[i][k] = noise() - 0.5;
+      }
+      bw_weak_regions *regions = NULL;
+      check_ok(context, bw_weak_regions_directed(context, p.mesh, 8, element, stress[0], &regions));
+      climb c = {.regions = regions};
+      check_ok(context,
+               bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, keep_own, &c));
+      for (int i = 0; i < 8; i++)
+        assert_true(principal(c.own[i]) <= bound.upper * (1 + 1e-9));
+      bw_release(regions);
+    }
+    part_close(&p);
+  }
+}
+
 static void same_bits_for_any_number_of_threads(void **state) {
   bw_context *context = check_context(state);
   bw_screening first = {0};
@@ -233,7 +308,14 @@ static void failures(void **state) {
   const int32_t far[1] = {100000};
   check_fails(context, BW_INVALID, "element 100000",
               bw_weak_regions_directed(context, p.mesh, 1, far, stress, &regions));
+  bw_worst_bound bound;
+  check_fails(context, BW_INVALID, "from 0.001 to 0.5",
+              bw_worst_bound_find(context, p.system, p.basis, &options, 1, 1e-9, &bound));
+  check_fails(context, BW_INVALID, "known to be reached is -1",
+              bw_worst_bound_find(context, p.system, p.basis, &options, -1, 0.01, &bound));
   bw_cancel(context);
+  check_fails(context, BW_CANCELLED, "",
+              bw_worst_bound_find(context, p.system, p.basis, &options, 1, 0.01, &bound));
   check_fails(context, BW_CANCELLED, "",
               bw_worst_screening(context, p.system, p.basis, &options, 16, 5, &found));
   bw_clear_cancel(context);
@@ -256,6 +338,20 @@ static void failures(void **state) {
     assert_int_equal(status, BW_MEMORY);
   }
   part_close(&p);
+  part_open(context, &p, make_box(context, 1, 1, 1, 1, 1, 1, 1), false);
+  for (int64_t fail = 1;; fail++) {
+    int64_t blocks = bw_live_blocks();
+    bw_fail_allocation(fail, true);
+    bw_status status = bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.3, &bound);
+    bw_fail_allocation(0, false);
+    assert_int_equal(bw_live_blocks(), blocks);
+    if (status == BW_OK) {
+      assert_true(fail > 20);
+      break;
+    }
+    assert_int_equal(status, BW_MEMORY);
+  }
+  part_close(&p);
 }
 
 int main(void) {
@@ -263,6 +359,8 @@ int main(void) {
       check_test(ascent_never_decreases),
       check_test(patches_divide_the_boundary),
       check_test(knapsack_bounds),
+      check_test(faces_cover_the_half_sphere),
+      check_test(bound_is_above_every_programme),
       check_test(same_bits_for_any_number_of_threads),
       check_test(failures),
   };

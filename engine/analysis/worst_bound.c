@@ -1,0 +1,436 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Branch and bound for the largest principal stress over all admissible pressures, elements and
+ * directions (docs/theory/worst_case.md, "The upper bound").
+ *
+ * Six adjoint solves give the mean stress of an element as a linear function of the pressure. The
+ * directions are covered by spherical triangles. A triangle whose points are within the angle delta
+ * of its centre n holds no stress larger than max over both signs and all pressures of  s n . sigma
+ * n  /  cos(2 delta). That maximum is bounded by a knapsack, with the multipliers of the triangle
+ * above; where this does not suffice, the programme is solved; where that does not suffice, the
+ * triangle is divided into four.
+ *
+ * Invariant: the incumbent is the same for all elements of a batch, so that the result does not
+ * depend on the number of threads. */
+#include "analysis/weak_internal.h"
+#include "analysis/worst_internal.h"
+#include "model/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BATCH = 16, HALVINGS = 16, FACES = BWI_HALF_ICOSAHEDRON, MOST_DEPTH = 12 };
+
+typedef struct found {
+  double upper, largest; /* of one element */
+  double stress[6];
+  int64_t programmes;
+} found;
+
+typedef struct worker {
+  bwi_loads *loads;
+  double *objective, *pressure; /* pressures */
+  double *gain;                 /* pressures and a slack */
+} worker;
+
+typedef struct search {
+  bw_context *context;
+  bw_system *system;
+  const bw_pressure_basis *basis;
+  const bw_worst_load_options *options;
+  double incumbent, tolerance;
+  int32_t motions, columns; /* columns: pressures, and a slack where the force may be smaller */
+  double *motion;           /* motions x pressures: work of a unit pressure on each rigid motion */
+  double *fit;              /* motions x motions: factor of the fit's matrix; pivot */
+  int32_t *pivot;
+  bool fits;
+  double *upper;    /* columns: largest shares of the force */
+  double *response; /* batch x 6 x pressures */
+  double *block;    /* batch x 6 x 3 nodes */
+  found *result;    /* batch */
+  worker *worker;
+  int workers;
+  bwi_triangle face[FACES];
+  const bw_weak_regions *regions;
+} search;
+
+/* ---- the cover of the half sphere ------------------------------------------------------------ */
+
+static void normalise(double v[3]) {
+  double length = bw_norm(v);
+  for (int k = 0; k < 3; k++)
+    v[k] /= length;
+}
+
+/* One of each pair of opposite faces of the icosahedron. */
+void bwi_half_icosahedron(bwi_triangle *face) {
+  const double g = (1 + sqrt(5)) / 2;
+  static const int list[FACES][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8}};
+  const double point[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
+                               {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
+                               {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+  for (int f = 0; f < FACES; f++)
+    for (int c = 0; c < 3; c++) {
+      memcpy(face[f].corner[c], point[list[f][c]], sizeof face[f].corner[c]);
+      normalise(face[f].corner[c]);
+    }
+}
+
+/* The centre, and cos(2 delta) of the largest angle delta from it to a corner. A spherical triangle
+ * smaller than a half sphere lies within the cap of its corners. */
+static double centre_of(const bwi_triangle *t, double n[3]) {
+  double least = 1;
+  for (int k = 0; k < 3; k++)
+    n[k] = t->corner[0][k] + t->corner[1][k] + t->corner[2][k];
+  normalise(n);
+  for (int c = 0; c < 3; c++)
+    least = fmin(least, bw_dot(n, t->corner[c]));
+  return 2 * least * least - 1;
+}
+
+static void divide(const bwi_triangle *t, bwi_triangle part[4]) {
+  double middle[3][3];
+  for (int c = 0; c < 3; c++) {
+    for (int k = 0; k < 3; k++)
+      middle[c][k] = t->corner[c][k] + t->corner[(c + 1) % 3][k];
+    normalise(middle[c]);
+  }
+  for (int c = 0; c < 3; c++) {
+    memcpy(part[c].corner[0], t->corner[c], sizeof middle[0]);
+    memcpy(part[c].corner[1], middle[c], sizeof middle[0]);
+    memcpy(part[c].corner[2], middle[(c + 2) % 3], sizeof middle[0]);
+  }
+  memcpy(part[3].corner, middle, sizeof middle);
+}
+
+/* ---- bounds in one direction ----------------------------------------------------------------- */
+
+static double largest_principal(const double stress[6]) {
+  double value[3];
+  bw_eigen3(stress, value, NULL);
+  return fmax(fabs(value[0]), fabs(value[2]));
+}
+
+/* s n . sigma n of every pressure at full share of it. */
+static void objective_of(const search *s, const double *response, const double n[3], double sign,
+                         double *objective) {
+  size_t count = (size_t)s->basis->count;
+  const double t[6] = {sign * n[0] * n[0],     sign * n[1] * n[1],     sign * n[2] * n[2],
+                       2 * sign * n[1] * n[2], 2 * sign * n[2] * n[0], 2 * sign * n[0] * n[1]};
+  for (size_t j = 0; j < count; j++) {
+    double sum = 0;
+    for (size_t r = 0; r < 6; r++)
+      sum += t[r] * response[r * count + j];
+    objective[j] = sum;
+  }
+}
+
+/* Multipliers of the motions' rows by the least-squares fit, weighted with areas. */
+static void fit(const search *s, const double *objective, double *y) {
+  size_t count = (size_t)s->basis->count;
+  memset(y, 0, (size_t)s->motions * sizeof *y);
+  if (!s->fits)
+    return;
+  for (int32_t m = 0; m < s->motions; m++)
+    for (size_t j = 0; j < count; j++)
+      y[m] += s->motion[(size_t)m * count + j] * objective[j] / s->basis->area[j];
+  bwi_dense_solve(s->motions, s->fit, s->pivot, y);
+}
+
+static double knapsack(const search *s, const double *objective, const double *y, double *gain) {
+  size_t count = (size_t)s->basis->count;
+  for (size_t j = 0; j < count; j++) {
+    double d = objective[j];
+    for (int32_t m = 0; m < s->motions; m++)
+      d -= y[m] * s->motion[(size_t)m * count + j];
+    gain[j] = d * (s->options->force / s->basis->area[j]);
+  }
+  for (int32_t j = s->basis->count; j < s->columns; j++)
+    gain[j] = 0; /* the slack */
+  return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
+}
+
+/* What a triangle hands down to its parts: multipliers for both signs. */
+typedef struct node {
+  bwi_triangle cell;
+  int depth;
+  double *y; /* 2 x (motions + 1) */
+} node;
+
+/* Bounds of one triangle; false when it must be divided. */
+static bool closed(const search *s, worker *w, const double *response, const node *at, double *y,
+                   found *out, bw_status *status) {
+  size_t count = (size_t)s->basis->count, width = (size_t)s->motions + 1;
+  double n[3], cosine = centre_of(&at->cell, n), bound = 0;
+  for (int sign = 0; sign < 2; sign++) {
+    double goal = (1 + s->tolerance) * fmax(s->incumbent, out->largest);
+    double *own = y + (size_t)sign * width;
+    objective_of(s, response, n, sign ? -1 : 1, w->objective);
+    if (at->depth == 0)
+      fit(s, w->objective, own);
+    else
+      memcpy(own, at->y + (size_t)sign * width, width * sizeof *own);
+    double most = knapsack(s, w->objective, own, w->gain);
+    if (most > goal * cosine) {
+      double value, stress[6];
+      *status = bwi_loads_solve(s->context, w->loads, 1, w->objective, w->pressure, &value, own);
+      if (*status != BW_OK)
+        return true;
+      out->programmes++;
+      most = fmin(most, knapsack(s, w->objective, own, w->gain)); /* of the dual: proved again */
+      for (size_t r = 0; r < 6; r++) {
+        stress[r] = 0;
+        for (size_t j = 0; j < count; j++)
+          stress[r] += response[r * count + j] * w->pressure[j];
+      }
+      if (largest_principal(stress) > out->largest) {
+        out->largest = largest_principal(stress);
+        memcpy(out->stress, stress, sizeof stress);
+      }
+    }
+    bound = fmax(bound, most);
+  }
+  if (bound > (1 + s->tolerance) * fmax(s->incumbent, out->largest) * cosine &&
+      at->depth < MOST_DEPTH)
+    return false;
+  out->upper = fmax(out->upper, bound / cosine);
+  return true;
+}
+
+static bw_status bound_element(const search *s, worker *w, const double *response, found *out) {
+  bw_status status = BW_OK;
+  bw_context *context = s->context;
+  size_t width = 2 * ((size_t)s->motions + 1), count = 0, capacity = 0;
+  node *stack = NULL;
+  double *y = BW_NEW0(context, double, width *(MOST_DEPTH + 2)); /* own multipliers, by depth */
+  if (!y)
+    return BW_MEMORY;
+  memset(out, 0, sizeof *out);
+  for (int f = FACES - 1; f >= 0; f--) {
+    if (!bw_grow(context, (void **)&stack, &capacity, count, 1, sizeof *stack)) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    stack[count++] = (node){s->face[f], 0, NULL};
+  }
+  while (count > 0) {
+    node at = stack[--count];
+    double *own = y + (size_t)(at.depth + 1) * width;
+    /* The parts of a triangle are visited before its neighbours: depth tells whose multipliers
+     * hold. */
+    at.y = y + (size_t)at.depth * width;
+    bool done = closed(s, w, response, &at, own, out, &status);
+    if (status != BW_OK)
+      goto done;
+    if (done)
+      continue;
+    bwi_triangle part[4];
+    divide(&at.cell, part);
+    if (!bw_grow(context, (void **)&stack, &capacity, count, 4, sizeof *stack)) {
+      status = BW_MEMORY;
+      goto done;
+    }
+    for (int k = 0; k < 4; k++)
+      stack[count++] = (node){part[k], at.depth + 1, NULL};
+  }
+done:
+  bw_free(y);
+  bw_free(stack);
+  return status;
+}
+
+/* ---- batches of elements --------------------------------------------------------------------- */
+
+static bw_status functional_body(void *data, int64_t begin, int64_t end, int number) {
+  const search *s = (const search *)data;
+  size_t n = 3 * (size_t)s->system->mesh->node_count;
+  bw_status status = BW_OK;
+  (void)number;
+  for (int64_t i = begin; i < end; i++)
+    BW_TRY(bw_region_objective(s->context, s->regions, (int)i, s->system->material,
+                               s->block + (size_t)i * n));
+done:
+  return status;
+}
+
+static bw_status element_body(void *data, int64_t begin, int64_t end, int number) {
+  const search *s = (const search *)data;
+  size_t n = 3 * (size_t)s->system->mesh->node_count, count = (size_t)s->basis->count;
+  bw_status status = BW_OK;
+  for (int64_t i = begin; i < end; i++) {
+    double *response = s->response + (size_t)i * 6 * count;
+    for (size_t r = 0; r < 6; r++)
+      bw_pressure_gradient(s->basis, s->block + ((size_t)i * 6 + r) * n, response + r * count);
+    BW_TRY(bound_element(s, &s->worker[number], response, &s->result[i]));
+  }
+done:
+  return status;
+}
+
+/* Six regions for each element: one for each component of its mean stress. */
+static bw_status component_regions(const search *s, int32_t first, int32_t count,
+                                   bw_weak_regions **regions) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = s->system->mesh;
+  int32_t element[6 * BATCH];
+  for (int32_t i = 0; i < 6 * count; i++)
+    element[i] = first + i / 6;
+  BW_TRY(bwi_element_regions(s->context, mesh, 6 * (int64_t)count, element, BW_WORST_DIRECTION,
+                             regions));
+  for (int32_t i = 0; i < 6 * count; i++) {
+    double volume = bwi_shape_integrals(mesh, element[i], NULL, NULL);
+    (*regions)->region[i].weight[i % 6] = (i % 6 < 3 ? 1 : 0.5) / volume;
+  }
+done:
+  return status;
+}
+
+static bw_status bound_batch(search *s, int32_t first, int32_t count, bw_worst_bound *bound) {
+  bw_status status = BW_OK;
+  bw_weak_regions *regions = NULL;
+  BW_TRY(component_regions(s, first, count, &regions));
+  s->regions = regions;
+  BW_TRY(bw_parallel(s->context, 6 * (int64_t)count, 1, functional_body, s));
+  BW_TRY(bw_system_solve(s->context, s->system, 6 * (int64_t)count, s->block, s->block));
+  BW_TRY(bw_parallel(s->context, count, 1, element_body, s));
+  for (int32_t i = 0; i < count; i++) {
+    const found *f = &s->result[i];
+    bound->upper = fmax(bound->upper, f->upper);
+    bound->programmes += f->programmes;
+    if (f->largest > bound->largest) {
+      bound->largest = f->largest;
+      bound->element = first + i;
+      memcpy(bound->stress, f->stress, sizeof f->stress);
+    }
+  }
+  s->incumbent = bound->largest;
+done:
+  bw_release(regions);
+  return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static bw_status prepare_rows(search *s) {
+  bw_context *context = s->context;
+  bw_status status = BW_OK;
+  const bw_numbering *numbering = s->system->numbering;
+  const bw_mesh *mesh = s->system->mesh;
+  size_t count = (size_t)s->basis->count, m = (size_t)s->motions;
+  double *field = BW_NEW0(context, double, 3 * (size_t)mesh->node_count);
+  s->motion = BW_NEW(context, double, m *count + 1);
+  s->fit = BW_NEW0(context, double, m *m + 1);
+  s->pivot = BW_NEW(context, int32_t, m + 1);
+  if (!field || !s->motion || !s->fit || !s->pivot) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (size_t k = 0; k < m; k++) {
+    const bw_rigid_motion *motion = &numbering->motion[k];
+    memset(field, 0, 3 * (size_t)mesh->node_count * sizeof *field);
+    for (int32_t i = 0; i < mesh->node_count; i++)
+      if (mesh->component[i] == motion->component)
+        bwi_motion_at(motion, mesh->node + 3 * (size_t)i, field + 3 * (size_t)i);
+    bw_pressure_gradient(s->basis, field, s->motion + k * count);
+  }
+  for (size_t a = 0; a < m; a++)
+    for (size_t b = 0; b < m; b++)
+      for (size_t j = 0; j < count; j++)
+        s->fit[a * m + b] +=
+            s->motion[a * count + j] * s->motion[b * count + j] / s->basis->area[j];
+  s->fits = m > 0 && bwi_dense_factor(s->motions, s->fit, s->pivot);
+done:
+  bw_free(field);
+  return status;
+}
+
+static bw_status prepare_workers(search *s) {
+  bw_context *context = s->context;
+  bw_status status = BW_OK;
+  size_t count = (size_t)s->basis->count;
+  s->workers = bw_threads(context);
+  s->worker = BW_NEW0(context, worker, s->workers);
+  if (!s->worker)
+    return BW_MEMORY;
+  for (int i = 0; i < s->workers; i++) {
+    worker *w = &s->worker[i];
+    BW_TRY(bwi_loads_create(context, s->basis, s->system->numbering, s->options, &w->loads));
+    w->objective = BW_NEW(context, double, count);
+    w->pressure = BW_NEW(context, double, count);
+    w->gain = BW_NEW(context, double, count + 1);
+    if (!w->objective || !w->pressure || !w->gain) {
+      status = BW_MEMORY;
+      goto done;
+    }
+  }
+done:
+  return status;
+}
+
+static void search_clear(search *s) {
+  for (int i = 0; s->worker && i < s->workers; i++) {
+    bwi_loads_free(s->worker[i].loads);
+    bw_free(s->worker[i].objective);
+    bw_free(s->worker[i].pressure);
+    bw_free(s->worker[i].gain);
+  }
+  bw_free(s->worker);
+  bw_free(s->motion);
+  bw_free(s->fit);
+  bw_free(s->pivot);
+  bw_free(s->upper);
+  bw_free(s->response);
+  bw_free(s->block);
+  bw_free(s->result);
+}
+
+bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
+                              const bw_pressure_basis *basis, const bw_worst_load_options *options,
+                              double incumbent, double tolerance, bw_worst_bound *bound) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = system->mesh;
+  size_t count = (size_t)basis->count;
+  search s = {.context = context,
+              .system = system,
+              .basis = basis,
+              .options = options,
+              .incumbent = incumbent,
+              .tolerance = tolerance,
+              .motions = system->numbering->motion_count,
+              .columns = basis->count + (options->at_most ? 1 : 0)};
+  *bound = (bw_worst_bound){.largest = incumbent, .element = -1};
+  if (basis->mesh->node_count != mesh->node_count)
+    return bw_fail(context, BW_INVALID,
+                   "pressures of %d nodes for a system of %d nodes: they must be of the same mesh",
+                   basis->mesh->node_count, mesh->node_count);
+  if (!(incumbent >= 0) || isinf(incumbent))
+    return bw_fail(context, BW_INVALID, "the stress known to be reached is %g Pa", incumbent);
+  if (!(tolerance >= 0.001 && tolerance <= 0.5))
+    return bw_fail(context, BW_INVALID, "the tolerance of the bound is %g: give from 0.001 to 0.5",
+                   tolerance);
+  bwi_half_icosahedron(s.face);
+  BW_TRY(prepare_workers(&s));
+  BW_TRY(prepare_rows(&s));
+  s.upper = BW_NEW(context, double, s.columns);
+  s.response = BW_NEW(context, double, BATCH * 6 * count);
+  s.block = BW_NEW(context, double, (size_t)BATCH * 18 * (size_t)mesh->node_count);
+  s.result = BW_NEW(context, found, BATCH);
+  if (!s.upper || !s.response || !s.block || !s.result) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t j = 0; j < s.columns; j++)
+    s.upper[j] = j < basis->count ? basis->area[j] * (options->pressure / options->force) : 1;
+  for (int32_t first = 0; first < mesh->element_count; first += BATCH) {
+    bw_progress(context, "upper bound", (double)first / mesh->element_count);
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bound_batch(&s, first,
+                       mesh->element_count - first < BATCH ? mesh->element_count - first : BATCH,
+                       bound));
+  }
+  bound->upper = fmax(bound->upper, bound->largest);
+  bw_progress(context, "upper bound", 1);
+done:
+  search_clear(&s);
+  return status;
+}
