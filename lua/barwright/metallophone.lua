@@ -4,6 +4,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local followed = require "barwright.followed"
+local mode_kinds = require "barwright.mode_kinds"
 local options = require "barwright.options"
 local outlines = require "barwright.outline"
 local pitch = require "barwright.pitch"
@@ -57,25 +58,29 @@ function bar:inplane(count)
   return self.body:inplane(count)
 end
 
--- ---- holding -------------------------------------------------------------------------------------
-
--- Unit vector along which the shape is longest, by its second moments.
-local function long_axis(outline)
-  local m = outline.second_moment
-  local angle = 0.5 * math.atan(-2 * m.xy, m.xx - m.yy)
-  -- moment about the axis at `angle` is least: the shape lies along it
-  local function about(t)
-    return m.xx * math.cos(t) ^ 2 + m.yy * math.sin(t) ^ 2 - 2 * m.xy * math.sin(t) * math.cos(t)
+--- All modes up to the highest that the bar has, the lowest first: {frequency, kind = "bending", "torsion"
+--- or "in-plane", number = from 1 for each kind, mode = of those that are not in the plane}.
+function bar:spectrum()
+  local list = mode_kinds.of(self)
+  local highest = list[#list].frequency
+  local inplane, message, details = self.body:inplane(#list)
+  if not inplane then return nil, message, details end
+  for number, frequency in ipairs(inplane:totable()) do
+    if frequency <= highest then
+      list[#list + 1] = {frequency = frequency, kind = "in-plane", number = number}
+    end
   end
-  if about(angle) > about(angle + math.pi / 2) then angle = angle + math.pi / 2 end
-  return {math.cos(angle), math.sin(angle)}
+  table.sort(list, function(a, b) return a.frequency < b.frequency end)
+  return list
 end
+
+-- ---- holding -------------------------------------------------------------------------------------
 
 --- Two places to hold the bar where the lowest mode is at rest, one on either side of the centroid, as
 --- near the long axis as the nodal lines come.
 function bar:holes()
   local outline = self.outline
-  local axis, middle = long_axis(outline), outline.centroid
+  local axis, middle = mode_kinds.long_axis(outline), outline.centroid
   local best = {}
   for _, line in ipairs(self.nodal_lines:totable()) do
     for part = 0, 4 do
@@ -124,6 +129,9 @@ local tune_rules = {
   smooth = {type = "number", above = 0},
   finer = {type = "integer", default = 4, least = 1},
   watch = {type = "function"},
+  ratios = {type = "table"}, -- of the frequencies of the lowest modes of a kind
+  kind = {type = "string", default = "bending", one_of = {"bending", "torsion"}},
+  room = {type = "number", default = 0.2, above = 0}, -- part of the local width that a point may move by
 }
 
 local function wanted_frequency(where, target)
@@ -134,20 +142,62 @@ local function wanted_frequency(where, target)
   return wanted
 end
 
--- The bar's frequency on a finer mesh of the same outline.
+-- The bar on a finer mesh of the same outline.
 local function on_finer(self, finer)
-  local elements = self.element_count * finer
   return metallophone.new {outline = self.outline, material = self.wish.material,
-    thickness = self.wish.thickness, elements = elements, tolerance = self.wish.tolerance}
+    thickness = self.wish.thickness, elements = self.element_count * finer, modes = self.wish.modes,
+    tolerance = self.wish.tolerance}
 end
 
 -- Farther from the pitch than this (in ln f) the size is changed first.
 local FAR = 0.05
+-- Modes that are computed at most to find those that are tuned.
+local MOST_MODES = 60
+
+-- The frequencies wanted, from the first one and the ratios.
+local function wanted_of(first, ratios)
+  if not ratios then return {first} end
+  local wanted = {}
+  for k, ratio in ipairs(ratios) do
+    if type(ratio) ~= "number" or not (ratio > (ratios[k - 1] or 0) and ratio < math.huge) then
+      raise "tune: option 'ratios': numbers above 0, each above the one before, expected: {1, 4, 10}"
+    end
+    wanted[k] = first * ratio / ratios[1]
+  end
+  if #wanted == 0 then raise "tune: option 'ratios': at least one number expected" end
+  return wanted
+end
+
+-- The function that says which modes of a bar are tuned. By kind and number, so that another kind's mode may
+-- pass them.
+local function choice(wish)
+  if not wish.ratios then return function() return {1} end end
+  return function(self) return mode_kinds.lowest(self, wish.kind, #wish.ratios) end
+end
+
+-- Computes so many modes that those to be tuned, and some room for others to pass, are among them.
+local function enough_modes(self, choose)
+  local modes = choose(self)
+  while not modes or modes[#modes] + 2 > self.wish.modes do
+    if modes and #modes == 1 and modes[1] == 1 then return true end
+    if self.wish.modes >= MOST_MODES then
+      return nil, ("the modes to be tuned are not among the lowest %d"):format(self.wish.modes),
+        {status = "infeasible"}
+    end
+    self.wish.modes = math.min(MOST_MODES, self.wish.modes + 3)
+    local fine, message, details = self:solve()
+    if not fine then return nil, message, details end
+    modes = choose(self)
+  end
+  return true
+end
 
 -- What `tune` does; where it fails the bar is at what it tried last.
 local function tuned(self, wanted, wish, keep)
-  local first = self.outline
-  local far = math.log(self.frequency / wanted)
+  local first, choose = self.outline, choice(wish)
+  local enough, why, because = enough_modes(self, choose)
+  if not enough then return nil, why, because end
+  local far = math.log(self.frequencies[choose(self)[1]] / wanted[1])
   if math.abs(far) > FAR then
     local scaled, message, details = first:scaled(math.exp(far / 2))
     if scaled then scaled, message, details = self:become(scaled) end
@@ -156,31 +206,39 @@ local function tuned(self, wanted, wish, keep)
   local base = self.outline
   local box = base.box
   local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
-  local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch}
-  local aim, rounds, checked, off = wanted, 0, nil, 0
+  local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch, choose = choose,
+    room = wish.room}
+  local aim, rounds, modes, off = table.move(wanted, 1, #wanted, 1, {}), 0, nil, 0
   for _ = 1, 6 do
     local met, message, details = tune.search(self, aim, base, search)
     if not met then return nil, message, details end
     rounds = rounds + message
-    if wish.finer == 1 then
-      checked = self.frequency
-    else
-      local fine
+    local fine = self
+    if wish.finer > 1 then
       fine, message, details = on_finer(self, wish.finer)
       if not fine then return nil, message, details end
-      checked = fine.frequency
     end
-    off = pitch.cents(checked, self.frequency)
-    if math.abs(pitch.cents(checked, wanted)) < 0.1 then break end
-    aim = wanted * self.frequency / checked
+    local here, there = choose(self), choose(fine)
+    if not there then return nil, "a finer mesh has other modes", {status = "convergence"} end
+    local worst = 0
+    modes = {}
+    for k, target in ipairs(wanted) do
+      local ours, checked = self.frequencies[here[k]], fine.frequencies[there[k]]
+      modes[k] = {frequency = checked, wanted = target, cents = pitch.cents(checked, target), number = k,
+        kind = wish.ratios and wish.kind or nil}
+      worst = math.max(worst, math.abs(modes[k].cents))
+      if k == 1 then off = pitch.cents(checked, ours) end
+      aim[k] = target * ours / checked
+    end
+    if worst < 0.1 then break end
   end
   local moved = 0
   local from, to = first.points:totable(), self.outline.points:totable()
   for i = 1, #from do
     moved = math.max(moved, math.sqrt((to[i][1] - from[i][1]) ^ 2 + (to[i][2] - from[i][2]) ^ 2))
   end
-  return {frequency = checked, cents = pitch.cents(checked, wanted), moved = moved, rounds = rounds,
-    mesh_cents = off}
+  return {frequency = modes[1].frequency, cents = modes[1].cents, moved = moved, rounds = rounds,
+    mesh_cents = off, modes = modes}
 end
 
 --- Changes the outline until the tone is `target` (Hz, or a note), moving it least: |p|^2 along the
@@ -189,7 +247,10 @@ end
 --- off, the size is changed first (the tone of a thin bar goes with its inverse square), and `keep` and
 --- `pins` hold from there. The tone is met on a mesh `finer` times as fine (default 4; 1: on the bar's own).
 --- `watch` is called with the bar after every round; when it returns false, all is as before.
---- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents}.
+--- `ratios`: of the frequencies of the lowest modes of a `kind` ("bending" or "torsion"), the first of which gets
+--- the target: {1, 4, 10}. They are followed by kind and number while modes of another kind pass them. `room`:
+--- part of the local width that a point may move by (0.2).
+--- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents, modes}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)
   local wish = options.read("tune", given, tune_rules)
@@ -202,7 +263,10 @@ function bar:tune(target, given)
     end
     keep[segments[vertex][1]] = true
   end
-  return followed.attempt(self, function() return tuned(self, wanted, wish, keep) end)
+  local targets, modes = wanted_of(wanted, wish.ratios), self.wish.modes
+  local result, message, details = followed.attempt(self, function() return tuned(self, targets, wish, keep) end)
+  self.wish.modes = modes
+  return result, message, details
 end
 
 -- ---- trimming ------------------------------------------------------------------------------------
@@ -323,7 +387,7 @@ end
 
 arguments.methods("metallophone bar", bar, bar, {drag = "handle: any, by: any", become = "outline: any",
   solve = "",
-  gradient = "mode?: integer", mode = "mode?: integer", inplane = "count?: integer", holes = "",
+  gradient = "mode?: integer", mode = "mode?: integer", inplane = "count?: integer", spectrum = "", holes = "",
     tone = "options?: options",
   gains = "options?: options", write_tone = "path: string, options?: options",
   tune = "target: number|string, options?: options",

@@ -1,13 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The change of an outline of any shape that hits a pitch while it moves the outline least:
+-- The change of an outline of any shape that hits pitches while it moves the outline least:
 --
---   min p . W p  subject to  ln f(x0 + p) = ln f*,
+--   min p . W p  subject to  ln f_k(x0 + p) = ln f*_k,
 --
 -- p the displacements of the outline's points, W the square of their size over the local width and of
--- how unevenly they run along a loop. With g the gradient of ln f at p, c = ln f - ln f*, z = W^-1 g, a
--- step of sequential quadratic programming has two parts in closed form: across, -c z / (g . z), to the
--- pitch on the shortest way, and along, z (g . p) / (g . z) - p, to the least change at the same pitch.
--- The second is taken as far as it lowers p . W p / 2 + m |c|. The cheapest change of all would be to
+-- how unevenly they run along a loop. With g_k the gradient of ln f_k at p, c_k = ln f_k - ln f*_k,
+-- z_k = W^-1 g_k and G_kl = g_k . z_l, a step of sequential quadratic programming has two parts in closed
+-- form: across, -sum (G^-1 c)_k z_k, to the pitches on the shortest way, and along,
+-- sum (G^-1 (g . p))_k z_k - p, to the least change at the same pitches.
+-- The second is taken as far as it lowers p . W p / 2 + m sum |c_k|. The cheapest change of all would be to
 -- pinch the narrowest place; a point that has moved by a fifth of the width there stays where it is.
 --
 -- docs/theory/responsive.md, "Plates that ring".
@@ -188,21 +189,20 @@ end
 -- Largest part of ln f to be gone in one step and largest move in parts of `smooth`; how exactly the
 -- pitch has to be met; how little the way along may still be worth; rounds; smallest part of it tried.
 local STRIDE, REACH, EXACT, STILL, ROUNDS, LEAST = 0.08, 0.5, 1e-6, 1e-2, 80, 1 / 32
--- Part of the local width that a point may move by.
-local ROOM = 0.2
-
--- Points of a try that went beyond their room, set back to it and kept; whether there were any.
-local function confine(try, width, kept)
-  local any = false
+-- Several pitches count as met this near (0.2 cents) where no step leads nearer: meshes that are made anew on
+-- the way move each by about that.
+local NEARLY = 1.2e-4
+-- Sets points of a try that went beyond their room back to it; returns a list of them.
+local function confine(try, width, part, kept)
+  local list = {}
   for i = 1, #try do
-    local moved, room = math.sqrt(try[i][1] ^ 2 + try[i][2] ^ 2), ROOM * width[i]
+    local moved, room = math.sqrt(try[i][1] ^ 2 + try[i][2] ^ 2), part * width[i]
     if moved > room and not kept[i] then
       try[i] = {try[i][1] * room / moved, try[i][2] * room / moved}
-      kept[i] = true
-      any = true
+      list[#list + 1] = i
     end
   end
-  return any
+  return list
 end
 
 -- Takes the bar to origin + p. nil and why where the outline folds or no mesh follows.
@@ -214,77 +214,184 @@ local function take(bar, outline, origin, p)
   return bar:become(tried)
 end
 
---- Moves `bar` (a metallophone bar) until its frequency is `wanted`, from `outline`. `wish`: keep (set
---- of points), smooth (length), watch (called with the bar after every round; false ends the search).
---- Returns the bar's outline, rounds.
+-- Solves a small symmetric system; nil where it is singular: pitches that no moves can part.
+local function solve_small(G, b)
+  local n, A = #b, {}
+  for i = 1, n do
+    A[i] = table.move(G[i], 1, n, 1, {})
+    A[i][n + 1] = b[i]
+  end
+  for i = 1, n do
+    if A[i][i] <= 1e-9 * G[i][i] or A[i][i] ~= A[i][i] then return nil end
+    for j = i + 1, n do
+      local f = A[j][i] / A[i][i]
+      for k = i, n + 1 do A[j][k] = A[j][k] - f * A[i][k] end
+    end
+  end
+  local x = {}
+  for i = n, 1, -1 do
+    local sum = A[i][n + 1]
+    for k = i + 1, n do sum = sum - A[i][k] * x[k] end
+    x[i] = sum / A[i][i]
+  end
+  return x
+end
+
+local function sum_of(z, factors, count)
+  local found = {}
+  for i = 1, count do
+    found[i] = {0, 0}
+    for k, factor_k in ipairs(factors) do
+      found[i][1] = found[i][1] + factor_k * z[k][i][1]
+      found[i][2] = found[i][2] + factor_k * z[k][i][2]
+    end
+  end
+  return found
+end
+
+-- c of every pitch, the largest in size, the sum of sizes; nil where the modes are not there.
+local function distances(bar, wanted, modes)
+  if not modes then return nil end
+  local c, most, sum = {}, 0, 0
+  for k, mode in ipairs(modes) do
+    c[k] = math.log(bar.frequencies[mode] / wanted[k])
+    most, sum = math.max(most, math.abs(c[k])), sum + math.abs(c[k])
+  end
+  return c, most, sum
+end
+
+local function largest(list)
+  local most = 0
+  for _, value in ipairs(list) do most = math.max(most, math.abs(value)) end
+  return most
+end
+
+-- The gradients of ln f by the points, W^-1 times them, and G.
+local function slopes(bar, modes, list, count)
+  local g, z, G = {}, {}, {}
+  for k, mode in ipairs(modes) do
+    local gradient, message, details = bar:gradient(mode)
+    if not gradient then return nil, message, details end
+    g[k] = gradient:totable()
+    local frequency = bar.frequencies[mode]
+    for i = 1, count do g[k][i] = {g[k][i][1] / frequency, g[k][i][2] / frequency} end
+    z[k] = smoothed(list, g[k], count)
+  end
+  for k = 1, #modes do
+    G[k] = {}
+    for l = 1, #modes do G[k][l] = dot(g[k], z[l]) end
+  end
+  return g, z, G
+end
+
+-- "348.1 Hz, 960.2 Hz"
+local function hertz(list)
+  local words = {}
+  for k, frequency in ipairs(list) do words[k] = ("%.6g Hz"):format(frequency) end
+  return table.concat(words, ", ")
+end
+
+local function frequencies_of(bar, modes)
+  local list = {}
+  for k, mode in ipairs(modes) do list[k] = bar.frequencies[mode] end
+  return list
+end
+
+--- Moves `bar` (a metallophone bar) until its modes have the frequencies `wanted`, from `outline`. `wish`: keep
+--- (set of points), smooth (length), room (part of the local width that a point may move by), choose (the
+--- numbers of the modes on the bar as it is; nil: they are not there), watch (called with the bar after every
+--- round; false ends the search). Returns the bar's outline, rounds.
 function tune.search(bar, wanted, outline, wish)
   local count = outline.points.row_count
   local origin, now = outline.points:totable(), bar.outline.points:totable()
-  local most = 10 * wish.smooth
   local p, kept = {}, {}
-  local width, unknown, because = widths(outline, most)
+  local width, unknown, because = widths(outline, 10 * wish.smooth)
   if not width then return nil, unknown, because end
   for point in pairs(wish.keep) do kept[point] = true end
   local list = measures(outline, wish.smooth, kept, width)
   for i = 1, count do p[i] = {now[i][1] - origin[i][1], now[i][2] - origin[i][2]} end
   local along = 1 -- part of the way along that was good last
+  local best, nearest = nil, NEARLY -- of several pitches
   for round = 1, ROUNDS do
-    local frequency = bar.frequency
-    local c = math.log(frequency / wanted)
-    local gradient, message, details = bar:gradient()
-    if not gradient then return nil, message, details end
-    local g = gradient:totable()
-    for i = 1, count do g[i] = {g[i][1] / frequency, g[i][2] / frequency} end
-    local z = smoothed(list, g, count)
-    local curvature = dot(g, z)
-    if curvature <= 0 then
-      return nil, ("%.6g Hz is as near to %.6g Hz as the points that may move get (by a fifth of the "
-        .. "width where they are)"):format(frequency, wanted), {status = "infeasible",
-        frequency = frequency}
+    local modes = wish.choose(bar)
+    if not modes then
+      return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
     end
-    local size, rest = measured(list, p), {}
-    local share = dot(g, p) / curvature
-    for i = 1, count do rest[i] = {share * z[i][1] - p[i][1], share * z[i][2] - p[i][2]} end
+    local c, most, sum = distances(bar, wanted, modes)
+    local frequencies = frequencies_of(bar, modes)
+    if #modes > 1 and most < nearest then best, nearest = p, most end
+    local g, z, G = slopes(bar, modes, list, count)
+    if not g then return nil, z, G end
+    local by_p, short = {}, {}
+    for k = 1, #modes do
+      by_p[k], short[k] = dot(g[k], p), math.max(-STRIDE, math.min(STRIDE, c[k]))
+    end
+    local shares = solve_small(G, by_p)
+    local back = shares and solve_small(G, short)
+    if not back and best then
+      take(bar, outline, origin, best)
+      return bar.outline, round
+    elseif not back then
+      return nil, ("%s: this is as near to %s as the points that may move get (by %.3g of the width where they "
+        .. "are)"):format(hertz(frequencies), hertz(wanted), wish.room), {status = "infeasible",
+        frequency = frequencies[1], frequencies = frequencies}
+    end
+    local size, rest, across = measured(list, p), sum_of(z, shares, count), sum_of(z, back, count)
+    for i = 1, count do rest[i] = {rest[i][1] - p[i][1], rest[i][2] - p[i][2]} end
     local worth = measured(list, rest)
-    if math.abs(c) < EXACT and worth <= STILL ^ 2 * size then return bar.outline, round - 1 end
-    local across = -math.max(-STRIDE, math.min(STRIDE, c)) / curvature
-    across = across * math.min(1, REACH * wish.smooth / (math.abs(across) * longest(z) + 1e-300))
-    local price = 2 * math.abs(share) + 2 * math.abs(across)
-    local merit = size / 2 + price * math.abs(c)
+    if most < EXACT and worth <= STILL ^ 2 * size then return bar.outline, round - 1 end
+    local reach = -math.min(1, REACH * wish.smooth / (longest(across) + 1e-300))
+    local price = 2 * largest(shares) + 2 * largest(back)
+    local merit = size / 2 + price * sum
     -- not along while the pitch is far: it will be another way from there
-    local part = math.abs(c) > STRIDE / 2 and 0
+    local part = most > STRIDE / 2 and 0
       or math.min(1, 2 * along, REACH * wish.smooth / (longest(rest) + 1e-300))
-    local fine, confined
+    local fine, message, details
+    local confined, halted = false, {}
     for _ = 1, 16 do
-      local try = combined(p, across, z, part, rest)
-      confined = confine(try, width, kept) or confined
+      local try = combined(p, reach, across, part, rest)
+      local list_of_try = confine(try, width, wish.room, kept)
+      for _, i in ipairs(list_of_try) do halted[i] = true end
       fine, message, details = take(bar, outline, origin, try)
       if fine then
-        local off = math.abs(math.log(bar.frequency / wanted))
-        fine = part == 0 or confined or measured(list, try) / 2 + price * off < merit
+        local _, _, off = distances(bar, wanted, wish.choose(bar))
+        fine = off and (#modes == 1 and (part == 0 or #list_of_try > 0)
+          or (part == 0 or #list_of_try > 0) and off < sum
+          or measured(list, try) / 2 + price * off < merit)
       end
       if fine then
-        p = try
+        p, confined = try, #list_of_try > 0
+        for _, i in ipairs(list_of_try) do kept[i] = true end
         if part > 0 then along = part end
         break
       end
       if part > 0 then
         part = part > LEAST and part / 2 or 0
       else
-        across = across / 2
+        reach = reach / 2
       end
     end
-    if confined then list = measures(outline, wish.smooth, kept, width) end
     if not fine then
-      take(bar, outline, origin, p)
-      return nil, message or "no step towards the pitch was found", details
+      take(bar, outline, origin, best or p)
+      if best then return bar.outline, round end
+      if next(halted) == nil then
+        return nil, ("no step from %s towards %s was found%s"):format(hertz(frequencies), hertz(wanted),
+          message and ": " .. message or ""), {status = details and details.status or "convergence",
+          frequency = frequencies[1], frequencies = frequencies}
+      end
+      -- what is at the end of its room stays; the others may go on
+      for i in pairs(halted) do kept[i] = true end
+      confined = true
     end
+    if confined then list = measures(outline, wish.smooth, kept, width) end
     if wish.watch and wish.watch(bar) == false then return nil, "stopped", {status = "cancelled"} end
     -- nothing along is worth it any more: the last of it, and the pitch is met
-    if not confined and part == 0 and math.abs(c) < EXACT then return bar.outline, round end
+    if not confined and part == 0 and most < EXACT then return bar.outline, round end
   end
-  return nil, ("%d rounds led to %.6g Hz instead of %.6g Hz"):format(ROUNDS, bar.frequency, wanted),
-    {status = "convergence", frequency = bar.frequency}
+  if best and take(bar, outline, origin, best) then return bar.outline, ROUNDS end
+  local frequencies = frequencies_of(bar, wish.choose(bar) or {})
+  return nil, ("%d rounds led to %s instead of %s"):format(ROUNDS, hertz(frequencies), hertz(wanted)),
+    {status = "convergence", frequency = frequencies[1], frequencies = frequencies}
 end
 
 return tune

@@ -2482,6 +2482,14 @@ function Metallophone:mode(mode) end
 ---@return table? details
 function Metallophone:inplane(count) end
 
+---All modes up to the highest that the bar has (`modes` of them, and those within its plane), the lowest first:
+---frequency (Hz), kind ("bending" along the long axis, "torsion" about it, "in-plane"), number (from 1 for each
+---kind), mode (of the bar; none in the plane). Example: `for _, m in ipairs(assert(bar:spectrum())) do print(m.kind) end`
+---@return {frequency: number, kind: string, number: integer, mode: integer?}[]?
+---@return string? message
+---@return table? details
+function Metallophone:spectrum() end
+
 ---Two places to hold the bar, on the nodal lines of its lowest mode.
 ---@return number[][]? places
 ---@return string? message
@@ -2512,13 +2520,16 @@ function Metallophone:gains(options) end
 function Metallophone:write_tone(path, options) end
 
 ---Changes the outline until the tone is `target` (Hz, or a note like "C5"), moving it least in the mean
----square and as evenly as the length `smooth` asks (default: a tenth of the size), no point by more than a
----fifth of the width where it is. More than 5 % off, the size is changed first. `keep`: numbers of points
+---square and as evenly as the length `smooth` asks (default: a tenth of the size), no point by more than
+---the part `room` (0.2) of the width where it is. `ratios`: of the frequencies of the lowest modes of a `kind`
+---("bending" or "torsion"), the first of which gets the target: {1, 4, 10}; they are followed by kind and number
+---while modes of another kind pass them. Ratios that the outline cannot reach fail with status "infeasible" or
+---"convergence" and details.frequencies, the nearest found. More than 5 % off, the size is changed first. `keep`: numbers of points
 ---that stay (from there), `pins`: of vertices, as in Outline:pull. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
 ---`watch` is called with the bar after every round; where it returns false, tuning ends as a failure.
 ---@param target number|string
----@param options? {keep?: integer[], pins?: integer[], smooth?: number, finer?: integer, watch?: fun(bar: bw.Metallophone): boolean?}
----@return {frequency: number, cents: number, moved: number, rounds: integer, mesh_cents: number}?
+---@param options? {keep?: integer[], pins?: integer[], smooth?: number, finer?: integer, ratios?: number[], kind?: "bending"|"torsion", room?: number, watch?: fun(bar: bw.Metallophone): boolean?}
+---@return {frequency: number, cents: number, moved: number, rounds: integer, mesh_cents: number, modes: {frequency: number, wanted: number, cents: number, number: integer, kind: string?}[]}?
 ---@return string? message
 ---@return table? details
 function Metallophone:tune(target, options) end

@@ -86,6 +86,78 @@ describe("a metallophone bar", function()
     assert.is_true(far.outline.area > 0.8 * bar.outline.area)
   end)
 
+  -- An even bar: bending modes of an Euler-Bernoulli beam, torsion of St Venant, bending in the plane with the
+  -- width in the place of the thickness.
+  it("names its modes", function()
+    local length, width, thick, nu = 0.3, 0.03, 0.004, 0.33
+    local turned = assert(bw.outline.rectangle {low = {0, 0}, high = {length, width}}):turned(30)
+    local bar = assert(bw.responsive.metallophone {outline = turned, thickness = thick, elements = 200, modes = 7,
+      material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = nu, density = 2700}})
+    local first = {}
+    local last = 0
+    for _, mode in ipairs(assert(bar:spectrum())) do
+      assert.is_true(mode.frequency >= last)
+      last = mode.frequency
+      if mode.mode then assert.equal(bar.frequencies[mode.mode], mode.frequency) end
+      first[mode.kind .. " " .. mode.number] = mode.frequency
+    end
+    local speed = math.sqrt(70e9 / 2700)
+    for n, root in ipairs {4.7300, 7.8532, 10.9956} do
+      local wanted = root ^ 2 / (2 * math.pi * length ^ 2) * speed * thick / math.sqrt(12)
+      check.near(wanted, first["bending " .. n], 0.02)
+    end
+    check.near(math.sqrt(1 / (2 * (1 + nu))) * speed * thick / width / length, first["torsion 1"], 0.05)
+    check.near(first["torsion 1"] * 2, first["torsion 2"], 0.05)
+    -- sheared and turned, a deep beam is softer
+    check.near(4.73 ^ 2 / (2 * math.pi * length ^ 2) * speed * width / math.sqrt(12), first["in-plane 1"], 0.06)
+  end)
+
+  it("follows a mode while one of another kind passes it", function()
+    local places = {}
+    for i, width in ipairs {0.028, 0.036} do
+      local bar = assert(bw.responsive.metallophone {thickness = 0.006, elements = 200, modes = 5,
+        outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.3, width}}),
+        material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = 0.33, density = 2700}})
+      for _, mode in ipairs(assert(bar:spectrum())) do
+        if mode.kind == "bending" and mode.number == 3 then
+          check.near(1878, mode.frequency, 0.01)
+          places[i] = mode.mode
+        end
+      end
+    end
+    assert.same({3, 4}, places)
+  end)
+
+  it("is tuned in several modes at once", function()
+    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.3, 0.04}})
+    for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
+    for edge = outline.edge_count, 1, -1 do outline = assert(outline:split(edge, 0.5)) end
+    local function bar_of_modes(thickness)
+      return assert(bw.responsive.metallophone {outline = outline, thickness = thickness, elements = 200,
+        material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = 0.33, density = 2700}})
+    end
+    local bar = bar_of_modes(0.006)
+    local found = assert(bar:tune(350, {ratios = {1, 3}, room = 0.35, finer = 1}))
+    assert.equal(2, #found.modes)
+    for k, mode in ipairs(found.modes) do
+      assert.is_true(math.abs(mode.cents) < 0.5)
+      check.near(350 * (2 * k - 1), mode.frequency, 1e-3)
+    end
+    local three = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.006, elements = 800,
+      modes = 4, material = bar.wish.material})
+    local kinds = {}
+    for _, mode in ipairs(assert(three:spectrum())) do kinds[mode.kind .. mode.number] = mode.frequency end
+    check.near(3, kinds.bending2 / kinds.bending1, 0.01)
+    -- what the outline cannot do is said, and nothing has changed
+    local none = bar_of_modes(0.006)
+    local before = none.outline
+    local nothing, message, details = none:tune(350, {ratios = {1, 4, 10}, finer = 1})
+    assert.is_nil(nothing)
+    assert.truthy(message:find("Hz", 1, true) and #details.frequencies == 3)
+    assert.equal(before.area, none.outline.area)
+    check.raises("each above the one before", none.tune, none, 350, {ratios = {1, 1}})
+  end)
+
   it("moves the outline less than other changes that hit the pitch", function()
     local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.2, 0.03}})
     for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
