@@ -55,7 +55,21 @@ bw_status bwi_link_regions(bwi_face_finder *f);
  * none. Fills kind, point, axis, radius, slope, residual. */
 bool bwi_face_fit(const bwi_cloud *cloud, bw_face_kind kind, bw_face *face);
 
-/* faces_project.c: `surface`, which was made from `base` by remeshing, with its points on the
+/* faces_project.c: the faces that meet at a point, planes first; free forms are left out. */
+enum { BWI_AROUND = 8 };
+typedef struct bwi_around {
+  int count;
+  int32_t face[BWI_AROUND];
+} bwi_around;
+void bwi_around_add(bwi_around *around, const bw_faces *faces, int32_t face);
+/* x onto the primitives, up to a kind; false when the steps do not end. */
+bool bwi_around_project(const bw_faces *faces, const bwi_around *around, bw_face_kind last,
+                        double diagonal, double x[3]);
+/* The face of the base that each facet of a surface lies on; -1 where it is not clear. */
+bw_status bwi_faces_label(bw_context *context, const bw_surface *base, const bw_faces *faces,
+                          const bw_surface *surface, int32_t *label);
+
+/* `surface`, which was made from `base` by remeshing, with its points on the
  * primitives of the faces of `base`. Points stay where they are where a move would be long or turn
  * a facet. *moved is the longest move; the same surface is retained where nothing moves. */
 bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const bw_faces *faces,

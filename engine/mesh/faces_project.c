@@ -13,21 +13,16 @@
 #include "mesh/surface_internal.h"
 #include "mesh/surface_tree.h"
 
-enum { FACES = 8, STEPS = 20 };
+enum { STEPS = 20 };
 static const double least_gradient = 0.1; /* of the part outside of the span: 6 degrees */
 static const double of_edge = 0.3;        /* longest move, of the shortest edge at the point */
 
-typedef struct around { /* faces at a point, ascending: planes have low kinds, not low numbers */
-  int count;
-  int32_t face[FACES];
-} around;
-
-static void add_face(around *a, const bw_faces *faces, int32_t face) {
+void bwi_around_add(bwi_around *a, const bw_faces *faces, int32_t face) {
   int at = a->count;
   for (int i = 0; i < a->count; i++)
     if (a->face[i] == face)
       return;
-  if (a->count == FACES)
+  if (a->count == BWI_AROUND || faces->face[face].kind == BW_FACE_FREE)
     return;
   while (at > 0 && (faces->face[a->face[at - 1]].kind > faces->face[face].kind ||
                     (faces->face[a->face[at - 1]].kind == faces->face[face].kind &&
@@ -39,9 +34,8 @@ static void add_face(around *a, const bw_faces *faces, int32_t face) {
   a->count++;
 }
 
-/* x onto the primitives, up to a kind; false when the steps do not end. */
-static bool project(const bw_faces *faces, const around *a, bw_face_kind last, double diagonal,
-                    double x[3]) {
+bool bwi_around_project(const bw_faces *faces, const bwi_around *a, bw_face_kind last,
+                        double diagonal, double x[3]) {
   for (int step = 0; step < STEPS; step++) {
     double base[3][3], move[3] = {0, 0, 0}, largest = 0;
     int rank = 0;
@@ -82,44 +76,49 @@ static double apart(const double *a, const double *b) {
   return bw_norm(d);
 }
 
-/* The faces at each point, and the longest move that its edges allow. */
-static bw_status look_around(bw_context *context, const bw_surface *base, const bw_faces *faces,
-                             const bw_surface *surface, around *at, double *room) {
+bw_status bwi_faces_label(bw_context *context, const bw_surface *base, const bw_faces *faces,
+                          const bw_surface *surface, int32_t *label) {
   bw_status status;
   bwi_tree *tree = NULL;
   int32_t nearest = -1;
   BW_TRY(bwi_tree_create(context, base->point, base->triangle_count, base->triangle, NULL, &tree));
-  for (int32_t i = 0; i < surface->point_count; i++)
-    room[i] = HUGE_VAL;
   for (int32_t t = 0; t < surface->triangle_count; t++) {
     const int32_t *corner = surface->triangle + 3 * (size_t)t;
     double middle[3] = {0}, place[3], n[3], m[3];
+    label[t] = -1;
     if (t % 4096 == 0)
       BW_TRY(bw_check_cancel(context));
-    for (int k = 0; k < 3; k++) {
-      const double *x = surface->point + 3 * (size_t)corner[k];
-      const double *y = surface->point + 3 * (size_t)corner[(k + 1) % 3];
-      double length = apart(x, y);
-      room[corner[k]] = fmin(room[corner[k]], of_edge * length);
-      room[corner[(k + 1) % 3]] = fmin(room[corner[(k + 1) % 3]], of_edge * length);
-      for (int c = 0; c < 3; c++)
-        middle[c] += x[c] / 3;
-    }
+    for (int k = 0; k < 9; k++)
+      middle[k % 3] += surface->point[3 * (size_t)corner[k / 3] + (size_t)(k % 3)] / 3;
     bwi_tree_nearest(tree, middle, nearest, 0, place, &nearest);
     if (nearest < 0)
       continue;
-    int32_t face = faces->of_triangle[nearest];
     bwi_facet_normal(surface->point, corner, n);
     bwi_facet_normal(base->point, base->triangle + 3 * (size_t)nearest, m);
-    if (faces->face[face].kind == BW_FACE_FREE ||
-        !(fabs(bw_dot(n, m)) > 0.7 * bw_norm(n) * bw_norm(m)))
-      continue;
-    for (int k = 0; k < 3; k++)
-      add_face(&at[corner[k]], faces, face);
+    if (fabs(bw_dot(n, m)) > 0.7 * bw_norm(n) * bw_norm(m))
+      label[t] = faces->of_triangle[nearest];
   }
 done:
   bwi_tree_free(tree);
   return status;
+}
+
+/* The faces at each point, and the longest move that its edges allow. */
+static void look_around(const bw_faces *faces, const bw_surface *surface, const int32_t *label,
+                        bwi_around *at, double *room) {
+  for (int32_t i = 0; i < surface->point_count; i++)
+    room[i] = HUGE_VAL;
+  for (int32_t t = 0; t < surface->triangle_count; t++) {
+    const int32_t *corner = surface->triangle + 3 * (size_t)t;
+    for (int k = 0; k < 3; k++) {
+      int32_t a = corner[k], b = corner[(k + 1) % 3];
+      double most = of_edge * apart(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b);
+      room[a] = fmin(room[a], most);
+      room[b] = fmin(room[b], most);
+      if (label[t] >= 0)
+        bwi_around_add(&at[a], faces, label[t]);
+    }
+  }
 }
 
 /* Takes back the moves from `from` of facets that turn by more than 60 degrees against the surface;
@@ -150,7 +149,7 @@ static bool take_back(const bw_surface *surface, const double *from, double *poi
 typedef struct projection {
   const bw_faces *faces;
   const bw_surface *surface;
-  const around *at;
+  const bwi_around *at;
   const double *room;
   double longest, diagonal;
   double *from, *point; /* before and after a round */
@@ -164,7 +163,8 @@ static bw_status move_onto(bw_context *context, projection *p, bw_face_kind last
   for (int32_t i = 0; i < surface->point_count; i++) {
     double x[3];
     memcpy(x, p->from + 3 * (size_t)i, sizeof x);
-    p->moved[i] = p->at[i].count > 0 && project(p->faces, &p->at[i], last, p->diagonal, x) &&
+    p->moved[i] = p->at[i].count > 0 &&
+                  bwi_around_project(p->faces, &p->at[i], last, p->diagonal, x) &&
                   apart(surface->point + 3 * (size_t)i, x) <= fmin(p->room[i], p->longest) &&
                   memcmp(x, p->from + 3 * (size_t)i, sizeof x) != 0;
     if (p->moved[i])
@@ -183,8 +183,9 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
   bw_surface *made = NULL;
   bw_surface_report report = {0};
   size_t points = (size_t)surface->point_count;
-  around *at = BW_NEW0(context, around, points);
+  bwi_around *at = BW_NEW0(context, bwi_around, points);
   double *room = BW_NEW(context, double, points);
+  int32_t *label = BW_NEW(context, int32_t, surface->triangle_count);
   projection p = {.faces = faces,
                   .surface = surface,
                   .at = at,
@@ -196,11 +197,12 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
                   .moved = BW_NEW0(context, uint8_t, points)};
   *count = 0;
   *moved = 0;
-  if (!at || !room || !p.from || !p.point || !p.moved) {
+  if (!at || !room || !label || !p.from || !p.point || !p.moved) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(look_around(context, base, faces, surface, at, room));
+  BW_TRY(bwi_faces_label(context, base, faces, surface, label));
+  look_around(faces, surface, label, at, room);
   memcpy(p.point, surface->point, 3 * points * sizeof *p.point);
   /* Planes first, by hair's breadths: what the longer moves onto round faces give up stays flat. */
   BW_TRY(move_onto(context, &p, BW_FACE_PLANE));
@@ -228,6 +230,7 @@ done:
   bw_release(made);
   bw_free(at);
   bw_free(room);
+  bw_free(label);
   bw_free(p.from);
   bw_free(p.point);
   bw_free(p.moved);

@@ -160,6 +160,19 @@ done:
   return lbw_leave(L, status, 1);
 }
 
+/* mesh:curved(surface): mesh, how many middles lie on round faces now */
+int lbw_mesh_curved(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);
+  lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
+  bw_mesh *out = NULL;
+  int64_t count = 0;
+  bw_status status = bw_mesh_curved(lbw_enter(L), mesh, surface, &out, &count);
+  lbw_box_fill(L, box, out);
+  lua_pushinteger(L, count);
+  return lbw_leave(L, status, 2);
+}
+
 /* ---- what print shows ------------------------------------------------------------------------ */
 
 enum { LINES = 12, MOST_TRIANGLES = 200000 };

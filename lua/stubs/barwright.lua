@@ -741,6 +741,15 @@ function Mesh:subset(mask) end
 ---@return bw.Array|table elements of every element the number that it had, or details
 function Mesh:renumbered() end
 
+---Curved elements: the middles of the boundary's edges on the planes, cylinders, cones and spheres of the surface
+---that a mesh of order 2 was filled from. Middles stay straight where an element would become too distorted.
+---`local mesh, moved = assert(bw.mesh.fill(surface, {order = 2})):curved(surface)`
+---@param surface bw.Surface
+---@return bw.Mesh? mesh
+---@return integer|string count how many middles moved, or a message
+---@return table? details
+function Mesh:curved(surface) end
+
 ---The boundary as a surface, and the node of every point.
 ---@return bw.Surface?
 ---@return bw.Array nodes

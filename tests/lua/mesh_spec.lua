@@ -33,6 +33,40 @@ describe("a surface", function()
     assert.equal(50, #rod:faces {angle = 0.1})
   end)
 
+  it("lies on round faces with curved elements at every size, which pass the patch test", function()
+    local ball = bw.surface.sphere {radius = 0.01, subdivisions = 3}
+    local rod = bw.surface.cylinder {axis = {0, 0, 0.03}, radius = 0.01, segments = 96}
+    local exact = {[ball] = 4 * math.pi * 1e-4, [rod] = 2 * math.pi * 1e-4 + 2 * math.pi * 0.01 * 0.03}
+    local gradient = {{1e-3, 2e-4, -3e-4}, {5e-4, -7e-4, 1e-4}, {-2e-4, 4e-4, 6e-4}}
+    for surface, area in pairs(exact) do
+      for _, elements in ipairs {150, 1000} do
+        local straight = assert(bw.mesh.fill(surface, {elements = elements, order = 2, tolerance = 0.5}))
+        local mesh, count = assert(straight:curved(surface))
+        assert.is_true(count > 0 and count < mesh.boundary.node_count)
+        if surface == ball then assert.is_true(straight.boundary.area < 0.985 * area) end
+        assert.is_true(math.abs(mesh.boundary.area / area - 1) < 0.005)
+        local rows = {}
+        for i = 1, mesh.node_count do
+          rows[i] = {}
+          for k = 1, 3 do
+            rows[i][k] = gradient[k][1] * mesh.nodes(i, 1) + gradient[k][2] * mesh.nodes(i, 2)
+              + gradient[k][3] * mesh.nodes(i, 3)
+          end
+        end
+        local field = bw.array(rows)
+        local part = bw.model {mesh = mesh, material = bw.material.isotropic {young = 1e9, poisson = 0.3}}
+        local static = assert(part:prescribe(mesh.boundary, field):solve())
+        assert.is_true((static.displacement - field):norm() < 1e-12 * field:norm())
+        check.near(1, static.von_mises:max() / static.von_mises:min(), 1e-10)
+      end
+    end
+    local flat = assert(bw.mesh.fill(ball, {elements = 150}))
+    check.raises("this mesh has order 1", flat.curved, flat, ball)
+    local cube = bw.surface.box {high = {1, 1, 1}}
+    local _, none = assert(bw.mesh.fill(cube, {elements = 150, order = 2})):curved(cube)
+    assert.equal(0, none)
+  end)
+
   it("keeps its faces when it is filled, to be selected on the mesh", function()
     local rod = bw.surface.cylinder {axis = {0, 0, 0.05}, radius = 0.01, segments = 48}
     local mesh = assert(bw.mesh.fill(rod, {elements = 4000}))
