@@ -490,6 +490,18 @@ static int core_nodal_stress(lua_State *L) {
   return lbw_leave(L, bw_nodal_stress(lbw_enter(L), mesh, material, displacement, out), 1);
 }
 
+/* surface_mean(mesh, values, radius) */
+static int core_surface_mean(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_array *array = (const bw_array *)lbw_check(L, 2, &lbw_array_class);
+  int64_t rows, columns = array->columns;
+  const double *value = lbw_to_doubles(L, 2, "values", (int)columns, &rows);
+  lbw_argument_check(L, rows == mesh->node_count, 2, "values: a row for every node expected");
+  double radius = lbw_number_or(L, 3, 0);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, columns)->data;
+  return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)columns, value, out), 1);
+}
+
 static int rows_of(lua_State *L, row_function *function, int64_t columns) {
   int64_t rows;
   double *stress = lbw_to_doubles(L, 1, "stress", 6, &rows);
@@ -508,10 +520,13 @@ static int core_max_principal(lua_State *L) {
 }
 
 void lbw_open_solve(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"element_stress", core_element_stress}, {"nodal_stress", core_nodal_stress},
-      {"von_mises", core_von_mises},           {"principal", core_principal},
-      {"max_principal", core_max_principal},   {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"element_stress", core_element_stress},
+                                       {"nodal_stress", core_nodal_stress},
+                                       {"surface_mean", core_surface_mean},
+                                       {"von_mises", core_von_mises},
+                                       {"principal", core_principal},
+                                       {"max_principal", core_max_principal},
+                                       {NULL, NULL}};
   lbw_class_register(L, &lbw_static_class);
   lbw_class_register(L, &lbw_modes_class);
   lbw_class_register(L, &lbw_system_class);

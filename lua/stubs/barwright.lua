@@ -67,6 +67,25 @@ function bw.worst_case(part, options) end
 ---@return table? details
 function bw.brute_force(part, options) end
 
+---The least force that breaks a body when it is pushed in the worst way through contacts of a given size, as an
+---interval. The force is what presses on one side; the reactions press as much. A surface is filled with quadratic
+---tetrahedra on meshes of `elements` / 16, / 4 and / 1 elements; with `most_elements` finer ones follow until the
+---estimated error is below `error`. A mesh is taken as it is, and the interval is wide. The stress is judged by its
+---mean over a surface patch of radius `length` (m; default 2 % of the diagonal of the bounding box), by the largest
+---principal stress, or by von Mises against yield for the library's metals or `failure = "von_mises"`.
+---`contact` is the least area that a force presses on (m2; default 1e-4, at most a twentieth of the surface), `force`
+---the load at which `worst` is computed (N; default 20). docs/theory/breaking_force.md.
+---```lua
+---local breaking = assert(bw.breaking_force(assert(bw.surface.read "hook.stl"), {material = bw.material.pla}))
+---print(breaking, breaking:verdict(50))
+---```
+---@param body bw.Surface|bw.Mesh
+---@param options {material: bw.Material, force?: number, contact?: number, error?: number, elements?: integer, most_elements?: integer, length?: number, failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer}
+---@return bw.BreakingForce?
+---@return string? message
+---@return table? details
+function bw.breaking_force(body, options) end
+
 ---Random drops of a free part onto a peg, thousands from one factor.
 ---@param part bw.Model without supports, of a material with a density
 ---@param options? {drops: integer, height: number, peg_radius: number, duration: number, seed: integer}
@@ -88,6 +107,17 @@ function bw.element_stress(mesh, material, displacement) end
 ---@param displacement bw.Array
 ---@return bw.Array?
 function bw.nodal_stress(mesh, material, displacement) end
+
+---The mean of a field at nodes over the boundary that connected facets reach within `radius` of each boundary node,
+---weighted by area and 1 - (distance / radius)^2: a nonlocal measure that has a limit under refinement where a stress
+---has none. 0 at inner nodes; the node's own value where the mesh is coarser than the radius.
+---@param mesh bw.Mesh
+---@param values bw.Array a row for every node
+---@param radius number m, above 0
+---@return bw.Array? mean of the size of values
+---@return string? message
+---@return table? details
+function bw.surface_mean(mesh, values, radius) end
 
 ---Von Mises stress of rows of stress tensors.
 ---@param stress bw.Array
@@ -1383,6 +1413,39 @@ function BruteForce:percentile(p) end
 ---@param p? number
 ---@return table
 function BruteForce:compare(worst, p) end
+
+---@class bw.BreakingForce
+---@field force number N: the estimate
+---@field low number N: the lower end of the interval
+---@field high number N: the upper end
+---@field estimated_error number the larger distance of an end, over the force
+---@field at number[] m: where it breaks
+---@field region integer of the worst case, whose load breaks it
+---@field singular boolean the stress at nodes still grows with finer meshes, as where it has no finite value
+---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
+---@field history table[] of every mesh {elements, force, utilisation, at, region, point, places, seconds}
+---@field contact number m2
+---@field length number m: radius of the patch
+---@field failure string
+---@field worst bw.WorstCase on the last mesh, under `reference` N
+---@field reference number N
+---@field material bw.Material
+---@field mesh bw.Mesh the last one
+---@field surface? bw.Surface
+---@field given_mesh? bw.Mesh
+---@field box table
+---@field log? table of the last filling
+---@field options table
+---@field seconds number
+local BreakingForce = {}
+
+---"holds" where the whole interval lies above the force, "breaks" where it lies below, else "unsure".
+---@param force number N
+---@return string
+function BreakingForce:verdict(force) end
+
+---Releases the factor and the modes of the last mesh.
+function BreakingForce:close() end
 
 ---@class bw.DropTest
 ---@field exceedance bw.Array of every element: fraction of drops beyond the strength

@@ -41,6 +41,13 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
 bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *element, double *relative);
 
+/* The mean of a nodal field (node_count x columns) over the boundary that connected facets reach
+ * within `radius` of each boundary node, weighted by area and 1 - (distance / radius)^2: node_count
+ * x columns, 0 at inner nodes. Where the mesh is too coarse for the radius, the node's own value.
+ */
+bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, double radius, int columns,
+                          const double *value, double *mean);
+
 /* ---- how stresses change with the shape (agile, section 7) ------------------------------------
  */
 

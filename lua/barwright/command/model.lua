@@ -2,6 +2,7 @@
 -- What the commands share: reading a MODEL, whatever it is, making a mesh of it, and telling in sentences how
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
+local output = require "barwright.command.output"
 local writable = require "barwright.writable"
 
 local model = {}
@@ -18,6 +19,32 @@ model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "
 --- Materials by name.
 model.material_option = {name = "material", value = "NAME", default = "pla", one_of = bw.material.names(),
   what = "what it is made of; `barwright materials` lists them"}
+
+--- Values that replace those of the named material.
+model.value_options = {
+  {name = "young", value = "MODULUS", type = "number", unit = "Pa", above = 0,
+    what = "Young's modulus, instead of the material's"},
+  {name = "poisson", value = "RATIO", type = "number", least = 0, most = 0.499,
+    what = "Poisson's ratio, instead of the material's"},
+  {name = "strength", value = "STRESS", type = "number", unit = "Pa", above = 0,
+    what = "the stress at which it fails, instead of the material's"},
+  {name = "density", value = "DENSITY", type = "number", unit = "kg/m3", above = 0,
+    what = "the density, instead of the material's"},
+}
+
+-- The named material with what was given by value: {young, poisson, strength, density}.
+local function material_of(wish)
+  local named = bw.material.named(wish.material)
+  if not (wish.young or wish.poisson or wish.strength or wish.density) then return named end
+  local young, poisson, strength = wish.young or named.young, wish.poisson or named.poisson,
+    wish.strength or named.strength
+  if type(young) ~= "number" or type(poisson) ~= "number" or type(strength) ~= "number" then
+    return nil, ("%s differs with the direction: give --young, --poisson and --strength, or another --material")
+      :format(wish.material), {status = "misuse"}
+  end
+  return bw.material.isotropic {name = wish.material, young = young, poisson = poisson, strength = strength,
+    density = wish.density or named.density}
+end
 
 model.elements_option = {name = "elements", value = "N", type = "integer", default = 20000, least = 1,
   most = 10000000,
@@ -56,6 +83,12 @@ end
 
 function model.name(path)
   return path:match "[^/]+$" or path
+end
+
+--- The length of a box's diagonal.
+function model.diagonal(box)
+  local low, high = box.low, box.high
+  return math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
 end
 
 --- A count with its noun: "1 hole", "3 holes"; `many` where it is not the noun with an s.
@@ -215,25 +248,57 @@ end
 --- Endings of the files of bodies with fields.
 model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
 
---- The body that is asked about, told as it is read and filled: mesh, material.
-function model.body(wish, out)
+--- What is asked about, read and told: what model.read gives, material. A size that is implausible for a part
+--- is refused unless the unit was given.
+function model.start(wish, out)
   local fine, message, details = check_outputs(wish)
   if not fine then return nil, message, details end
-  local read, mesh
+  local read, material
+  material, message, details = material_of(wish)
+  if not material then return nil, message, details end
   read, message, details = model.open(wish.model, wish.unit, out)
   if not read then return nil, message, details end
   out:say("%s: %s.", model.name(wish.model), read.format)
-  mesh, message, details = model.mesh(read, wish, out)
-  if not mesh then return nil, message, details end
-  local material = bw.material.named(wish.material)
-  model.tell_mesh(mesh, material, out)
   if read.kind == "surface" then
     local size = {}
     for i = 1, 3 do size[i] = read.box.high[i] - read.box.low[i] end
-    local doubt = model.guess_unit(size, read.metres_per_unit, wish.unit)
-    if doubt then out:say(doubt) end
+    local doubt, likely = model.guess_unit(size, read.metres_per_unit, wish.unit)
+    if doubt then
+      return nil, ("%s: %s Nothing was computed; --unit confirms a unit."):format(wish.model, doubt),
+        {status = "misuse", units = likely}
+    end
   end
-  return mesh, material
+  return read, material
+end
+
+--- The body that is asked about, told as it is read and filled: mesh, material, what was read.
+function model.body(wish, out)
+  local read, material, details = model.start(wish, out)
+  if not read then return nil, material, details end
+  local mesh, message
+  mesh, message, details = model.mesh(read, wish, out)
+  if not mesh then return nil, message, details end
+  model.tell_mesh(mesh, material, out)
+  return mesh, material, read
+end
+
+--- The unit that a file's numbers were read in, by name where it has one.
+function model.unit_of(read, wish)
+  if wish.unit then return wish.unit end
+  local metres = read.metres_per_unit or 1
+  for name, length in pairs {mm = 1e-3, cm = 1e-2, m = 1, ["in"] = 0.0254, um = 1e-6} do
+    if math.abs(metres / length - 1) < 1e-9 then return name end
+  end
+  return ("%g m"):format(metres)
+end
+
+local refused = {misuse = true, invalid = true, unsupported = true, empty = true}
+
+--- Exit codes of commands that judge: 0 holds, 1 breaks or unsure, 2 misuse or refused, 3 not computed.
+function model.fail(out, message, details)
+  local code = out:fail(message, details)
+  if code ~= output.FAILED then return code end
+  return type(details) == "table" and refused[details.status] and output.MISUSED or 3
 end
 
 -- ---- places ----------------------------------------------------------------------------------------

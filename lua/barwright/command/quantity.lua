@@ -6,6 +6,7 @@ local quantity = {}
 -- For each unit that an option can name: what else may stand there, and how many of it that is.
 local units = {
   m = {m = 1, mm = 1e-3, cm = 1e-2, um = 1e-6, km = 1e3, ["in"] = 0.0254, ft = 0.3048},
+  m2 = {m2 = 1, cm2 = 1e-4, mm2 = 1e-6},
   N = {N = 1, kN = 1e3, MN = 1e6, mN = 1e-3, kgf = 9.80665, lbf = 4.4482216152605},
   Pa = {Pa = 1, kPa = 1e3, MPa = 1e6, GPa = 1e9, bar = 1e5, psi = 6894.757293168361},
   kg = {kg = 1, g = 1e-3, mg = 1e-6, t = 1e3, lb = 0.45359237},

@@ -1,69 +1,79 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright worst MODEL: where it breaks, whatever happens to it.
+-- barwright worst MODEL: the least force that breaks it.
 local bw = require "barwright"
 local model = require "barwright.command.model"
 
--- The share of what full pressure could push that the total force may be: with less room the programme has
--- few loads to choose from, or none.
-local MOST_OF_PRESSURE = 0.05
+-- With --error the last mesh may have so many.
+local MOST_ELEMENTS = 200000
 
 local function newtons(force)
-  return ("%.4g N"):format(force)
+  return ("%.3g N"):format(force)
 end
 
-local function megapascals(stress)
-  return ("%.4g MPa"):format(stress / 1e6)
+-- Deflections above this share of the longest side are beyond the range of linear theory.
+local LARGE = 0.1
+
+local function longest(box)
+  return math.max(box.high[1] - box.low[1], box.high[2] - box.low[2], box.high[3] - box.low[3])
 end
 
-local function the_force(wish, area, out)
-  local room = MOST_OF_PRESSURE * wish.pressure * area
-  local lowered = wish.force > room
-  if lowered then
-    out:say("  %s would take up too much of what a pressure of %s can push on %.4g cm2: the force is lowered to "
-      .. "%s.", newtons(wish.force), megapascals(wish.pressure), area * 1e4, newtons(room))
-  end
-  local force = lowered and room or wish.force
-  out:json {force_n = force, force_asked_n = wish.force, force_lowered = lowered, pressure_pa = wish.pressure}
-  return force
-end
-
-local function keep(worst, force, wish, out)
-  local used, holds = worst.utilisation, nil -- nothing is said of a force that was lowered
-  if used and (used >= 1 or force >= wish.force) then holds = used < 1 end
+local function keep(breaking, verdict, large, wish, out)
+  local worst, contact = breaking.worst, breaking.contact
   out:json {
-    max_principal_pa = worst.max_principal, max_principal_at_m = worst.at, strength_pa = worst.strength,
-    utilisation = worst.utilisation, max_displacement_m = worst.max_displacement, worst_region = worst.region,
+    verdict = verdict, breaking_force_n = breaking.force, breaking_force_low_n = breaking.low,
+    breaking_force_high_n = breaking.high, estimated_error = breaking.estimated_error, at_m = breaking.at,
+    singular = breaking.singular, contact_area_m2 = contact, contact_area_asked_m2 = wish.contact,
+    force_n = wish.force, failure = breaking.failure, averaging_radius_m = breaking.length,
+    beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
+    strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
     material = wish.material, frequencies_hz = worst.modes.frequencies and worst.modes.frequencies:totable(),
-    holds = holds,
   }
-  local regions = bw.json.list {}
+  local history, ties, regions = bw.json.list {}, bw.json.list {}, bw.json.list {}
+  for i, level in ipairs(breaking.history) do
+    history[i] = {elements = level.elements, breaking_force_n = level.force, at_m = level.at}
+  end
+  for i, place in ipairs(breaking.ties) do
+    ties[i] = {breaking_force_n = 1 / place.utilisation, at_m = place.at}
+  end
   for i, region in ipairs(worst.regions) do
     regions[i] = {mode = region.mode, rank = region.rank, max_principal_pa = region.max_principal,
       max_principal_at_m = region.at, utilisation = region.utilisation, max_displacement_m = region.displacement,
       elements = region.elements, volume_fraction = region.volume_fraction}
   end
-  out:json {regions = regions}
+  out:json {history = history, ties = ties, regions = regions}
 end
 
+local sentences = {
+  holds = "Pushed by %s it holds: the whole interval lies above.",
+  breaks = "Pushed by %s it breaks: the whole interval lies below.",
+  unsure = "Pushed by %s: too close to decide.",
+}
+
 -- The answer, in sentences.
-local function tell(worst, force, wish, out)
+local function tell(breaking, verdict, large, mass, wish, out)
   out:say("")
-  out:say("Pushed by %s in the worst way that pressures up to %s allow, %s is stressed most at %s: %s. It gives "
-    .. "by %s mm.", newtons(force), megapascals(wish.pressure), model.name(wish.model), model.place(worst.at),
-    megapascals(worst.max_principal), model.mm(worst.max_displacement))
-  local used = worst.utilisation
-  if not used then
-    out:say("The strength of %s is not known.", wish.material)
-  elseif used >= 1 then
-    out:say("That is %.3g times the strength of %s: it breaks there. %.3g %% of this force and pressure it would "
-      .. "bear.", used, wish.material, 100 / used)
-  else
-    out:say("That is %.3g %% of the strength of %s: it holds; %.3g times this force and pressure would break it.",
-      100 * used, wish.material, 1 / used)
+  out:say("%s breaks at %s (%.3g to %s), pushed in the worst way over at least %.3g cm2, at %s; %s%s.",
+    model.name(wish.model), newtons(breaking.force), breaking.low, newtons(breaking.high), breaking.contact * 1e4,
+    model.place(breaking.at), wish.material, mass and ", " .. model.mass_text(mass) or "")
+  out:say(sentences[verdict], newtons(wish.force))
+  for _, place in ipairs(breaking.ties) do
+    out:say("  Within the error as weak: %s, at %s.", newtons(1 / place.utilisation), model.place(place.at))
   end
-  if force < wish.force and not (used and used >= 1) then
-    out:say("This says nothing of the %s asked for: give a higher --pressure to try them.", newtons(wish.force))
+  if breaking.singular then
+    out:say("  The stress at nodes still grows with finer meshes, as at a re-entrant edge, where it has no finite "
+      .. "value.")
   end
+  if breaking.contact < wish.contact then
+    out:say("  The contact is %.3g cm2 instead of %.3g cm2, a twentieth of the surface.", breaking.contact * 1e4,
+      wish.contact * 1e4)
+  end
+  if large then
+    out:say("  Deflections there are beyond the range of linear theory: more than a tenth of the part's length.")
+  end
+  out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm, judged by %s. The "
+    .. "search for the worst way is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
+    model.mm(breaking.length), breaking.failure == "von_mises" and "von Mises against yield"
+      or "the largest principal stress")
 end
 
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
@@ -101,23 +111,31 @@ local function analyse(wish, out)
   if wish.threads then bw.threads(wish.threads) end
   local folder
   if wish.out then
-    local options = model.pick({"force", "pressure", "modes", "regions", "elements", "order", "material",
-      "unit"}, wish)
+    local options = model.pick({"force", "contact", "error", "modes", "regions", "elements", "material",
+      "unit", "young", "poisson", "strength", "density"}, wish)
     local message, details
     folder, message, details = bw.results.open(wish.out, {script = "barwright worst", inputs = {wish.model},
       options = options, seed = 1})
     if not folder then return nil, message, details end
   end
-  local mesh, material, details = model.body(wish, out)
-  if not mesh then return nil, material, details end
-  local force = the_force(wish, mesh.boundary.area, out)
-  local worst, message
-  worst, message, details = model.try(bw.worst_case, bw.model {mesh = mesh, material = material}, {force = force,
-    pressure = wish.pressure, modes = wish.modes, regions = wish.regions})
+  local read, material, details = model.start(wish, out)
+  if not read then return nil, material, details end
+  if read.kind == "outline" then return model.mesh(read, wish, out) end
+  local breaking, message
+  breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
+    force = wish.force, contact = wish.contact, error = wish.error, elements = wish.elements,
+    most_elements = wish.error and math.max(MOST_ELEMENTS, wish.elements) or nil, modes = wish.modes,
+    regions = wish.regions})
   out:remarks()
-  if not worst then return nil, message, details end
-  keep(worst, force, wish, out)
-  tell(worst, force, wish, out)
+  if not breaking then return nil, wish.model .. ": " .. message, details end
+  local worst = breaking.worst
+  local verdict = breaking:verdict(wish.force)
+  local large = worst.max_displacement * math.min(1, breaking.force / wish.force) > LARGE * longest(read.box)
+  model.tell_mesh(worst.mesh, material, out)
+  out:json {unit = model.unit_of(read, wish), repaired = breaking.log and breaking.log.repaired or false,
+    surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
+  keep(breaking, verdict, large, wish, out)
+  tell(breaking, verdict, large, out.object.mass_kg, wish, out)
   local fine
   fine, message, details = write_files(worst, wish, folder, out)
   if not fine then return nil, message, details end
@@ -126,45 +144,50 @@ local function analyse(wish, out)
     fine, message, details = folder:write(out.object)
     if not fine then return nil, message, details end
   end
-  return worst
+  return verdict
 end
 
+local options = {
+  model.material_option,
+  {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
+    what = "the force that is judged: what presses on one side, the reactions press as much; a hand's by default"},
+  {name = "contact", value = "AREA", type = "number", unit = "m2", default = 1e-4, above = 0,
+    what = "the least area over which the force presses; a fingertip's, 1 cm2, by default"},
+  {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
+    what = "refine until the estimated error is this share, 0.05 for instance, or the mesh becomes too large"},
+  model.unit_option,
+  model.elements_option,
+  {name = "modes", value = "N", type = "integer", default = 15, least = 1, most = 500,
+    what = "modes of vibration in which weak regions are looked for"},
+  {name = "regions", value = "N", type = "integer", default = 5, least = 1, most = 1000,
+    what = "weak regions of each mode"},
+  {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+    what = "write a page with a 3D view that turns"},
+  {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+    what = "write a picture of the weak places"},
+  {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
+    what = "write all fields, for ParaView"},
+  {name = "out", value = "FOLDER", type = "folder", what = "write all of these and result.json, manifest.json "
+    .. "into a folder"},
+  model.threads_option,
+}
+table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+
 return {
-  summary = "where a part breaks, whatever happens to it",
-  about = "Finds the places where a part can be stressed most by any pressures that a hand, a fall or a tool may "
-    .. "exert on it: no loads need to be known (Zhou, Panetta, Zorin 2013). A surface is repaired where it must "
-    .. "be and filled with tetrahedra; a mesh of tetrahedra is taken as it is.\n\n"
-    .. "Exit status: 0 it holds (or its strength is not known); 1 it breaks, or nothing could be computed.",
+  summary = "the least force that breaks a part, and where",
+  about = "Finds the least force that breaks a part when it is pushed in the worst way, without known loads "
+    .. "(Zhou, Panetta, Zorin 2013). The answer is an interval, estimated from a sequence of meshes of quadratic "
+    .. "tetrahedra. A surface is repaired where it must be and filled; a mesh is taken as it is.\n\n"
+    .. "Exit status: 0 it holds the force asked for; 1 it breaks, or the interval contains the force; 2 misuse, "
+    .. "or a size that is implausible; 3 it could not be computed.",
   arguments = {model.body_argument},
-  options = {
-    model.material_option,
-    {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
-      what = "what pushes altogether; a hand's by default"},
-    {name = "pressure", value = "PRESSURE", type = "number", unit = "Pa", default = 2e5, above = 0,
-      what = "the most that presses anywhere; a finger's by default"},
-    model.unit_option,
-    model.elements_option,
-    model.order_option,
-    {name = "modes", value = "N", type = "integer", default = 15, least = 1, most = 500,
-      what = "modes of vibration in which weak regions are looked for"},
-    {name = "regions", value = "N", type = "integer", default = 5, least = 1, most = 1000,
-      what = "weak regions of each mode"},
-    {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
-      what = "write a page with a 3D view that turns"},
-    {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-      what = "write a picture of the weak places"},
-    {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
-      what = "write all fields, for ParaView"},
-    {name = "out", value = "FOLDER", type = "folder", what = "write all of these and result.json, manifest.json "
-      .. "into a folder"},
-    model.threads_option,
-  },
+  options = options,
   examples = {{"barwright worst hook.stl --material pla --report hook.html",
       "opens in a browser, without network"},
-    {"barwright worst hook.stl --force 50N --json | jq .utilisation", "as one number"}},
+    {"barwright worst hook.stl --force 50N --json | jq .breaking_force_n", "as one number"}},
   run = function(wish, out)
-    local worst, message, details = analyse(wish, out)
-    if not worst then return out:fail(message, details) end
-    return (worst.utilisation or 0) < 1 and 0 or 1
+    local verdict, message, details = analyse(wish, out)
+    if not verdict then return model.fail(out, message, details) end
+    return verdict == "holds" and 0 or 1
   end,
 }

@@ -122,6 +122,9 @@ makers.PressureBasis = {function(p) return bw.pressure_basis(p.Mesh) end}
 makers.BruteForce = {function(p)
   return assert(bw.brute_force(p:variant("bw.Model", 3), {force = 1, pressure = 1e6, elements = 2}))
 end}
+makers.BreakingForce = {function(p)
+  return assert(bw.breaking_force(p.Mesh, {material = bw.material.pla, modes = 1, regions = 1}))
+end}
 makers.DropTest = {function(p) return assert(bw.drop_test(p:variant("bw.Model", 3), {drops = 2})) end}
 makers.Outline = {
   function() return rectangle() end,

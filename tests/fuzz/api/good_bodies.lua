@@ -151,6 +151,7 @@ add {
     {pressure = 1e6, force = 1, glpk = r:chance(0.3), keep_pressures = true} end,
   ["bw.worst_case"] = function(p) return p:variant("bw.Model", 3), {force = 1, pressure = 1e6, modes = 1,
     regions = 1} end,
+  ["bw.breaking_force"] = function(p) return p.Mesh, {material = bw.material.pla, modes = 1, regions = 1} end,
   ["bw.brute_force"] = function(p) return p:variant("bw.Model", 3), {force = 1, pressure = 1e6,
     elements = 2} end,
   ["bw.drop_test"] = function(p) return p:variant("bw.Model", 3), {drops = 2} end,

@@ -1,0 +1,242 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The breaking force: the least force that breaks a part when it is pushed in the worst way through
+-- contacts of a given size, as an interval. The worst case is analysed on a sequence of finer meshes; the
+-- stress is judged by its mean over a surface patch, which has a limit under refinement also at re-entrant
+-- edges. docs/theory/breaking_force.md has the mathematics.
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local options = require "barwright.options"
+local worst_case = require "barwright.worst_case"
+
+local breaking_force = {}
+breaking_force.__index = breaking_force
+breaking_force.__name = "barwright.breaking_force"
+
+local rules = {
+  material = {type = "material"},
+  force = {type = "number", default = 20, above = 0},
+  contact = {type = "number", default = 1e-4, above = 0},
+  error = {type = "number", default = 0.05, above = 0, most = 1},
+  elements = {type = "integer", default = 20000, least = 1, most = 10000000},
+  most_elements = {type = "integer", least = 1, most = 10000000},
+  length = {type = "number", above = 0},
+  failure = {type = "string", one_of = {"principal", "von_mises"}},
+  modes = {type = "integer", default = 15, least = 1, most = 500},
+  regions = {type = "integer", default = 5, least = 1, most = 1000},
+  seed = {type = "integer", default = 1},
+}
+
+-- A contact takes at most this share of the surface; with more, few loads are admissible.
+local MOST_OF_SURFACE = 0.05
+-- The default radius of the patch, over the diagonal of the bounding box.
+local PATCH = 0.02
+-- From one mesh to the next the number of elements grows by this factor, edges shrink by its cube root.
+local GROWTH = 4
+-- Meshes in the sequence up to the number of elements that is asked for, and the least useful one.
+local MESHES, FEWEST = 3, 300
+-- Places that are listed, and regions whose stresses are judged.
+local PLACES, JUDGED = 6, 12
+-- What the search may miss of the largest stress (docs/benchmarks.md).
+local SEARCH = 0.1
+-- No estimate from three meshes is trusted below this.
+local LEAST_ERROR = 0.02
+-- Where the stress at nodes grows faster than h^-SINGULAR it is called singular; it grows like h^-0.45 at a
+-- re-entrant edge of 90 degrees.
+local SINGULAR = 0.3
+
+-- Metals whose strength in the library is the yield strength.
+local ductile = {steel = true, aluminium = true}
+
+local function distance(a, b)
+  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
+end
+
+local function node_at(mesh, node)
+  return {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
+end
+
+-- Stress over strength of rows of tensors.
+local function judge(self, stress)
+  if self.failure == "von_mises" then return core.von_mises(stress) * (1 / self.material.strength) end
+  return self.material:utilisation(stress)
+end
+
+-- The regions of largest stress, at most JUDGED of them.
+local function candidates(worst)
+  local list = {}
+  for i, region in ipairs(worst.regions) do list[i] = {number = i, stress = region.max_principal} end
+  table.sort(list, function(a, b)
+    if a.stress ~= b.stress then return a.stress > b.stress end
+    return a.number < b.number
+  end)
+  return table.move(list, 1, math.min(#list, JUDGED), 1, {})
+end
+
+-- Where the mean stress under each candidate's load is largest: {utilisation, at, region, point}, largest
+-- first; `point` is the utilisation by the stress at nodes there.
+local function places_of(self, mesh, worst)
+  local list = {}
+  for i, candidate in ipairs(candidates(worst)) do
+    local u, message, details = worst:displacement(candidate.number)
+    if not u then return nil, message, details end
+    local stress
+    stress, message, details = core.nodal_stress(mesh, self.material, u)
+    if not stress then return nil, message, details end
+    local mean
+    mean, message, details = core.surface_mean(mesh, stress, self.length)
+    if not mean then return nil, message, details end
+    local used = judge(self, mean)
+    local node = used:argmax()
+    list[i] = {utilisation = used:max() / self.reference, at = node_at(mesh, node), region = candidate.number,
+      point = judge(self, stress):max() / self.reference}
+  end
+  table.sort(list, function(a, b)
+    if a.utilisation ~= b.utilisation then return a.utilisation > b.utilisation end
+    return a.region < b.region
+  end)
+  return list
+end
+
+local function make_mesh(self, elements)
+  if self.given_mesh then return self.given_mesh end
+  local mesh, log, details = core.mesh.fill(self.surface, {order = 2, elements = math.ceil(elements)})
+  if not mesh then return nil, log, details end
+  self.log = log
+  return mesh
+end
+
+-- One mesh: its worst case and the places of its largest mean stresses.
+local function analyse_on(self, mesh)
+  local wish = self.options
+  local worst, message, details = worst_case(core.model {mesh = mesh, material = self.material}, {
+    force = 2 * wish.force, pressure = wish.force / self.contact, modes = wish.modes, regions = wish.regions,
+    seed = wish.seed})
+  if not worst then return nil, message, details end
+  local places
+  places, message, details = places_of(self, mesh, worst)
+  if not places then return nil, message, details end
+  if self.worst then self.worst:close() end
+  self.worst, self.mesh = worst, mesh
+  return places
+end
+
+-- The relative change from the former mesh, or what one mesh alone leaves open.
+local function estimate(levels)
+  local last, former = levels[#levels], levels[#levels - 1]
+  if not former then return 0.5 end
+  return math.max(math.abs(last.utilisation / former.utilisation - 1), LEAST_ERROR)
+end
+
+local function is_singular(levels)
+  local last, former = levels[#levels], levels[#levels - 1]
+  if #levels < 3 then return false end
+  return 3 * math.log(last.point / former.point) > SINGULAR * math.log(last.elements / former.elements)
+end
+
+-- Other places that are as weak within the error, no two of them in one patch.
+local function ties(self, places, change)
+  local list = {places[1]}
+  for _, place in ipairs(places) do
+    local apart = place.utilisation * (1 + change) >= places[1].utilisation
+    for _, other in ipairs(list) do apart = apart and distance(place.at, other.at) > self.length end
+    if apart and #list < PLACES then list[#list + 1] = place end
+  end
+  return table.move(list, 2, #list, 1, {})
+end
+
+-- Finer meshes show larger stresses, so the interval reaches further down than up.
+local function summarise(self)
+  local last, former = self.history[#self.history], self.history[#self.history - 1]
+  local change = estimate(self.history)
+  local most = math.max(last.utilisation, former and former.utilisation or 0)
+  self.force = 1 / last.utilisation
+  self.high = 1 / (last.utilisation * (1 - math.min(change, 1) / 2))
+  self.low = 1 / (most * (1 + change + SEARCH))
+  self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
+  self.at, self.region, self.singular = last.at, last.region, is_singular(self.history)
+  self.ties = ties(self, last.places, change)
+end
+
+-- The counts n / 16, n / 4, n without those that are too few to mean anything.
+local function first_count(self)
+  local count = self.options.elements
+  for _ = 2, MESHES do
+    if count / GROWTH >= FEWEST then count = count / GROWTH end
+  end
+  return count
+end
+
+-- Up to the number asked for; beyond it while the error is too large and there is room.
+local function next_count(self, count)
+  local wish = self.options
+  if self.given_mesh then return nil end
+  local next = count * GROWTH
+  if next <= wish.elements then return next end
+  if estimate(self.history) <= wish.error or next > (wish.most_elements or wish.elements) then return nil end
+  return next
+end
+
+local function start_with(body)
+  local kind = core.class_name(body)
+  if kind == "surface" then return {surface = body, box = body.box} end
+  if kind == "mesh" then return {box = body.box, given_mesh = body.order == 2 and body or body:with_order(2)} end
+  core.raise(("breaking_force: body: a surface or a mesh expected, got %s"):format(kind or type(body)))
+end
+
+--- The least force that breaks a body. `body`: a surface, which is filled and refined, or a mesh, which
+--- is taken as it is. Returns nil, message, details where it cannot be computed.
+function breaking_force.analyse(body, given)
+  local wish = options.read("breaking_force", given, rules)
+  local self = setmetatable(start_with(body), breaking_force)
+  self.options, self.material = wish, wish.material
+  if not wish.material then core.raise "breaking_force: option 'material': a material expected, got nil" end
+  if not wish.material.strength then
+    return nil, "the strength of the material is not known", {status = "unsupported"}
+  end
+  self.failure = wish.failure or ductile[wish.material.name] and "von_mises" or "principal"
+  self.length = wish.length or PATCH * distance(self.box.low, self.box.high)
+  self.reference, self.history = wish.force, {}
+  local start = core.seconds()
+  local elements = first_count(self)
+  while elements do
+    local mesh, message, details = make_mesh(self, elements)
+    if not mesh then return nil, message, details end
+    self.contact = self.contact or math.min(wish.contact, MOST_OF_SURFACE * mesh.boundary.area)
+    local places
+    places, message, details = analyse_on(self, mesh)
+    if not places then return nil, message, details end
+    local first = places[1]
+    self.history[#self.history + 1] = {elements = mesh.element_count, utilisation = first.utilisation,
+      at = first.at, region = first.region, point = first.point, force = 1 / first.utilisation, places = places,
+      seconds = core.seconds() - start}
+    elements = next_count(self, elements)
+  end
+  summarise(self)
+  self.seconds = core.seconds() - start
+  return self
+end
+
+--- "holds" where the whole interval lies above a force, "breaks" where it lies below, else "unsure".
+function breaking_force:verdict(force)
+  if force < self.low then return "holds" end
+  return force > self.high and "breaks" or "unsure"
+end
+
+--- Releases the factor and the modes of the last mesh.
+function breaking_force:close()
+  if self.worst then self.worst:close() end
+  self.worst = nil
+end
+breaking_force.__close = breaking_force.close
+
+function breaking_force:__tostring()
+  return ("breaks at %.3g N (%.3g to %.3g N) at (%.4g, %.4g, %.4g) mm, pushed over at least %.3g cm2%s"):format(
+    self.force, self.low, self.high, self.at[1] * 1e3, self.at[2] * 1e3, self.at[3] * 1e3, self.contact * 1e4,
+    self.singular and "; the stress there has no finite value" or "")
+end
+
+arguments.methods("breaking force", breaking_force, breaking_force, {verdict = "force: number", close = ""})
+
+return setmetatable({class = breaking_force}, {
+  __call = function(_, body, given) return breaking_force.analyse(body, given) end,
+})

@@ -1,0 +1,146 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The mean of a field over surface patches: constants, closed forms on a flat face, thin walls, a
+ * singular field, threads, wrong input. */
+#include "assemble/dense.h"
+
+typedef double field(const double x[3]);
+
+static bw_mesh *plate(bw_context *context, int cells, int layers, double thickness, int order) {
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_box_grid(context, (double[3]){-1, -1, 0}, (double[3]){1, 1, thickness},
+                                     (int[3]){cells, cells, layers}, order, &mesh));
+  return mesh;
+}
+
+static double *values_of(const bw_mesh *mesh, field *f) {
+  double *value = (double *)malloc(sizeof *value * (size_t)mesh->node_count);
+  for (int i = 0; i < mesh->node_count; i++)
+    value[i] = f(mesh->node + 3 * i);
+  return value;
+}
+
+static int node_near(const bw_mesh *mesh, double x, double y, double z) {
+  for (int i = 0; i < mesh->node_count; i++) {
+    const double *p = mesh->node + 3 * i;
+    if (fabs(p[0] - x) + fabs(p[1] - y) + fabs(p[2] - z) < 1e-9)
+      return i;
+  }
+  fail_msg("no node at %g %g %g", x, y, z);
+  return -1;
+}
+
+static double mean_at_top(bw_context *context, bw_mesh *mesh, double radius, field *f, double top) {
+  double *value = values_of(mesh, f);
+  double *mean = (double *)malloc(sizeof *mean * (size_t)mesh->node_count);
+  check_ok(context, bw_surface_mean(context, mesh, radius, 1, value, mean));
+  double out = mean[node_near(mesh, 0, 0, top)];
+  free(value), free(mean);
+  return out;
+}
+
+static double seven(const double *x) {
+  (void)x;
+  return 7;
+}
+
+static double slope(const double *x) {
+  return 3 + x[0] - 2 * x[1];
+}
+
+static double square(const double *x) {
+  return x[0] * x[0] + x[1] * x[1];
+}
+
+static double side(const double *x) {
+  return x[2] > 0.025 ? 1 : -1;
+}
+
+/* As the stress at a re-entrant edge of 90 degrees, along x = 0. */
+static double singular(const double *x) {
+  return pow(fabs(x[0]) + 1e-12, -0.4555);
+}
+
+static void test_closed_forms(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = plate(context, 20, 2, 0.4, order);
+    check_near(mean_at_top(context, mesh, 0.5, seven, 0.4), 7, 1e-12);
+    check_near(mean_at_top(context, mesh, 0.5, slope, 0.4), 3, 1e-12);
+    /* of rho^2 with the weight 1 - (rho / r)^2: r^2 / 3 */
+    check_near(mean_at_top(context, mesh, 0.8, square, 0.4) / (0.64 / 3), 1, 0.02);
+    check_near(mean_at_top(context, mesh, 1e-6, square, 0.4), 0, 1e-14);
+    bw_release(mesh);
+  }
+}
+
+/* The other side of a wall is farther along the surface than the radius. */
+static void test_thin_wall(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = plate(context, 12, 1, 0.05, 2);
+  check_near(mean_at_top(context, mesh, 0.5, side, 0.05), 1, 1e-14);
+  check_near(mean_at_top(context, mesh, 0.5, side, 0), -1, 1e-14);
+  bw_release(mesh);
+}
+
+/* The field has no limit at the edge, its mean has. */
+static void test_singular_field(void **state) {
+  bw_context *context = check_context(state);
+  double mean[3];
+  for (int k = 0; k < 3; k++) {
+    bw_mesh *mesh = plate(context, 10 << k, 1, 0.4, 1);
+    double *value = values_of(mesh, singular), *out;
+    out = (double *)malloc(sizeof *out * (size_t)mesh->node_count);
+    double h = 2.0 / (10 << k);
+    for (int i = 0; i < mesh->node_count; i++)
+      if (fabs(mesh->node[3 * i]) < 1e-9)
+        value[i] = pow(h / 4, -0.4555); /* what a mesh of that size shows there */
+    check_ok(context, bw_surface_mean(context, mesh, 0.6, 1, value, out));
+    mean[k] = out[node_near(mesh, 0, 0, 0.4)];
+    free(value), free(out);
+    bw_release(mesh);
+  }
+  check_near(mean[1] / mean[0], 1, 0.1);
+  assert_true(fabs(mean[2] / mean[1] - 1) < fabs(mean[1] / mean[0] - 1));
+}
+
+static void test_columns_and_threads(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = plate(context, 8, 3, 0.4, 2);
+  size_t n = (size_t)mesh->node_count;
+  double *value = (double *)malloc(2 * n * sizeof *value), *mean[2];
+  for (size_t i = 0; i < n; i++)
+    value[2 * i] = square(mesh->node + 3 * i), value[2 * i + 1] = slope(mesh->node + 3 * i);
+  int before = bw_threads(context);
+  for (int k = 0; k < 2; k++) {
+    mean[k] = (double *)malloc(2 * n * sizeof **mean);
+    check_ok(context, bw_set_threads(context, k ? 4 : 1));
+    check_ok(context, bw_surface_mean(context, mesh, 0.5, 2, value, mean[k]));
+  }
+  check_ok(context, bw_set_threads(context, before));
+  assert_memory_equal(mean[0], mean[1], 2 * n * sizeof **mean);
+  int top = node_near(mesh, 0, 0, 0.4);
+  check_near(mean[0][2 * top], mean_at_top(context, mesh, 0.5, square, 0.4), 1e-15);
+  int inner = 0;
+  for (size_t i = 0, b = 0; i < n; i++) {
+    bool boundary = b < (size_t)mesh->boundary_node_count && mesh->boundary_node[b] == (int)i;
+    b += boundary;
+    if (!boundary && mean[0][2 * i] == 0 && mean[0][2 * i + 1] == 0)
+      inner++;
+  }
+  assert_int_equal(inner, mesh->node_count - mesh->boundary_node_count);
+  check_fails(context, BW_INVALID, "radius", bw_surface_mean(context, mesh, 0, 2, value, mean[0]));
+  check_fails(context, BW_INVALID, "radius",
+              bw_surface_mean(context, mesh, NAN, 2, value, mean[0]));
+  free(value), free(mean[0]), free(mean[1]);
+  bw_release(mesh);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(test_closed_forms),
+      check_test(test_thin_wall),
+      check_test(test_singular_field),
+      check_test(test_columns_and_threads),
+  };
+  return cmocka_run_group_tests_name("analysis: surface mean", tests, NULL, NULL);
+}

@@ -1,0 +1,62 @@
+-- The breaking force: beam theory, linearity, the interval and its verdicts, wrong input.
+local bw = require "barwright"
+local check = require "check"
+
+local beam = {elements = 4800, modes = 6, regions = 2}
+
+local function breaking(body, given)
+  local options = {material = bw.material.pla}
+  for key, value in pairs(beam) do options[key] = value end
+  for key, value in pairs(given or {}) do options[key] = value end
+  return bw.breaking_force(body, options)
+end
+
+local bar = assert(bw.surface.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}})
+
+describe("the breaking force", function()
+  it("of a bar is that of three-point bending, and its interval contains it", function()
+    local found = assert(breaking(bar))
+    -- F in the middle, F / 2 at each end: sigma = 3 F L / (2 b h^2). Contacts of 1 cm2 shorten the span: the force
+    -- on 10 mm of the middle and of the ends leaves arms of 42.5 mm.
+    local stiffest = 53e6 * 2 * 0.01 ^ 3 / (3 * 0.1)
+    assert.is_true(found.force > 0.9 * stiffest and found.force < 1.6 * stiffest, tostring(found))
+    assert.is_true(found.low < found.force and found.force < found.high)
+    check.near(math.max(found.high / found.force - 1, 1 - found.low / found.force), found.estimated_error, 1e-12)
+    check.near(0.05, found.at[1], 0.3) -- in the middle third
+    assert.equal("holds", found:verdict(0.99 * found.low))
+    assert.equal("unsure", found:verdict(found.force))
+    assert.equal("breaks", found:verdict(1.01 * found.high))
+    assert.equal(3, #found.history)
+    assert.truthy(tostring(found):find "^breaks at")
+    found:close()
+  end)
+
+  it("does not depend on the reference force, and grows with strength and scale", function()
+    local mesh = assert(bw.mesh.fill(bar, {elements = 600, order = 2}))
+    local one = assert(breaking(mesh))
+    check.near(one.force, assert(breaking(mesh, {force = 2000})).force, 1e-6)
+    local strong = bw.material.isotropic {young = 3.6e9, poisson = 0.36, strength = 106e6}
+    check.near(2 * one.force, assert(breaking(mesh, {material = strong})).force, 1e-9)
+    assert.equal(1, #one.history)
+    assert.is_true(one.estimated_error >= 0.3)
+    -- A smaller contact breaks at a smaller force.
+    assert.is_true(assert(breaking(mesh, {contact = 2e-5})).force < one.force)
+  end)
+
+  it("judges metals by von Mises against yield", function()
+    local mesh = assert(bw.mesh.fill(bar, {elements = 300, order = 2}))
+    assert.equal("von_mises", assert(breaking(mesh, {material = bw.material.steel})).failure)
+    assert.equal("principal", assert(breaking(mesh)).failure)
+    local principal = assert(breaking(mesh, {material = bw.material.steel, failure = "principal"}))
+    assert.equal("principal", principal.failure)
+  end)
+
+  it("names what is wrong", function()
+    check.raises("option 'material': a material expected", bw.breaking_force, bar)
+    check.raises("a surface or a mesh expected, got table", breaking, {})
+    check.raises("did you mean 'contact'", breaking, bar, {contct = 1})
+    local nothing, message = breaking(bar, {material = bw.material.isotropic {young = 1e9, poisson = 0.3}})
+    assert.is_nil(nothing)
+    assert.equal("the strength of the material is not known", message)
+  end)
+end)
