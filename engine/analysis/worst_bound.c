@@ -40,13 +40,11 @@ typedef struct search {
   double incumbent, tolerance;
   int32_t motions, columns; /* columns: pressures, and a slack where the force may be smaller */
   double *motion;           /* motions x pressures: work of a unit pressure on each rigid motion */
-  double *fit;              /* motions x motions: factor of the fit's matrix; pivot */
-  int32_t *pivot;
-  bool fits;
-  double *upper;    /* columns: largest shares of the force */
-  double *response; /* batch x 6 x pressures */
-  double *block;    /* batch x 6 x 3 nodes */
-  found *result;    /* batch */
+  double *projector; /* pressures x motions: the fit's multipliers are projector^T objective */
+  double *upper;     /* columns: largest shares of the force */
+  double *response;  /* batch x 6 x pressures */
+  double *block;     /* batch x 6 x 3 nodes */
+  found *result;     /* batch */
   worker *worker;
   int workers;
   bwi_triangle face[FACES];
@@ -127,14 +125,11 @@ static void objective_of(const search *s, const double *response, const double n
 
 /* Multipliers of the motions' rows by the least-squares fit, weighted with areas. */
 static void fit(const search *s, const double *objective, double *y) {
-  size_t count = (size_t)s->basis->count;
-  memset(y, 0, (size_t)s->motions * sizeof *y);
-  if (!s->fits)
-    return;
-  for (int32_t m = 0; m < s->motions; m++)
-    for (size_t j = 0; j < count; j++)
-      y[m] += s->motion[(size_t)m * count + j] * objective[j] / s->basis->area[j];
-  bwi_dense_solve(s->motions, s->fit, s->pivot, y);
+  size_t count = (size_t)s->basis->count, m = (size_t)s->motions;
+  memset(y, 0, m * sizeof *y);
+  for (size_t j = 0; j < count; j++)
+    for (size_t k = 0; k < m; k++)
+      y[k] += s->projector[j * m + k] * objective[j];
 }
 
 static double knapsack(const search *s, const double *objective, const double *y, double *gain) {
@@ -147,6 +142,27 @@ static double knapsack(const search *s, const double *objective, const double *y
   }
   for (int32_t j = s->basis->count; j < s->columns; j++)
     gain[j] = 0; /* the slack */
+  return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
+}
+
+/* A bound over all directions at once: what a pressure contributes in any direction is at most the
+ * norm of its stress, the fit of the balance rows subtracted. `y`: scratch, 6 x motions. */
+static double in_all_directions(const search *s, const double *response, double *y, double *gain) {
+  size_t count = (size_t)s->basis->count, m = (size_t)s->motions;
+  for (size_t r = 0; r < 6; r++)
+    fit(s, response + r * count, y + r * m);
+  for (size_t j = 0; j < count; j++) {
+    double sum = 0;
+    for (size_t r = 0; r < 6; r++) {
+      double d = response[r * count + j];
+      for (size_t k = 0; k < m; k++)
+        d -= y[r * m + k] * s->motion[k * count + j];
+      sum += (r < 3 ? 1 : 2) * d * d;
+    }
+    gain[j] = sqrt(sum) * (s->options->force / s->basis->area[j]);
+  }
+  for (int32_t j = s->basis->count; j < s->columns; j++)
+    gain[j] = 0;
   return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
 }
 
@@ -206,6 +222,10 @@ static bw_status bound_element(const search *s, worker *w, const double *respons
   if (!y)
     return BW_MEMORY;
   memset(out, 0, sizeof *out);
+  out->upper = in_all_directions(s, response, y, w->gain);
+  if (out->upper <= (1 + s->tolerance) * s->incumbent)
+    goto done;
+  out->upper = 0;
   for (int f = FACES - 1; f >= 0; f--) {
     if (!bw_grow(context, (void **)&stack, &capacity, count, 1, sizeof *stack)) {
       status = BW_MEMORY;
@@ -318,10 +338,11 @@ static bw_status prepare_rows(search *s) {
   const bw_mesh *mesh = s->system->mesh;
   size_t count = (size_t)s->basis->count, m = (size_t)s->motions;
   double *field = BW_NEW0(context, double, 3 * (size_t)mesh->node_count);
+  double *gram = BW_NEW0(context, double, m *m + 1);
+  int32_t *pivot = BW_NEW(context, int32_t, m + 1);
   s->motion = BW_NEW(context, double, m *count + 1);
-  s->fit = BW_NEW0(context, double, m *m + 1);
-  s->pivot = BW_NEW(context, int32_t, m + 1);
-  if (!field || !s->motion || !s->fit || !s->pivot) {
+  s->projector = BW_NEW0(context, double, m *count + 1);
+  if (!field || !gram || !pivot || !s->motion || !s->projector) {
     status = BW_MEMORY;
     goto done;
   }
@@ -336,11 +357,20 @@ static bw_status prepare_rows(search *s) {
   for (size_t a = 0; a < m; a++)
     for (size_t b = 0; b < m; b++)
       for (size_t j = 0; j < count; j++)
-        s->fit[a * m + b] +=
-            s->motion[a * count + j] * s->motion[b * count + j] / s->basis->area[j];
-  s->fits = m > 0 && bwi_dense_factor(s->motions, s->fit, s->pivot);
+        gram[a * m + b] += s->motion[a * count + j] * s->motion[b * count + j] / s->basis->area[j];
+  /* Dependent rows (a ball's moments) have no fit: zero multipliers give a bound as well. */
+  if (m == 0 || !bwi_dense_factor(s->motions, gram, pivot))
+    goto done;
+  for (size_t j = 0; j < count; j++) {
+    double *right = s->projector + j * m;
+    for (size_t a = 0; a < m; a++)
+      right[a] = s->motion[a * count + j] / s->basis->area[j];
+    bwi_dense_solve(s->motions, gram, pivot, right);
+  }
 done:
   bw_free(field);
+  bw_free(gram);
+  bw_free(pivot);
   return status;
 }
 
@@ -376,8 +406,7 @@ static void search_clear(search *s) {
   }
   bw_free(s->worker);
   bw_free(s->motion);
-  bw_free(s->fit);
-  bw_free(s->pivot);
+  bw_free(s->projector);
   bw_free(s->upper);
   bw_free(s->response);
   bw_free(s->block);
