@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The paper's worst-case analysis (method "paper") by stage, at the sizes of the paper's table of timings, beside the paper's
--- minutes. Filling is shown on its own.
+-- The paper's worst-case analysis (method "paper") by stage, at the sizes of the paper's table of timings, beside
+-- the paper's minutes. Filling is shown on its own.
 --   build/barwright scripts/bench/worst_case.lua [MODEL] [--out DIR] [--sizes 2723,42900,...]
 -- Without a MODEL the toy foal of the demonstration is used.
 local bw = require "barwright"
