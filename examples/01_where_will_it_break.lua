@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- Lesson 1: where will it break, whatever happens to it?
+-- Lesson 1: where will it break under the worst load?
 --   build/barwright examples/01_where_will_it_break.lua [FOLDER]
 --
 -- A hand can press on a part anywhere, with up to 0.2 MPa under the fingers and 20 N in all. Among

@@ -37,7 +37,7 @@ local MESHES, FEWEST = 3, 300
 -- Places that are listed, and regions whose stresses are judged.
 local PLACES, JUDGED = 6, 12
 -- What the search may miss of the largest stress (docs/benchmarks.md).
-local SEARCH = 0.1
+local SEARCH = 0.05
 -- No estimate from three meshes is trusted below this.
 local LEAST_ERROR = 0.02
 -- Where the stress at nodes grows faster than h^-SINGULAR it is called singular; it grows like h^-0.45 at a

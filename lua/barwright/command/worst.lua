@@ -36,8 +36,8 @@ local function keep(breaking, verdict, large, wish, out)
     ties[i] = {breaking_force_n = 1 / place.utilisation, at_m = place.at}
   end
   for i, region in ipairs(worst.regions) do
-    regions[i] = {mode = region.mode, rank = region.rank, max_principal_pa = region.max_principal,
-      max_principal_at_m = region.at, utilisation = region.utilisation, max_displacement_m = region.displacement,
+    regions[i] = {origin = region.origin, mode = region.mode, rank = region.rank,
+      max_principal_pa = region.max_principal, max_principal_at_m = region.at, utilisation = region.utilisation, max_displacement_m = region.displacement,
       elements = region.elements, volume_fraction = region.volume_fraction}
   end
   out:json {history = history, ties = ties, regions = regions}
