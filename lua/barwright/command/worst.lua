@@ -37,8 +37,9 @@ local function keep(breaking, verdict, large, wish, out)
   end
   for i, region in ipairs(worst.regions) do
     regions[i] = {origin = region.origin, mode = region.mode, rank = region.rank,
-      max_principal_pa = region.max_principal, max_principal_at_m = region.at, utilisation = region.utilisation, max_displacement_m = region.displacement,
-      elements = region.elements, volume_fraction = region.volume_fraction}
+      max_principal_pa = region.max_principal, max_principal_at_m = region.at,
+      utilisation = region.utilisation, max_displacement_m = region.displacement, elements = region.elements,
+      volume_fraction = region.volume_fraction}
   end
   out:json {history = history, ties = ties, regions = regions}
 end
