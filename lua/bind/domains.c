@@ -173,9 +173,10 @@ static int domains_index(lua_State *L) {
   const bw_domains *domains = self(L);
   if (lua_type(L, 2) != LUA_TNUMBER)
     return 0;
-  lua_Integer i = lbw_check_integer(L, 2) - 1;
-  if (i < 0 || i >= domains->count)
+  lua_Integer i = lbw_check_integer(L, 2);
+  if (i < 1 || i > domains->count)
     return 0; /* ends ipairs */
+  i--;
   const bw_name *name = domains->skeleton->bone_name;
   lua_createtable(L, 0, 6);
   lua_pushinteger(L, i + 1);

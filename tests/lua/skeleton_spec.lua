@@ -76,6 +76,9 @@ end)
 describe("domains", function()
   it("cover the part, and say what they follow", function()
     local domains = body().domains
+    for _, beyond in ipairs {0, -1, #domains + 1, math.mininteger, math.maxinteger} do
+      assert.is_nil(domains[beyond])
+    end
     local elements, rigid = 0, 0
     for i, domain in ipairs(domains) do
       assert.equal(i, domain.index)
