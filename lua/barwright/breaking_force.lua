@@ -38,6 +38,8 @@ local MESHES, FEWEST = 3, 300
 local PLACES, JUDGED = 6, 12
 -- What the search may miss of the largest stress (docs/benchmarks.md).
 local SEARCH = 0.05
+-- The relative error that a displacement of the surface by the radius of the patch stands for.
+local MOVED = 2
 -- No estimate from three meshes is trusted below this.
 local LEAST_ERROR = 0.02
 -- Where the stress at nodes grows faster than h^-SINGULAR it is called singular; it grows like h^-0.45 at a
@@ -120,11 +122,13 @@ local function analyse_on(self, mesh)
   return places
 end
 
--- The relative change from the former mesh, or what one mesh alone leaves open.
-local function estimate(levels)
+-- The relative change from the former mesh, or what one mesh alone leaves open; at least what a surface that was
+-- moved by filling may change.
+local function estimate(self)
+  local levels = self.history
   local last, former = levels[#levels], levels[#levels - 1]
-  if not former then return 0.5 end
-  return math.max(math.abs(last.utilisation / former.utilisation - 1), LEAST_ERROR)
+  local change = former and math.abs(last.utilisation / former.utilisation - 1) or 0.5
+  return math.max(change, MOVED * last.moved / self.length, LEAST_ERROR)
 end
 
 local function is_singular(levels)
@@ -147,7 +151,7 @@ end
 -- Finer meshes show larger stresses, so the interval reaches further down than up.
 local function summarise(self)
   local last, former = self.history[#self.history], self.history[#self.history - 1]
-  local change = estimate(self.history)
+  local change = estimate(self)
   local most = math.max(last.utilisation, former and former.utilisation or 0)
   self.force = 1 / last.utilisation
   self.high = 1 / (last.utilisation * (1 - math.min(change, 1) / 2))
@@ -172,7 +176,7 @@ local function next_count(self, count)
   if self.given_mesh then return nil end
   local next = count * GROWTH
   if next <= wish.elements then return next end
-  if estimate(self.history) <= wish.error or next > (wish.most_elements or wish.elements) then return nil end
+  if estimate(self) <= wish.error or next > (wish.most_elements or wish.elements) then return nil end
   return next
 end
 
@@ -208,6 +212,7 @@ function breaking_force.analyse(body, given)
     local first = places[1]
     self.history[#self.history + 1] = {elements = mesh.element_count, utilisation = first.utilisation,
       at = first.at, region = first.region, point = first.point, force = 1 / first.utilisation, places = places,
+      moved = self.log and self.log.surface_moved or 0,
       seconds = core.seconds() - start}
     elements = next_count(self, elements)
   end

@@ -1423,7 +1423,7 @@ function BruteForce:compare(worst, p) end
 ---@field region integer of the worst case, whose load breaks it
 ---@field singular boolean the stress at nodes still grows with finer meshes, as where it has no finite value
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
----@field history table[] of every mesh {elements, force, utilisation, at, region, point, places, seconds}
+---@field history table[] of every mesh {elements, force, utilisation, at, region, point, places, moved, seconds}
 ---@field contact number m2
 ---@field length number m: radius of the patch
 ---@field failure string

@@ -43,6 +43,15 @@ describe("the breaking force", function()
     assert.is_true(assert(breaking(mesh, {contact = 2e-5})).force < one.force)
   end)
 
+  it("is less certain where filling moved the surface", function()
+    -- A ball that few elements can only cut.
+    local ball = assert(bw.surface.sphere {centre = {0, 0, 0}, radius = 0.02, subdivisions = 4})
+    local found = assert(breaking(ball, {elements = 300, length = 5e-4}))
+    local moved = found.history[#found.history].moved
+    assert.is_true(moved > 1e-4, moved)
+    assert.is_true(found.estimated_error >= 0.6 * math.min(1, moved / 5e-4), tostring(found))
+  end)
+
   it("judges metals by von Mises against yield", function()
     local mesh = assert(bw.mesh.fill(bar, {elements = 300, order = 2}))
     assert.equal("von_mises", assert(breaking(mesh, {material = bw.material.steel})).failure)
