@@ -26,7 +26,7 @@ return {
     {"docs/theory/studies.md", "Studies, scenarios, experiments"},
   }},
   {title = "Reference", pages = {
-    {"docs/reference.md", "API"}, {"docs/verification.md", "Verification"},
+    {"docs/reference.md", "API"}, {"docs/glossary.md", "Glossary"}, {"docs/verification.md", "Verification"},
     {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Beside other tools"},
   }},
   {title = "Inside", pages = {

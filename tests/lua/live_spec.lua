@@ -238,8 +238,8 @@ describe("a desk", function()
     _, got = talk.say(1, move(4, 1.3))
     assert.equal("shape4 state4", kinds(got))
     talk.desk.seconds, talk.desk.told = 1, -100
-    talk.server.waiting = {{1, "message", move(6, 1.5)}}
-    _, got = talk.say(1, move(5, 1.4))
+    talk.server.waiting = {{1, "message", move(6, 1.4)}}
+    _, got = talk.say(1, move(5, 1.35))
     assert.equal("shape5 state5 state6", (kinds(got):gsub("shape6 ", ""))) -- shape6: on a busy machine
     -- the end of a drag overtakes it too, and what it leaves is the last move
     talk.desk.seconds, talk.server.waiting = 1, {{1, "message", '{"type":"end"}'}}

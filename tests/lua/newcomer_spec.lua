@@ -23,10 +23,10 @@ end
 
 describe("a newcomer is told", function()
   it("what a file is that is no model, no script and no folder", function()
-    for _, command in ipairs {"check", "worst", "modes"} do
-      says(1, "the file is empty (0 bytes)", command .. " empty.stl")
-      says(1, "it is a directory", command .. " adir")
-      says(1, "No such file or directory", command .. " nothing.stl")
+    for command, status in pairs {check = 1, worst = 3, modes = 1} do
+      says(status, "the file is empty (0 bytes)", command .. " empty.stl")
+      says(status, "it is a directory", command .. " adir")
+      says(status, "No such file or directory", command .. " nothing.stl")
     end
     for _, words in ipairs {"live ball.stl", "study run ball.stl", "test ball.stl", "ball.stl"} do
       says(2, "ball.stl is no script: `barwright check ball.stl` tells what is in it", words)
@@ -34,8 +34,8 @@ describe("a newcomer is told", function()
   end)
 
   it("before the work that its result cannot be written, and by the name that was given", function()
-    says(1, "nodir/r.html: cannot write beside it: No such file", "worst ball.stl --report nodir/r.html")
-    says(1, "d.html: cannot be written: it is a folder", "worst ball.stl --report d.html")
+    says(3, "nodir/r.html: cannot write beside it: No such file", "worst ball.stl --report nodir/r.html")
+    says(3, "d.html: cannot be written: it is a folder", "worst ball.stl --report d.html")
     says(2, "option --vtu: a file that ends in .vtu, ", "worst ball.stl --vtu result.zip")
     says(2, "option --vtu: a file that ends in .vtu, ", "modes ball.stl --vtu /dev/full")
     says(2, "option --picture: a file that ends in .png expected, got 'x.jpg'", "modes ball.stl --picture x.jpg")
