@@ -38,7 +38,7 @@ static const bw_kind array_kind = {"array", array_destroy, array_bytes};
 static bw_status check_shape(bw_context *context, bw_type type, int64_t rows, int64_t columns) {
   int64_t count;
   if (rows < 0 || columns < 0 || __builtin_mul_overflow(rows, columns, &count) ||
-      count > PTRDIFF_MAX / 8)
+      count > PTRDIFF_MAX / 8 || columns > PTRDIFF_MAX / 8)
     return bw_fail(context, BW_INVALID, "an array of %lld x %lld: sizes must be 0 or more, and fit",
                    (long long)rows, (long long)columns);
   if (bw_type_size(type) == 0)
