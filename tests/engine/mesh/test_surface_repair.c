@@ -208,7 +208,7 @@ static void test_wrap(void **state) {
               bw_surface_wrap(context, both, &options, &wrapped, &log));
   options.alpha = options.offset = 0.004; /* some seconds */
   options.time_limit = 0.05;
-  check_fails(context, BW_LIMIT, "seconds it may use",
+  check_fails(context, BW_LIMIT, "it may use",
               bw_surface_wrap(context, both, &options, &wrapped, &log));
   options.time_limit = 0;
   check_fails(context, BW_INVALID, "time_limit",
