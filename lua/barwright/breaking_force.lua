@@ -221,8 +221,10 @@ function breaking_force.analyse(body, given)
   return self
 end
 
---- "holds" where the whole interval lies above a force, "breaks" where it lies below, else "unsure".
+--- "holds" where the whole interval lies above a force, "breaks" where it lies below, else "unsure". An error
+--- as large as the value decides nothing.
 function breaking_force:verdict(force)
+  if self.estimated_error >= 1 then return "unsure" end
   if force < self.low then return "holds" end
   return force > self.high and "breaks" or "unsure"
 end

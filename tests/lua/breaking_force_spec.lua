@@ -52,6 +52,13 @@ describe("the breaking force", function()
     assert.is_true(found.estimated_error >= 0.6 * math.min(1, moved / 5e-4), tostring(found))
   end)
 
+  it("decides nothing on a handful of elements", function()
+    local ball = assert(bw.surface.sphere {centre = {0, 0, 0}, radius = 0.02, subdivisions = 4})
+    local found = assert(breaking(ball, {elements = 4}))
+    assert.is_true(found.estimated_error >= 1, tostring(found))
+    assert.equal("unsure", found:verdict(1e-3 * found.force))
+  end)
+
   it("judges metals by von Mises against yield", function()
     local mesh = assert(bw.mesh.fill(bar, {elements = 300, order = 2}))
     assert.equal("von_mises", assert(breaking(mesh, {material = bw.material.steel})).failure)
