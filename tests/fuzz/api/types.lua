@@ -76,15 +76,28 @@ local function parse_one(text, at)
   return {kind = "name", name = name}, behind
 end
 
+-- One alternative, or those between brackets.
+local function parse_some(text, at)
+  local inside = text:match("^%(()", at)
+  if not inside then
+    local one
+    one, at = parse_one(text, at)
+    return {one}, at
+  end
+  local some
+  some, at = parse_union(text, inside)
+  return some, text:match("^%)()", at) or error("no ')' at '" .. text:sub(at) .. "' of '" .. text .. "'")
+end
+
 function parse_union(text, at)
   local union = {}
   repeat
-    local one
-    one, at = parse_one(text, at)
+    local some
+    some, at = parse_some(text, at)
     while text:match("^%[%]", at) do
-      one, at = {kind = "list", of = {one}}, at + 2
+      some, at = {{kind = "list", of = some}}, at + 2
     end
-    union[#union + 1] = one
+    table.move(some, 1, #some, #union + 1, union)
     if text:sub(at, at) == "?" then
       union[#union + 1] = {kind = "none"}
       at = at + 1
