@@ -256,6 +256,11 @@ describe("a plot of trials", function()
     end
     check.raises("'steel' is none of its names", bw.plot.scatter_matrix, {columns = {
       {name = "a", values = {"steel"}, of = {"pla"}}, {name = "b", values = {1}}}})
+    local wrong = {["a list of names expected, got string"] = "steel", ["is beyond"] = {[1 << 40] = "pla"}}
+    for said, values in pairs(wrong) do
+      check.raises(said, bw.plot.parallel_coordinates, {values = {1}, columns = {
+        {name = "a", values = {1}}, {name = "b", of = {"pla", "steel"}, values = values}}})
+    end
     check.raises("places from 1 to 1", bw.plot.parallel_coordinates, {columns = {
       {name = "a", values = {1}}, {name = "b", values = {1}}}, chosen = {2}})
     assert.near(1, require "barwright.plot.data".rank_correlation({1, 2, 3, 4}, {1, 4, 9, 16}), 1e-12)

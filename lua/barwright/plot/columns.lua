@@ -19,6 +19,9 @@ local rules = {
   whole = {type = "boolean"},
 }
 
+-- Longer lists are taken for a mistake: an index such as 2^40 leaves so many holes.
+local LONGEST = 10000000
+
 local function has_names(values)
   if type(values) ~= "table" then return false end
   for _, value in pairs(values) do
@@ -35,9 +38,13 @@ local function numbered(where, given)
     number[names[i]] = i
   end
   local count = 0
+  if type(given.values) ~= "table" then
+    raise(("%s: values: a list of names expected, got %s"):format(where, type(given.values)))
+  end
   for i in pairs(given.values) do
     if math.type(i) == "integer" and i > count then count = i end
   end
+  if count > LONGEST then raise(("%s: values: entry %d is beyond %d"):format(where, count, LONGEST)) end
   for i = 1, count do
     local value = given.values[i]
     local name = value ~= nil and tostring(value) or nil
