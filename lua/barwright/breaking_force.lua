@@ -197,6 +197,9 @@ function breaking_force.analyse(body, given)
   if not wish.material.strength then
     return nil, "the strength of the material is not known", {status = "unsupported"}
   end
+  if wish.failure == "von_mises" and type(wish.material.strength) ~= "number" then
+    core.raise "breaking_force: failure 'von_mises' needs one strength; the material's differs with the direction"
+  end
   self.failure = wish.failure or ductile[wish.material.name] and "von_mises" or "principal"
   self.length = wish.length or PATCH * distance(self.box.low, self.box.high)
   self.reference, self.history = wish.force, {}

@@ -42,8 +42,8 @@ local function add_triangles(canvas, bridge, at)
   end
 end
 
-local function add_outline(canvas, outline, at)
-  for _, polygon in ipairs(outline:polygons()) do
+local function add_outline(canvas, polygons, at)
+  for _, polygon in ipairs(polygons) do
     local list = {}
     for i, p in ipairs(polygon:totable()) do list[i] = {at(p[1], p[2])} end
     list[#list + 1] = list[1]
@@ -58,11 +58,14 @@ function picture.write(bridge, path)
   local high = wish.deck * scale
   local canvas, message, details = core.canvas(1000, high + 150, {name = ("bridge for %.4g N"):format(wish.load)})
   if not canvas then return nil, message, details end
+  local polygons
+  polygons, message, details = bridge.whole:polygons()
+  if not polygons then return nil, message, details end
   local ground = high + 75
   local function at(x, y) return 500 + x * scale, ground - y * scale end
   canvas:rectangle(0, 0, 1000, high + 150, {fill = "#ffffff"})
   add_triangles(canvas, bridge, at)
-  add_outline(canvas, bridge.whole, at)
+  add_outline(canvas, polygons, at)
   local a, b = wish.span / 2 * scale, wish.bearing * scale
   for _, x in ipairs {a, -a - b} do canvas:rectangle(500 + x, ground + 1, b, 14, {fill = "#999999"}) end
   canvas:line({{500, 30}, {500, 65}}, {stroke = INK, width = 2})

@@ -18,7 +18,7 @@ end
 -- An outline as lines to be drawn, x, y each; nan between the loops.
 local function polygons(outline)
   local bytes = {}
-  for _, loop in ipairs(outline:polygons()) do
+  for _, loop in ipairs(assert(outline:polygons())) do
     local first = loop:rows(1, 1)
     bytes[#bytes + 1] = loop:tostring "<f4" .. first:tostring "<f4" .. ("<ff"):pack(0 / 0, 0 / 0)
   end

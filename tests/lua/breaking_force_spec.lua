@@ -71,6 +71,9 @@ describe("the breaking force", function()
     check.raises("option 'material': a material expected", bw.breaking_force, bar)
     check.raises("a surface or a mesh expected, got table", breaking, {})
     check.raises("did you mean 'contact'", breaking, bar, {contct = 1})
+    local layered = bw.material.orthotropic {young = {2e9, 1.8e9, 0.9e9}, poisson = {0.35, 0.3, 0.3},
+      shear = {0.7e9, 0.4e9, 0.4e9}, strength = {5e7, 5e7, 2e7}}
+    check.raises("'von_mises' needs one strength", breaking, bar, {material = layered, failure = "von_mises"})
     local nothing, message = breaking(bar, {material = bw.material.isotropic {young = 1e9, poisson = 0.3}})
     assert.is_nil(nothing)
     assert.equal("the strength of the material is not known", message)

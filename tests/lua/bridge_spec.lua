@@ -338,4 +338,18 @@ describe("a bridge", function()
     assert.is_false(fine)
     assert.truthy(why:find "^[^\n]*bridge_spec%.lua:%d+: out of memory", why)
   end)
+
+  it("whose picture has no memory says so", function()
+    local bridge, core, path = assert(small_bridge {size = 0.02}), require "barwright.core", os.tmpname()
+    for n = 1, 60 do
+      core.fail_allocation(n, false)
+      local fine, written, why = pcall(bridge.picture, bridge, path .. ".svg")
+      core.fail_allocation(0, false)
+      if not (fine and written) then
+        assert.truthy(tostring(fine and why or written):find "memory", tostring(fine and why or written))
+      end
+    end
+    os.remove(path)
+    os.remove(path .. ".svg")
+  end)
 end)
