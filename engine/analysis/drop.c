@@ -397,7 +397,7 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   test.contact = result.contact;
   test.force = result.force;
   BW_TRY(weigh(context, mesh, system->material->density, test.body));
-  BW_TRY(bw_pressure_basis_create(context, mesh, &test.basis));
+  BW_TRY(bw_pressure_basis_create(context, mesh, NULL, &test.basis));
   if (!(bw_material_strength(system->material, system->material->axes) > 0)) {
     histogram = BW_NEW0(context, double, HISTOGRAM_BINS);
     if (!histogram) {

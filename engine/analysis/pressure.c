@@ -8,7 +8,10 @@
  *
  * Invariant: columns are by ascending mesh node, the rows within a column ascend too, and every
  * row of a column belongs to the same body. Since the shape functions add up to one and reproduce
- * rigid motions, a uniform pressure over a closed boundary has no resultant and no moment. */
+ * rigid motions, a uniform pressure over a closed boundary has no resultant and no moment.
+ *
+ * Nodes of forbidden facets have no column: the pressures that are left are those of the whole
+ * boundary that are zero there, so that forbidding more never admits another load. */
 #include "analysis/programme.h"
 
 #include <math.h>
@@ -147,14 +150,40 @@ static int64_t find_row(bw_pressure_basis *basis, int64_t begin, int32_t *count,
   return at;
 }
 
+/* The boundary facets of each corner node that may be pressed, 0 for all other nodes. */
+static void count_facets(const bw_mesh *mesh, const bw_selection *forbidden, int32_t *facets) {
+  size_t nodes = (size_t)mesh->nodes_per_facet;
+  memset(facets, 0, (size_t)mesh->node_count * sizeof *facets);
+  for (size_t f = 0; f < (size_t)mesh->facet_count; f++)
+    for (size_t i = 0; i < 3; i++)
+      facets[mesh->facet[f * nodes + i]]++;
+  for (int32_t k = 0; forbidden && k < forbidden->node_count; k++)
+    facets[forbidden->node[k]] = 0;
+}
+
+static bw_status check_forbidden(bw_context *context, const bw_mesh *mesh,
+                                 const bw_selection *forbidden) {
+  if (forbidden->mesh != mesh)
+    return bw_fail(context, BW_INVALID,
+                   "the forbidden surface is selected on another mesh than the one to be pressed");
+  if (forbidden->facet_count == 0)
+    return bw_fail(context, BW_EMPTY,
+                   "the forbidden surface covers no facet: give a selection of facets");
+  return BW_OK;
+}
+
 bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
-                                   bw_pressure_basis **result) {
+                                   const bw_pressure_options *options, bw_pressure_basis **result) {
   bw_pressure_basis *basis;
   int32_t *column = NULL, *filled = NULL;
   int nodes = mesh->nodes_per_facet;
-  bw_status status = bwi_pressure_basis_empty(context, mesh, &basis);
+  const bw_selection *forbidden = options ? options->forbidden : NULL;
+  bw_status status = forbidden ? check_forbidden(context, mesh, forbidden) : BW_OK;
+  if (status == BW_OK)
+    status = bwi_pressure_basis_empty(context, mesh, &basis);
   if (status != BW_OK)
     return status;
+  basis->complete = !forbidden;
 
   /* Columns: corners of boundary facets, ascending. */
   column = BW_NEW(context, int32_t, mesh->node_count);
@@ -162,14 +191,16 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t i = 0; i < mesh->node_count; i++)
-    column[i] = 0;
-  for (int32_t f = 0; f < mesh->facet_count; f++)
-    for (int i = 0; i < 3; i++)
-      column[mesh->facet[(size_t)f * (size_t)nodes + (size_t)i]]++;
+  count_facets(mesh, forbidden, column);
   int32_t count = 0;
   for (int32_t i = 0; i < mesh->node_count; i++)
     count += column[i] > 0;
+  if (count == 0) {
+    status = bw_fail(context, BW_EMPTY,
+                     "the forbidden surface holds every node of the boundary: no surface is left "
+                     "on which pressure may act");
+    goto done;
+  }
   basis->node = BW_NEW(context, int32_t, count);
   basis->area = BW_NEW0(context, double, count);
   basis->start = BW_NEW0(context, int64_t, (size_t)count + 1);
@@ -204,6 +235,8 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
     facet_forces(mesh, f, force, area);
     for (int i = 0; i < 3; i++) {
       int32_t j = column[node[i]];
+      if (j < 0)
+        continue;
       basis->area[j] += area[i];
       for (int a = 0; a < nodes; a++) {
         double *to = basis->coefficient + 3 * find_row(basis, basis->start[j], &filled[j], node[a]);

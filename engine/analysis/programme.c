@@ -243,8 +243,9 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
   if (!options->at_most && options->force > options->pressure * area) {
     bw_status status = bw_fail(
         context, BW_INFEASIBLE,
-        "a total force of %g N is asked for, but a pressure of at most %g Pa on the whole boundary "
-        "of %g m2 gives %g N: raise the pressure or lower the force",
+        "a total force of %g N is asked for, but a pressure of at most %g Pa on the whole surface "
+        "that may be pressed, %g m2, gives %g N: raise the pressure (a smaller contact) or lower "
+        "the force",
         options->force, options->pressure, area, options->pressure * area);
     bw_detail_number(context, "force", options->force);
     bw_detail_number(context, "largest_force", options->pressure * area);

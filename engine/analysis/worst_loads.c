@@ -172,10 +172,46 @@ done:
   return status;
 }
 
+/* Uniform pressure is in balance. Where the basis does not hold it, the largest total force in
+ * balance is a programme of its own, which no pressure at all fulfils: it is always feasible. */
+static bw_status check_balance(bw_context *context, const bw_pressure_basis *basis,
+                               const bw_numbering *numbering,
+                               const bw_worst_load_options *options) {
+  bw_worst_load_options less = *options;
+  bw_status status = BW_OK;
+  double largest = 0;
+  if (basis->complete || options->at_most || numbering->motion_count == 0)
+    return BW_OK;
+  double *pressure = BW_NEW(context, double, basis->count);
+  if (!pressure)
+    return BW_MEMORY;
+  less.at_most = true;
+  BW_TRY(
+      bw_worst_loads(context, basis, numbering, &less, 1, basis->area, pressure, &largest, NULL));
+  if (largest < options->force * (1 - violation_limit)) {
+    status = bw_fail(context, BW_INFEASIBLE,
+                     "a total force of %g N is asked for, but on the surface that may be pressed "
+                     "pressures up to %g Pa are in balance up to a total of %g N only: forbid "
+                     "less, hold the part, or let the force be smaller (at_most)",
+                     options->force, options->pressure, largest);
+    bw_detail_number(context, "force", options->force);
+    bw_detail_number(context, "largest_force", largest);
+  }
+done:
+  bw_free(pressure);
+  return status;
+}
+
 bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
                            const bw_numbering *numbering, const bw_worst_load_options *options,
                            bwi_loads **result) {
-  bw_status status = BW_OK;
+  if (numbering->prescribed)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "a support prescribes a displacement that is not zero: the worst load is found "
+                   "for supports that hold still");
+  bw_status status = check_balance(context, basis, numbering, options);
+  if (status != BW_OK)
+    return status;
   if (basis->mesh->node_count != numbering->mesh->node_count)
     return bw_fail(context, BW_INVALID, "the pressures have %d nodes and the numbering has %d",
                    basis->mesh->node_count, numbering->mesh->node_count);

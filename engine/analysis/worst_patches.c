@@ -143,6 +143,7 @@ bw_status bwi_pressure_patches(bw_context *context, const bw_pressure_basis *bas
   w.length2 = area / patches;
   int32_t count = sample(&w, patches);
   BW_TRY(bwi_pressure_basis_empty(context, basis->mesh, &coarse));
+  coarse->complete = basis->complete;
   BW_TRY(sum_columns(context, &w, count, coarse));
   *result = coarse;
   coarse = NULL;

@@ -342,7 +342,8 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
                              const bw_worst_load_options *options, int32_t patches, int32_t wanted,
                              bw_screening *screening) {
   bw_status status = BW_OK;
-  screen s = {.context = context, .system = system, .options = options};
+  bw_worst_load_options limits = *options;
+  screen s = {.context = context, .system = system, .options = &limits};
   int32_t elements = system->mesh->element_count;
   memset(screening, 0, sizeof *screening);
   if (basis->mesh->node_count != system->mesh->node_count)
@@ -354,6 +355,8 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
                    "a screening of %d elements with %d patches is asked for: both must be positive",
                    wanted, patches);
   s.wanted = wanted < elements ? wanted : elements;
+  /* Pressures by patch may miss the balance that pressures by node reach. */
+  limits.at_most = options->at_most || !basis->complete;
   int32_t fewest = PATCHES_PER_ROW * (system->numbering->motion_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;

@@ -3,6 +3,7 @@
 -- what the weak regions find (the worst-case paper, section 5, figure 7).
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local sample = require "barwright.sample"
 
@@ -10,10 +11,7 @@ local brute_force = {}
 brute_force.__index = brute_force
 brute_force.__name = "barwright.brute_force"
 
-local rules = {
-  force = {type = "number", default = 20, above = 0},
-  pressure = {type = "number", default = 2e5, above = 0},
-  at_most = {type = "boolean", default = false},
+local rules = load_limits.rules {
   elements = {type = "integer", least = 1},
   seed = {type = "integer", default = 1},
   one_sign = {type = "boolean", default = false},
@@ -54,20 +52,21 @@ function brute_force.analyse(part, given)
   local wish = options.read("brute_force", given, rules)
   local mesh = part.mesh
   local self = setmetatable({options = wish, mesh = mesh}, brute_force)
+  local basis, message, details = load_limits.basis("brute_force", mesh, wish)
+  if not basis then return nil, message, details end
   local start = core.seconds()
-  local system, message, details = part:system()
+  local system
+  system, message, details = part:system()
   if not system then return nil, message, details end
   local chosen
   if wish.elements and wish.elements < mesh.element_count then
     chosen = sample.numbers(mesh.element_count, wish.elements, wish.seed)
   end
-  local regions, basis, loads
+  local regions, loads
   regions, message, details = core.single_regions(mesh, chosen)
   if not regions then return nil, message, details end
-  basis, message, details = core.pressure_basis(mesh)
-  if not basis then return nil, message, details end
-  local limits = {pressure = wish.pressure, force = wish.force, at_most = wish.at_most,
-    one_sign = wish.one_sign, batch = wish.batch, keep_pressures = false}
+  local limits = load_limits.programme(wish)
+  limits.one_sign, limits.batch, limits.keep_pressures = wish.one_sign, wish.batch, false
   loads, message, details = core.worst_loads(system, basis, regions, limits)
   if not loads then return nil, message, details end
   if wish.objective == "principal" then

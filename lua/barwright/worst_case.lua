@@ -4,6 +4,7 @@
 -- docs/theory/worst_case.md tells why.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local worst_search = require "barwright.worst_search"
 
@@ -13,13 +14,10 @@ local worst_case = {}
 worst_case.__index = worst_case
 worst_case.__name = "barwright.worst_case"
 
-local rules = {
+local rules = load_limits.rules {
   method = {type = "string", one_of = {"search", "paper"}},
   certify = {type = "number", least = 0.001, most = 0.5},
   targets = {type = "integer", default = 48, least = 1, most = 100000},
-  force = {type = "number", default = 20, above = 0},
-  pressure = {type = "number", default = 2e5, above = 0},
-  at_most = {type = "boolean", default = false},
   modes = {type = "integer", default = 15, least = 1, most = 500},
   regions = {type = "integer", default = 5, least = 1, most = 1000},
   fraction = {type = "number", default = 0.025, above = 0, most = 1},
@@ -120,12 +118,15 @@ function worst_case.analyse(part, given, view)
   wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
+  local basis, message, details = load_limits.basis("worst_case", mesh, wish)
+  if not basis then return nil, message, details end
+  self.basis = basis
   local clock = core.seconds
   local seconds = {}
   self.seconds = seconds
 
   local start = clock()
-  local system, message, details = view
+  local system = view
   if not system then
     system, message, details = part:system()
     if not system then return nil, message, details end
@@ -158,12 +159,9 @@ function worst_case.analyse(part, given, view)
   seconds.regions = clock() - start
 
   start = clock()
-  local basis, loads
-  basis, message, details = core.pressure_basis(mesh)
-  if not basis then return nil, message, details end
-  self.basis = basis
-  local limits = {pressure = wish.pressure, force = wish.force, at_most = wish.at_most,
-    one_sign = wish.one_sign, batch = wish.batch, glpk = wish.glpk}
+  local loads
+  local limits = load_limits.programme(wish)
+  limits.one_sign, limits.batch = wish.one_sign, wish.batch
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
   seconds.programmes = clock() - start

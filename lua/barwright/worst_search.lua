@@ -106,7 +106,7 @@ local function ascend(self, loads, origins, limits)
     for k = order.row_count, 1, -1 do
       local i = order[k]
       local element = loads.peak_elements[i]
-      if not taken[element] then
+      if loads.peaks[i] > 0 and not taken[element] then -- without stress there is no direction
         taken[element] = true
         if not tried[i] then chosen[#chosen + 1] = i end
         if #chosen == ASCENTS then break end

@@ -160,12 +160,23 @@ static const bw_pressure_basis *basis_self(lua_State *L) {
   return (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
 }
 
-/* pressure_basis(mesh) */
+/* pressure_basis(mesh, {forbidden}) */
 static int pressure_basis(lua_State *L) {
+  static const lbw_option list[] = {{"forbidden", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  bw_pressure_options options = {NULL};
+  lua_settop(L, 2);
+  lbw_options(L, 2, "pressure_basis", list, &options);
+  if (lbw_option_get(L, 2, "forbidden") != LUA_TNIL) {
+    options.forbidden = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
+    if (!options.forbidden)
+      return lbw_option_error(L, "pressure_basis", "forbidden", "a selection expected");
+    lbw_argument_check(L, options.forbidden->mesh == mesh, 2,
+                       "forbidden: a selection on the same mesh expected");
+  }
   lbw_box *box = lbw_box_new(L, &lbw_pressure_basis_class);
   bw_pressure_basis *basis = NULL;
-  bw_status status = bw_pressure_basis_create(lbw_enter(L), mesh, &basis);
+  bw_status status = bw_pressure_basis_create(lbw_enter(L), mesh, &options, &basis);
   lbw_box_fill(L, box, basis);
   return lbw_leave(L, status, 1);
 }

@@ -49,7 +49,12 @@ function bw.model(options) end
 
 ---Where a part breaks when nobody knows its loads: the largest stress that was found among all pressures
 ---up to `pressure` with a total of `force` (Zhou, Panetta, Zorin 2013, and a search beside the modes).
----The stress is a lower bound of the largest one, and comes with the load that causes it.
+---The stress is a lower bound of the largest one, and comes with the load that causes it. A part with supports
+---is held by them; its own loads do not count. nil, message, details where no load within the limits is in balance
+---(status "infeasible", details.largest_force), or a support prescribes a displacement that is not zero
+---("unsupported"). docs/theory/worst_case.md, section 15.
+---
+---    local worst = bw.worst_case(part, {force = 50, contact = 1e-4, forbidden = mesh.boundary:patch {0, 0, 0.02}})
 ---@param part bw.Model
 ---@param options? bw.WorstCaseOptions
 ---@return bw.WorstCase? worst
@@ -61,7 +66,7 @@ function bw.worst_case(part, options) end
 ---With objective "trace" (default, the paper's) each load maximises the trace of the element's stress;
 ---with "principal" an ascent of its principal stress follows, about three times as long.
 ---@param part bw.Model
----@param options? {force: number, pressure: number, at_most: boolean, elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
+---@param options? {force: number, pressure: number, contact: number, at_most: boolean, forbidden: bw.Selection|bw.Selection[], elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
 ---@return bw.BruteForce?
 ---@return string? message
 ---@return table? details
@@ -151,10 +156,12 @@ function bw.weak_regions(mesh, material, modes, options) end
 ---@return bw.WeakRegions?
 function bw.single_regions(mesh, elements, sign) end
 
----Pressures at the boundary nodes of a mesh, linear over its facets.
+---Pressures at the boundary nodes of a mesh, linear over its facets. `forbidden`: no pressure at the nodes of these
+---facets; raises where no node is left.
 ---@param mesh bw.Mesh
+---@param options? {forbidden?: bw.Selection}
 ---@return bw.PressureBasis?
-function bw.pressure_basis(mesh) end
+function bw.pressure_basis(mesh, options) end
 
 ---The worst load of every region and the stresses under it: arrays peaks, peak_elements,
 ---utilisations, utilised_elements, displacements, objectives, seconds, flipped (of regions), weakness,
@@ -272,9 +279,11 @@ function bw.seconds() end
 function bw.version() end
 
 ---@class bw.WorstCaseOptions
----@field force? number total force, N; default 20
+---@field force? number total force, N; default 20: of a free body what pushes and what pushes back
 ---@field pressure? number largest pressure, Pa; default 0.2 MPa
+---@field contact? number instead of `pressure`: the least area over which the total force presses, m2; the largest pressure is force / contact
 ---@field at_most? boolean the total force may also be smaller; default false
+---@field forbidden? bw.Selection|bw.Selection[] facets on which no pressure may act; it is zero at their nodes
 ---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
 ---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress: several times the time of brute force

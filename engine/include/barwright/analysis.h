@@ -142,9 +142,16 @@ typedef struct bw_pressure_basis {
   int64_t *start;      /* count + 1: columns of G */
   int32_t *row;        /* node numbers */
   double *coefficient; /* 3 per entry */
+  bool complete; /* every boundary corner node has its pressure: uniform pressure is possible */
 } bw_pressure_basis;
+typedef struct bw_pressure_options {
+  /* No pressure at the nodes of these facets (NULL: none are forbidden): it falls to zero over the
+   * facets around. BW_EMPTY when no node is left. */
+  const bw_selection *forbidden;
+} bw_pressure_options;
+/* options may be NULL: all of the boundary. */
 bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
-                                   bw_pressure_basis **basis);
+                                   const bw_pressure_options *options, bw_pressure_basis **basis);
 /* force (node_count x 3, overwritten) = G p */
 void bw_pressure_force(const bw_pressure_basis *basis, const double *pressure, double *force);
 /* f = G^T q */
@@ -165,10 +172,11 @@ typedef struct bw_worst_load_options {
 } bw_worst_load_options;
 /* For `count` objectives f (basis->count each, one after the other): the pressures p (same layout)
  * that maximise f . p, and f . p. Objectives are worked on in parallel. Balance rows are those of
- * the numbering's free motions. BW_INFEASIBLE says which bound is in the way. Every answer fulfils
- * balance to 1e-9 of the force and its duality gap is below 1e-8. `dual` (may be NULL): count x
- * (motion_count + 1) multipliers y, so that with reduced costs d_j = f_j - sum_m y_m <motion m,
- * G e_j> - y_last A_j the optimum is y_last F_tot + p_max sum_j max(0, d_j). */
+ * the numbering's free motions. BW_INFEASIBLE says which bound is in the way; where the basis is
+ * not complete, balance may be as well: then the message has the largest total force. Every answer
+ * fulfils balance to 1e-9 of the force and its duality gap is below 1e-8. `dual` (may be NULL):
+ * count x (motion_count + 1) multipliers y, so that with reduced costs d_j = f_j - sum_m y_m
+ * <motion m, G e_j> - y_last A_j the optimum is y_last F_tot + p_max sum_j max(0, d_j). */
 bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
                          const bw_numbering *numbering, const bw_worst_load_options *options,
                          int64_t count, const double *objective, double *pressure, double *value,
@@ -195,8 +203,9 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
 /* Screening: which elements a load can stress most, estimated for all elements with pressures that
  * are constant over `patches` patches of the boundary (more where the balance rows need more). Such
  * pressures are admissible, so `stress` (the element's stress under the best of them that was
- * found) is a lower bound. The programmes are solved for the `wanted` elements of the largest
- * knapsack bound; the results are by descending principal stress. */
+ * found) is a lower bound; where the basis is not complete, the total force of these pressures may
+ * be smaller, and `stress` is an estimate. The programmes are solved for the `wanted` elements of
+ * the largest knapsack bound; the results are by descending principal stress. */
 typedef struct bw_screening {
   int32_t count;
   int32_t *element;

@@ -6,7 +6,7 @@ static void patches_become_arrows(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 2, 1, 0.05, 40, 20, 1, 1);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   double *p = BW_NEW(context, double, basis->count), total[3] = {0, 0, 0}, sum[3] = {0, 0, 0};
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), area = 0;
   /* A patch of radius 0.15 on top at (0.5, 0.5), one below at the same place, one on top at x

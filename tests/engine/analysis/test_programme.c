@@ -77,7 +77,7 @@ static void uniform_pressure_is_balanced(void **state) {
     else
       check_ok(context, bw_mesh_mapped_box(context, cells, kind - 1, bulge, NULL, &mesh));
     bw_pressure_basis *basis = NULL;
-    check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+    check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
     free_body body;
     free_all(&body, mesh);
     double *p = BW_NEW(context, double, basis->count), area = 0;
@@ -101,7 +101,7 @@ static void work_on_a_linear_field(void **state) {
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 3, 2, order);
     bw_pressure_basis *basis = NULL;
-    check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+    check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
     double *p = BW_NEW(context, double, basis->count);
     double *q = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
     double *f = BW_NEW(context, double, basis->count), work = 0;
@@ -138,7 +138,7 @@ static void agrees_with_a_sorted_fill(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   bw_numbering held = {.mesh = mesh};
   bw_random random;
   bw_random_seed(&random, 7);
@@ -178,7 +178,7 @@ static void agrees_with_enumeration(void **state) {
   bw_mesh *mesh = NULL;
   check_ok(context, bw_mesh_copy(context, 1, 5, x, 2, e, NULL, &mesh));
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
   body.numbering.motion_count = 2; /* forces along x and y only */
@@ -255,7 +255,7 @@ static void own_method_agrees_with_glpk(void **state) {
                     : kind == 1 ? make_bar(context, dumbbell_profile, 10, 4, 2)
                                 : make_box(context, 1, 1, 1, 16, 16, 16, 1);
     bw_pressure_basis *basis = NULL;
-    check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+    check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
     free_body body;
     free_all(&body, mesh);
     size_t n = (size_t)basis->count;
@@ -324,7 +324,7 @@ static void each_solver_alone(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 40, 40, 10, 1);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
   bw_worst_load_options options = {.pressure = 1, .force = 0.2};
@@ -377,7 +377,7 @@ static void no_feasible_pressure_beats_the_optimum(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_bar(context, dumbbell_profile, 12, 4, 1);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
   size_t n = (size_t)basis->count;
@@ -469,7 +469,7 @@ static void two_bodies_are_balanced_apart(void **state) {
                                  NULL, &mesh));
   assert_int_equal(mesh->component_count, 2);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
   size_t n = (size_t)basis->count;
@@ -500,7 +500,7 @@ static void bad_options_are_refused(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
   double f[26] = {0}, p[26], value;
@@ -536,7 +536,7 @@ static void same_bits_for_any_number_of_threads(void **state) {
   enum { OBJECTIVES = 9 };
   bw_mesh *mesh = make_box(context, 1, 1, 0.3, 24, 24, 6, 1);
   bw_pressure_basis *basis = NULL;
-  check_ok(context, bw_pressure_basis_create(context, mesh, &basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
   size_t n = (size_t)basis->count;
@@ -579,7 +579,7 @@ static void allocation_failures(void **state) {
         f[j] = j % 7;
       int64_t blocks = bw_live_blocks();
       bw_fail_allocation(fail, true);
-      bw_status status = bw_pressure_basis_create(context, mesh, &basis);
+      bw_status status = bw_pressure_basis_create(context, mesh, NULL, &basis);
       if (status == BW_OK)
         status = bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL);
       bw_fail_allocation(0, false);

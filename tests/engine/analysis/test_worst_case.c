@@ -20,7 +20,7 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, double young)
   check_ok(context, bw_material_isotropic(context, &constants, &p->material));
   check_ok(context, bw_numbering_free(context, mesh, &p->numbering));
   check_ok(context, bw_system_create(context, mesh, p->material, p->numbering, NULL, &p->system));
-  check_ok(context, bw_pressure_basis_create(context, mesh, &p->basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &p->basis));
 }
 
 static void part_close(part *p) {

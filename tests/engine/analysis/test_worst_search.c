@@ -30,7 +30,7 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool held) {
   }
   check_ok(context, bw_numbering_create(context, p->model, &p->numbering));
   check_ok(context, bw_system_create(context, mesh, p->material, p->numbering, NULL, &p->system));
-  check_ok(context, bw_pressure_basis_create(context, mesh, &p->basis));
+  check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &p->basis));
   bw_release(foot);
 }
 

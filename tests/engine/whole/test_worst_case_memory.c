@@ -53,7 +53,7 @@ static bw_status whole_run(bw_context *context, const files *file, double *most)
   weak_options.fraction = 0.1;
   weak_options.regions = 2;
   BW_TRY(bw_weak_regions_find(context, mesh, material, modes, &weak_options, &regions));
-  BW_TRY(bw_pressure_basis_create(context, mesh, &basis));
+  BW_TRY(bw_pressure_basis_create(context, mesh, NULL, &basis));
   BW_TRY(bw_array_create(context, BW_F64, mesh->element_count, 1, &weakness));
   found.field = (double *)weakness->data;
   found.elements = mesh->element_count;

@@ -1,0 +1,58 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Which loads the worst case admits: options, what the engine takes of them, and the basis of pressures.
+-- docs/theory/worst_case.md, section 15, has the mathematics.
+local core = require "barwright.core"
+local options = require "barwright.options"
+
+local raise = core.raise
+
+local load_limits = {}
+
+local PRESSURE = 2e5 -- Pa
+
+--- Adds the options of admissible loads to the rules of an analysis.
+function load_limits.rules(rules)
+  rules.force = {type = "number", default = 20, above = 0}
+  rules.pressure = {type = "number", above = 0}
+  rules.contact = {type = "number", above = 0}
+  rules.at_most = {type = "boolean", default = false}
+  rules.forbidden = {type = "any"}
+  return rules
+end
+
+-- A selection, or a list of them, as one.
+local function selection_of(where, given, mesh)
+  local list = options.kind(given) == "table" and given or {given}
+  if not options.countable(list) or #list == 0 then
+    raise(("%s: option 'forbidden': a selection or a list of selections expected"):format(where))
+  end
+  local whole
+  for i = 1, #list do
+    local kind = options.kind(list[i])
+    if kind ~= "selection" then
+      raise(("%s: option 'forbidden': a selection or a list of selections expected, got %s"):format(where, kind))
+    end
+    if list[i].mesh ~= mesh then
+      raise(("%s: option 'forbidden': a selection on the mesh of the part expected"):format(where))
+    end
+    whole = whole and whole:union(list[i]) or list[i]
+  end
+  return whole
+end
+
+--- The basis of the pressures that may act on a mesh; sets the largest pressure of `wish`. Returns nil,
+--- message, details where no surface is left.
+function load_limits.basis(where, mesh, wish)
+  if wish.pressure and wish.contact then
+    raise(("%s: options 'pressure' and 'contact' say the same: give one of them"):format(where))
+  end
+  wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
+  return core.pressure_basis(mesh, {forbidden = wish.forbidden and selection_of(where, wish.forbidden, mesh)})
+end
+
+--- What the engine's programmes take.
+function load_limits.programme(wish)
+  return {pressure = wish.pressure, force = wish.force, at_most = wish.at_most, glpk = wish.glpk}
+end
+
+return load_limits
