@@ -72,7 +72,8 @@ describe("a forbidden surface", function()
     for i = 1, uneven.count do
       if box.nodes(uneven.nodes[i], 3) == 0 then low = low + uneven.areas[i] end
     end
-    local _, message, details = bw.worst_case(bar(), with(base, {force = 2e5 * uneven.areas:sum(), forbidden = strip}))
+    local _, message, details = bw.worst_case(bar(), with(base, {force = 2e5 * uneven.areas:sum(),
+      forbidden = strip}))
     assert.truthy(message:find("are in balance up to a total of", 1, true))
     assert.truthy(details.largest_force < 2 * 2e5 * (uneven.areas:sum() - low) * (1 + 1e-9))
     -- Nothing pushes back: no force at all, or what supports take.
