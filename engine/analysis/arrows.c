@@ -64,22 +64,27 @@ static int32_t first_of_cell(const loaded *node, int32_t count, uint64_t cell) {
   return low;
 }
 
+/* A node's columns together. */
 static int32_t list_loaded(const bw_pressure_basis *basis, const double *pressure, loaded *node) {
   double largest = 0;
   int32_t count = 0;
   for (int32_t j = 0; j < basis->count; j++)
     largest = fmax(largest, fabs(pressure[j]));
-  for (int32_t j = 0; j < basis->count; j++) {
+  for (int32_t first = 0; first < basis->count; first += basis->directions) {
     loaded *l = &node[count];
-    if (!(fabs(pressure[j]) > smallest_share * largest))
-      continue;
     memset(l, 0, sizeof *l);
-    l->column = j;
-    l->area = basis->area[j];
-    memcpy(l->at, basis->mesh->node + 3 * (size_t)basis->node[j], sizeof l->at);
-    for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)
-      for (int c = 0; c < 3; c++)
-        l->force[c] += pressure[j] * basis->coefficient[3 * k + c];
+    l->column = first;
+    for (int32_t j = first; j < first + basis->directions; j++) {
+      if (!(fabs(pressure[j]) > smallest_share * largest))
+        continue;
+      l->area = basis->area[j];
+      for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)
+        for (int c = 0; c < 3; c++)
+          l->force[c] += pressure[j] * basis->coefficient[3 * k + c];
+    }
+    if (l->area == 0)
+      continue;
+    memcpy(l->at, basis->mesh->node + 3 * (size_t)basis->node[first], sizeof l->at);
     l->size = bw_norm(l->force);
     count++;
   }

@@ -32,16 +32,11 @@ static const double feasible_share = 1e-12; /* of the total force */
 static const double feasible_bound = 1e-9;  /* of a column's bound */
 static const double smallest_pivot = 1e-7;  /* over the length of the row of the inverse */
 
-typedef struct breakpoint {
-  double step, slope;
-  int32_t column;
-} breakpoint;
-
 struct bwi_simplex {
   const bwi_programme *programme;
   double *reduced, *alpha, *cost; /* columns */
   uint8_t *state;                 /* columns */
-  breakpoint *point;              /* columns */
+  bwi_breakpoint *point;          /* columns */
   double *inverse, *factor;       /* rows x rows */
   double *x, *rest, *y, *column;  /* rows */
   int32_t *basic, *pivot;         /* rows */
@@ -81,7 +76,7 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme
   s->alpha = BW_NEW(context, double, n);
   s->cost = BW_NEW(context, double, n);
   s->state = BW_NEW(context, uint8_t, n);
-  s->point = BW_NEW(context, breakpoint, n);
+  s->point = BW_NEW(context, bwi_breakpoint, n);
   s->inverse = BW_NEW(context, double, m *m);
   s->factor = BW_NEW(context, double, m *m);
   s->x = BW_NEW(context, double, m);
@@ -226,52 +221,6 @@ static int32_t leaving_row(const bwi_simplex *s, double *length) {
   return found;
 }
 
-static bool sooner(const breakpoint *a, const breakpoint *b) {
-  return a->step != b->step ? a->step < b->step : a->column < b->column;
-}
-
-/* Bring to the front the first breakpoints whose slopes reach `wanted`; returns their number, or -1
- * when all together do not. */
-static int32_t select_breakpoints(breakpoint *list, int32_t count, double wanted) {
-  int32_t low = 0, high = count;
-  double all = 0;
-  for (int32_t i = 0; i < count; i++)
-    all += list[i].slope;
-  if (!(all >= wanted))
-    return -1;
-  while (high - low > 1) {
-    breakpoint a = list[low], b = list[low + (high - low) / 2], c = list[high - 1];
-    breakpoint pivot = sooner(&a, &b) ? (sooner(&b, &c)   ? b
-                                         : sooner(&a, &c) ? c
-                                                          : a)
-                                      : (sooner(&a, &c)   ? a
-                                         : sooner(&b, &c) ? c
-                                                          : b);
-    double slope = 0;
-    int32_t i = low, j = high - 1;
-    for (;;) {
-      while (sooner(&list[i], &pivot))
-        slope += list[i++].slope;
-      while (sooner(&pivot, &list[j]))
-        j--;
-      if (i >= j)
-        break;
-      breakpoint t = list[i];
-      list[i] = list[j];
-      list[j] = t;
-    }
-    if (slope >= wanted) {
-      high = i;
-    } else if (slope + list[i].slope >= wanted || i + 1 == high) {
-      return i + 1;
-    } else {
-      wanted -= slope + list[i].slope;
-      low = i + 1;
-    }
-  }
-  return low + 1;
-}
-
 /* The breakpoints along the row with steps up to `reach`; columns turn over when
  * sign * alpha_j has the sign of d_j. */
 static int32_t breakpoints(bwi_simplex *s, double sign, double smallest, double reach) {
@@ -280,7 +229,7 @@ static int32_t breakpoints(bwi_simplex *s, double sign, double smallest, double 
     double d = fabs(s->reduced[j]);
     double v = s->state[j] == AT_UPPER ? sign * s->alpha[j] : -sign * s->alpha[j];
     if (v > smallest && d <= reach * v && s->state[j] != BASIC)
-      s->point[count++] = (breakpoint){d / v, v * upper(s, j), j};
+      s->point[count++] = (bwi_breakpoint){d / v, v * upper(s, j), j};
   }
   return count;
 }
@@ -304,7 +253,7 @@ static step_result iterate(bwi_simplex *s) {
   int32_t count, passed = -1;
   for (double reach = s->reach;; reach = reach < 1e-3 ? 1e-2 : INFINITY) {
     count = breakpoints(s, sign, smallest, reach);
-    passed = select_breakpoints(s->point, count, broken);
+    passed = bwi_select_breakpoints(s->point, count, broken);
     if (passed > 0 || isinf(reach))
       break;
   }
@@ -317,12 +266,12 @@ static step_result iterate(bwi_simplex *s) {
     enters = -1;
     for (int32_t i = 0; i < passed; i++)
       if (fabs(s->alpha[s->point[i].column]) >= smallest_pivot * length &&
-          (enters < 0 || sooner(&s->point[enters], &s->point[i])))
+          (enters < 0 || bwi_sooner(&s->point[enters], &s->point[i])))
         enters = i;
     if (enters < 0)
       return STEP_UNSTABLE;
   }
-  const breakpoint stop = s->point[enters];
+  const bwi_breakpoint stop = s->point[enters];
   int32_t q = stop.column;
 
   memset(s->column, 0, (size_t)m * sizeof *s->column);
@@ -336,7 +285,7 @@ static step_result iterate(bwi_simplex *s) {
   /* Turn over what was passed, move the multipliers, exchange r for q. */
   for (int32_t i = 0; i < passed; i++) {
     int32_t j = s->point[i].column;
-    if (j == q || !sooner(&s->point[i], &stop))
+    if (j == q || !bwi_sooner(&s->point[i], &stop))
       continue;
     add(s, j, s->state[j] == AT_UPPER ? upper(s, j) : -upper(s, j), s->rest);
     s->state[j] = s->state[j] == AT_UPPER ? AT_LOWER : AT_UPPER;

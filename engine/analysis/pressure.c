@@ -91,6 +91,20 @@ static void flat_facet(int nodes, const double (*x)[3], double force[3][6][3], d
   }
 }
 
+void bwi_area_vector(const double (*x)[3], const double l[3], double normal[3]) {
+  /* Derivatives of the six functions by L0, L1, L2, then along the two edges from corner 0. */
+  const double by[6][3] = {{4 * l[0] - 1, 0, 0},    {0, 4 * l[1] - 1, 0},
+                           {0, 0, 4 * l[2] - 1},    {4 * l[1], 4 * l[0], 0},
+                           {0, 4 * l[2], 4 * l[1]}, {4 * l[2], 0, 4 * l[0]}};
+  double u[3] = {0, 0, 0}, v[3] = {0, 0, 0};
+  for (int a = 0; a < 6; a++)
+    for (int k = 0; k < 3; k++) {
+      u[k] += (by[a][1] - by[a][0]) * x[a][k];
+      v[k] += (by[a][2] - by[a][0]) * x[a][k];
+    }
+  bw_cross(u, v, normal);
+}
+
 static void curved_facet(const double (*x)[3], double force[3][6][3], double area[3]) {
   double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
   int points = bw_triangle_quadrature(6, point, weight);
@@ -98,17 +112,8 @@ static void curved_facet(const double (*x)[3], double force[3][6][3], double are
   memset(area, 0, 3 * sizeof *area);
   for (int q = 0; q < points; q++) {
     const double *l = point[q];
-    /* Derivatives of the six functions by L0, L1, L2, then along the two edges from corner 0. */
-    const double by[6][3] = {{4 * l[0] - 1, 0, 0},    {0, 4 * l[1] - 1, 0},
-                             {0, 0, 4 * l[2] - 1},    {4 * l[1], 4 * l[0], 0},
-                             {0, 4 * l[2], 4 * l[1]}, {4 * l[2], 0, 4 * l[0]}};
-    double u[3] = {0, 0, 0}, v[3] = {0, 0, 0}, s[3], shape[6];
-    for (int a = 0; a < 6; a++)
-      for (int k = 0; k < 3; k++) {
-        u[k] += (by[a][1] - by[a][0]) * x[a][k];
-        v[k] += (by[a][2] - by[a][0]) * x[a][k];
-      }
-    bw_cross(u, v, s); /* n dA is half of it times the weight */
+    double s[3], shape[6];
+    bwi_area_vector(x, l, s); /* n dA is half of it times the weight */
     bw_facet_shape(2, l, shape);
     for (int i = 0; i < 3; i++) {
       double w = 0.5 * weight[q] * l[i];
@@ -161,14 +166,22 @@ static void count_facets(const bw_mesh *mesh, const bw_selection *forbidden, int
     facets[forbidden->node[k]] = 0;
 }
 
-static bw_status check_forbidden(bw_context *context, const bw_mesh *mesh,
-                                 const bw_selection *forbidden) {
-  if (forbidden->mesh != mesh)
+static bw_status check_options(bw_context *context, const bw_mesh *mesh,
+                               const bw_pressure_options *options) {
+  const bw_selection *forbidden = options->forbidden;
+  if (forbidden && forbidden->mesh != mesh)
     return bw_fail(context, BW_INVALID,
                    "the forbidden surface is selected on another mesh than the one to be pressed");
-  if (forbidden->facet_count == 0)
+  if (forbidden && forbidden->facet_count == 0)
     return bw_fail(context, BW_EMPTY,
                    "the forbidden surface covers no facet: give a selection of facets");
+  if (!(options->friction >= 0 && options->friction <= 100))
+    return bw_fail(context, BW_INVALID, "the coefficient of friction is %g: give from 0 to 100",
+                   options->friction);
+  if (options->friction > 0 &&
+      (options->friction_facets < 3 || options->friction_facets > BW_MOST_FRICTION_FACETS))
+    return bw_fail(context, BW_INVALID, "a friction cone of %d facets: give from 3 to %d",
+                   options->friction_facets, BW_MOST_FRICTION_FACETS);
   return BW_OK;
 }
 
@@ -178,12 +191,13 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
   int32_t *column = NULL, *filled = NULL;
   int nodes = mesh->nodes_per_facet;
   const bw_selection *forbidden = options ? options->forbidden : NULL;
-  bw_status status = forbidden ? check_forbidden(context, mesh, forbidden) : BW_OK;
+  bw_status status = options ? check_options(context, mesh, options) : BW_OK;
   if (status == BW_OK)
     status = bwi_pressure_basis_empty(context, mesh, &basis);
   if (status != BW_OK)
     return status;
   basis->complete = !forbidden;
+  basis->directions = 1;
 
   /* Columns: corners of boundary facets, ascending. */
   column = BW_NEW(context, int32_t, mesh->node_count);
@@ -256,6 +270,12 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
     end += filled[j];
   }
   basis->start[count] = end;
+  if (options && options->friction > 0) {
+    bw_pressure_basis *plain = basis;
+    basis = NULL;
+    status = bwi_pressure_with_friction(context, plain, options, &basis);
+    bw_release(plain);
+  }
 done:
   bw_free(column);
   bw_free(filled);

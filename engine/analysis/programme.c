@@ -23,6 +23,8 @@ void bwi_programme_free(bwi_programme *programme) {
   bw_free(programme->area);
   bw_free(programme->first_row);
   bw_free(programme->row_count);
+  bw_free(programme->group_start);
+  bw_free(programme->group);
   bw_free(programme->segment);
   bw_free(programme->body);
   bw_free(programme);
@@ -38,7 +40,7 @@ static uint32_t scatter(uint32_t x) {
   return x ^ x >> 16;
 }
 
-/* The coarsest level (0) that holds column j. */
+/* The coarsest level (0) that holds node j. */
 static int level_of(int32_t j, int levels) {
   uint32_t h = scatter((uint32_t)j + 1);
   int level = levels - 1;
@@ -55,8 +57,8 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
   int32_t n = basis->count, bodies = basis->mesh->component_count;
   int32_t *place = NULL;
   programme->levels = 1;
-  for (int64_t size = n / LEVEL_FACTOR; size >= LEVEL_SMALLEST && programme->levels < BWI_LEVELS;
-       size /= LEVEL_FACTOR)
+  for (int64_t size = n / basis->directions / LEVEL_FACTOR;
+       size >= LEVEL_SMALLEST && programme->levels < BWI_LEVELS; size /= LEVEL_FACTOR)
     programme->levels++;
   size_t groups = (size_t)programme->levels * (size_t)bodies;
   place = BW_NEW0(context, int32_t, groups + 1);
@@ -67,7 +69,7 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
   }
   const int32_t *component = basis->mesh->component;
   for (int32_t j = 0; j < n; j++)
-    place[(size_t)level_of(j, programme->levels) * (size_t)bodies +
+    place[(size_t)level_of(j / basis->directions, programme->levels) * (size_t)bodies +
           (size_t)component[basis->node[j]]]++;
   int32_t at = 0;
   for (int level = 0; level < programme->levels; level++) {
@@ -95,10 +97,22 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
     programme->level_segments[level] = programme->segment_count;
   }
   for (int32_t j = 0; j < n; j++)
-    programme->source[place[(size_t)level_of(j, programme->levels) * (size_t)bodies +
-                            (size_t)component[basis->node[j]]]++] = j;
+    programme
+        ->source[place[(size_t)level_of(j / basis->directions, programme->levels) * (size_t)bodies +
+                       (size_t)component[basis->node[j]]]++] = j;
   bw_free(place);
   return BW_OK;
+}
+
+/* Columns of a node are neighbours: order_columns keeps them together. */
+static void group_columns(bwi_programme *programme) {
+  for (int32_t j = 0; j < programme->columns; programme->groups++) {
+    int32_t size = programme->source[j] < 0 ? 1 : programme->directions;
+    programme->group_start[programme->groups] = j;
+    for (int32_t k = 0; k < size; k++)
+      programme->group[j++] = programme->groups;
+  }
+  programme->group_start[programme->groups] = programme->columns;
 }
 
 /* ---- balance rows -------------------------------------------------------------------------- */
@@ -238,7 +252,7 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
                    options->force);
   if (basis->count < 1)
     return bw_fail(context, BW_INVALID, "the mesh has no boundary to press on");
-  for (int32_t j = 0; j < basis->count; j++)
+  for (int32_t j = 0; j < basis->count; j += basis->directions)
     area += basis->area[j];
   if (!options->at_most && options->force > options->pressure * area) {
     bw_status status = bw_fail(
@@ -273,13 +287,17 @@ bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *bas
   programme->area = BW_NEW(context, double, n);
   programme->first_row = BW_NEW0(context, int32_t, n);
   programme->row_count = BW_NEW0(context, int32_t, n);
-  if (!programme->entry || !programme->upper || !programme->source || !programme->area ||
-      !programme->first_row || !programme->row_count) {
+  programme->directions = basis->directions;
+  programme->group_start = BW_NEW(context, int32_t, n + 1);
+  programme->group = BW_NEW(context, int32_t, n);
+  if (!programme->group_start || !programme->group || !programme->entry || !programme->upper ||
+      !programme->source || !programme->area || !programme->first_row || !programme->row_count) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(make_bodies(context, programme, basis, numbering));
   BW_TRY(order_columns(context, programme, basis, options->at_most));
+  group_columns(programme);
   for (int32_t s = 0; s < programme->segment_count; s++) {
     const bwi_segment *segment = &programme->segment[s];
     const bwi_balance *body = NULL;
@@ -386,7 +404,16 @@ static void add_column(const bwi_programme *programme, int32_t j, double factor,
   sum[programme->rows - 1] += factor;
 }
 
-/* b - A t, with the basic columns taken from `basic` when it is given. */
+/* The column at the upper bound in the group of basic column j, or -1. */
+static int32_t full_column(const bwi_programme *programme, const bwi_vertex *vertex, int32_t j) {
+  int32_t g = programme->group[j];
+  for (int32_t k = programme->group_start[g]; k < programme->group_start[g + 1]; k++)
+    if (k != j && vertex->at_upper[k])
+      return k;
+  return -1;
+}
+
+/* b - A t. */
 static void residual(const bwi_programme *programme, const double *share, double *rest) {
   int32_t m = programme->rows;
   for (int32_t i = 0; i < m; i++)
@@ -404,8 +431,8 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
   double *share = solution->share, *y = solution->multiplier;
   double *basis = BW_NEW0(context, double, (size_t)m *(size_t)m);
   double *rest = BW_NEW(context, double, m), *x = BW_NEW(context, double, m);
-  int32_t *pivot = BW_NEW(context, int32_t, m);
-  if (!basis || !rest || !x || !pivot) {
+  int32_t *pivot = BW_NEW(context, int32_t, m), *full = BW_NEW(context, int32_t, m);
+  if (!basis || !rest || !x || !pivot || !full) {
     status = BW_MEMORY;
     goto done;
   }
@@ -423,6 +450,11 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
       share[vertex->basic[i]] = 0;
     }
     y[i] = vertex->basic[i] < 0 ? 0 : cost[vertex->basic[i]];
+    full[i] = vertex->basic[i] < 0 ? -1 : full_column(programme, vertex, vertex->basic[i]);
+    if (full[i] >= 0) {
+      add_column(programme, full[i], -1, column);
+      y[i] -= cost[full[i]];
+    }
   }
   if (!bwi_dense_factor(m, basis, pivot))
     goto done;
@@ -442,6 +474,8 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
       x[i] = pass == 0 ? step[i] : x[i] + step[i];
       if (vertex->basic[i] >= 0)
         share[vertex->basic[i]] = x[i];
+      if (full[i] >= 0)
+        share[full[i]] -= step[i];
     }
   }
   double violation = 0;
@@ -453,6 +487,10 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
     }
     violation = fmax(violation, fmax(-share[j], share[j] - programme->upper[j]));
     share[j] = fmin(fmax(share[j], 0), programme->upper[j]);
+    if (full[i] >= 0) {
+      violation = fmax(violation, -share[full[i]]);
+      share[full[i]] = fmax(share[full[i]], 0);
+    }
   }
   residual(programme, share, rest);
   for (int32_t i = 0; i < m; i++)
@@ -461,15 +499,19 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
 
   /* Weak duality: the multipliers bound every feasible value from above. */
   double bound = y[m - 1], value = 0, largest = 0;
-  for (int32_t j = 0; j < n; j++) {
-    double reduced = cost[j] - y[m - 1];
-    for (int32_t l = 0; l < programme->row_count[j]; l++)
-      reduced -=
-          y[programme->first_row[j] + l] * programme->entry[(size_t)l * (size_t)n + (size_t)j];
-    if (reduced > 0)
-      bound += programme->upper[j] * reduced;
-    value += cost[j] * share[j];
-    largest = fmax(largest, fabs(cost[j]));
+  for (int32_t g = 0; g < programme->groups; g++) {
+    double most = 0;
+    for (int32_t j = programme->group_start[g]; j < programme->group_start[g + 1]; j++) {
+      double reduced = cost[j] - y[m - 1];
+      for (int32_t l = 0; l < programme->row_count[j]; l++)
+        reduced -=
+            y[programme->first_row[j] + l] * programme->entry[(size_t)l * (size_t)n + (size_t)j];
+      most = fmax(most, reduced);
+      value += cost[j] * share[j];
+      largest = fmax(largest, fabs(cost[j]));
+    }
+    if (most > 0)
+      bound += programme->upper[programme->group_start[g]] * most;
   }
   solution->value = value;
   solution->gap = largest > 0 ? fabs(bound - value) / (fabs(value) + 1e-3 * largest) : 0;
@@ -478,5 +520,6 @@ done:
   bw_free(rest);
   bw_free(x);
   bw_free(pivot);
+  bw_free(full);
   return status;
 }

@@ -4,11 +4,12 @@
  *     maximise c . t   subject to   A t = b,  0 <= t <= u,  b = (0, ..., 0, 1)
  *
  * t_j = A_j p_j / F_tot is the share of the total force that pressure j carries, u_j = A_j p_max /
- * F_tot. The last row of A is all ones: the shares add up to one. The rows before it balance force
- * and moment, body by body, and are orthonormalised (weights A_j): a column has entries of order
- * one only in the rows of its own body. Rows that every pressure fulfils anyway (a sphere's
- * moments) are dropped. Columns are permuted: levels are nested samples of the boundary, coarse
- * first, and inside a level columns are sorted by body into segments. */
+ * F_tot. With friction a node has a group of columns; then u bounds the sum of each group. The last
+ * row of A is all ones: the shares add up to one. The rows before it balance force and moment, body
+ * by body, and are orthonormalised (weights A_j): a column has entries of order one only in the
+ * rows of its own body. Rows that every pressure fulfils anyway (a sphere's moments) are dropped.
+ * Columns are permuted: levels are nested samples of the boundary, coarse first, and inside a level
+ * columns are sorted by body into segments. */
 #ifndef BARWRIGHT_ANALYSIS_PROGRAMME_H
 #define BARWRIGHT_ANALYSIS_PROGRAMME_H
 
@@ -30,23 +31,34 @@ typedef struct bwi_balance {
 } bwi_balance;
 
 typedef struct bwi_programme {
-  int32_t rows;    /* balance rows kept, and the row of shares */
-  int32_t columns; /* pressures, and a slack when the force may be smaller */
-  double *entry;   /* BWI_LOCAL_ROWS x columns: local row l of column j at [l * columns + j] */
-  double *upper;   /* columns */
-  int32_t *source; /* columns: number of the pressure, -1 for the slack */
-  double *area;    /* columns: A of the pressure; 1 for the slack */
+  int32_t rows;         /* balance rows kept, and the row of shares */
+  int32_t columns;      /* pressures, and a slack when the force may be smaller */
+  int32_t directions;   /* columns of a node: 1 without friction */
+  int32_t groups;       /* nodes, and the slack */
+  int32_t *group_start; /* groups + 1: columns of each */
+  int32_t *group;       /* columns */
+  double *entry;        /* BWI_LOCAL_ROWS x columns: local row l of column j at [l * columns + j] */
+  double *upper;        /* columns */
+  int32_t *source;      /* columns: number of the pressure, -1 for the slack */
+  double *area;         /* columns: A of the pressure; 1 for the slack */
   int32_t *first_row, *row_count; /* columns: where the local rows stand */
   int32_t segment_count;
   bwi_segment *segment;
   int levels;
-  int32_t level_end[BWI_LEVELS];      /* columns of levels 0..k */
+  int32_t level_end[BWI_LEVELS];      /* columns of levels 0..k: whole groups */
   int32_t level_segments[BWI_LEVELS]; /* their segments */
   int32_t body_count;
   bwi_balance *body;
   int32_t motion_count;
   double force, pressure; /* F_tot, p_max */
 } bwi_programme;
+
+/* x_u cross x_v of a facet of six nodes at a point: twice n dA over the part of the plane. */
+void bwi_area_vector(const double (*x)[3], const double barycentric[3], double normal[3]);
+
+/* The columns of a basis without friction, each for the facets of the friction cone. */
+bw_status bwi_pressure_with_friction(bw_context *context, const bw_pressure_basis *plain,
+                                     const bw_pressure_options *options, bw_pressure_basis **basis);
 
 /* A basis without columns, to be filled: released as every other. */
 bw_status bwi_pressure_basis_empty(bw_context *context, const bw_mesh *mesh,
@@ -58,7 +70,8 @@ bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *bas
 void bwi_programme_free(bwi_programme *programme);
 
 /* Where a solver ended: `rows` basic columns (-1 - r: the unit column of row r, for a row without a
- * basic column of its own) and for the others whether they sit at their upper bound. */
+ * basic column of its own) and for the others whether they sit at their upper bound. In a group one
+ * column at most is at the upper bound: it carries what the group's basic columns leave of it. */
 typedef struct bwi_vertex {
   int32_t *basic;
   uint8_t *at_upper;
@@ -101,6 +114,24 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme
 bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *simplex, const double *cost,
                             bool sampled, bwi_vertex *vertex);
 void bwi_simplex_free(bwi_simplex *simplex);
+
+/* Where the dual function bends along a line: its slope grows by `slope` after `step`. */
+typedef struct bwi_breakpoint {
+  double step, slope;
+  int32_t column; /* or any number that tells breakpoints apart */
+} bwi_breakpoint;
+bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b);
+/* Bring to the front the first breakpoints whose slopes reach `wanted`, the last of them at the end
+ * of these; returns their number, or -1 when all together do not. */
+int32_t bwi_select_breakpoints(bwi_breakpoint *list, int32_t count, double wanted);
+
+/* The same method for columns in groups (grouped_simplex.c). */
+typedef struct bwi_grouped bwi_grouped;
+bw_status bwi_grouped_create(bw_context *context, const bwi_programme *programme,
+                             bwi_grouped **grouped);
+bw_status bwi_grouped_solve(bw_context *context, bwi_grouped *grouped, const double *cost,
+                            bool sampled, bwi_vertex *vertex);
+void bwi_grouped_free(bwi_grouped *grouped);
 
 /* The programme with solvers and scratch memory per thread, for many batches of objectives
  * (worst_loads.c; see bw_worst_loads). */

@@ -40,16 +40,25 @@ static void leave(bwi_glpk *glpk) {
     glp_term_out(glpk->terminal);
 }
 
+/* With friction a row for each group follows those of the programme. */
+static int group_rows(const bwi_programme *programme) {
+  return programme->directions > 1 ? programme->groups : 0;
+}
+
 static void fill_problem(bwi_glpk *glpk, int *row, int *column, double *value) {
   const bwi_programme *programme = glpk->programme;
   int m = programme->rows, n = programme->columns, entries = 0;
   glp_set_obj_dir(glpk->problem, GLP_MAX);
-  glp_add_rows(glpk->problem, m);
+  glp_add_rows(glpk->problem, m + group_rows(programme));
   for (int i = 1; i <= m; i++)
     glp_set_row_bnds(glpk->problem, i, GLP_FX, i == m, i == m);
+  for (int g = 0; g < group_rows(programme); g++)
+    glp_set_row_bnds(glpk->problem, m + 1 + g, GLP_UP, 0,
+                     programme->upper[programme->group_start[g]]);
   glp_add_cols(glpk->problem, n);
   for (int j = 0; j < n; j++) {
-    glp_set_col_bnds(glpk->problem, j + 1, GLP_DB, 0, programme->upper[j]);
+    glp_set_col_bnds(glpk->problem, j + 1, group_rows(programme) > 0 ? GLP_LO : GLP_DB, 0,
+                     programme->upper[j]);
     for (int l = 0; l <= programme->row_count[j]; l++) {
       bool last = l == programme->row_count[j];
       double v = last ? 1 : programme->entry[(size_t)l * (size_t)n + (size_t)j];
@@ -60,6 +69,12 @@ static void fill_problem(bwi_glpk *glpk, int *row, int *column, double *value) {
       column[entries] = j + 1;
       value[entries] = v;
     }
+    if (group_rows(programme) > 0) {
+      entries++;
+      row[entries] = m + 1 + programme->group[j];
+      column[entries] = j + 1;
+      value[entries] = 1;
+    }
   }
   glp_load_matrix(glpk->problem, entries, row, column, value);
 }
@@ -67,7 +82,7 @@ static void fill_problem(bwi_glpk *glpk, int *row, int *column, double *value) {
 bw_status bwi_glpk_create(bw_context *context, const bwi_programme *programme, bwi_glpk **result) {
   bwi_glpk *volatile glpk = BW_NEW0(context, bwi_glpk, 1);
   volatile bw_status status = BW_OK;
-  size_t room = (size_t)programme->columns * (BWI_LOCAL_ROWS + 1) + 1;
+  size_t room = (size_t)programme->columns * (BWI_LOCAL_ROWS + 2) + 1;
   int *volatile row = BW_NEW(context, int, room);
   int *volatile column = BW_NEW(context, int, room);
   double *volatile value = BW_NEW(context, double, room);
@@ -100,6 +115,22 @@ done:
   else
     bw_free(glpk);
   return status;
+}
+
+/* A full group has no slack: the largest of its basic columns is the one at the upper bound. */
+static void full_groups(glp_prob *problem, const bwi_programme *programme, uint8_t *at_upper) {
+  for (int g = 0; g < group_rows(programme); g++) {
+    int largest = -1;
+    if (glp_get_row_stat(problem, programme->rows + 1 + g) == GLP_BS)
+      continue;
+    for (int j = programme->group_start[g]; j < programme->group_start[g + 1]; j++)
+      if (glp_get_col_stat(problem, j + 1) == GLP_BS &&
+          (largest < 0 ||
+           glp_get_col_prim(problem, j + 1) > glp_get_col_prim(problem, largest + 1)))
+        largest = j;
+    if (largest >= 0)
+      at_upper[largest] = 1;
+  }
 }
 
 static const char *trouble(int code, int state) {
@@ -148,7 +179,7 @@ bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost
   control.r_test = attempt == 0 ? GLP_RT_FLIP : GLP_RT_HAR;
   control.tol_bnd = 1e-10;
   control.tol_dj = 1e-10;
-  control.it_lim = 1000 * m + 4 * n;
+  control.it_lim = 1000 * m + 4 * n + 4 * group_rows(programme);
   int code = glp_simplex(glpk->problem, &control);
   int state = glp_get_status(glpk->problem);
   bw_status status = BW_OK;
@@ -161,12 +192,12 @@ bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost
     for (int i = 0; i < m; i++)
       if (glp_get_row_stat(glpk->problem, i + 1) == GLP_BS)
         vertex->basic[basics++] = -1 - i;
-    for (int j = 0; j < n; j++) {
-      int where = glp_get_col_stat(glpk->problem, j + 1);
-      vertex->at_upper[j] = where == GLP_NU;
-      if (where == GLP_BS && basics < m)
+    for (int j = 0; j < n; j++)
+      vertex->at_upper[j] = glp_get_col_stat(glpk->problem, j + 1) == GLP_NU;
+    full_groups(glpk->problem, programme, vertex->at_upper);
+    for (int j = 0; j < n; j++)
+      if (glp_get_col_stat(glpk->problem, j + 1) == GLP_BS && !vertex->at_upper[j] && basics < m)
         vertex->basic[basics++] = j;
-    }
     vertex->iterations = glp_get_it_cnt(glpk->problem);
   }
   leave(glpk);

@@ -38,7 +38,7 @@ typedef struct search {
   const bw_pressure_basis *basis;
   const bw_worst_load_options *options;
   double incumbent, tolerance;
-  int32_t motions, columns; /* columns: pressures, and a slack where the force may be smaller */
+  int32_t motions, columns; /* columns: nodes, and a slack where the force may be smaller */
   double *motion;           /* motions x pressures: work of a unit pressure on each rigid motion */
   double *projector; /* pressures x motions: the fit's multipliers are projector^T objective */
   double *upper;     /* columns: largest shares of the force */
@@ -132,6 +132,20 @@ static void fit(const search *s, const double *objective, double *y) {
       y[k] += s->projector[j * m + k] * objective[j];
 }
 
+/* The knapsack of nodes, from the gains of their columns: with friction the largest of a node. */
+static double fill(const search *s, double *gain) {
+  int32_t directions = s->basis->directions, nodes = s->basis->count / directions;
+  for (int32_t g = 0; g < nodes; g++) {
+    double most = gain[(size_t)g * (size_t)directions];
+    for (int32_t k = 1; k < directions; k++)
+      most = fmax(most, gain[(size_t)g * (size_t)directions + (size_t)k]);
+    gain[g] = most;
+  }
+  for (int32_t g = nodes; g < s->columns; g++)
+    gain[g] = 0; /* the slack */
+  return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
+}
+
 static double knapsack(const search *s, const double *objective, const double *y, double *gain) {
   size_t count = (size_t)s->basis->count;
   for (size_t j = 0; j < count; j++) {
@@ -140,9 +154,7 @@ static double knapsack(const search *s, const double *objective, const double *y
       d -= y[m] * s->motion[(size_t)m * count + j];
     gain[j] = d * (s->options->force / s->basis->area[j]);
   }
-  for (int32_t j = s->basis->count; j < s->columns; j++)
-    gain[j] = 0; /* the slack */
-  return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
+  return fill(s, gain);
 }
 
 /* A bound over all directions at once: what a pressure contributes in any direction is at most the
@@ -161,9 +173,7 @@ static double in_all_directions(const search *s, const double *response, double 
     }
     gain[j] = sqrt(sum) * (s->options->force / s->basis->area[j]);
   }
-  for (int32_t j = s->basis->count; j < s->columns; j++)
-    gain[j] = 0;
-  return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
+  return fill(s, gain);
 }
 
 /* What a triangle hands down to its parts: multipliers for both signs. */
@@ -426,7 +436,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
               .incumbent = incumbent,
               .tolerance = tolerance,
               .motions = system->numbering->motion_count,
-              .columns = basis->count + (options->at_most ? 1 : 0)};
+              .columns = basis->count / basis->directions + (options->at_most ? 1 : 0)};
   *bound = (bw_worst_bound){.largest = incumbent, .element = -1};
   if (basis->mesh->node_count != mesh->node_count)
     return bw_fail(context, BW_INVALID,
@@ -448,8 +458,11 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t j = 0; j < s.columns; j++)
-    s.upper[j] = j < basis->count ? basis->area[j] * (options->pressure / options->force) : 1;
+  for (int32_t g = 0; g < s.columns; g++)
+    s.upper[g] = g < basis->count / basis->directions
+                     ? basis->area[(size_t)g * (size_t)basis->directions] *
+                           (options->pressure / options->force)
+                     : 1; /* the slack */
   for (int32_t first = 0; first < mesh->element_count; first += BATCH) {
     bw_progress(context, "upper bound", (double)first / mesh->element_count);
     BW_TRY(bw_check_cancel(context));

@@ -130,6 +130,9 @@ bw_status bwi_pressure_patches(bw_context *context, const bw_pressure_basis *bas
   bw_pressure_basis *coarse = NULL;
   size_t n = (size_t)basis->count;
   double area;
+  if (basis->directions > 1)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "pressures constant on patches have no friction: give a basis without");
   patch_work w = {.basis = basis};
   w.normal = BW_NEW(context, double, 3 * n);
   w.distance = BW_NEW(context, double, n);
@@ -144,6 +147,7 @@ bw_status bwi_pressure_patches(bw_context *context, const bw_pressure_basis *bas
   int32_t count = sample(&w, patches);
   BW_TRY(bwi_pressure_basis_empty(context, basis->mesh, &coarse));
   coarse->complete = basis->complete;
+  coarse->directions = 1;
   BW_TRY(sum_columns(context, &w, count, coarse));
   *result = coarse;
   coarse = NULL;

@@ -17,6 +17,8 @@ function load_limits.rules(rules)
   rules.contact = {type = "number", above = 0}
   rules.at_most = {type = "boolean", default = false}
   rules.forbidden = {type = "any"}
+  rules.friction = {type = "number", default = 0, least = 0, most = 100}
+  rules.friction_facets = {type = "integer", default = 8, least = 3, most = 64}
   return rules
 end
 
@@ -47,7 +49,27 @@ function load_limits.basis(where, mesh, wish)
     raise(("%s: options 'pressure' and 'contact' say the same: give one of them"):format(where))
   end
   wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
-  return core.pressure_basis(mesh, {forbidden = wish.forbidden and selection_of(where, wish.forbidden, mesh)})
+  wish.forbidden = wish.forbidden and selection_of(where, wish.forbidden, mesh)
+  return core.pressure_basis(mesh, {forbidden = wish.forbidden, friction = wish.friction,
+    friction_facets = wish.friction_facets})
+end
+
+--- The same without friction, for the screening.
+function load_limits.without_friction(mesh, wish, basis)
+  if basis.directions == 1 then return basis end
+  return core.pressure_basis(mesh, {forbidden = wish.forbidden})
+end
+
+--- By how much the pyramid in Coulomb's cone may be narrower than the cone, as a share.
+function load_limits.friction_error(wish)
+  return wish.friction > 0 and 1 - math.cos(math.pi / wish.friction_facets) or 0
+end
+
+--- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
+function load_limits.describe(wish)
+  if wish.friction == 0 then return "" end
+  return ("; friction %.3g, the cone by %d facets (%.2g %% narrower at most)"):format(wish.friction,
+    wish.friction_facets, 100 * load_limits.friction_error(wish))
 end
 
 --- What the engine's programmes take.

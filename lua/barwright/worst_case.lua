@@ -102,6 +102,7 @@ local function summarise(self, weak, loads, origins)
   end
   self.weakness, self.worst_region = loads.weakness, loads.worst_region
   self.pressures = loads.pressures
+  self.friction_error = load_limits.friction_error(self.options)
 end
 
 --- Where a part breaks, under the worst loads that are found. Returns nil, message, details when it cannot tell.
@@ -203,7 +204,7 @@ end
 --- The worst pressure of a region (the worst one when left out), at every node of the mesh.
 function worst_case:pressure(i)
   i = check_region(self, i, "pressure")
-  return self.pressures[i]:scatter(self.basis.nodes, self.mesh.node_count)
+  return self.basis:nodal(self.pressures[i])
 end
 
 --- The nodal forces of that pressure.
@@ -262,7 +263,7 @@ function worst_case:__tostring()
   local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
     or "strength not known"
   if self.upper_bound then tail = ("%s; at most %.4g MPa on this mesh"):format(tail, self.upper_bound / 1e6) end
-  return ("%s: %s; %s"):format(head, self.regions[self.region].label, tail)
+  return ("%s: %s; %s%s"):format(head, self.regions[self.region].label, tail, load_limits.describe(self.options))
 end
 
 --- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.

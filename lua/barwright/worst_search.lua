@@ -2,6 +2,7 @@
 -- The search beside the modes (docs/theory/worst_case.md, section 13): elements chosen by a screening
 -- with coarse pressures become targets of their own; the largest stresses found ascend.
 local core = require "barwright.core"
+local load_limits = require "barwright.load_limits"
 
 local worst_search = {}
 
@@ -68,9 +69,12 @@ end
 
 -- Targets that the screening suggests, in rounds.
 local function explore(self, loads, origins, limits)
+  local basis, message, details = load_limits.without_friction(self.mesh, self.options, self.basis)
+  if not basis then return nil, message, details end
   local patches = math.min(MOST_PATCHES, MOST_BYTES // (24 * self.mesh.node_count),
-    PATCHES_PER_CONTACT * limits.pressure * self.basis.areas:sum() // limits.force)
-  local screened, message, details = core.worst_screening(self.system, self.basis, {
+    PATCHES_PER_CONTACT * limits.pressure * basis.areas:sum() // limits.force)
+  local screened
+  screened, message, details = core.worst_screening(self.system, basis, {
     pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,
     patches = math.floor(math.max(FEWEST_PATCHES, patches)), elements = 2 * self.options.targets + 32})
   if not screened then return nil, message, details end

@@ -160,11 +160,15 @@ static const bw_pressure_basis *basis_self(lua_State *L) {
   return (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
 }
 
-/* pressure_basis(mesh, {forbidden}) */
+/* pressure_basis(mesh, {forbidden, friction, friction_facets}) */
 static int pressure_basis(lua_State *L) {
-  static const lbw_option list[] = {{"forbidden", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"forbidden", LBW_OTHER, 0},
+      {"friction", LBW_REAL, offsetof(bw_pressure_options, friction)},
+      {"friction_facets", LBW_INT, offsetof(bw_pressure_options, friction_facets)},
+      {NULL, LBW_OTHER, 0}};
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
-  bw_pressure_options options = {NULL};
+  bw_pressure_options options = {.friction_facets = 8};
   lua_settop(L, 2);
   lbw_options(L, 2, "pressure_basis", list, &options);
   if (lbw_option_get(L, 2, "forbidden") != LUA_TNIL) {
@@ -195,6 +199,17 @@ static int basis_force(lua_State *L) {
   double *pressure = check_pressure(L, basis);
   bw_array *force = lbw_push_array(L, BW_F64, basis->mesh->node_count, 3);
   bw_pressure_force(basis, pressure, (double *)force->data);
+  return 1;
+}
+
+/* basis:nodal(pressure): at every mesh node, the sum of its columns */
+static int basis_nodal(lua_State *L) {
+  const bw_pressure_basis *basis = basis_self(L);
+  const double *pressure = check_pressure(L, basis);
+  double *out = (double *)lbw_push_array(L, BW_F64, basis->mesh->node_count, 1)->data;
+  memset(out, 0, (size_t)basis->mesh->node_count * sizeof *out);
+  for (int32_t j = 0; j < basis->count; j++)
+    out[basis->node[j]] += pressure[j];
   return 1;
 }
 
@@ -277,7 +292,8 @@ static int basis_maximise(lua_State *L) {
 static int basis_tostring(lua_State *L) {
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
-  lua_pushfstring(L, "pressure basis of %d boundary nodes", (int)basis->count);
+  lua_pushfstring(L, "pressure basis of %d boundary nodes",
+                  (int)(basis->count / basis->directions));
   return 1;
 }
 
@@ -291,19 +307,25 @@ static int basis_areas(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, basis->count, 1, basis->area, basis);
 }
 
+static int basis_directions(lua_State *L) {
+  lua_pushinteger(L, basis_self(L)->directions);
+  return 1;
+}
+
 static int basis_count(lua_State *L) {
   lua_pushinteger(L, basis_self(L)->count);
   return 1;
 }
 
-static const luaL_Reg basis_methods[] = {{"force", basis_force},
-                                         {"gradient", basis_gradient},
-                                         {"maximise", basis_maximise},
-                                         {"arrows", basis_arrows},
-                                         {NULL, NULL}};
+static const luaL_Reg basis_methods[] = {{"force", basis_force},   {"gradient", basis_gradient},
+                                         {"nodal", basis_nodal},   {"maximise", basis_maximise},
+                                         {"arrows", basis_arrows}, {NULL, NULL}};
 static const luaL_Reg basis_meta[] = {{"__tostring", basis_tostring}, {NULL, NULL}};
-static const luaL_Reg basis_properties[] = {
-    {"nodes", basis_nodes}, {"areas", basis_areas}, {"count", basis_count}, {NULL, NULL}};
+static const luaL_Reg basis_properties[] = {{"nodes", basis_nodes},
+                                            {"areas", basis_areas},
+                                            {"count", basis_count},
+                                            {"directions", basis_directions},
+                                            {NULL, NULL}};
 const lbw_class lbw_pressure_basis_class = {"pressure_basis", basis_methods, basis_properties,
                                             basis_meta, NULL};
 

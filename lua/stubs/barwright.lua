@@ -66,7 +66,7 @@ function bw.worst_case(part, options) end
 ---With objective "trace" (default, the paper's) each load maximises the trace of the element's stress;
 ---with "principal" an ascent of its principal stress follows, about three times as long.
 ---@param part bw.Model
----@param options? {force: number, pressure: number, contact: number, at_most: boolean, forbidden: bw.Selection|bw.Selection[], elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
+---@param options? {force: number, pressure: number, contact: number, at_most: boolean, forbidden: bw.Selection|bw.Selection[], friction: number, friction_facets: integer, elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
 ---@return bw.BruteForce?
 ---@return string? message
 ---@return table? details
@@ -157,9 +157,10 @@ function bw.weak_regions(mesh, material, modes, options) end
 function bw.single_regions(mesh, elements, sign) end
 
 ---Pressures at the boundary nodes of a mesh, linear over its facets. `forbidden`: no pressure at the nodes of these
----facets; raises where no node is left.
+---facets; raises where no node is left. With `friction` (default 0) a node has `friction_facets` (default 8) columns,
+---which pull the surface along in so many directions; its pressure is their sum.
 ---@param mesh bw.Mesh
----@param options? {forbidden?: bw.Selection}
+---@param options? {forbidden?: bw.Selection, friction?: number, friction_facets?: integer}
 ---@return bw.PressureBasis?
 function bw.pressure_basis(mesh, options) end
 
@@ -284,6 +285,8 @@ function bw.version() end
 ---@field contact? number instead of `pressure`: the least area over which the total force presses, m2; the largest pressure is force / contact
 ---@field at_most? boolean the total force may also be smaller; default false
 ---@field forbidden? bw.Selection|bw.Selection[] facets on which no pressure may act; it is zero at their nodes
+---@field friction? number Coulomb's coefficient of friction, 0 to 100; default 0: pressure alone
+---@field friction_facets? integer facets (3 to 64) of the pyramid in the friction cone, which is narrower by 1 - cos(pi / facets) at most; default 8
 ---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
 ---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress: several times the time of brute force
@@ -1268,6 +1271,7 @@ function System:close() end
 ---@field region integer the worst one, a place in `regions`
 ---@field origin "mode"|"element"|"ascent"|"bound" what the worst load was found from: a mode's weak region, an element of the screening, an ascent, the search of the upper bound
 ---@field upper_bound number? with `certify`: no load within the limits stresses any element of this mesh more, Pa
+---@field friction_error number by how much the friction cone is narrower than asked for at most, as a share; 0 without friction
 ---@field gap number? with `certify`: how far the bound exceeds the largest stress found, as a share of it
 ---@field mode integer? where a mode's weak region gave the worst load
 ---@field rank integer? of that region in its mode
@@ -1277,7 +1281,7 @@ function System:close() end
 ---@field regions table[] {origin, label, mode, rank (of a mode's region), target, from (element aimed at and, of an ascent, the region it starts from), elements, volume, volume_fraction, energy, max_principal, at, element, utilisation, utilised_at, displacement, objective, seconds, flipped}
 ---@field weakness bw.Array of every element: the largest stress over all worst loads, Pa
 ---@field worst_region bw.Array of every element: which region's load causes it
----@field pressures bw.Array regions x nodes of the basis
+---@field pressures bw.Array regions x columns of the basis: one for each node, several with friction
 ---@field modes bw.Modes
 ---@field mesh bw.Mesh
 ---@field material bw.Material
@@ -1369,7 +1373,8 @@ function WeakRegions:close() end
 ---@class bw.PressureBasis
 ---@field nodes bw.Array mesh node of each pressure
 ---@field areas bw.Array m2
----@field count integer
+---@field count integer columns
+---@field directions integer columns of a node, one after the other: 1 without friction
 local PressureBasis = {}
 
 ---Nodal forces of a pressure.
@@ -1391,6 +1396,11 @@ function PressureBasis:gradient(q) end
 ---@return number|string value or message
 ---@return table? details
 function PressureBasis:maximise(system, objective, options) end
+
+---The pressure at every mesh node: the sum of its columns, 0 where it has none.
+---@param pressure bw.Array
+---@return bw.Array
+function PressureBasis:nodal(pressure) end
 
 ---The forces of a pressure summed into a few arrows {at, force, area}, largest first.
 ---@param pressure bw.Array

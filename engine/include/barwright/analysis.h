@@ -132,11 +132,14 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
 /* ---- worst loads (worst-case, eq. 14) ------------------------------------------------------ */
 
 /* Pressures at boundary corner nodes, linear over facets. force = G p (N A of eq. 10, consistent
- * also for tet10). */
+ * also for tet10). With friction every node has one column for each facet of its cone: the pressure
+ * at the node is their sum, and column k pulls the surface along with it by friction times the
+ * pressure, in the k-th of so many directions around the circle. */
 typedef struct bw_pressure_basis {
   bw_object object;
   const bw_mesh *mesh; /* retained */
-  int32_t count;       /* n_b */
+  int32_t count;       /* n_b: columns */
+  int32_t directions;  /* columns of a node, one after the other: 1 without friction */
   int32_t *node;       /* mesh node of each pressure */
   double *area;        /* A: integral of the pressure's hat function */
   int64_t *start;      /* count + 1: columns of G */
@@ -144,12 +147,16 @@ typedef struct bw_pressure_basis {
   double *coefficient; /* 3 per entry */
   bool complete; /* every boundary corner node has its pressure: uniform pressure is possible */
 } bw_pressure_basis;
+enum { BW_MOST_FRICTION_FACETS = 64 };
 typedef struct bw_pressure_options {
   /* No pressure at the nodes of these facets (NULL: none are forbidden): it falls to zero over the
    * facets around. BW_EMPTY when no node is left. */
   const bw_selection *forbidden;
+  double friction;     /* Coulomb's coefficient; 0: none */
+  int friction_facets; /* m >= 3 of the pyramid in the cone: it holds the cone of friction cos(pi/m)
+                        */
 } bw_pressure_options;
-/* options may be NULL: all of the boundary. */
+/* options may be NULL: all of the boundary, no friction. */
 bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
                                    const bw_pressure_options *options, bw_pressure_basis **basis);
 /* force (node_count x 3, overwritten) = G p */
@@ -172,7 +179,8 @@ typedef struct bw_worst_load_options {
 } bw_worst_load_options;
 /* For `count` objectives f (basis->count each, one after the other): the pressures p (same layout)
  * that maximise f . p, and f . p. Objectives are worked on in parallel. Balance rows are those of
- * the numbering's free motions. BW_INFEASIBLE says which bound is in the way; where the basis is
+ * the numbering's free motions; the pressures of a node's columns add up to p_max at most.
+ * BW_INFEASIBLE says which bound is in the way; where the basis is
  * not complete, balance may be as well: then the message has the largest total force. Every answer
  * fulfils balance to 1e-9 of the force and its duality gap is below 1e-8. `dual` (may be NULL):
  * count x (motion_count + 1) multipliers y, so that with reduced costs d_j = f_j - sum_m y_m

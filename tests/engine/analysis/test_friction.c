@@ -1,0 +1,316 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Pressure with friction: the cone's columns, the programme in groups by our own method and by
+ * GLPK, facets of the cone, forbidden surfaces. */
+#include "bodies.h"
+
+#include "analysis/programme.h"
+
+typedef struct fixture {
+  bw_mesh *mesh;
+  bw_numbering *numbering;
+  bw_pressure_basis *basis;
+  size_t n, nodes;
+} fixture;
+
+static void fixture_open(bw_context *context, fixture *s, bw_mesh *mesh, double friction,
+                         int facets) {
+  bw_pressure_options options = {.friction = friction, .friction_facets = facets};
+  s->mesh = mesh;
+  check_ok(context, bw_numbering_free(context, mesh, &s->numbering));
+  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &s->basis));
+  s->n = (size_t)s->basis->count;
+  s->nodes = s->n / (size_t)s->basis->directions;
+}
+
+static void fixture_close(fixture *s) {
+  bw_release(s->basis);
+  bw_release(s->numbering);
+}
+
+/* Work on a field that is far from rigid. */
+static double *objective_of(bw_context *context, const fixture *s, int which) {
+  const bw_mesh *mesh = s->mesh;
+  double *field = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+  double *f = BW_NEW(context, double, s->n);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *x = mesh->node + 3 * (size_t)i;
+    field[3 * i] = sin(7 * x[0] + which) * cos(5 * x[1] - which);
+    field[3 * i + 1] = x[2] * x[2] - 0.3 * which * x[0] * x[1] + 0.3 * cos(9 * x[1]);
+    field[3 * i + 2] = cos(4 * x[0] * x[2] + which) + 0.05 * sin(90 * x[0] + 70 * x[1]);
+  }
+  bw_pressure_gradient(s->basis, field, f);
+  bw_free(field);
+  return f;
+}
+
+static double worst_of(bw_context *context, const fixture *s, const bw_worst_load_options *options,
+                       const double *f, double *pressure) {
+  double value = 0;
+  check_ok(context,
+           bw_worst_loads(context, s->basis, s->numbering, options, 1, f, pressure, &value, NULL));
+  return value;
+}
+
+static void bulge(void *data, const double unit[3], double out[3]) {
+  (void)data;
+  out[0] = unit[0] + 0.1 * sin(3 * unit[1]);
+  out[1] = unit[1] * (1 + 0.3 * unit[0] * unit[0]);
+  out[2] = 0.5 * unit[2] + 0.2 * unit[0] * unit[1];
+}
+
+/* The columns of a node: their mean is the pressure alone; on a plane each is inclined by the angle
+ * of friction; and nowhere do they hold more than friction allows. */
+static void columns_lie_on_the_cone(void **state) {
+  bw_context *context = check_context(state);
+  const double friction = 0.4;
+  for (int kind = 0; kind < 3; kind++) {
+    const int cells[3] = {3, 4, 2};
+    bw_mesh *mesh = NULL;
+    if (kind < 2)
+      mesh = make_box(context, 1, 2, 0.5, 3, 4, 2, 1 + kind);
+    else
+      check_ok(context, bw_mesh_mapped_box(context, cells, 2, bulge, NULL, &mesh));
+    fixture plain, rough;
+    fixture_open(context, &plain, mesh, 0, 0);
+    fixture_open(context, &rough, mesh, friction, 5);
+    assert_int_equal(plain.basis->directions, 1);
+    assert_int_equal(rough.basis->directions, 5);
+    assert_int_equal(rough.nodes, plain.n);
+    int flat = 0;
+    for (size_t j = 0; j < plain.n; j++) {
+      double normal[3] = {0, 0, 0};
+      for (int64_t e = plain.basis->start[j]; e < plain.basis->start[j + 1]; e++)
+        for (int k = 0; k < 3; k++)
+          normal[k] += plain.basis->coefficient[3 * e + k];
+      double pressed = bw_norm(normal), area = plain.basis->area[j];
+      int64_t size = plain.basis->start[j + 1] - plain.basis->start[j];
+      for (int64_t e = 0; e < size; e++)
+        for (int k = 0; k < 3; k++) {
+          double mean = 0;
+          for (size_t d = 0; d < 5; d++)
+            mean += rough.basis->coefficient[3 * (rough.basis->start[5 * j + d] + e) + k] / 5;
+          check_near(mean, plain.basis->coefficient[3 * (plain.basis->start[j] + e) + k],
+                     1e-12 * area);
+        }
+      for (size_t d = 0; d < 5; d++) {
+        double drag[3] = {-normal[0], -normal[1], -normal[2]};
+        assert_true(rough.basis->area[5 * j + d] == area);
+        assert_int_equal(rough.basis->node[5 * j + d], plain.basis->node[j]);
+        for (int64_t e = rough.basis->start[5 * j + d]; e < rough.basis->start[5 * j + d + 1]; e++)
+          for (int k = 0; k < 3; k++)
+            drag[k] += rough.basis->coefficient[3 * e + k];
+        assert_true(bw_norm(drag) <= friction * area * (1 + 1e-9));
+        if (pressed < area * (1 - 1e-9))
+          continue; /* at an edge, or curved */
+        flat++;
+        check_near(bw_norm(drag), friction * area, 1e-9 * area);
+        check_near(bw_dot(drag, normal), 0, 1e-9 * area * area);
+      }
+    }
+    assert_true(kind == 2 || flat > 0);
+    fixture_close(&plain);
+    fixture_close(&rough);
+    bw_release(mesh);
+  }
+}
+
+/* Each solver alone, in the scaled form. */
+static void own_method_agrees_with_glpk(void **state) {
+  bw_context *context = check_context(state);
+  for (int kind = 0; kind < 4; kind++) {
+    bw_mesh *mesh = kind == 0   ? make_bar(context, dumbbell_profile, 12, 4, 1)
+                    : kind == 1 ? make_box(context, 1, 1, 1, 5, 5, 5, 2)
+                    : kind == 2 ? make_box(context, 1, 0.7, 0.3, 24, 18, 9, 1)
+                                : make_box(context, 1, 1, 1, 40, 40, 10, 1);
+    fixture s;
+    fixture_open(context, &s, mesh, kind == 3 ? 1.5 : 0.3, kind == 1 ? 3 : 6);
+    double area = 0;
+    for (size_t j = 0; j < s.n; j += (size_t)s.basis->directions)
+      area += s.basis->area[j];
+    for (int tight = 0; tight < 3; tight++) {
+      const double share[3] = {0.01, 0.1, 0.9};
+      bw_worst_load_options options = {.pressure = 1, .force = share[tight] * area};
+      options.at_most = kind == 1 && tight == 1;
+      bwi_programme *programme = NULL;
+      bwi_grouped *grouped = NULL;
+      bwi_glpk *glpk = NULL;
+      check_ok(context, bwi_programme_create(context, s.basis, s.numbering, &options, &programme));
+      check_ok(context, bwi_grouped_create(context, programme, &grouped));
+      check_ok(context, bwi_glpk_create(context, programme, &glpk));
+      assert_int_equal(programme->groups, s.nodes + options.at_most);
+      assert_int_equal(programme->levels, kind == 3 ? 2 : 1);
+      size_t n = (size_t)programme->columns, m = (size_t)programme->rows;
+      double *cost = BW_NEW(context, double, n), *shares = BW_NEW(context, double, n), y[7];
+      bwi_vertex vertex = {BW_NEW(context, int32_t, m), BW_NEW(context, uint8_t, n), 0};
+      for (int i = 0; i < 3; i++) {
+        double *f = objective_of(context, &s, i), first = 0;
+        for (size_t j = 0; j < n; j++) {
+          int32_t from = programme->source[j];
+          cost[j] = from < 0 ? 0 : f[from] / s.basis->area[from];
+        }
+        for (int way = 0; way < 3; way++) {
+          double start = bw_seconds();
+          if (way == 2 && kind > 1 && !getenv("BARWRIGHT_FULL"))
+            continue; /* a second or two each */
+          bw_status status = BW_CONVERGENCE;
+          if (way < 2)
+            status = bwi_grouped_solve(context, grouped, cost, way == 0, &vertex);
+          for (int attempt = 0; way == 2 && attempt < 3 && status == BW_CONVERGENCE; attempt++)
+            status = bwi_glpk_solve(context, glpk, cost, attempt, &vertex);
+          check_ok(context, status);
+          double seconds = bw_seconds() - start;
+          bwi_solution solution = {shares, y, 0, 0, 0};
+          check_ok(context, bwi_programme_evaluate(context, programme, cost, &vertex, &solution));
+          if (getenv("BARWRIGHT_FULL"))
+            printf("  %zu columns, way %d: %d iterations, %.2f ms, violation %.1e, gap %.1e\n", n,
+                   way, vertex.iterations, 1e3 * seconds, solution.violation, solution.gap);
+          assert_true(solution.violation < 1e-9 && solution.gap < 1e-8);
+          first = way == 0 ? solution.value : first;
+          check_near(solution.value, first, 1e-8 * fabs(first));
+        }
+        bw_free(f);
+      }
+      bw_free(cost);
+      bw_free(shares);
+      bw_free(vertex.basic);
+      bw_free(vertex.at_upper);
+      bwi_grouped_free(grouped);
+      bwi_glpk_free(glpk);
+      bwi_programme_free(programme);
+    }
+    fixture_close(&s);
+    bw_release(mesh);
+  }
+}
+
+/* Pyramids of 4, 8 and 16 facets lie in each other and in the cone; the pyramid around the cone, of
+ * friction / cos(pi / m), holds all of them. */
+static void facets_converge_from_below(void **state) {
+  bw_context *context = check_context(state);
+  const double friction = 0.5, pi = 3.14159265358979323846;
+  bw_mesh *mesh = make_box(context, 1, 0.7, 0.3, 8, 6, 3, 1);
+  fixture plain;
+  fixture_open(context, &plain, mesh, 0, 0);
+  for (int which = 0; which < 4; which++) {
+    double former = 0;
+    for (int facets = 4; facets <= 16; facets *= 2) {
+      fixture inside, around;
+      fixture_open(context, &inside, mesh, friction, facets);
+      fixture_open(context, &around, mesh, friction / cos(pi / facets), facets);
+      bw_worst_load_options options = {.pressure = 1, .force = 0.3};
+      double *f = objective_of(context, &inside, which), *g = objective_of(context, &around, which);
+      double *p = BW_NEW(context, double, inside.n), total = 0;
+      if (facets == 4) {
+        double *h = objective_of(context, &plain, which);
+        former = worst_of(context, &plain, &options, h, p);
+        bw_free(h);
+      }
+      double above = worst_of(context, &around, &options, g, p);
+      double value = worst_of(context, &inside, &options, f, p);
+      assert_true(value >= former * (1 - 1e-7) && value <= above * (1 + 1e-7));
+      assert_true(facets > 4 || value > 1.05 * former); /* friction adds something here */
+      for (size_t j = 0; j < inside.n; j += (size_t)facets) {
+        double sum = 0;
+        for (size_t k = 0; k < (size_t)facets; k++) {
+          assert_true(p[j + k] >= 0);
+          sum += p[j + k];
+        }
+        assert_true(sum <= options.pressure * (1 + 1e-9));
+        total += sum * inside.basis->area[j];
+      }
+      check_near(total, options.force, 1e-8 * options.force);
+      former = value;
+      bw_free(f);
+      bw_free(g);
+      bw_free(p);
+      fixture_close(&inside);
+      fixture_close(&around);
+    }
+  }
+  fixture_close(&plain);
+  bw_release(mesh);
+}
+
+/* A cone that is hardly open: the programme without friction, solved by the other method. */
+static void little_friction_is_none(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_bar(context, dumbbell_profile, 12, 4, 1);
+  fixture plain, rough;
+  fixture_open(context, &plain, mesh, 0, 0);
+  fixture_open(context, &rough, mesh, 1e-12, 4);
+  double area = 0;
+  for (size_t j = 0; j < plain.n; j++)
+    area += plain.basis->area[j];
+  bw_worst_load_options options = {.pressure = 1, .force = 0.1 * area};
+  double *p = BW_NEW(context, double, rough.n);
+  for (int which = 0; which < 4; which++) {
+    double *f = objective_of(context, &plain, which), *g = objective_of(context, &rough, which);
+    double value = worst_of(context, &plain, &options, f, p);
+    check_near(worst_of(context, &rough, &options, g, p), value, 1e-8 * fabs(value));
+    bw_free(f);
+    bw_free(g);
+  }
+  bw_free(p);
+  fixture_close(&plain);
+  fixture_close(&rough);
+  bw_release(mesh);
+}
+
+static void bad_options_are_refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_box(context, 1, 1, 1, 1, 1, 1, 1);
+  bw_pressure_basis *basis = NULL;
+  const bw_pressure_options bad[] = {
+      {NULL, -1, 8}, {NULL, NAN, 8}, {NULL, 0.3, 2}, {NULL, 0.3, BW_MOST_FRICTION_FACETS + 1}};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+    assert_int_equal(bw_pressure_basis_create(context, mesh, &bad[i], &basis), BW_INVALID);
+  assert_null(basis);
+  bw_release(mesh);
+}
+
+static void allocation_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = make_box(context, 1, 1, 1, 3, 3, 3, 1);
+  bw_numbering *numbering = NULL;
+  bw_selection *top = NULL;
+  const double up[3] = {0, 0, 1};
+  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  check_ok(context, bw_select_normal_cone(context, mesh, up, 0.1, &top));
+  check_ok(context, bw_set_threads(context, 1));
+  for (int solver = 0; solver < 2; solver++) {
+    bw_worst_load_options limits = {.pressure = 1, .force = 0.1};
+    const bw_pressure_options options = {.forbidden = top, .friction = 0.8, .friction_facets = 3};
+    limits.solver = (bw_programme_solver)solver;
+    for (int64_t fail = 1;; fail++) {
+      double f[56 * 3], p[56 * 3], value;
+      bw_pressure_basis *basis = NULL;
+      for (int j = 0; j < 56 * 3; j++)
+        f[j] = j % 7;
+      int64_t blocks = bw_live_blocks();
+      bw_fail_allocation(fail, true);
+      bw_status status = bw_pressure_basis_create(context, mesh, &options, &basis);
+      if (status == BW_OK)
+        status = bw_worst_loads(context, basis, numbering, &limits, 1, f, p, &value, NULL);
+      bw_fail_allocation(0, false);
+      bw_release(basis);
+      assert_int_equal(bw_live_blocks(), blocks);
+      if (status == BW_OK) {
+        assert_true(fail > 20);
+        break;
+      }
+      assert_int_equal(status, BW_MEMORY);
+    }
+  }
+  bw_release(top);
+  bw_release(numbering);
+  bw_release(mesh);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(columns_lie_on_the_cone),    check_test(own_method_agrees_with_glpk),
+      check_test(facets_converge_from_below), check_test(little_friction_is_none),
+      check_test(bad_options_are_refused),    check_test(allocation_failures),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
