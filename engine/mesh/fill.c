@@ -33,6 +33,10 @@ static bw_status check_options(bw_context *context, const bw_fill_options *o) {
   if (o->elements < 0 || o->elements > INT32_MAX / 4)
     return bw_fail(context, BW_INVALID, "%lld elements: give 0 (no wish) to %d",
                    (long long)o->elements, INT32_MAX / 4);
+  if (!(o->edge_length >= 0) || (o->edge_length > 0 && o->elements > 0))
+    return bw_fail(context, BW_INVALID,
+                   "edge_length %g with %lld elements: give a length in m, or a number of elements",
+                   o->edge_length, (long long)o->elements);
   if (!(o->max_volume >= 0))
     return bw_fail(context, BW_INVALID, "max_volume %g: give a volume in m3, or 0 for none",
                    o->max_volume);
@@ -161,6 +165,7 @@ bool bwi_fill_too_late(const bwi_filler *f) {
 static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
   bw_fill_log whole = {.shape = f->base_log,
                        .repaired = f->repaired,
+                       .edge_length = f->best_length,
                        .attempts = f->attempts,
                        .seconds_repair = f->seconds_repair,
                        .seconds_remesh = f->seconds_remesh,
@@ -197,8 +202,8 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   bwi_filler f = {.context = context, .options = options ? options : &defaults};
   bw_status status;
   BW_TRY(check_options(context, f.options));
-  f.field = (bwi_size_field){f.options->size_point_count, f.options->size_point, f.options->size,
-                             f.options->size_data};
+  f.field = (bw_size_field){f.options->size_point_count, f.options->size_point, f.options->size,
+                            f.options->size_data};
   f.start = bw_seconds();
   bw_progress(context, "fill", 0);
   BW_TRY(prepare_base(&f, surface));

@@ -171,10 +171,11 @@ static int64_t tunnels_of(const bw_surface *surface, int64_t bodies) {
   return bodies - ((int64_t)surface->point_count - surface->triangle_count / 2) / 2;
 }
 
-/* A surface much finer than wanted needs coarsening only, which is faster than remeshing. */
+/* A surface much finer than wanted needs coarsening only, which is faster than remeshing; but that
+ * knows one length for all places. */
 static bwi_fill_way first_way(const bwi_filler *f, double length) {
   double own = sqrt(f->area / (0.4330127 * f->base->triangle_count));
-  return own < 0.6 * length ? WAY_COARSEN : WAY_REMESH;
+  return own < 0.6 * length && f->field.point_count == 0 ? WAY_COARSEN : WAY_REMESH;
 }
 
 bw_status bwi_fill_meet_count(bwi_filler *f) {
@@ -253,10 +254,13 @@ bw_status bwi_fill_once(bwi_filler *f) {
   int64_t count;
   double length = sqrt(f->area / (0.4330127 * 1.15 * (double)f->base->triangle_count));
   double bound = 0;
-  if (o->max_volume > 0)
+  if (o->edge_length > 0) {
+    length = o->edge_length;
+    bound = volume_of_length * length * length * length;
+  } else if (o->max_volume > 0)
     length = fmin(length, cbrt(o->max_volume / volume_of_length));
   bwi_fill_way how = o->remesh && !o->keep_surface ? first_way(f, length) : WAY_AS_IS;
-  if (o->max_volume == 0 && how != WAY_AS_IS)
+  if (o->max_volume == 0 && bound == 0 && how != WAY_AS_IS)
     bound = 8 * length * length * length;
   bw_status status = fill_at(f, &how, length, bound, &count);
   return status;

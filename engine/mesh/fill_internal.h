@@ -16,7 +16,7 @@ bw_status bwi_find_cavities(bw_context *context, const bw_surface *surface, doub
  * the longest edge of a triangle first, so that shapes stay as good as they were; the surface does
  * not move. Stops at `limit` triangles, or after `seconds` (0: no limit), with BW_LIMIT. */
 bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
-                             const bwi_size_field *field, double slack, int64_t limit,
+                             const bw_size_field *field, double slack, int64_t limit,
                              double seconds, bw_surface **refined);
 
 /* Collapse edges shorter than `shorter` of a sound surface, keeping it sound, and exchange
@@ -42,7 +42,7 @@ typedef enum bwi_fill_way {
 typedef struct bwi_filler {
   bw_context *context;
   const bw_fill_options *options;
-  bwi_size_field field;
+  bw_size_field field;
   bw_surface *base;
   double volume, area, diagonal;
   bw_shape_log base_log;

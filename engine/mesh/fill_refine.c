@@ -106,7 +106,7 @@ static bw_status in_time(bw_context *context, const pass *p) {
 }
 
 /* Mark what is too long and what must be cut with it; returns the number of cuts. */
-static bw_status mark(bw_context *context, pass *p, const bwi_size_field *field, double slack,
+static bw_status mark(bw_context *context, pass *p, const bw_size_field *field, double slack,
                       int32_t *cuts) {
   const double *x = p->surface->point;
   *cuts = 0;
@@ -218,7 +218,7 @@ done:
 }
 
 bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
-                             const bwi_size_field *field, double slack, int64_t limit,
+                             const bw_size_field *field, double slack, int64_t limit,
                              double seconds, bw_surface **refined) {
   bw_status status = BW_OK;
   bw_surface *now = bw_retain(surface);

@@ -43,6 +43,7 @@ static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, do
   job.options.sharp_angle = sharp;
   job.options.time_limit = f->options->time_limit;
   job.options.memory_limit = f->options->memory_limit;
+  job.options.sizes = &f->field;
   double facets = f->area / (0.4330127 * length * length) + 0.5 * from->triangle_count;
   bwi_child_limits limits = {fmin(5 + 2.5e-4 * facets, f->options->time_limit),
                              f->options->memory_limit};
@@ -115,6 +116,13 @@ static bw_status collapse_short(bwi_filler *f, double length, double shorter, do
   return BW_OK;
 }
 
+/* The shortest edge length that is wanted near a point. */
+static double shortest_wish(const bwi_filler *f, double length) {
+  for (int64_t i = 0; i < f->field.point_count; i++)
+    length = fmin(length, f->field.point[i].length);
+  return length;
+}
+
 /* Remesh, and drop the very short edges that sharp edges with many points leave behind: they would
  * make flat elements. */
 static bw_status remesh_sound(bwi_filler *f, const bw_surface *from, double length,
@@ -123,7 +131,8 @@ static bw_status remesh_sound(bwi_filler *f, const bw_surface *from, double leng
   bw_status status;
   BW_TRY(remesh(f, from, length, f->options->sharp_angle, &made, log));
   BW_TRY(check_sound(f, made, length));
-  BW_TRY(collapse_short(f, length, 0.4 * length, 0.02 * length, &made, log));
+  double least = shortest_wish(f, length);
+  BW_TRY(collapse_short(f, length, 0.4 * least, 0.02 * least, &made, log));
   *out = made;
   made = NULL;
 done:
@@ -133,7 +142,7 @@ done:
 
 /* Cut what is too long, where it lies, and collapse what is too short: the surface stays sound. */
 static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shape_log *log) {
-  bwi_size_field field = {.size = one_length, .data = &length};
+  bw_size_field field = {.size = one_length, .data = &length};
   bw_surface *made = NULL;
   bw_status status;
   /* Needles would be cut into needles: mend what can be mended first. */

@@ -31,6 +31,8 @@ typedef struct bwi_remesher {
   double most_facets; /* no more edges are split beyond */
   double memory;      /* bytes allowed */
   bwi_time_limit time;
+  double share; /* done of the whole, for progress */
+  const bw_size_field *sizes; /* NULL: none */
   double *room; /* per facet of the original: how far what lies opposite is, inside or outside */
   bwi_fine_place *fine;
   size_t fine_count, fine_capacity;

@@ -2,6 +2,7 @@
 /* What a change of the remeshed surface must not do: leave the surface, leave a crease, or come
  * near what lies opposite. */
 #include "mesh/remesh.h"
+#include "mesh/tetgen_run.h"
 #include "mesh/surface_internal.h"
 
 /* How far the surface may be left near a point. */
@@ -53,7 +54,8 @@ double bwi_remesh_size_near(const bwi_remesher *r, const double x[3]) {
   double size = r->length;
   for (size_t i = 0; i < r->fine_count; i++)
     size = fmin(size, r->fine[i].size + growth * distance(x, r->fine[i].at));
-  return size;
+  double wish = r->sizes ? bwi_size_at(r->sizes, x) : 0;
+  return wish > 0 ? fmin(size, wish) : size;
 }
 
 typedef struct ray {

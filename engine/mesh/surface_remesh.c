@@ -50,6 +50,7 @@ bw_status bwi_remesh_check(const bwi_remesher *r) {
     bw_detail_text(r->context, "limit", "memory");
     return BW_LIMIT;
   }
+  bw_progress(r->context, "remeshing", r->share); /* who is shown it may cancel */
   return bwi_time_limit_check(r->context, &r->time);
 }
 
@@ -82,7 +83,7 @@ static bw_status run(bwi_remesher *r, const bw_remesh_options *options, bw_surfa
     r->mesh->size[p] = bwi_remesh_size_near(r, r->mesh->point + 3 * p);
   BW_TRY(bwi_remesh_flip_edges(r, 10));
   for (int i = 0; i < options->iterations; i++) {
-    bw_progress(r->context, "remeshing", (double)i / options->iterations);
+    r->share = (double)i / options->iterations;
     BW_TRY(bwi_remesh_collapse_short(r, i == 0, i > 0));
     bwi_remesh_grade(r->mesh);
     BW_TRY(bwi_remesh_split_long(r));
@@ -161,6 +162,7 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
     bw_remesh_options_default(&options);
   bwi_remesher r = {.context = context,
                     .memory = options.memory_limit,
+                    .sizes = options.sizes,
                     .time = bwi_time_limit_begin("remeshing", options.time_limit)};
   if (!(options.edge_length >= 0) || options.triangles < 0 || !(options.sharp_angle > 0) ||
       options.iterations < 1 || options.iterations > 100 || !(options.tolerance >= 0) ||

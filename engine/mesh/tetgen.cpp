@@ -15,7 +15,7 @@
 namespace {
 
 /* TetGen's callback has no room for data; the process serves one job. */
-const bwi_size_field *the_field;
+const bw_size_field *the_field;
 bool wrong_size;
 double wrong_at[3];
 

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-double bwi_size_at(const bwi_size_field *field, const double at[3]) {
+double bwi_size_at(const bw_size_field *field, const double at[3]) {
   double wanted = 0;
   for (int64_t i = 0; i < field->point_count; i++) {
     const bw_size_point *p = &field->point[i];

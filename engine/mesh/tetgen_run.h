@@ -10,15 +10,8 @@
 extern "C" {
 #endif
 
-/* The wanted edge length at a place: the smallest of those that speak about it; 0: none does. A
- * negative length means that the caller's function returned something that is no length. */
-typedef struct bwi_size_field {
-  int64_t point_count;
-  const bw_size_point *point;
-  double (*size)(void *data, const double at[3]);
-  void *data;
-} bwi_size_field;
-double bwi_size_at(const bwi_size_field *field, const double at[3]);
+/* A negative length means that the caller's function returned something that is no length. */
+double bwi_size_at(const bw_size_field *field, const double at[3]);
 
 typedef struct bwi_tetgen_job {
   int32_t point_count, triangle_count; /* a sound surface */
@@ -30,8 +23,8 @@ typedef struct bwi_tetgen_job {
   double radius_edge; /* 0: no quality asked for */
   double dihedral;    /* radians; 0: none */
   bool keep_surface;
-  const bwi_size_field *field; /* NULL: none */
-  int64_t max_points;          /* points that TetGen may add; 0: as many as it likes */
+  const bw_size_field *field; /* NULL: none */
+  int64_t max_points;         /* points that TetGen may add; 0: as many as it likes */
   bwi_child_limits limits;
 } bwi_tetgen_job;
 

@@ -305,7 +305,7 @@ done:
 bw_status bwi_fill_exactly(bw_context *context, const bw_surface *surface, int64_t sample_count,
                            const double *sample, const double *sample_length, bwi_filled *filled) {
   sampler samples = {.count = sample_count, .point = sample, .length = sample_length};
-  bwi_size_field field = {.size = sample_at, .data = &samples};
+  bw_size_field field = {.size = sample_at, .data = &samples};
   bwi_tetgen_result result = {.node = NULL};
   bw_status status;
   bool taken = false;

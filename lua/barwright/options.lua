@@ -28,15 +28,15 @@ end
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,
 -- most =, one_of = {...}, above = }; type "any" is checked by the caller
 local function check(where, key, value, rule)
+  if type(value) == "table" and not options.countable(value) then
+    fail(where, key, "a table with a length expected")
+  end
   if rule.type == "any" then return end
   local kind = kind_of(value)
   if rule.type == "number" and kind == "integer" then kind = "number" end
   if kind ~= rule.type then
     fail(where, key, ("%s expected, got %s"):format(
       rule.type == "integer" and "a whole number" or "a " .. rule.type, kind))
-  end
-  if rule.type == "table" and not options.countable(value) then
-    fail(where, key, "a table with a length expected")
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
     fail(where, key, "a finite number expected")

@@ -23,6 +23,8 @@ static void push_fill_log(lua_State *L, const bw_fill_log *log) {
   lua_setfield(L, -2, "repaired");
   lua_pushnumber(L, log->surface_moved);
   lua_setfield(L, -2, "surface_moved");
+  lua_pushnumber(L, log->edge_length);
+  lua_setfield(L, -2, "edge_length");
   lua_pushinteger(L, log->attempts);
   lua_setfield(L, -2, "attempts");
   lua_pushnumber(L, log->seconds_repair);
@@ -60,6 +62,7 @@ static int mesh_fill(lua_State *L) {
   static const lbw_option list[] = {
       {"order", LBW_INT, offsetof(bw_fill_options, order)},
       {"elements", LBW_COUNT, offsetof(bw_fill_options, elements)},
+      {"edge_length", LBW_REAL, offsetof(bw_fill_options, edge_length)},
       {"max_volume", LBW_REAL, offsetof(bw_fill_options, max_volume)},
       {"radius_edge", LBW_REAL, offsetof(bw_fill_options, radius_edge)},
       {"dihedral", LBW_REAL, offsetof(bw_fill_options, dihedral)},

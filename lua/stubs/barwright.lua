@@ -685,13 +685,14 @@ local mesh_module = {}
 ---@param surface bw.Surface
 ---@param options? bw.FillOptions
 ---@return bw.Mesh? mesh
----@return table|string log repaired, surface_moved, attempts, steps, seconds_repair, seconds_remesh, seconds_fill; or a message
+---@return table|string log repaired, surface_moved, edge_length, attempts, steps, seconds_repair, seconds_remesh, seconds_fill; or a message
 ---@return table? details
 function mesh_module.fill(surface, options) end
 
 ---@class bw.FillOptions
 ---@field elements? integer wanted number of elements
 ---@field order? 1|2 tet4 or tet10; default 1
+---@field edge_length? number of the surface, m; in place of `elements`: see the log of a former filling
 ---@field max_volume? number of an element, m3
 ---@field radius_edge? number quality bound; default 1.4
 ---@field dihedral? number smallest dihedral angle asked for
@@ -699,7 +700,7 @@ function mesh_module.fill(surface, options) end
 ---@field remesh? boolean remesh first; default true
 ---@field repair? boolean repair what is not sound; default true
 ---@field sharp_angle? number for remeshing; default 40 degrees
----@field near? {at: bw.Vector, radius: number, length: number}[] edge lengths near points
+---@field near? {at: bw.Vector, radius: number, length: number}[] edge lengths near points; the surface is remeshed to them too
 ---@field size? string|fun(x: number, y: number, z: number): number edge length wanted, 0: no wish
 ---@field time_limit? number seconds of one attempt
 ---@field memory_limit? number bytes of one attempt

@@ -297,6 +297,63 @@ describe("a mesh", function()
   end)
 end)
 
+describe("a filled ball", function()
+  local radius = 0.02
+  local ball = assert(bw.surface.implicit("(x * x + y * y + z * z) / 4e-4 - 1 + 0.02 * sin(300 * x)", {
+    low = {-0.03, -0.03, -0.03}, high = {0.03, 0.03, 0.03}, cells = 60}))
+  local top = {0, 0, radius}
+
+  local function distance(node, at)
+    return math.sqrt((node[1] - at[1]) ^ 2 + (node[2] - at[2]) ^ 2 + (node[3] - at[3]) ^ 2)
+  end
+
+  it("repeats a filling by the edge length in its log", function()
+    local mesh, log = assert(bw.mesh.fill(ball, {elements = 1500}))
+    local again = assert(bw.mesh.fill(ball, {edge_length = log.edge_length}))
+    check.near(mesh.element_count, again.element_count, 0.3)
+    check.raises("give a length in m, or a number of elements", bw.mesh.fill, ball, {edge_length = 1e-3,
+      elements = 100})
+  end)
+
+  it("follows the surface more closely near a point", function()
+    local length, near = 0.012, 0.0015
+    local coarse = assert(bw.mesh.fill(ball, {edge_length = length}))
+    local fine = assert(bw.mesh.fill(ball, {edge_length = length,
+      near = {{at = top, radius = 0.004, length = near}}}))
+    -- The largest distance from the zero set, by its value over its slope of 2 / radius, of the middles of facets.
+    local function away(mesh)
+      local surface, most = mesh:surface(), 0
+      for _, t in ipairs(surface.triangles:totable()) do
+        local at = {0, 0, 0}
+        for k = 1, 3 do
+          for i = 1, 3 do at[k] = at[k] + surface.points(t[i], k) / 3 end
+        end
+        if distance(at, top) < 0.004 then
+          local value = (at[1] ^ 2 + at[2] ^ 2 + at[3] ^ 2) / 4e-4 - 1 + 0.02 * math.sin(300 * at[1])
+          most = math.max(most, math.abs(value) * radius / 2)
+        end
+      end
+      return most
+    end
+    assert.is_true(away(fine) < 0.3 * away(coarse), ("%g %g"):format(away(fine), away(coarse)))
+    assert.is_true(away(fine) < 0.1 * near, away(fine))
+  end)
+
+  it("stops being remeshed when its progress is answered with false", function()
+    local calls = 0
+    bw.progress(function()
+      calls = calls + 1
+      return calls < 3
+    end)
+    local made, message = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}:remesh {triangles = 200000,
+      iterations = 1}
+    bw.progress(nil)
+    assert.is_nil(made)
+    assert.equal("cancelled", message)
+    assert.equal(3, calls)
+  end)
+end)
+
 describe("a selection", function()
   local beam = check.beam()
   local all = beam.boundary

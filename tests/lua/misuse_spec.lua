@@ -129,6 +129,9 @@ describe("a method written in Lua", function()
         flow:coefficients("boundary", {velocity = 1, length = 1, stream = {"x"}}) end,
       ["outline.polygon: option 'points': a table with a length"] = function()
         bw.outline.polygon(setmetatable({{0, 0}, {1, 0}, {1, 1}}, {__len = function() return "3" end})) end,
+      ["steady: option 'material': a table with a length"] = function()
+        bw.responsive.steady {outline = bw.outline.circle {centre = {0, 0}, radius = 0.1},
+          material = setmetatable({bw.material.pla}, {__len = function() return "3" end})} end,
       ["rounded: point 2"] = function() bw.outline.rounded {points = {{0, 0}, nil, {1, 1}}, radius = 0.1} end,
       ["at: a flow expected, got integer: call it with a colon, as in flow:at(...)"] = function() flow.at(1,
         2) end,

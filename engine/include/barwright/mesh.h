@@ -119,14 +119,29 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                             const bw_repair_options *options, bw_surface **repaired,
                             bw_shape_log *log);
 
+typedef struct bw_size_point {
+  double at[3];
+  double radius; /* within it the edge length is `length`, outside it grows by 0.3 per distance */
+  double length;
+} bw_size_point;
+
+/* The wanted edge length at a place: the smallest of those that speak about it; 0: none does. */
+typedef struct bw_size_field {
+  int64_t point_count;
+  const bw_size_point *point;
+  double (*size)(void *data, const double at[3]); /* NULL: none; m, or 0 for no wish */
+  void *data;
+} bw_size_field;
+
 typedef struct bw_remesh_options {
   double edge_length; /* wanted, m; 0: chosen from the box and the triangle budget */
   int64_t triangles;  /* wanted number, when edge_length is 0; 0: keep about as many as there are */
   double sharp_angle; /* radians between normals from which an edge is kept; default 40 degrees */
   int iterations;     /* default 5 */
   double tolerance;   /* largest distance allowed, m; 0: a quarter of edge_length */
-  double time_limit;  /* seconds of computing, BW_LIMIT beyond; default 300 */
-  double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
+  const bw_size_field *sizes; /* where edges are shorter; NULL: nowhere */
+  double time_limit;          /* seconds of computing, BW_LIMIT beyond; default 300 */
+  double memory_limit;        /* bytes, BW_LIMIT beyond; default 6e9 */
 } bw_remesh_options;
 void bw_remesh_options_default(bw_remesh_options *options);
 /* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
@@ -240,15 +255,10 @@ int32_t bw_locator_find(const bw_locator *locator, const double point[3], double
 
 /* ---- filling ----------------------------------------------------------------------------- */
 
-typedef struct bw_size_point {
-  double at[3];
-  double radius; /* within it the edge length is `length`, outside it grows by 0.3 per distance */
-  double length;
-} bw_size_point;
-
 typedef struct bw_fill_options {
   int order;          /* 1 (default) or 2 */
   int64_t elements;   /* wanted number of elements; 0: what quality and volume ask for */
+  double edge_length; /* m, of the surface, without a wanted number; 0: by quality and volume */
   double max_volume;  /* m3; 0: none */
   double radius_edge; /* quality bound, circumradius over shortest edge; default 1.4 */
   double dihedral;    /* smallest dihedral angle asked for, radians; default 0 (none) */
@@ -271,6 +281,7 @@ typedef struct bw_fill_log {
   bw_shape_log shape;   /* repair, remesh, wrap */
   bool repaired;        /* the surface was not sound; `shape` says what was done */
   double surface_moved; /* m */
+  double edge_length;   /* m: that the surface was remeshed to */
   int attempts;         /* runs of TetGen */
   double seconds_repair, seconds_remesh, seconds_fill;
 } bw_fill_log;

@@ -259,7 +259,7 @@ static void test_refine(void **state) {
   bw_context *context = check_context(state);
   bw_surface *cube = box(context, 0, 1), *fine, *none;
   bw_size_point corner = {{1, 1, 1}, 0.1, 0.02};
-  bwi_size_field field = {.point_count = 1, .point = &corner};
+  bw_size_field field = {.point_count = 1, .point = &corner};
   check_ok(context, bwi_refine_surface(context, cube, &field, 1.0, 100000, 0, &fine));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, fine, 0, &report));
