@@ -28,13 +28,13 @@ static bw_status of_elements(void *data, int64_t begin, int64_t end, int worker)
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
     bwi_element_state state;
-    bwi_element_state_load(s->mesh, s->displacement, e, &state);
+    bwi_element_state_load(s->mesh, s->material, s->displacement, e, &state);
     const int32_t *node = s->mesh->element + e * state.nodes;
     double error = 0, energy = 0;
     for (int q = 0; q < s->rule.points; q++) {
       double strain[6], stress[6], difference[6];
       double v = s->rule.weight[q] * bwi_strain_at(&state, s->rule.by_l[q], s->rule.l[q], strain);
-      bwi_multiply6(bw_material_elasticity(s->material, e), strain, stress);
+      bwi_stress_of(&state, bw_material_elasticity(s->material, e), strain, stress);
       energy += v * bwi_dot6(strain, stress);
       for (int c = 0; c < 6; c++)
         stress[c] = -stress[c];

@@ -3,8 +3,30 @@
 
 #include <string.h>
 
-void bwi_element_state_load(const bw_mesh *mesh, const double *displacement, int64_t element,
-                            bwi_element_state *s) {
+/* On a straight tet10 div u is linear, so that the centre has the mean: the gradients of corners
+ * vanish there. */
+static double mean_dilatation(const bwi_element_state *s) {
+  double sum = 0, whole = 0, point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
+  if (s->straight) {
+    for (int m = 0; m < 6; m++)
+      sum += bw_dot(s->u[4 + m], s->g[bw_tet_edge[m][0]]) +
+             bw_dot(s->u[4 + m], s->g[bw_tet_edge[m][1]]);
+    return sum;
+  }
+  int points = bw_tet_quadrature(BWI_CURVED_DEGREE, point, weight);
+  for (int q = 0; q < points; q++) {
+    double gradient[10][3];
+    double volume =
+        weight[q] * bw_tet_gradient(s->order, (const double(*)[3])s->x, point[q], gradient) / 6;
+    whole += volume;
+    for (int a = 0; a < s->nodes; a++)
+      sum += volume * bw_dot(s->u[a], gradient[a]);
+  }
+  return sum / whole;
+}
+
+void bwi_element_state_load(const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, int64_t element, bwi_element_state *s) {
   const int32_t *node = mesh->element + element * mesh->nodes_per_element;
   s->order = mesh->order;
   s->nodes = mesh->nodes_per_element;
@@ -18,6 +40,8 @@ void bwi_element_state_load(const bw_mesh *mesh, const double *displacement, int
   s->volume = bw_tet_barycentric_gradient(
       mesh->node + 3 * (int64_t)node[0], mesh->node + 3 * (int64_t)node[1],
       mesh->node + 3 * (int64_t)node[2], mesh->node + 3 * (int64_t)node[3], s->g);
+  s->projected = bwi_projected_bulk(mesh, material);
+  s->dilatation = s->projected > 0 ? mean_dilatation(s) : 0;
 }
 
 /* grad[3 i + j] = du_i/dx_j */

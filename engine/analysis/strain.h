@@ -11,17 +11,20 @@
 typedef struct bwi_element_state {
   int order, nodes;
   bool straight;
-  double volume;   /* of the straight-edged element */
-  double g[4][3];  /* gradients of the barycentric coordinates, for straight elements */
-  double x[10][3]; /* node positions, for curved elements */
-  double u[10][3]; /* node displacements */
+  double volume;     /* of the straight-edged element */
+  double g[4][3];    /* gradients of the barycentric coordinates, for straight elements */
+  double x[10][3];   /* node positions, for curved elements */
+  double u[10][3];   /* node displacements */
+  double projected;  /* the bulk modulus that acts on `dilatation` */
+  double dilatation; /* mean volumetric strain, where it is needed */
 } bwi_element_state;
 
-void bwi_element_state_load(const bw_mesh *mesh, const double *displacement, int64_t element,
-                            bwi_element_state *state);
+void bwi_element_state_load(const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, int64_t element, bwi_element_state *state);
 
-/* Strain (engineering shears) at a point; by_l holds dN_a/dL_k there, l the point itself. Returns
- * the volume per reference volume there: the element's volume when it is straight. */
+/* Strain (engineering shears) at a point; by_l
+ * holds dN_a/dL_k there, l the point itself. Returns the volume per reference volume there: the
+ * element's volume when it is straight. */
 double bwi_strain_at(const bwi_element_state *state, const double (*by_l)[4], const double l[4],
                      double strain[6]);
 
@@ -40,6 +43,17 @@ static inline double bwi_dot6(const double a[6], const double b[6]) {
   for (int i = 0; i < 6; i++)
     sum += a[i] * b[i];
   return sum;
+}
+
+/* The stress that goes with a strain of the element, C being the element's elasticity. */
+static inline void bwi_stress_of(const bwi_element_state *state, const double c[36],
+                                 const double strain[6], double stress[6]) {
+  bwi_multiply6(c, strain, stress);
+  if (state->projected > 0) {
+    double change = state->projected * (state->dilatation - (strain[0] + strain[1] + strain[2]));
+    for (int i = 0; i < 3; i++)
+      stress[i] += change;
+  }
 }
 
 /* A quadrature rule with the gradients (and values) of the shape functions at its points. */

@@ -46,7 +46,7 @@ static bw_status stress_of_elements(void *data, int64_t begin, int64_t end, int 
   for (int64_t e = begin; e < end; e++) {
     bwi_element_state state;
     double strain[6];
-    bwi_element_state_load(d->mesh, d->displacement, e, &state);
+    bwi_element_state_load(d->mesh, d->material, d->displacement, e, &state);
     if (state.straight)
       bwi_strain_at(&state, d->mean, d->node_l[0], strain);
     else { /* the volume mean */
@@ -65,34 +65,35 @@ static bw_status stress_of_elements(void *data, int64_t begin, int64_t end, int 
   return BW_OK;
 }
 
-/* A quadratic form of a field that is linear over a straight element, from its values s_k at the
- * corners: mean of s.A.s = (sum_k s_k.A.s_k + (sum_k s_k).A.(sum_k s_k)) / 20. */
+/* The mean of a product of fields that are linear over a straight element, from their values at the
+ * corners: mean of e.s = (sum_k e_k.s_k + (sum_k e_k).(sum_k s_k)) / 20. */
 static bw_status energy_of_elements(void *data, int64_t begin, int64_t end, int worker) {
   const element_data *d = (const element_data *)data;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
     const double *c = bw_material_elasticity(d->material, e);
     bwi_element_state state;
-    double strain[6], stress[6], sum[6] = {0}, energy = 0;
-    bwi_element_state_load(d->mesh, d->displacement, e, &state);
+    double strain[6], stress[6], sum[6] = {0}, stress_sum[6] = {0}, energy = 0;
+    bwi_element_state_load(d->mesh, d->material, d->displacement, e, &state);
     if (state.order == 1) {
       bwi_strain_at(&state, d->mean, d->node_l[0], strain);
-      bwi_multiply6(c, strain, stress);
+      bwi_stress_of(&state, c, strain, stress);
       energy = state.volume * bwi_dot6(strain, stress);
     } else if (state.straight) {
       for (int k = 0; k < 4; k++) {
         bwi_strain_at(&state, d->at_node[k], d->node_l[k], strain);
-        bwi_multiply6(c, strain, stress);
+        bwi_stress_of(&state, c, strain, stress);
         energy += bwi_dot6(strain, stress);
-        for (int i = 0; i < 6; i++)
+        for (int i = 0; i < 6; i++) {
           sum[i] += strain[i];
+          stress_sum[i] += stress[i];
+        }
       }
-      bwi_multiply6(c, sum, stress);
-      energy = state.volume / 20 * (energy + bwi_dot6(sum, stress));
+      energy = state.volume / 20 * (energy + bwi_dot6(sum, stress_sum));
     } else
       for (int q = 0; q < d->rule.points; q++) {
         double v = d->rule.weight[q] * bwi_strain_at(&state, d->rule.by_l[q], d->rule.l[q], strain);
-        bwi_multiply6(c, strain, stress);
+        bwi_stress_of(&state, c, strain, stress);
         energy += v * bwi_dot6(strain, stress);
       }
     d->out[e] = 0.5 * energy;
@@ -135,13 +136,15 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
   const bw_material *material = of->material;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
-    double sum[6] = {0}, volume = 0;
+    double sum[6] = {0}, volume = 0, pressure = 0; /* pressure: what the projection adds */
     for (int64_t k = d->incidence.start[i]; k < d->incidence.start[i + 1]; k++) {
       bwi_element_state state;
       double strain[6];
       int a = d->incidence.local[k];
-      bwi_element_state_load(of->mesh, of->displacement, d->incidence.element[k], &state);
+      bwi_element_state_load(of->mesh, material, of->displacement, d->incidence.element[k], &state);
       bwi_strain_at(&state, of->at_node[a], of->node_l[a], strain);
+      pressure +=
+          state.volume * state.projected * (state.dilatation - (strain[0] + strain[1] + strain[2]));
       if (material->turns) {
         double own[6];
         bwi_multiply6(bw_material_elasticity(material, d->incidence.element[k]), strain, own);
@@ -157,6 +160,8 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
       memcpy(of->out + 6 * i, sum, sizeof sum);
     else
       bwi_multiply6(material->elasticity, sum, of->out + 6 * i);
+    for (int c = 0; c < 3 && volume > 0; c++)
+      of->out[6 * i + c] += pressure / volume;
   }
   return BW_OK;
 }

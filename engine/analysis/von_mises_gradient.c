@@ -143,7 +143,7 @@ static void nodal_state_of(const gradient_data *d, int32_t node, nodal_state *ou
     int64_t e = d->incidence.element[k];
     bwi_element_state state;
     double grad[9], strain[6], own[6];
-    bwi_element_state_load(d->mesh, d->u, e, &state);
+    bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
     gradient_at(&state, (const double(*)[3])state.u, d->at_node[d->incidence.local[k]], grad);
     strain_of(grad, strain);
     stress_of(d->material, e, strain, expansion, own);
@@ -168,7 +168,7 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
     const int32_t *nodes = d->mesh->element + e * d->mesh->nodes_per_element;
     const double(*by_l)[4] = d->at_node[d->incidence.local[k]];
     bwi_element_state state;
-    bwi_element_state_load(d->mesh, d->u, e, &state);
+    bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
     double share = state.volume / j->volume, conjugate[6], s[9];
     bwi_multiply6(bw_material_elasticity(d->material, e), j->slope, conjugate);
     full_tensor(conjugate, s);
@@ -238,7 +238,7 @@ static bw_status element_pass(void *data, int64_t begin, int64_t end, int worker
       continue;
     bwi_element_state state;
     double grad_u[BW_QUADRATURE_POINTS][9], tau[BW_QUADRATURE_POINTS][9], strain[6], stress[6];
-    bwi_element_state_load(d->mesh, d->u, e, &state);
+    bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
     for (int q = 0; q < d->rule.points; q++) {
       gradient_at(&state, (const double(*)[3])state.u, d->rule.by_l[q], grad_u[q]);
       strain_of(grad_u[q], strain);
@@ -406,6 +406,11 @@ static bw_status check_input(bw_context *context, const bw_model *model,
                        node[i] + 1, mesh->node_count);
       goto done;
     }
+  if (model->material->formulation == BW_B_BAR) {
+    status = bw_fail(context, BW_UNSUPPORTED,
+                     "a stress gradient is of the standard formulation; the model's is B-bar");
+    goto done;
+  }
   BW_TRY(bwi_gradient_supports(context, model));
   BW_TRY(bwi_find_curved(context, mesh, &curved, &curved_count));
   for (int32_t e = 0; curved_count > 0 && e < mesh->element_count; e++)

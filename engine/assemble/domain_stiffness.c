@@ -132,6 +132,10 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   BW_TRY(bwi_graph_fits(context, graph, mesh));
   BW_TRY(check_arguments(context, mesh, domain_count, element_domain, node_domain));
   BW_TRY(bw_material_fits(context, material, mesh->element_count));
+  if (material->formulation == BW_B_BAR)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "a stiffness kept domain by domain is of the standard formulation; B-bar is not "
+                   "implemented there");
   if (graph->gather_start[graph->pair_count] > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",

@@ -65,20 +65,29 @@ static bw_status fill_curved(void *data, int64_t begin, int64_t end, int worker)
       continue;
     double *tensor = f->curved_tensor + (int64_t)f->curved[e] * 55 * 9;
     double x[10][3], gradient[10][3];
+    bwi_vector *mean = f->curved_mean + (int64_t)f->curved[e] * 10;
+    double whole = 0;
     bwi_element_nodes(f->mesh, e, x);
     memset(tensor, 0, 55 * 9 * sizeof *tensor);
+    memset(mean, 0, 10 * sizeof *mean);
     for (int q = 0; q < c->points; q++) {
       double determinant = bw_tet_gradient(2, (const double(*)[3])x, c->point[q], gradient);
       if (!(determinant > 0))
         return BW_GEOMETRY;
       double volume = c->weight[q] * determinant / 6;
       double *t = tensor;
+      whole += volume;
+      for (int a = 0; a < 10; a++)
+        for (int r = 0; r < 3; r++)
+          mean[a][r] += volume * gradient[a][r];
       for (int a = 0; a < 10; a++)
         for (int b = 0; b <= a; b++, t += 9)
           for (int r = 0; r < 3; r++)
             for (int s = 0; s < 3; s++)
               t[3 * r + s] += volume * gradient[a][r] * gradient[b][s];
     }
+    for (int a = 0; a < 10; a++)
+      mean[a] /= sqrt(whole);
   }
   return BW_OK;
 }
@@ -116,7 +125,8 @@ bw_status bwi_frames_create(bw_context *context, const bw_mesh *mesh, bwi_frames
   status = bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, fill_frames, frames);
   if (status == BW_OK && curved_count) {
     frames->curved_tensor = BW_NEW(context, double, curved_count * 55 * 9);
-    if (!frames->curved_tensor) {
+    frames->curved_mean = BW_NEW(context, bwi_vector, curved_count * 10);
+    if (!frames->curved_tensor || !frames->curved_mean) {
       status = BW_MEMORY;
       goto done;
     }
@@ -134,5 +144,6 @@ void bwi_frames_clear(bwi_frames *frames) {
   bw_free(frames->vector);
   bw_free(frames->curved);
   bw_free(frames->curved_tensor);
+  bw_free(frames->curved_mean);
   memset(frames, 0, sizeof *frames);
 }

@@ -59,26 +59,37 @@ typedef struct gather_data {
   bwi_pair_source source;
   bwi_gather_kind kind;
   double lambda, mu;
-  bwi_vector (*map)[9][3]; /* by group: of the component T[m], what it adds to the block's rows */
-  const int32_t *group;    /* by element: where the material is turned by element, or NULL */
+  /* by group: of the component T[m], what it adds to the block's rows; and of mean gradients, in
+     elements with B-bar (NULL: without) */
+  bwi_vector (*map)[9][3], (*mean_map)[9][3];
+  const int32_t *group; /* by element: where the material is turned by element, or NULL */
   double *values;
 } gather_data;
 
-/* The block of a pair whose elements have materials of their own. */
-static void gather_turned(const gather_data *g, int64_t pair, bool diagonal, double *out) {
+static void add_general(const bwi_vector (*map)[3], double t[3][4], double *out) {
+  double block[9];
+  bwi_apply_general(map, t, block);
+  for (int i = 0; i < 9; i++)
+    out[i] += block[i];
+}
+
+/* The block of a pair by general maps: run by run of elements of one group of the material. */
+static void gather_general(const gather_data *g, int64_t pair, bool diagonal, double *out) {
   const bw_graph *graph = g->source.graph;
   int64_t k = graph->gather_start[pair], end = graph->gather_start[pair + 1];
   memset(out, 0, 9 * sizeof *out);
   while (k < end) {
-    double t[3][4], block[9];
-    int32_t group = g->group[graph->gather_element[k]];
-    int64_t next = k + 1;
+    double t[3][4];
+    int32_t group = g->group ? g->group[graph->gather_element[k]] : 0;
+    int64_t next = g->group ? k + 1 : end;
     while (next < end && g->group[graph->gather_element[next]] == group)
       next++;
     bwi_sum_contributions(&g->source, NULL, k, next, diagonal, t);
-    bwi_apply_general(g->map[group], t, block);
-    for (int i = 0; i < 9; i++)
-      out[i] += block[i];
+    add_general(g->map[group], t, out);
+    if (g->mean_map) {
+      bwi_sum_means(&g->source, k, next, t);
+      add_general(g->mean_map[group], t, out);
+    }
     k = next;
   }
 }
@@ -91,8 +102,8 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
     for (int64_t pair = start[i]; pair < start[i + 1]; pair++) {
       double t[3][4], *out = g->values + 9 * pair;
       bool diagonal = pair == start[i + 1] - 1;
-      if (g->group) {
-        gather_turned(g, pair, diagonal, out);
+      if (g->group || g->mean_map) {
+        gather_general(g, pair, diagonal, out);
         if (diagonal)
           bwi_make_symmetric(out);
         continue;
@@ -112,24 +123,41 @@ static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker)
   return BW_OK;
 }
 
-/* The maps of a material that is not isotropic: one, or one for each of its groups. */
-static bw_status general_maps(bw_context *context, const bw_material *material, gather_data *g) {
+static void fill_map(const double c[36], bwi_vector map[9][3]) {
   static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  for (int j = 0; j < 3; j++)
+    for (int l = 0; l < 3; l++)
+      for (int i = 0; i < 3; i++) {
+        bwi_vector row = {0, 0, 0, 0};
+        for (int k = 0; k < 3; k++)
+          row[k] = c[6 * voigt[i][j] + voigt[k][l]];
+        map[3 * j + l][i] = row;
+      }
+}
+
+/* The maps of a material that is not isotropic, or of elements with B-bar: one, or one for each of
+ * the material's groups. `projected` is the bulk modulus that acts on mean gradients. */
+static bw_status general_maps(bw_context *context, const bw_material *material, double projected,
+                              gather_data *g) {
   const bw_material_turns *turns = material->turns;
   int32_t count = turns ? turns->count : 1;
   g->map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->map);
-  if (!g->map)
+  if (projected > 0)
+    g->mean_map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->mean_map);
+  if (!g->map || (projected > 0 && !g->mean_map))
     return BW_MEMORY;
   for (int32_t n = 0; n < count; n++) {
     const double *c = turns ? turns->elasticity + 36 * (int64_t)n : material->elasticity;
-    for (int j = 0; j < 3; j++)
-      for (int l = 0; l < 3; l++)
-        for (int i = 0; i < 3; i++) {
-          bwi_vector row = {0, 0, 0, 0};
-          for (int k = 0; k < 3; k++)
-            row[k] = c[6 * voigt[i][j] + voigt[k][l]];
-          g->map[n][3 * j + l][i] = row;
-        }
+    double rest[36], on_mean[36] = {0};
+    memcpy(rest, c, sizeof rest);
+    for (int i = 0; i < 3; i++)
+      for (int k = 0; k < 3; k++) {
+        on_mean[6 * i + k] = projected;
+        rest[6 * i + k] -= projected;
+      }
+    if (projected > 0)
+      fill_map(on_mean, g->mean_map[n]);
+    fill_map(rest, g->map[n]);
   }
   g->group = turns ? turns->of_element : NULL;
   return BW_OK;
@@ -150,19 +178,21 @@ bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *
   }
   if (kind == BWI_GENERAL) {
     BW_TRY(bw_material_fits(context, material, mesh->element_count));
-    BW_TRY(general_maps(context, material, &g));
+    BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), &g));
   }
   BW_TRY(bw_parallel(context, graph->node_count, ROWS_PER_CHUNK, gather_rows, &g));
 done:
   bw_free(g.map);
+  bw_free(g.mean_map);
   bwi_frames_clear(&frames);
   return status;
 }
 
 bw_status bw_stiffness(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
                        const bw_material *material, double *values) {
-  return bwi_gather(context, graph, mesh, material->isotropic ? BWI_ISOTROPIC : BWI_GENERAL,
-                    material, values);
+  bool isotropic = material->isotropic && bwi_projected_bulk(mesh, material) == 0;
+  return bwi_gather(context, graph, mesh, isotropic ? BWI_ISOTROPIC : BWI_GENERAL, material,
+                    values);
 }
 
 bw_status bw_laplacian(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,

@@ -20,10 +20,11 @@ typedef double bwi_vector __attribute__((vector_size(32), aligned(8), may_alias)
 
 typedef struct bwi_frames {
   const bw_mesh *mesh;
-  int vectors;           /* per element: 4 or 10 */
-  bwi_vector *vector;    /* element_count x vectors: x y z 0 */
-  int32_t *curved;       /* as bwi_find_curved */
-  double *curved_tensor; /* curved elements x 55 x 9: pairs b <= a of local nodes, T_ab */
+  int vectors;             /* per element: 4 or 10 */
+  bwi_vector *vector;      /* element_count x vectors: x y z 0 */
+  int32_t *curved;         /* as bwi_find_curved */
+  double *curved_tensor;   /* curved elements x 55 x 9: pairs b <= a of local nodes, T_ab */
+  bwi_vector *curved_mean; /* curved elements x 10: sqrt(V) times the mean of grad N_a */
 } bwi_frames;
 /* The frame of one straight element into h (4 or 10 vectors); returns the Jacobian determinant,
  * without which being positive the frame means nothing. */

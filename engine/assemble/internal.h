@@ -20,6 +20,11 @@ bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int
 bw_status bwi_incidence_create(bw_context *context, const bw_mesh *mesh, bwi_incidence *incidence);
 void bwi_incidence_clear(bwi_incidence *incidence);
 
+/* The bulk modulus that acts on mean dilatations. In a tet4 the dilatation is constant anyway. */
+static inline double bwi_projected_bulk(const bw_mesh *mesh, const bw_material *material) {
+  return mesh->order == 2 ? bw_material_projected_bulk(material) : 0;
+}
+
 /* Node positions of an element. */
 static inline void bwi_element_nodes(const bw_mesh *mesh, int64_t element, double (*x)[3]) {
   const int32_t *node = mesh->element + element * mesh->nodes_per_element;

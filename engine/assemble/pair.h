@@ -96,6 +96,26 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
         t[r][c] += extra[r][c];
 }
 
+/* What the same contributions make of the tensor of mean gradients, V mean(grad N_i) (x)
+ * mean(grad N_j): on a straight tet10 those of corners vanish, and those of middles are s_m. */
+static inline void bwi_sum_means(const bwi_pair_source *source, int64_t begin, int64_t end,
+                                 double t[3][4]) {
+  const bwi_frames *frames = source->frames;
+  bwi_vector row[3] = {{0}, {0}, {0}};
+  for (int64_t k = begin; k < end; k++) {
+    int64_t e = source->graph->gather_element[k];
+    int a = source->graph->gather_local[k] >> 4, b = source->graph->gather_local[k] & 15;
+    const bwi_vector *mean = frames->vector + e * frames->vectors;
+    if (frames->curved && frames->curved[e] >= 0)
+      mean = frames->curved_mean + (int64_t)frames->curved[e] * 10;
+    else if (a < 4 || b < 4)
+      continue;
+    for (int r = 0; r < 3; r++)
+      row[r] += mean[a][r] * mean[b];
+  }
+  memcpy(t, row, sizeof row);
+}
+
 /* T of one pair. */
 static inline void bwi_sum_pair(const bwi_pair_source *source, const bwi_element_range *range,
                                 int64_t pair, bool diagonal, double t[3][4]) {

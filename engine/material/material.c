@@ -131,6 +131,39 @@ bw_material *bwi_material_copy(bw_context *context, const bw_material *material)
   return copy;
 }
 
+bw_status bw_material_formulated(bw_context *context, const bw_material *material,
+                                 bw_formulation formulation, bw_material **formulated) {
+  if (material->turns)
+    return bw_fail(context, BW_INVALID,
+                   "material %s is turned by element: choose the formulation before it is turned",
+                   material->name);
+  bw_material *made = bwi_material_copy(context, material);
+  if (!made)
+    return BW_MEMORY;
+  made->formulation = formulation;
+  *formulated = made;
+  return BW_OK;
+}
+
+double bw_material_bulk(const bw_material *material) {
+  const double *s = material->compliance;
+  return 1 / (s[0] + s[7] + s[14] + 2 * (s[1] + s[2] + s[8]));
+}
+
+double bw_material_mean_shear(const bw_material *material) {
+  const double *c = material->elasticity;
+  return (c[0] + c[7] + c[14] - (c[1] + c[2] + c[8]) + 3 * (c[21] + c[28] + c[35])) / 15;
+}
+
+/* Times the shear modulus: the bulk modulus that quadratic tetrahedra bear without locking. */
+static const double kept_bulk = 3;
+
+double bw_material_projected_bulk(const bw_material *material) {
+  if (material->formulation != BW_B_BAR)
+    return 0;
+  return fmax(0, bw_material_bulk(material) - kept_bulk * bw_material_mean_shear(material));
+}
+
 void bwi_material_turn_axes(const double axes[9], const double rotation[9], double turned[9]) {
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)

@@ -98,7 +98,12 @@ done:
 static bw_status check_materials(bw_context *context, const bw_palette *palette,
                                  const bw_grid *fine) {
   for (int32_t i = 1; i < palette->count; i++)
-    if (!palette->material[i]->uniform)
+    if (palette->material[i]->b_bar)
+      return bw_fail(context, BW_INVALID,
+                     "material %d (%s) is of the B-bar formulation: only grids of the standard one "
+                     "are coarsened",
+                     (int)i, palette->material[i]->name);
+    else if (!palette->material[i]->uniform)
       return bw_fail(context, BW_INVALID,
                      "material %d (%s) differs from point to point: only grids of uniform "
                      "materials are coarsened",

@@ -43,6 +43,8 @@ static void describe_material(bwi_text *out, const bw_material *material) {
   add_three(out, ", Poisson's ratio ", material->poisson, "");
   if (!material->isotropic)
     add_three(out, ", shear modulus ", material->shear, " Pa");
+  if (material->formulation == BW_B_BAR)
+    bwi_text_add(out, ", B-bar formulation");
   if (material->density > 0) {
     bwi_text_add(out, ", density ");
     bwi_text_number(out, material->density, 5, 0);

@@ -66,6 +66,22 @@ bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t g
   return BW_OK;
 }
 
+bw_status bw_model_formulate(bw_context *context, bw_model *model, bw_formulation formulation) {
+  bw_material *formulated = NULL;
+  if (formulation == BW_B_BAR && model->mesh->order == 1)
+    return bw_fail(
+        context, BW_INVALID,
+        "linear tetrahedra have no B-bar formulation: their volumetric strain is "
+        "constant, so that its mean changes nothing. Use quadratic elements (order = 2)");
+  bw_status status = bw_material_formulated(context, model->material, formulation, &formulated);
+  if (status != BW_OK)
+    return status;
+  bw_release(model->material);
+  model->material = formulated;
+  model->object.revision++;
+  return BW_OK;
+}
+
 /* ---- checks ---------------------------------------------------------------------------------- */
 
 static bw_status check_finite(bw_context *context, const char *what, const double v[3]) {

@@ -28,6 +28,28 @@ static double change_at(const bw_mesh *mesh, const bw_load *load, const int32_t 
   return change;
 }
 
+/* The bulk modulus that acts on the mean of the volumetric strain, thermal strain included. */
+static double projected_bulk(const bw_model *model) {
+  return model->mesh->order == 2 ? bw_material_projected_bulk(model->material) : 0;
+}
+
+/* The mean of the change over an element. */
+static double mean_change(const bw_mesh *mesh, const bw_load *load, int32_t element) {
+  const int32_t *node = mesh->element + (size_t)element * (size_t)mesh->nodes_per_element;
+  double x[10][3], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS], sum = 0, whole = 0;
+  for (int a = 0; a < mesh->nodes_per_element; a++)
+    memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
+  int points = bw_tet_quadrature(5, point, weight);
+  for (int q = 0; q < points; q++) {
+    double slope[10][3];
+    double volume =
+        weight[q] * bw_tet_gradient(mesh->order, (const double(*)[3])x, point[q], slope);
+    sum += volume * change_at(mesh, load, node, point[q]);
+    whole += volume;
+  }
+  return sum / whole;
+}
+
 void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t element,
                        double (*force)[3]) {
   const bw_mesh *mesh = model->mesh;
@@ -38,16 +60,20 @@ void bwi_thermal_force(const bw_model *model, const bw_load *load, int32_t eleme
     memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
   memset(force, 0, (size_t)nodes * sizeof *force);
   unit_stress(model->material, element, unit);
+  double projected = 3 * projected_bulk(model); /* per unit of expansion */
+  double mean = projected > 0 ? mean_change(mesh, load, element) : 0;
   int points = points_of(mesh->order, point, weight);
   for (int q = 0; q < points; q++) {
     double slope[10][3];
     double volume = bw_tet_gradient(mesh->order, (const double(*)[3])x, point[q], slope) / 6;
-    double size = weight[q] * volume * load->expansion * change_at(mesh, load, node, point[q]);
+    double change = change_at(mesh, load, node, point[q]);
+    double size = weight[q] * volume * load->expansion * change;
+    double shift = weight[q] * volume * load->expansion * projected * (mean - change);
     for (int a = 0; a < nodes; a++) {
       const double *g = slope[a];
-      force[a][0] += size * (unit[0] * g[0] + unit[5] * g[1] + unit[4] * g[2]);
-      force[a][1] += size * (unit[5] * g[0] + unit[1] * g[1] + unit[3] * g[2]);
-      force[a][2] += size * (unit[4] * g[0] + unit[3] * g[1] + unit[2] * g[2]);
+      force[a][0] += size * (unit[0] * g[0] + unit[5] * g[1] + unit[4] * g[2]) + shift * g[0];
+      force[a][1] += size * (unit[5] * g[0] + unit[1] * g[1] + unit[3] * g[2]) + shift * g[1];
+      force[a][2] += size * (unit[4] * g[0] + unit[3] * g[1] + unit[2] * g[2]) + shift * g[2];
     }
   }
 }
@@ -79,6 +105,30 @@ static bw_status nodal_units(bw_context *context, const bw_model *model, double 
   return BW_OK;
 }
 
+/* What the projection adds at nodes: the means of the elements around each, weighted by volume. */
+static bw_status add_projected(bw_context *context, const bw_model *model, const bw_load *load,
+                               double *stress) {
+  const bw_mesh *mesh = model->mesh;
+  double unit = 3 * projected_bulk(model) * load->expansion;
+  double *sum = BW_NEW0(context, double, mesh->node_count);
+  double *volume = BW_NEW0(context, double, mesh->node_count);
+  for (int32_t e = 0; sum && volume && e < mesh->element_count; e++) {
+    double mean = mean_change(mesh, load, e);
+    for (int a = 0; a < mesh->nodes_per_element; a++) {
+      int32_t node = mesh->element[(size_t)e * (size_t)mesh->nodes_per_element + (size_t)a];
+      volume[node] += mesh->volume[e];
+      sum[node] += mesh->volume[e] * (mean - bw_array_get(load->nodal, node, 0));
+    }
+  }
+  for (int32_t i = 0; sum && volume && i < mesh->node_count; i++)
+    for (int k = 0; k < 3 && volume[i] > 0; k++)
+      stress[6 * (size_t)i + (size_t)k] += unit * sum[i] / volume[i];
+  bw_status status = sum && volume ? BW_OK : BW_MEMORY;
+  bw_free(sum);
+  bw_free(volume);
+  return status;
+}
+
 bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
                                   double *stress) {
   const bw_mesh *mesh = model->mesh;
@@ -96,6 +146,8 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
     const bw_load *load = &model->load[l];
     if (load->kind != BW_LOAD_TEMPERATURE)
       continue;
+    if (on_nodes && projected_bulk(model) > 0)
+      BW_TRY(add_projected(context, model, load, stress));
     for (int32_t i = 0; i < count; i++) {
       double change = 0;
       if (i % 65536 == 0)

@@ -72,6 +72,17 @@ done:
   return status;
 }
 
+const char *bw_solid_locking(const bw_solid *solid) {
+  for (int32_t i = 1; i < solid->palette->count; i++) {
+    const bw_solid_material *m = solid->palette->material[i];
+    if (m->uniform && m->lambda[0] > 2 * 0.48 * (m->lambda[0] + m->mu[0]))
+      return "volumetric locking: a material's Poisson's ratio is above 0.48, and hexahedra of the "
+             "standard formulation are far too stiff there. Give the material with formulation = "
+             "\"b_bar\"";
+  }
+  return NULL;
+}
+
 bw_status bwi_fail_undefined(bw_context *context, int64_t element) {
   bw_status status = bw_fail(context, BW_GEOMETRY,
                              "element %lld has a neo-Hookean point with det F <= 0, where its "

@@ -132,13 +132,9 @@ done:
   return status;
 }
 
-bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,
-                                   double poisson, double density, bw_solid_material **material) {
-  bw_status status = BW_OK;
-  bw_rule *rule = NULL;
-  uint8_t laws[8];
-  double mu[8], lambda[8];
-  name = name && *name ? name : bw_law_word(law);
+/* Constants from Young's modulus and Poisson's ratio, or BW_INVALID. */
+static bw_status lame(bw_context *context, const char *name, double young, double poisson,
+                      double *mu, double *lambda) {
   if (!isfinite(young) || !(young > 0))
     return bw_fail(context, BW_INVALID,
                    "material %s: Young's modulus is %g Pa; it must be positive (1e6 for rubber)",
@@ -147,10 +143,23 @@ bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law
     return bw_fail(context, BW_INVALID,
                    "material %s: Poisson's ratio is %g; it must lie above -1 and below 0.5", name,
                    poisson);
+  *mu = young / (2 * (1 + poisson));
+  *lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  return BW_OK;
+}
+
+bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,
+                                   double poisson, double density, bw_solid_material **material) {
+  bw_status status = BW_OK;
+  bw_rule *rule = NULL;
+  uint8_t laws[8];
+  double mu[8], lambda[8];
+  name = name && *name ? name : bw_law_word(law);
+  BW_TRY(lame(context, name, young, poisson, mu, lambda));
   for (int p = 0; p < 8; p++) {
     laws[p] = (uint8_t)law;
-    mu[p] = young / (2 * (1 + poisson));
-    lambda[p] = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+    mu[p] = mu[0];
+    lambda[p] = lambda[0];
   }
   BW_TRY(bw_rule_create(context, 0, &rule));
   BW_TRY(bw_solid_material_points(context, name, rule, density, laws, mu, lambda, 0, NULL, NULL,
@@ -158,6 +167,35 @@ bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law
 done:
   bw_release(rule);
   return status;
+}
+
+bw_status bw_solid_material_b_bar(bw_context *context, const char *name, bw_law law, double young,
+                                  double poisson, double density, bw_solid_material **material) {
+  bw_status status = BW_OK;
+  bw_rule *rule = NULL;
+  uint8_t laws[16];
+  double mu[16], lambda[16], whole[2] = {0, 0};
+  if (!(poisson > 0))
+    return bw_solid_material_create(context, name, law, young, poisson, density, material);
+  name = name && *name ? name : bw_law_word(law);
+  BW_TRY(lame(context, name, young, poisson, &whole[0], &whole[1]));
+  for (int p = 0; p < 16; p++) { /* half of the weight is at either place */
+    laws[p] = (uint8_t)law;
+    mu[p] = p < 8 ? 2 * whole[0] : 0;
+    lambda[p] = p < 8 ? 0 : 2 * whole[1];
+  }
+  BW_TRY(bw_rule_create_selective(context, &rule));
+  BW_TRY(bw_solid_material_points(context, name, rule, density, laws, mu, lambda, 0, NULL, NULL,
+                                  material));
+  (*material)->b_bar = true;
+done:
+  bw_release(rule);
+  return status;
+}
+
+void bw_solid_material_constants(const bw_solid_material *m, double *mu, double *lambda) {
+  *mu = m->b_bar ? m->mu[0] / 2 : m->mu[0];
+  *lambda = m->b_bar ? m->lambda[m->rule->count - 1] / 2 : m->lambda[0];
 }
 
 static void destroy_palette(void *object) {

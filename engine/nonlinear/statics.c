@@ -376,6 +376,8 @@ static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result)
   result->report.shape = walk->now.shape;
   result->report.contacts = walk->now.contacts;
   result->complete = reached >= 1;
+  if (bw_solid_locking(walk->solid))
+    bw_remark(walk->context, "%s", bw_solid_locking(walk->solid));
   if (result->complete)
     remark_rounding(walk);
   remark_stability(walk);

@@ -16,6 +16,7 @@ local properties = {
   element_count = function(self) return rawget(self, "grid").element_count end,
   node_count = function(self) return rawget(self, "grid").node_count end,
   mass = function(self) return rawget(self, "body").mass end,
+  locking = function(self) return rawget(self, "body").locking end,
   levels = function(self) return rawget(self, "coarse") and rawget(self, "coarse").levels or 0 end,
 }
 solid.__index = members("solid", solid, properties)
@@ -396,6 +397,10 @@ local function own_coarse(self, wanted)
     return nil
   end
   if not (wanted or self.node_count > FEW_NODES) then return nil end
+  if self.body.formulation == "b_bar" then -- coarse cells would lock where the fine ones are made not to
+    if wanted then raise 'solve: linear = "coarse" is of materials of the standard formulation; one is B-bar' end
+    return nil
+  end
   if rawget(self, "under") == nil then
     local grid, palette, list = self.grid, self.palette, {}
     if self.coarse then grid, palette = self.coarse.fine, self.fine_palette end

@@ -20,10 +20,14 @@ static const bw_selection *check_selection(lua_State *L, int argument) {
   return (const bw_selection *)lbw_check(L, argument, &lbw_selection_class);
 }
 
-/* model{mesh, material} */
+static const char *const formulations[] = {"standard", "b_bar", NULL};
+
+/* model{mesh, material, formulation} */
 static int model_new(lua_State *L) {
-  static const lbw_option list[] = {
-      {"mesh", LBW_OTHER, 0}, {"material", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {{"mesh", LBW_OTHER, 0},
+                                    {"material", LBW_OTHER, 0},
+                                    {"formulation", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "model", list, NULL);
@@ -37,10 +41,15 @@ static int model_new(lua_State *L) {
   if (!material)
     return lbw_error(L, "model: option 'material': an open material expected, got %s",
                      lbw_type_name(L, -1));
+  bw_formulation formulation = (bw_formulation)lbw_word_option(
+      L, 1, "model", "formulation", formulations, (int)material->formulation);
   lbw_box *box = lbw_box_new(L, &lbw_model_class);
   bw_model *model = NULL;
-  bw_status status = bw_model_create(lbw_enter(L), mesh, material, &model);
+  bw_context *context = lbw_enter(L);
+  bw_status status = bw_model_create(context, mesh, material, &model);
   lbw_box_fill(L, box, model);
+  if (status == BW_OK && formulation != material->formulation)
+    status = bw_model_formulate(context, model, formulation);
   return lbw_leave(L, status, 1);
 }
 
@@ -569,6 +578,17 @@ static int model_tostring(lua_State *L) {
   return 1;
 }
 
+static int model_formulation(lua_State *L) {
+  lua_pushstring(L, formulations[self(L)->material->formulation]);
+  return 1;
+}
+
+/* What warns of volumetric locking, or nil. */
+static int model_locking(lua_State *L) {
+  lua_pushstring(L, bw_locking(self(L)->mesh, self(L)->material));
+  return 1;
+}
+
 static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"slide", model_slide},
                                    {"prescribe", model_prescribe},
@@ -586,6 +606,8 @@ static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"mesh", model_mesh},
                                       {"material", model_material},
+                                      {"formulation", model_formulation},
+                                      {"locking", model_locking},
                                       {"loads", model_loads},
                                       {"supports", model_supports},
                                       {NULL, NULL}};

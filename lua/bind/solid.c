@@ -157,10 +157,27 @@ static int solid_mass(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, solid->grid->node_count, 1, solid->mass, solid);
 }
 
+/* What warns of volumetric locking, or nil. */
+static int solid_locking(lua_State *L) {
+  lua_pushstring(L, bw_solid_locking(self(L)));
+  return 1;
+}
+
+/* "b_bar" where a material of the palette is. */
+static int solid_formulation(lua_State *L) {
+  const bw_palette *palette = self(L)->palette;
+  bool b_bar = false;
+  for (int32_t i = 1; i < palette->count; i++)
+    b_bar = b_bar || palette->material[i]->b_bar;
+  lua_pushstring(L, b_bar ? "b_bar" : "standard");
+  return 1;
+}
+
 static const luaL_Reg solid_methods[] = {
     {"evaluate", solid_evaluate}, {"stress", solid_stress}, {NULL, NULL}};
 static const luaL_Reg solid_properties[] = {
-    {"grid", solid_grid}, {"palette", solid_palette}, {"mass", solid_mass}, {NULL, NULL}};
+    {"grid", solid_grid},       {"palette", solid_palette},         {"mass", solid_mass},
+    {"locking", solid_locking}, {"formulation", solid_formulation}, {NULL, NULL}};
 static const luaL_Reg no_meta[] = {{NULL, NULL}};
 const lbw_class lbw_solid_class = {"elastic_solid", solid_methods, solid_properties, no_meta, NULL};
 

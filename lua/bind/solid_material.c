@@ -14,7 +14,7 @@ typedef struct constants {
   double young, poisson, mu, lambda, density;
 } constants;
 
-/* hyperelastic{law, young, poisson | mu, lambda, density, name} */
+/* hyperelastic{law, young, poisson | mu, lambda, density, name, formulation} */
 static int material_create(lua_State *L) {
   static const lbw_option list[] = {{"young", LBW_REAL, offsetof(constants, young)},
                                     {"poisson", LBW_REAL, offsetof(constants, poisson)},
@@ -23,15 +23,18 @@ static int material_create(lua_State *L) {
                                     {"density", LBW_REAL, offsetof(constants, density)},
                                     {"law", LBW_OTHER, 0},
                                     {"name", LBW_OTHER, 0},
+                                    {"formulation", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   static const char *const laws[] = {"neo_hookean", "st_venant_kirchhoff", "corotated",
                                      "fixed_corotated", NULL};
+  static const char *const formulations[] = {"standard", "b_bar", NULL};
   static const char where[] = "hyperelastic";
   constants c = {NAN, NAN, NAN, NAN, 0};
   const char *name = NULL;
   lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, where, list, &c);
   int law = lbw_word_option(L, 1, where, "law", laws, 0);
+  bool b_bar = lbw_word_option(L, 1, where, "formulation", formulations, 0) == 1;
   int type = lbw_option_get(L, 1, "name");
   if (type != LUA_TSTRING && type != LUA_TNIL)
     return lbw_option_error(L, where, "name", "a string expected");
@@ -49,8 +52,8 @@ static int material_create(lua_State *L) {
   }
   lbw_box *box = lbw_box_new(L, &lbw_solid_material_class);
   bw_solid_material *out = NULL;
-  bw_status status = bw_solid_material_create(lbw_enter(L), name, (bw_law)law, c.young, c.poisson,
-                                              c.density, &out);
+  bw_status status = (b_bar ? bw_solid_material_b_bar : bw_solid_material_create)(
+      lbw_enter(L), name, (bw_law)law, c.young, c.poisson, c.density, &out);
   lbw_box_fill(L, box, out);
   return lbw_leave(L, status, 1);
 }
@@ -140,24 +143,31 @@ static int material_fibre(lua_State *L) {
 
 /* young, poisson: of the first point */
 static int material_young(lua_State *L) {
-  const bw_solid_material *m = self(L);
-  lua_pushnumber(L, m->mu[0] * (3 * m->lambda[0] + 2 * m->mu[0]) / (m->lambda[0] + m->mu[0]));
+  double mu, lambda;
+  bw_solid_material_constants(self(L), &mu, &lambda);
+  lua_pushnumber(L, mu * (3 * lambda + 2 * mu) / (lambda + mu));
   return 1;
 }
 
 static int material_poisson(lua_State *L) {
-  const bw_solid_material *m = self(L);
-  lua_pushnumber(L, m->lambda[0] / (2 * (m->lambda[0] + m->mu[0])));
+  double mu, lambda;
+  bw_solid_material_constants(self(L), &mu, &lambda);
+  lua_pushnumber(L, lambda / (2 * (lambda + mu)));
+  return 1;
+}
+
+static int material_formulation(lua_State *L) {
+  lua_pushstring(L, self(L)->b_bar ? "b_bar" : "standard");
   return 1;
 }
 
 /* energy(F), and the stress (first Piola-Kirchhoff, a table of nine): of the first point's law */
 static int material_energy(lua_State *L) {
   const bw_solid_material *m = self(L);
-  double f[9], energy = 0, stress[9];
+  double f[9], energy = 0, stress[9], mu, lambda;
   lbw_check_matrix(L, 2, "deformation gradient", 3, 3, f);
-  if (!bw_law_evaluate((bw_law)m->law[0], m->mu[0], m->lambda[0], f, false, &energy, stress,
-                       NULL)) {
+  bw_solid_material_constants(m, &mu, &lambda);
+  if (!bw_law_evaluate((bw_law)m->law[0], mu, lambda, f, false, &energy, stress, NULL)) {
     lua_pushnil(L);
     lua_pushliteral(L, "the law is not defined where the determinant is not positive");
     return 2;
@@ -171,9 +181,11 @@ static int material_energy(lua_State *L) {
 static int material_tostring(lua_State *L) {
   const bw_solid_material *m = self(L);
   char text[160];
-  if (m->uniform)
-    snprintf(text, sizeof text, "%s: %s, mu %.4g Pa, lambda %.4g Pa", m->name,
-             bw_law_word((bw_law)m->law[0]), m->mu[0], m->lambda[0]);
+  double mu, lambda;
+  bw_solid_material_constants(m, &mu, &lambda);
+  if (m->uniform || m->b_bar)
+    snprintf(text, sizeof text, "%s: %s, mu %.4g Pa, lambda %.4g Pa%s", m->name,
+             bw_law_word((bw_law)m->law[0]), mu, lambda, m->b_bar ? ", B-bar" : "");
   else
     snprintf(text, sizeof text, "%s: %d points, %d fibres at each", m->name, (int)m->rule->count,
              m->fibre_count);
@@ -182,13 +194,19 @@ static int material_tostring(lua_State *L) {
 }
 
 static const luaL_Reg methods[] = {{"energy", material_energy}, {NULL, NULL}};
-static const luaL_Reg properties[] = {
-    {"name", material_name},       {"law", material_law},
-    {"points", material_points},   {"density", material_density},
-    {"uniform", material_uniform}, {"young", material_young},
-    {"poisson", material_poisson}, {"mu", material_mu},
-    {"lambda", material_lambda},   {"fibre_stiffness", material_fibre_stiffness},
-    {"fibre", material_fibre},     {NULL, NULL}};
+static const luaL_Reg properties[] = {{"name", material_name},
+                                      {"law", material_law},
+                                      {"points", material_points},
+                                      {"density", material_density},
+                                      {"uniform", material_uniform},
+                                      {"young", material_young},
+                                      {"poisson", material_poisson},
+                                      {"mu", material_mu},
+                                      {"lambda", material_lambda},
+                                      {"fibre_stiffness", material_fibre_stiffness},
+                                      {"fibre", material_fibre},
+                                      {"formulation", material_formulation},
+                                      {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", material_tostring}, {NULL, NULL}};
 const lbw_class lbw_solid_material_class = {"hyperelastic", methods, properties, meta, NULL};
 

@@ -274,6 +274,12 @@ static int static_tostring(lua_State *L) {
   return 1;
 }
 
+static int static_locking(lua_State *L) {
+  const bw_model *model = self(L)->model;
+  lua_pushstring(L, bw_locking(model->mesh, model->material));
+  return 1;
+}
+
 static const luaL_Reg static_methods[] = {{"error_estimate", static_error_estimate}, {NULL, NULL}};
 static const luaL_Reg static_properties[] = {
     {"displacement", static_displacement},
@@ -292,6 +298,7 @@ static const luaL_Reg static_properties[] = {
     {"utilisation", static_utilisation},
     {"energy", static_energy},
     {"residual", static_residual},
+    {"locking", static_locking},
     {"mesh", static_mesh},
     {"material", static_material},
     {"times", static_times},

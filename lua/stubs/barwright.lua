@@ -42,8 +42,10 @@
 ---@field plot bw.PlotModule
 local bw = {}
 
----A part: a mesh of a material, to be supported and loaded.
----@param options {mesh: bw.Mesh, material: bw.Material}
+---A part: a mesh of a material, to be supported and loaded. `formulation` is that of its elements; "b_bar"
+---cures volumetric locking of quadratic elements in nearly incompressible materials. Default: the material's
+---own, which is "standard" unless it is that of a B-bar part. Linear elements with "b_bar" raise an error.
+---@param options {mesh: bw.Mesh, material: bw.Material, formulation?: "standard"|"b_bar"}
 ---@return bw.Model
 function bw.model(options) end
 
@@ -1037,6 +1039,8 @@ function Material:close() end
 ---@class bw.Model
 ---@field mesh bw.Mesh
 ---@field material bw.Material
+---@field formulation string of the elements: "standard" or "b_bar"
+---@field locking string? a warning of volumetric locking (Poisson's ratio above 0.48 in standard elements) and its cure; nil where none is expected. A solve remarks it as well
 ---@field loads table[] {kind, value, area, resultant, moment}
 ---@field supports table[] {on, slide, displacement, direction (of a slide that was given one)}
 local Model = {}
@@ -1168,6 +1172,7 @@ function Model:close() end
 ---@field utilisation bw.Array stress over strength, of elements
 ---@field energy number strain energy, J
 ---@field residual number |K u - f| / |f|
+---@field locking string? as of bw.Model
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field times table? seconds of graph, stiffness, order, factor, levels, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
@@ -3254,8 +3259,10 @@ function Embedding:close() end
 
 ---A law of large deformation, W = mu a(F) + lambda b(F) J/m3: "neo_hookean" (the default; not defined
 ---where an element is turned inside out), "st_venant_kirchhoff", "corotated", "fixed_corotated". Either
----`young` (Pa) and `poisson`, or Lame's constants `mu` and `lambda` (Pa); `density` in kg/m3.
----@param options {law?: string, young?: number, poisson?: number, mu?: number, lambda?: number, density?: number, name?: string}
+---`young` (Pa) and `poisson`, or Lame's constants `mu` and `lambda` (Pa); `density` in kg/m3. With
+---`formulation` = "b_bar" (default "standard") elements do not lock where Poisson's ratio is near 0.5; such a
+---material cannot be made coarse.
+---@param options {law?: string, young?: number, poisson?: number, mu?: number, lambda?: number, density?: number, name?: string, formulation?: "standard"|"b_bar"}
 ---@return bw.Hyperelastic
 function bw.hyperelastic(options) end
 
@@ -3267,6 +3274,7 @@ function bw.hyperelastic(options) end
 ---@field density number kg/m3; 0: not known
 ---@field young number of the first point, Pa
 ---@field poisson number of the first point
+---@field formulation string "standard" or "b_bar"
 ---@field mu bw.Array of points, Pa
 ---@field lambda bw.Array of points, Pa
 ---@field fibre_stiffness bw.Array of points: C of each fibre, Pa (data-driven, formula 2)
@@ -3311,6 +3319,7 @@ function bw.solid(options) end
 ---@field node_count integer
 ---@field mass bw.Array of nodes, kg
 ---@field levels integer how many times it was made coarse
+---@field locking string? a warning of volumetric locking and its cure, or nil; a solve remarks it as well
 local Solid = {}
 
 ---Holds nodes; or moves them by {x, y, z} (m), where false leaves a component free; or by a function of

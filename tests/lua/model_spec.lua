@@ -55,6 +55,32 @@ describe("a model", function()
     return part, mesh
   end
 
+  it("warns of volumetric locking, and has a formulation that cures it", function()
+    local rubber = bw.material.isotropic {young = 1e6, poisson = 0.4999}
+    local function solved(order, formulation)
+      local mesh = check.beam({8, 2, 2}, order)
+      local part = bw.model {mesh = mesh, material = rubber, formulation = formulation}
+      part:fix(mesh.boundary:below(1, 0)):gravity {0, 0, 0}
+      return part, assert(part:solve())
+    end
+    rubber = bw.material.isotropic {young = 1e6, poisson = 0.4999, density = 1000}
+    bw.remarks()
+    local part, static = solved(2)
+    assert.equal("standard", part.formulation)
+    assert.truthy(part.locking:find('formulation = "b_bar"', 1, true))
+    assert.equal(part.locking, static.locking)
+    assert.same({part.locking}, bw.remarks())
+    part, static = solved(2, "b_bar")
+    assert.equal("b_bar", part.formulation)
+    assert.is_nil(part.locking)
+    assert.is_nil(static.locking)
+    assert.same({}, bw.remarks())
+    assert.truthy(tostring(part):find("B-bar", 1, true))
+    assert.equal("b_bar", bw.model {mesh = part.mesh, material = part.material}.formulation)
+    check.raises("order = 2", solved, 1, "b_bar")
+    check.raises("option 'formulation'", solved, 2, "b-bar")
+  end)
+
   it("refuses a support without a facet, unless it is a node set", function()
     local part, mesh = bar()
     local edge = mesh.boundary:below(1, 0) & mesh.boundary:below(2, 0)

@@ -20,6 +20,30 @@ local function stand(solid)
 end
 
 describe("a hyperelastic material", function()
+  it("warns of volumetric locking, and has a formulation that cures it", function()
+    local function solved(formulation)
+      local soft = bw.hyperelastic {young = 1e6, poisson = 0.499, formulation = formulation}
+      check.near(0.499, soft.poisson, 1e-12)
+      check.near(1e6, soft.young, 1e-12)
+      local grid = assert(bw.grid.box {cells = {2, 2, 4}, spacing = 0.1})
+      local solid = assert(bw.solid {grid = grid, palette = {soft}})
+      solid:hold {side = "low z"}
+      solid:force({side = "high z"}, {1, 0, 0})
+      return solid, assert(solid:solve()), soft
+    end
+    bw.remarks()
+    local solid, standard = solved()
+    assert.truthy(solid.locking:find('formulation = "b_bar"', 1, true))
+    assert.same({solid.locking}, bw.remarks())
+    local cured, result, soft = solved "b_bar"
+    assert.equal("b_bar", soft.formulation)
+    assert.is_nil(cured.locking)
+    assert.same({}, bw.remarks())
+    assert.is_true(result.energy > 1.2 * standard.energy)
+    check.raises("B-bar", cured.coarsen, cured, "naive")
+    check.raises("B-bar", cured.solve, cured, {linear = "coarse"})
+  end)
+
   it("has a law with its constants", function()
     local a = bw.hyperelastic {law = "corotated", young = 2e6, poisson = 0.25, name = "foam"}
     assert.equal("corotated", a.law)

@@ -38,6 +38,10 @@ bw_status bw_graph_of_elements(bw_context *context, int32_t node_count, int32_t 
  * quadrature for curved tet10. `values` has room for 9 * pair_count. */
 bw_status bw_stiffness(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
                        const bw_material *material, double *values);
+/* A sentence that warns of volumetric locking and names the cure, or NULL where none is expected:
+ * nearly incompressible materials (mean Poisson's ratio above 0.48) in elements of the standard
+ * formulation. */
+const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
 /* Consistent mass per unit density: one number per pair (times the 3x3 identity), m3. */
 bw_status bw_mass(bw_context *context, const bw_graph *graph, const bw_mesh *mesh, double *values);
 /* Lumped mass per unit density: one number per node, positive, summing to the volume (diagonal

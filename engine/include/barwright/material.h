@@ -23,6 +23,10 @@ typedef struct bw_material_turns {
   double *elasticity, *compliance;
 } bw_material_turns;
 
+/* How displacements enter the strain energy of an element. B-bar: the part of the bulk modulus that
+ * locks acts on the mean of the volumetric strain over the element (docs/theory/elements.md). */
+typedef enum bw_formulation { BW_STANDARD, BW_B_BAR } bw_formulation;
+
 typedef struct bw_material bw_material;
 struct bw_material {
   bw_object object;
@@ -37,6 +41,7 @@ struct bw_material {
   double shear[3];       /* G23 G31 G12, Pa */
   double strength[3];    /* tensile strength along axes 1 2 3, Pa; 0 when not known */
   double lame_lambda, lame_mu; /* when isotropic */
+  bw_formulation formulation;  /* of the elements that have this material */
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value;
   /* Of a material turned by element (bw_material_turned), else NULL. Axes and matrices above are
@@ -91,6 +96,18 @@ bw_status bw_material_turned(bw_context *context, const bw_material *material,
                              const double *rotation, bw_material **turned);
 /* BW_INVALID where a material turned by element does not fit the number of elements. */
 bw_status bw_material_fits(bw_context *context, const bw_material *material, int32_t element_count);
+
+/* The same material for elements of a formulation. BW_INVALID for a material turned by element:
+ * turn the formulated one. */
+bw_status bw_material_formulated(bw_context *context, const bw_material *material,
+                                 bw_formulation formulation, bw_material **formulated);
+/* The bulk modulus under uniform pressure, 1 / (1 : S : 1) (Reuss); a part of C not above it leaves
+ * the rest of C positive. The shear modulus is Voigt's mean over all directions. */
+double bw_material_bulk(const bw_material *material);
+double bw_material_mean_shear(const bw_material *material);
+/* The part of the bulk modulus that acts on the mean of the volumetric strain of an element, in the
+ * B-bar formulation; 0 in the standard one, and for materials that do not lock. */
+double bw_material_projected_bulk(const bw_material *material);
 
 /* The library: steel, aluminium, pla, abs, resin, green_state_stainless_steel, nylon_pa2200, zp150
  * (engine/material/library.c). NULL past the end. */

@@ -118,6 +118,8 @@ bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_mat
  * of_element[e]. */
 bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
                                  const int32_t *of_element, const double *rotation);
+/* The formulation of the model's elements; BW_INVALID for B-bar on linear elements. */
+bw_status bw_model_formulate(bw_context *context, bw_model *model, bw_formulation formulation);
 bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on);
 bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
                          const double normal[3]); /* NULL: along each node's surface */

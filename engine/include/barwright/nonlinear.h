@@ -64,6 +64,9 @@ typedef struct bw_rule {
 bw_status bw_rule_create(bw_context *context, int level, bw_rule **rule);
 bw_status bw_rule_create_spread(bw_context *context, int level, const double spread[3],
                                 bw_rule **rule); /* 0 < spread <= 1 */
+/* Points 0 to 7 as of level 0, and as many in the middle of the cell: selective reduced integration
+ * (bw_solid_material_b_bar). */
+bw_status bw_rule_create_selective(bw_context *context, bw_rule **rule);
 
 /* What an element is made of: a law and constants at every point of its rule: the metamaterial of
  * data-driven, formula (2), of which one law and the same constants everywhere is the simple case.
@@ -75,6 +78,7 @@ typedef struct bw_solid_material {
   const bw_rule *rule;     /* retained */
   double density;          /* kg/m3; 0: not known */
   bool uniform;            /* the same law and constants at all points, and no fibres */
+  bool b_bar;              /* made by bw_solid_material_b_bar */
   int fibre_count;         /* at a point: 0 to 3 */
   uint8_t *law;            /* rule->count: bw_law */
   double *mu, *lambda;     /* rule->count, Pa */
@@ -88,6 +92,14 @@ typedef struct bw_solid_material {
 /* young > 0, -1 < poisson < 1/2; density may be 0. */
 bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,
                                    double poisson, double density, bw_solid_material **material);
+/* The same for elements with B-bar, which do not lock where poisson is near 1/2: the terms with
+ * lambda are evaluated in the middle of the cell, where the volumetric strain of small deformations
+ * has its mean (docs/theory/elements.md). For poisson <= 0, where nothing locks, the standard one.
+ */
+bw_status bw_solid_material_b_bar(bw_context *context, const char *name, bw_law law, double young,
+                                  double poisson, double density, bw_solid_material **material);
+/* Lame's constants of the law at the first point. */
+void bw_solid_material_constants(const bw_solid_material *material, double *mu, double *lambda);
 /* Copies; fibre arrays may be NULL when fibre_count is 0. Constants must be finite and not
  * negative, or BW_INVALID. */
 bw_status bw_solid_material_points(bw_context *context, const char *name, const bw_rule *rule,
@@ -138,6 +150,9 @@ typedef struct bw_solid_shape {
 bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
                             bool project, double *energy, double *gradient, double *stiffness,
                             bw_solid_shape *shape);
+/* A sentence that warns of volumetric locking and names the cure, or NULL: elements of a uniform
+ * material with a Poisson's ratio above 0.48 in the standard formulation. */
+const char *bw_solid_locking(const bw_solid *solid);
 /* Element stiffnesses kept for products without a matrix: 300 numbers an element, and 24 to work
  * in, so one product at a time. Setting it where the energy does not exist is BW_GEOMETRY. */
 typedef struct bw_solid_linear bw_solid_linear;

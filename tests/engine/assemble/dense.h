@@ -177,6 +177,26 @@ static inline bw_material *plain_material(bw_context *context, double young, dou
   return material;
 }
 
+/* Isotropic and orthotropic in the standard formulation; then nearly incompressible ones in the
+ * B-bar formulation. */
+static inline void formulated_materials(bw_context *context, double young,
+                                        bw_material *material[4]) {
+  bw_orthotropic c = {.name = "squashed",
+                      .young = {3e9, 2.5e9, 2.2e9},
+                      .poisson = {0.55, 0.45, 0.47},
+                      .shear = {0.9e9, 0.8e9, 1e9}};
+  bw_material *plain = plain_material(context, young, 0.49), *squashed = NULL;
+  check_ok(context, bw_material_orthotropic(context, &c, &squashed));
+  material[0] = plain_material(context, young, 0.3);
+  material[1] = odd_material(context);
+  check_ok(context, bw_material_formulated(context, plain, BW_B_BAR, &material[2]));
+  check_ok(context, bw_material_formulated(context, squashed, BW_B_BAR, &material[3]));
+  for (int m = 2; m < 4; m++)
+    assert_true(bw_material_projected_bulk(material[m]) > 0.5 * bw_material_bulk(material[m]));
+  bw_release(plain);
+  bw_release(squashed);
+}
+
 /* The patch of MacNeal and Harder in the unit cube: eight inner nodes, seven hexahedra, each cut
  * into six tetrahedra by the diagonals that start at the lowest node of every face. */
 static inline void patch_mesh(bw_context *context, int order, bw_mesh **mesh) {

@@ -5,9 +5,10 @@
 /* K u of a linear displacement has no force at inner nodes, and boundary forces in balance. */
 static void linear_displacement_needs_no_inner_force(void **state) {
   bw_context *context = check_context(state);
-  bw_material *material[2] = {plain_material(context, 2, 0.3), odd_material(context)};
+  bw_material *material[4];
+  formulated_materials(context, 2, material);
   for (int kind = 0; kind < 3; kind++)
-    for (int m = 0; m < 2; m++) {
+    for (int m = 0; m < 4; m++) {
       bw_mesh *mesh = NULL;
       bw_graph *g = NULL;
       shaken_box(context, 4, 3, 3, kind ? 2 : 1, 0.4, kind == 2 ? 0.2 : 0, &mesh);
@@ -44,16 +45,20 @@ static void linear_displacement_needs_no_inner_force(void **state) {
       bw_release(g);
       bw_release(mesh);
     }
-  bw_release(material[0]);
-  bw_release(material[1]);
+  for (int m = 0; m < 4; m++)
+    bw_release(material[m]);
 }
 
 /* MacNeal and Harder (1985): the boundary of the unit cube is displaced linearly; the inner nodes
  * find their places and every stress is 2000 (normal) and 400 (shear). */
 static void macneal_harder(void **state) {
   bw_context *context = check_context(state);
-  bw_material *material = plain_material(context, 1e6, 0.25);
-  for (int order = 1; order <= 2; order++) {
+  bw_material *plain = plain_material(context, 1e6, 0.25), *projected = NULL;
+  bw_material *squashed = plain_material(context, 1e6, 0.49);
+  check_ok(context, bw_material_formulated(context, squashed, BW_B_BAR, &projected));
+  for (int kind = 0; kind < 3; kind++) { /* tet4, tet10, tet10 with B-bar */
+    bw_material *material = kind == 2 ? projected : plain;
+    int order = kind ? 2 : 1;
     bw_mesh *mesh = NULL;
     patch_mesh(context, order, &mesh);
     int n = mesh->node_count;
@@ -83,7 +88,9 @@ static void macneal_harder(void **state) {
     free(u), free(inner), free(exact);
     bw_release(mesh);
   }
-  bw_release(material);
+  bw_release(plain);
+  bw_release(squashed);
+  bw_release(projected);
 }
 
 int main(void) {

@@ -36,6 +36,19 @@ static inline body body_box(bw_context *context, int x, int y, int z, double lx,
   return body_of(context, grid, law, young, poisson, density);
 }
 
+/* The same body in the B-bar formulation. */
+static inline void body_take_b_bar(bw_context *context, body *b, bw_law law, double young,
+                                   double poisson) {
+  bw_solid_material *material;
+  bw_release(b->solid);
+  bw_release(b->palette);
+  check_ok(context, bw_solid_material_b_bar(context, "it", law, young, poisson, 0, &material));
+  check_ok(context, bw_palette_create(context, 2, (const bw_solid_material *const[]){material},
+                                      &b->palette));
+  check_ok(context, bw_solid_create(context, b->grid, b->palette, NULL, &b->solid));
+  bw_release(material);
+}
+
 static inline void body_release(body *b) {
   bw_release(b->solid);
   bw_release(b->palette);

@@ -1,0 +1,22 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Volumetric locking recognised. Above this Poisson's ratio displacements of standard elements come
+ * out too small by more than a few per cent on usual meshes: docs/theory/elements.md has figures.
+ */
+#include "assemble/internal.h"
+
+static const double locking_ratio = 0.48;
+
+const char *bw_locking(const bw_mesh *mesh, const bw_material *material) {
+  double bulk = bw_material_bulk(material), shear = bw_material_mean_shear(material);
+  double ratio = (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
+  if (!(ratio > locking_ratio) || bwi_projected_bulk(mesh, material) > 0)
+    return NULL;
+  if (mesh->order == 1)
+    return "volumetric locking: Poisson's ratio is above 0.48, and linear tetrahedra are far too "
+           "stiff there: displacements may come out ten to a hundred times too small. Use "
+           "quadratic "
+           "elements (order = 2) with formulation = \"b_bar\"";
+  return "volumetric locking: Poisson's ratio is above 0.48, and quadratic tetrahedra of the "
+         "standard formulation are too stiff there: displacements may come out a tenth too small, "
+         "and pressures oscillate. Use formulation = \"b_bar\"";
+}
