@@ -133,6 +133,10 @@ typedef struct bwi_walk {
   size_t history_capacity;
 } bwi_walk;
 
+/* BW_INVALID for a case of another grid and for options out of range, BW_FREE where nothing holds.
+ */
+bw_status bwi_newton_check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
+                           const bw_newton_options *options);
 /* Room for a walk whose context, solid, case, newton, options and report are set; it begins at
  * rest, at load factor 0. The contact is not made. */
 bw_status bwi_walk_create(bwi_walk *walk);

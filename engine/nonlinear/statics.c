@@ -93,8 +93,8 @@ static bw_status check_coarse(bw_context *context, const bw_solid *solid,
   return BW_OK;
 }
 
-static bw_status check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
-                       const bw_newton_options *o) {
+bw_status bwi_newton_check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
+                           const bw_newton_options *o) {
   bw_status status = BW_OK;
   if (!bwi_grid_same_places(solid->grid, the->grid))
     return bw_fail(context, BW_INVALID,
@@ -126,6 +126,7 @@ static bw_status check(bw_context *context, const bw_solid *solid, const bw_soli
     if (!isfinite(o->start[i]))
       return bw_fail(context, BW_INVALID, "the first guess is %g at node %lld; it must be finite",
                      o->start[i], (long long)(i / 3) + 1);
+  BW_TRY(bwi_case_check_held(context, the));
 done:
   return status;
 }
@@ -399,8 +400,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_
     chosen = *options;
   else
     bw_newton_options_default(&chosen);
-  BW_TRY(check(context, solid, the, &chosen));
-  BW_TRY(bwi_case_check_held(context, the));
+  BW_TRY(bwi_newton_check(context, solid, the, &chosen));
   result = BW_NEW0(context, bw_solid_static, 1);
   if (!result)
     return BW_MEMORY;

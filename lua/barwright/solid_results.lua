@@ -2,6 +2,7 @@
 -- Equilibria of hyperelastic solids: fields, totals, errors against another, files and pictures.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local estimate = require "barwright.solid_estimate"
 local members = require "barwright.members"
 
 local result = {}
@@ -44,6 +45,7 @@ local properties = {
   movement = kept("movement", function(self)
     return self.displacement:map "sqrt(a.x*a.x + a.y*a.y + a.z*a.z)"
   end),
+  estimated_error = kept("estimated_error", function(self) return (estimate.of(self)) end),
   fine_displacement = kept("fine_displacement", function(self)
     local coarse = self.solid.coarse
     return coarse and coarse:to_fine(self.displacement) or self.displacement
@@ -64,6 +66,12 @@ function result:error(reference)
   local distance = fine:difference(self.fine_displacement, moved)
   local size = fine:difference(moved, core.array.zeros(#moved, 3))
   return distance == 0 and 0.0 or distance / size, distance
+end
+
+--- About what `error` would say of a coarse result, without the fine solution: the same two numbers, and the
+--- corrected displacements of the fine grid that they come from. nil, message, details where there is none.
+function result:estimate_error()
+  return estimate.of(self)
 end
 
 --- The sum of the reactions at nodes by place.
@@ -116,7 +124,8 @@ function result:__tostring()
     r.iterations, r.load_steps, r.residual, r.shape.least_ratio)
 end
 
-arguments.methods("result", result, result, {error = "reference: any", total_reaction = "where: any",
+arguments.methods("result", result, result, {error = "reference: any", estimate_error = "",
+  total_reaction = "where: any",
   write = "path: string",
   picture = "path: string, options?: any", panel = "title?: string, values?: string|array"})
 

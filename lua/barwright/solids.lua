@@ -3,6 +3,7 @@
 -- are kept as they were given, by place, so that they are found again on an edited grid and on coarse
 -- ones.
 local core = require "barwright.core"
+local estimate = require "barwright.solid_estimate"
 local members = require "barwright.members"
 local options = require "barwright.options"
 local solid_results = require "barwright.solid_results"
@@ -501,6 +502,24 @@ function solid:coarsen(by, levels)
   return make(coarse.grid, coarse.palette, self.acts, nil, coarse, self.palette)
 end
 
+--- The fine solid of a coarse one; itself of a fine one.
+local function fine_of(self)
+  if not self.coarse then return self end
+  if not rawget(self, "fine_solid") then
+    local made, message, details = make(self.coarse.fine, self.fine_palette, self.acts)
+    if not made then return nil, message, details end
+    rawset(self, "fine_solid", made)
+  end
+  return rawget(self, "fine_solid")
+end
+
+--- The equilibrium of the solid made coarse by a library, or of the naive one where that is estimated to be
+--- nearer to the fine solution: {by = library, levels = 1, other options as of `solve`}.
+function solid:solve_coarse(given)
+  check_self("solve_coarse", self)
+  return estimate.better(self, given)
+end
+
 function solid:__tostring()
   return ("solid: %d elements, %d nodes, %d materials%s; %d supports and loads"):format(
     self.grid.element_count, self.grid.node_count, self.palette.count,
@@ -508,5 +527,7 @@ function solid:__tostring()
 end
 
 solids.class, solids.properties = solid, properties
+
+estimate.begin {case_of = case_of, own_coarse = own_coarse, fine_of = fine_of}
 
 return solids

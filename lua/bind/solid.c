@@ -409,6 +409,36 @@ static int solid_solve(lua_State *L) {
   return results;
 }
 
+/* solid:correct(case, options, displacement): {iterations, cg_iterations, coarse}; the displacement
+ * after so many steps, or nil where the energy is not defined */
+static int solid_correct(lua_State *L) {
+  static const lbw_option list[] = {
+      {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
+      {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},
+      {"coarse", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
+  lua_settop(L, 4);
+  const bw_solid *solid = self(L);
+  const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
+  const bw_coarsening *coarsening[MOST_LEVELS];
+  const bw_solid *coarse[MOST_LEVELS];
+  bw_newton_options options;
+  bool defined = false;
+  bw_newton_options_default(&options);
+  lbw_options(L, 3, "correct", list, &options);
+  options.coarse_count = read_coarse(L, 3, coarsening, coarse);
+  options.linear = options.coarse_count > 0 ? BW_NEWTON_COARSE : BW_NEWTON_JACOBI;
+  options.coarsening = coarsening;
+  options.coarse = coarse;
+  options.start = lbw_read_displacement(L, 4, "displacement", solid->grid);
+  bw_array *out = lbw_push_array(L, BW_F64, solid->grid->node_count, 3);
+  bw_status status =
+      bw_solid_correct(lbw_enter(L), solid, the, &options, (double *)out->data, &defined);
+  if (status == BW_OK && !defined)
+    lua_pushnil(L);
+  return lbw_leave(L, status, 1);
+}
+
 static const bw_solid_static *self_static(lua_State *L) {
   return (const bw_solid_static *)lbw_check(L, 1, &lbw_solid_static_class);
 }
@@ -446,7 +476,8 @@ const lbw_class lbw_solid_static_class = {"large_static", none, static_propertie
 void lbw_open_solid(lua_State *L) {
   static const luaL_Reg functions[] = {
       {"create", solid_create}, {"case", case_create}, {"newton", newton_create}, {NULL, NULL}};
-  static const luaL_Reg solve[] = {{"solve", solid_solve}, {NULL, NULL}};
+  static const luaL_Reg solve[] = {
+      {"solve", solid_solve}, {"correct", solid_correct}, {NULL, NULL}};
   lbw_class_register(L, &lbw_solid_class);
   lbw_class_register(L, &lbw_solid_case_class);
   lbw_class_register(L, &lbw_solid_static_class);

@@ -3402,6 +3402,17 @@ function Solid:with(grid) end
 ---@return table? details
 function Solid:coarsen(by, levels) end
 
+---The equilibrium of the solid made coarse by a library, or of the naive one where that is estimated to be
+---nearer to the fine solution. Options as of `solve`, with `by` and `levels` as of `coarsen`. Beside the result:
+---`chosen`, "library" or "naive"; `library` and `naive`, the estimated errors of the two, relative to the
+---displacement, nil where there is no equilibrium, then with `message` and `details` of why. Example:
+---`local result, how = fine:solve_coarse {by = library}; print(how.chosen, result.estimated_error)`.
+---@param options {by: bw.Library, levels?: integer, tolerance?: number, iterations?: integer, most_iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean}
+---@return bw.SolidResult?
+---@return table|string how
+---@return table? details
+function Solid:solve_coarse(options) end
+
 ---@class bw.SolidResult
 ---@field solid bw.Solid
 ---@field grid bw.Grid
@@ -3415,6 +3426,7 @@ function Solid:coarsen(by, levels) end
 ---@field von_mises bw.Array at nodes, Pa
 ---@field movement bw.Array of nodes: how far each went, m
 ---@field fine_displacement bw.Array of a coarse solid: at the nodes of its fine grid
+---@field estimated_error number? of a coarse solid: the first number of `estimate_error`, kept
 local SolidResult = {}
 
 ---Mean distance of the fine grid's nodes from those of a reference on the same fine grid: over the mean
@@ -3424,6 +3436,15 @@ local SolidResult = {}
 ---@return number relative to the displacement
 ---@return number of_size relative to the longest side of the body
 function SolidResult:error(reference) end
+
+---About what `error` says of a coarse result against the fine solution, without that: two Newton steps of the
+---fine solid with eight iterations of conjugate gradients each show how far away it is. The last value is
+---where they lead, nearer to the fine solution. Only coarse results have it. Example:
+---`print(coarse:solve():estimate_error())`.
+---@return number? relative to the displacement
+---@return number|string of_size relative to the longest side of the body
+---@return bw.Array|table corrected displacements at the nodes of the fine grid, m
+function SolidResult:estimate_error() end
 
 ---The sum of the reactions at nodes.
 ---@param where bw.Region|function|string

@@ -94,6 +94,58 @@ describe("a library", function()
     check.raises("grid", bw.metamaterial.grow, grown, 3)
   end)
 
+  -- Hard rods along a soft bar, in a third of the columns, pressed: gradients of strain make blocks of them too
+  -- soft, and the coarse bar buckles under what the fine one bears.
+  local function pressed_rods()
+    local seed, column = 7, {}
+    for k = 0, 35 do
+      seed = (seed * 1103515245 + 12345) % 2147483648
+      column[k] = seed / 2147483648 < 0.3 and 2 or 1
+    end
+    local grid = assert(bw.grid.box {cells = {6, 12, 6}, spacing = 0.01,
+      material = function(x, _, z) return column[6 * math.floor(x / 0.01) + math.floor(z / 0.01)] end})
+    local solid = assert(bw.solid {grid = grid, palette = palette()}):hold {side = "low y"}
+    return solid:hold({side = "high y"}, {0, -0.006, 0}),
+      assert(bw.metamaterial.grow(palette(), grid, {directions = 10}))
+  end
+
+  it("estimates its error, and is replaced by the naive one where that is nearer", function()
+    local function check_choice(fine, made, expected)
+      local reference = assert(fine:solve())
+      local error = {}
+      for name, by in pairs {library = made, naive = "naive"} do
+        local result = assert(assert(fine:coarsen(by)):solve())
+        error[name] = result:error(reference)
+        local estimated, of_size, corrected = result:estimate_error()
+        assert.equal(estimated, result.estimated_error)
+        assert.is_true(estimated > 0.5 * error[name] and estimated < 1.5 * error[name])
+        assert.is_true(of_size > 0 and of_size < estimated)
+        -- what it was corrected to is nearer to the fine solution
+        assert.is_true(fine.grid:difference(corrected, reference.displacement)
+          < 0.5 * fine.grid:difference(result.fine_displacement, reference.displacement))
+      end
+      local best, how = fine:solve_coarse {by = made}
+      assert.equal(expected, how.chosen)
+      check.near(math.min(error.library, error.naive), (best:error(reference)), 1e-9)
+      assert.equal(math.min(how.library, how.naive), best.estimated_error)
+      return error
+    end
+    local fine, grown = pressed_rods()
+    local error = check_choice(fine, grown, "naive")
+    assert.is_true(error.library > 3 * error.naive)
+    error = check_choice(layered(), small(), "library")
+    assert.is_true(error.naive > 3 * error.library)
+  end)
+
+  it("has an error to estimate only where it is coarse", function()
+    local fine = layered()
+    local message, details = select(2, assert(fine:solve()):estimate_error())
+    assert.is_truthy(message:find("fine grid", 1, true))
+    assert.equal("unsupported", details.status)
+    check.raises("by", fine.solve_coarse, fine, {})
+    check.raises("did you mean 'tolerance'", fine.solve_coarse, fine, {by = small(), tolerence = 1})
+  end)
+
   it("refuses another palette", function()
     local grid = assert(bw.grid.box {size = 1, cells = 4})
     local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 3, poisson = 0.1}}})

@@ -313,6 +313,13 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_
                            bw_newton *newton, const bw_newton_options *options,
                            bw_solid_static **result);
 
+/* A few Newton steps from options->start, which is needed, at full load: options->iterations of
+ * them with options->cg_iterations of conjugate gradients each. They do not reach an equilibrium,
+ * but show where and about how far away it is; each lowers the potential. *defined false: there is
+ * no energy at the start, and `displacement` (node_count x 3) is not written. */
+bw_status bw_solid_correct(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
+                           const bw_newton_options *options, double *displacement, bool *defined);
+
 /* ---- dynamics ----------------------------------------------------------------------------------
  */
 
