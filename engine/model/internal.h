@@ -12,6 +12,17 @@
 bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_support *support);
 bw_status bwi_model_add_load(bw_context *context, bw_model *model, bw_load *load);
 
+/* ---- refined.c ------------------------------------------------------------------------------- */
+
+/* A selection of the mesh before on a refined one (or one of its topology). */
+bw_status bwi_refined_selection(bw_context *context, const bw_refinement *refinement,
+                                const bw_mesh *mesh, const bw_selection *on,
+                                bw_selection **refined);
+/* Values at nodes: interpolated, or only where a node was, 0 at the others. */
+bw_status bwi_refined_array(bw_context *context, const bw_refinement *refinement,
+                            const bw_mesh *from, const bw_mesh *mesh, const bw_array *array,
+                            bool interpolated, bw_array **refined);
+
 /* ---- hold.c ---------------------------------------------------------------------------------- */
 
 /* What the supports hold at each node: an orthonormal set of directions with values. */

@@ -1,8 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Models of edited shapes: supports and loads go with the surface that they were given on.
+/* Models of edited shapes and refined meshes: supports and loads go with the surface that they were
+ * given on.
  *
  * Invariants: a selection keeps its facets by number and its nodes (by number, or through the map
- * of a refilled mesh), so nothing is selected anew by geometry. What is given in space keeps its
+ * of a refilled mesh), or takes those that lie in them (refined.c), so nothing is selected anew by
+ * geometry. What is given in space keeps its
  * direction: forces, tractions, gravity, normals of slides that were given one. What follows from
  * the surface is that of the new shape: areas, resultants, the normals of pressure and of slides
  * along the surface. The point of a torque goes with the centre of its area. */
@@ -15,9 +17,10 @@ typedef struct transfer {
   bw_context *context;
   const bw_model *from;
   bw_model *to;
-  const int32_t *node_from; /* NULL: the same nodes */
-  int32_t *node_to;         /* the inverse, -1 where a node is gone; with node_from */
-  int count;                /* selections made so far, so that those that share one still do */
+  const bw_refinement *refinement; /* or NULL */
+  const int32_t *node_from;        /* NULL: the same nodes, or refined ones */
+  int32_t *node_to;                /* the inverse, -1 where a node is gone; with node_from */
+  int count; /* selections made so far, so that those that share one still do */
   const bw_selection **before;
   bw_selection **after;
 } transfer;
@@ -61,6 +64,10 @@ static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_s
       *out = t->after[i];
       return BW_OK;
     }
+  if (t->refinement) {
+    BW_TRY(bwi_refined_selection(t->context, t->refinement, t->to->mesh, on, &made));
+    goto keep;
+  }
   if (t->node_from) {
     node = BW_NEW(t->context, int32_t, on->node_count);
     if (!node)
@@ -79,6 +86,7 @@ static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_s
   BW_TRY(bwi_selection_copy(t->context, t->to->mesh, on->facet_count, on->facet, on->node_count,
                             node ? node : on->node, &made));
   made->node_set = on->node_set;
+keep:
   t->before[t->count] = on;
   t->after[t->count++] = made;
   *out = made;
@@ -87,9 +95,14 @@ done:
   return status;
 }
 
-/* Values at nodes on a mesh with other nodes; new nodes get `fill`. The caller's reference. */
-static bw_status carry_array(transfer *t, const bw_array *array, double fill, bw_array **out) {
+/* Values at nodes on a mesh with other nodes; new nodes get `fill`, or on a refined mesh what lies
+ * between. The caller's reference. */
+static bw_status carry_array(transfer *t, const bw_array *array, bool forces, double fill,
+                             bw_array **out) {
   bw_array *made = NULL;
+  if (array && t->refinement)
+    return bwi_refined_array(t->context, t->refinement, t->from->mesh, t->to->mesh, array, !forces,
+                             out);
   if (!array || !t->node_from) {
     *out = (bw_array *)bw_retain(array);
     return BW_OK;
@@ -112,7 +125,7 @@ static bw_status carry_support(transfer *t, const bw_support *support) {
   bw_support made = *support;
   bw_array *field = NULL;
   BW_TRY(carry_selection(t, support->on, &made.on));
-  BW_TRY(carry_array(t, support->field, 0, &field));
+  BW_TRY(carry_array(t, support->field, false, 0, &field));
   made.field = field;
   BW_TRY(bwi_model_add_support(t->context, t->to, &made));
 done:
@@ -155,7 +168,7 @@ static bw_status carry_load(transfer *t, int number) {
   if (t->node_from && load->nodal)
     BW_TRY(check_nodal(t, number, load));
   BW_TRY(carry_selection(t, load->on, &made.on));
-  BW_TRY(carry_array(t, load->nodal,
+  BW_TRY(carry_array(t, load->nodal, load->kind == BW_LOAD_NODAL,
                      load->kind == BW_LOAD_TEMPERATURE ? bw_array_get(load->nodal, 0, 0) : 0,
                      &nodal));
   made.nodal = nodal;
@@ -172,11 +185,15 @@ done:
   return status;
 }
 
+/* `also`: further selections, after those of supports and loads. */
 static bw_status carry(bw_context *context, const bw_model *model, const bw_mesh *mesh,
-                       const int32_t *node_from, bw_model **out) {
+                       const int32_t *node_from, const bw_refinement *refinement, int also_count,
+                       const bw_selection *const *also, bw_selection **also_carried,
+                       bw_model **out) {
   bw_status status = BW_OK;
-  transfer t = {.context = context, .from = model, .node_from = node_from};
-  int most = model->support_count + model->load_count;
+  transfer t = {
+      .context = context, .from = model, .node_from = node_from, .refinement = refinement};
+  int most = model->support_count + model->load_count + also_count;
   BW_TRY(bw_model_create(context, mesh, model->material, &t.to));
   t.before = BW_NEW(context, const bw_selection *, most);
   t.after = BW_NEW(context, bw_selection *, most);
@@ -190,6 +207,17 @@ static bw_status carry(bw_context *context, const bw_model *model, const bw_mesh
     BW_TRY(carry_support(&t, &model->support[i]));
   for (int i = 0; i < model->load_count; i++)
     BW_TRY(carry_load(&t, i));
+  for (int i = 0; i < also_count; i++) {
+    const bw_selection *made;
+    if (also[i]->mesh != model->mesh) {
+      status = bw_fail(context, BW_INVALID, "selection %d is not of the model's mesh", i + 1);
+      goto done;
+    }
+    BW_TRY(carry_selection(&t, also[i], &made));
+    also_carried[i] = (bw_selection *)made;
+  }
+  for (int i = 0; i < also_count; i++)
+    bw_retain(also_carried[i]);
 done:
   for (int i = 0; i < t.count; i++)
     bw_release(t.after[i]);
@@ -220,7 +248,7 @@ bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_me
                    "the mesh has %d nodes and %d elements, the model's mesh %d and %d: a model can "
                    "be moved only to a mesh with the same elements at other positions",
                    mesh->node_count, mesh->element_count, old->node_count, old->element_count);
-  return carry(context, model, mesh, NULL, moved);
+  return carry(context, model, mesh, NULL, NULL, 0, NULL, NULL, moved);
 }
 
 bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
@@ -240,5 +268,24 @@ bw_status bw_model_transferred(bw_context *context, const bw_model *model, const
                    "material %s is turned by element, and the mesh has other elements: transfer "
                    "the model with the unturned material and turn it there",
                    model->material->name);
-  return carry(context, model, mesh, node_from, transferred);
+  return carry(context, model, mesh, node_from, NULL, 0, NULL, NULL, transferred);
+}
+
+bw_status bw_model_refined(bw_context *context, const bw_model *model,
+                           const bw_refinement *refinement, const bw_mesh *mesh, int also_count,
+                           const bw_selection *const *also, bw_selection **also_refined,
+                           bw_model **refined) {
+  if (mesh->element_count != refinement->mesh->element_count ||
+      mesh->node_count != refinement->mesh->node_count ||
+      mesh->facet_count != refinement->mesh->facet_count)
+    return bw_fail(context, BW_INVALID,
+                   "the mesh has %d nodes and %d elements, the refined one %d and %d: it must have "
+                   "its topology",
+                   mesh->node_count, mesh->element_count, refinement->mesh->node_count,
+                   refinement->mesh->element_count);
+  if (model->material->turns)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "material %s is turned by element: such a model cannot be refined",
+                   model->material->name);
+  return carry(context, model, mesh, NULL, refinement, also_count, also, also_refined, refined);
 }

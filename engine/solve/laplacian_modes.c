@@ -144,7 +144,7 @@ bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_
                              .below = laplacian_below,
                              .dimension = mesh->node_count - mesh->component_count};
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
-  BW_TRY(bwi_modes_from(context, mesh, 1, mesh->component_count, false, &result, modes));
+  BW_TRY(bwi_modes_from(context, mesh, NULL, mesh->component_count, &result, modes));
 done:
   bw_free(l.stiffness);
   bw_free(l.mass);

@@ -16,6 +16,7 @@ void bw_modes_options_default(bw_modes_options *options) {
 static void modes_destroy(void *object) {
   bw_modes *modes = object;
   bw_release(modes->mesh);
+  bw_release(modes->material);
   bw_free(modes->eigenvalue);
   bw_free(modes->frequency);
   bw_free(modes->shape);
@@ -60,21 +61,23 @@ static void fix_sign(double *shape, int64_t size) {
     }
 }
 
-bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, int components, int rigid_count,
-                         bool frequencies, bwi_eigen_result *result, bw_modes **out) {
+bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                         int rigid_count, bwi_eigen_result *result, bw_modes **out) {
+  int components = material ? 3 : 1;
   int64_t size = (int64_t)mesh->node_count * components;
   bw_modes *modes = BW_NEW0(context, bw_modes, 1);
   if (!modes)
     return BW_MEMORY;
   bw_object_init(modes, &modes_kind);
   modes->mesh = bw_retain(mesh);
+  modes->material = bw_retain(material);
   modes->count = result->count;
   modes->components = components;
   modes->rigid_count = rigid_count;
   modes->solves = result->solves;
   modes->recovered = result->recovered;
   modes->counted = result->counted;
-  if (frequencies) {
+  if (material && material->density > 0) {
     modes->frequency = BW_NEW(context, double, result->count);
     if (!modes->frequency) {
       bw_release(modes);
@@ -195,8 +198,8 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
                              .below = elastic_below,
                              .dimension = numbering->unknown_count};
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
-  BW_TRY(bwi_modes_from(context, system->mesh, 3, numbering->motion_count,
-                        system->material->density > 0, &result, modes));
+  BW_TRY(bwi_modes_from(context, system->mesh, system->material, numbering->motion_count, &result,
+                        modes));
 done:
   bw_release(problem.unpinned);
   bwi_eigen_result_clear(&result);

@@ -248,8 +248,8 @@ bw_status bw_modes_outside(bw_context *context, const bw_model *model,
     goto done;
   }
   BW_TRY(residuals(context, &e, result.count, result.value, result.vector, result.residual));
-  BW_TRY(bwi_modes_from(context, model->mesh, 3, e.numbering->motion_count,
-                        model->material->density > 0, &result, modes));
+  BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.numbering->motion_count, &result,
+                        modes));
 done:
   clear(context, &e, report);
   bwi_eigen_result_clear(&result);

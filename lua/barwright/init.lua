@@ -60,6 +60,7 @@ local bw = {
   quadratic_programme = core.quadratic_programme,
 }
 require "barwright.fields"
+require "barwright.adaptive"
 
 -- What the prompt completes after "bw.material." beside the functions.
 local library = {}

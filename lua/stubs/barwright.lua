@@ -1105,18 +1105,43 @@ function Model:free_motions() end
 ---body (docs/theory/solving.md). with "petsc": by PETSc on all processes that mpirun started (docs/howto_cluster.md),
 ---method "cg" (default: conjugate gradients with multigrid) or "cholesky" (MUMPS), down to a residual of rtol
 ---(1e-10) in at most that many iterations (2000).
----@param options? {inertia_relief?: boolean, tolerance?: number, with?: "auto"|"factor"|"levels"|"petsc", memory_limit?: number, iterations?: integer, method?: "auto"|"cg"|"cholesky", rtol?: number}
+---
+---With `error`: tet10 meshes refined by bisection where the error of the quantity `of` comes from, until its
+---estimated error is at most that share of its value (docs/theory/error_control.md). `of`: "von_mises" (default),
+---"max_principal", "displacement": the largest at nodes; a point, or {at =, field =}: the stress ("von_mises",
+---"xx" ... "xy") or displacement ("displacement", "ux", "uy", "uz") there; a selection, or {reaction =, axis =}: the
+---reaction on a face; a function of the solution that returns a number. Supports and loads go with their facets.
+---`surface`: whose round faces curved edges follow (default: the boundary of a mesh with straight edges). Limits:
+---most_elements (200000), time_limit (s), memory_limit. The second result says how it went; so it does where a limit
+---came first.
+---`local static, accuracy = part:solve {error = 0.01, of = {at = {0, 1, 0}, field = "xx"}}`
+---@param options? {inertia_relief?: boolean, tolerance?: number, with?: "auto"|"factor"|"levels"|"petsc", memory_limit?: number, iterations?: integer, method?: "auto"|"cg"|"cholesky", rtol?: number, error?: number, of?: string|bw.Vector|table|bw.Selection|(fun(static: bw.Static): number), most_elements?: integer, time_limit?: number, surface?: bw.Surface}
 ---@return bw.Static?
----@return string? message
+---@return bw.Accuracy|string? accuracy with `error`, else the message
 ---@return table? details
 function Model:solve(options) end
+
+---The same supports and loads on a mesh with element e bisected levels[e] times (three halve its edges), and
+---neighbours as it needs to conform. Facets of supports and loads are those inside of the facets before; fields at
+---nodes are interpolated. order 2 raises linear elements; `surface`: as of mesh:curved; `also`: further selections to
+---carry. More than most_elements: nil, a message and details. Not for materials turned by element.
+---`local fine = assert(part:refined(levels))`
+---@param levels bw.Array|table whole numbers from 0 to 30
+---@param options? {order?: 1|2, surface?: bw.Surface, also?: bw.Selection[], most_elements?: integer}
+---@return bw.Model?
+---@return bw.Selection[]|string also those of `also`, or a message
+---@return table? details
+function Model:refined(levels, options) end
 
 ---The lowest modes, elastic or of the Laplacian. with "slepc": elastic ones by SLEPc on all processes that
 ---mpirun started (docs/howto_cluster.md), method "cholesky" (default: MUMPS, and a count that none is
 ---missing) or "cg" (conjugate gradients inside, no count).
----@param options? {count?: integer, tolerance?: number, sturm?: boolean, seed?: integer, laplacian?: boolean, with?: "factor"|"slepc", method?: "auto"|"cg"|"cholesky", rtol?: number, iterations?: integer}
+---With `error`: on tet10 meshes refined until the estimated relative error of every frequency is at most that. The
+---second result tells how it went; `history` has the frequencies of every mesh. Limits as of part:solve.
+---`local modes, accuracy = part:modes {count = 5, error = 0.001}`
+---@param options? {error?: number, most_elements?: integer, time_limit?: number, surface?: bw.Surface, count?: integer, tolerance?: number, sturm?: boolean, seed?: integer, laplacian?: boolean, with?: "factor"|"slepc", method?: "auto"|"cg"|"cholesky", rtol?: number, iterations?: integer}
 ---@return bw.Modes?
----@return string? message
+---@return bw.Accuracy|string? accuracy with `error`, else the message
 ---@return table? details
 function Model:modes(options) end
 
@@ -1152,6 +1177,21 @@ function Model:write_inp(path, options) end
 
 ---Lets go at once.
 function Model:close() end
+
+---How part:solve {error =} and part:modes {error =} went; the value of modes is the first frequency. Errors are relative to the value. `print(accuracy)` tells it.
+---@class bw.Accuracy
+---@field quantity string
+---@field value number
+---@field estimated_error number
+---@field at? bw.Vector where; nil for a function
+---@field converged boolean
+---@field reason "tolerance"|"elements"|"time"|"memory"|"divergence" why there is no finer mesh; divergence: the changes of the value do not fall, so it may have no limit
+---@field history table[] of every mesh {elements, unknowns, value, frequencies (of modes), at, estimated_error, seconds, effectivity: estimated error over the difference to the last value}
+---@field elements integer of the last mesh
+---@field seconds number
+---@field part bw.Model on the last mesh
+---@field surface? bw.Surface that curved edges follow
+---@field options table
 
 ---A static solution. Fields are computed when they are first asked for. Names without `element_` are
 ---over nodes.
@@ -1227,6 +1267,14 @@ local Modes = {}
 ---@param i integer
 ---@return bw.Array
 function Modes:shape(i) end
+
+---By how many cents each frequency is too high: the recovered stress of the shape gives its error in energy, whose
+---square is that of the eigenvalue (docs/theory/error_control.md). Not for Laplacian modes.
+---`print(modes.frequencies[1], "Hz, too high by", modes:error_estimate()[1], "cents")`
+---@return bw.Array? cents
+---@return string? message
+---@return table? details
+function Modes:error_estimate() end
 
 ---All shapes as .vtu.
 ---@param path string

@@ -20,7 +20,7 @@ return {
     {"docs/theory/elements.md", "Elements"}, {"docs/theory/filling.md", "Filling a surface"},
     {"docs/theory/faces.md", "Selections and faces"},
     {"docs/theory/solving.md", "Solving"}, {"docs/theory/worst_case.md", "Worst case"},
-    {"docs/theory/breaking_force.md", "Breaking force"},
+    {"docs/theory/breaking_force.md", "Breaking force"}, {"docs/theory/error_control.md", "Error control"},
     {"docs/theory/edit.md", "Edit sessions"}, {"docs/theory/responsive.md", "The plane"},
     {"docs/theory/data_driven.md", "Soft bodies, coarsened"},
     {"docs/theory/studies.md", "Studies, scenarios, experiments"},

@@ -41,6 +41,36 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
 bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *element, double *relative);
 
+/* Superconvergent patch recovery (Zienkiewicz and Zhu 1992): at every corner a polynomial of the
+ * elements' order fits the stresses inside of the elements around it; middles take the mean of both
+ * ends. Stress at nodes, node_count x 6. */
+bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                              const double *displacement, double *stress);
+/* The recovered error in a goal: the integral over every element of e_u . D^-1 e_z with
+ * e = N sigma* - sigma of a primal and a dual displacement, sigma* as bw_recovered_stress. Their
+ * sum estimates J(u) - J(u_h) for the functional J that z is the dual of
+ * (docs/theory/error_control.md). */
+bw_status bw_error_product(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                           const double *primal, const double *dual, double *element);
+/* Nodal forces, node_count x 3, of the functional sum over i of weight_i . sigma(node_i), with
+ * sigma as bw_nodal_stress and six weights for each of `count` nodes: its derivative by the
+ * displacement. */
+bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
+                               const bw_material *material, int64_t count, const int32_t *node,
+                               const double *weight, double *force);
+
+/* By how much every elastic mode's eigenvalue is too high, as a share of it, by the recovered
+ * stress of its shape (docs/theory/error_control.md). BW_INVALID for Laplacian modes. */
+bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative);
+/* Forces at the nodes, node_count x 3, that hold a displacement without loads: K u. */
+bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, double *force);
+/* The largest angle by which the normals of boundary facets differ at the nodes of the facets
+ * around a boundary node, of those below `limit` (radians): 0 on flat and on resolved round faces,
+ * the angle between facets where these stand for a round face. 0 for inner nodes. */
+bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node, double limit,
+                           double *kink);
+
 /* The mean of a nodal field (node_count x columns) over the boundary that connected facets reach
  * within `radius` of each boundary node, weighted by area and 1 - (distance / radius)^2: node_count
  * x columns, 0 at inner nodes. Where the mesh is too coarse for the radius, the node's own value.

@@ -253,6 +253,24 @@ bw_status bw_locator_create(bw_context *context, const bw_mesh *mesh, bw_locator
 int32_t bw_locator_find(const bw_locator *locator, const double point[3], double weight[4],
                         bool *inside);
 
+/* ---- refining ---------------------------------------------------------------------------- */
+
+/* A mesh refined by bisection, and where in the mesh before everything lies. */
+typedef struct bw_refinement {
+  const bw_mesh *mesh;
+  int32_t *element_parent; /* element_count: the element before that holds the element */
+  int32_t *facet_parent;   /* facet_count: the boundary facet before that holds the facet */
+  int32_t *node_parent;    /* node_count: an element before that holds the node */
+  double *node_weight;     /* node_count x 4: its barycentric coordinates there, exact */
+} bw_refinement;
+/* Bisect element e levels[e] times (three halve its edges), and neighbours so that the mesh
+ * conforms: longest-edge bisection, so angles stay bounded however often it is done. Curved edges
+ * stay the curves that they are. order: of the result, that of the mesh or 2. BW_LIMIT beyond
+ * most_elements. */
+bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t *levels, int order,
+                         int64_t most_elements, bw_refinement *refinement);
+void bw_refinement_clear(bw_refinement *refinement);
+
 /* ---- filling ----------------------------------------------------------------------------- */
 
 typedef struct bw_fill_options {

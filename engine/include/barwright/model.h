@@ -158,6 +158,14 @@ bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_me
  * material turned by element are BW_UNSUPPORTED. */
 bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
                                const int32_t *node_from, bw_model **transferred);
+/* The same on a refined mesh (bw_mesh_refine of the model's mesh) or on one of its topology that
+ * was moved: facets of supports and loads become the facets inside of them, fields at nodes are
+ * interpolated. `also`: further selections, carried the same way into also_refined (the caller's
+ * references). A material turned by element is BW_UNSUPPORTED. */
+bw_status bw_model_refined(bw_context *context, const bw_model *model,
+                           const bw_refinement *refinement, const bw_mesh *mesh, int also_count,
+                           const bw_selection *const *also, bw_selection **also_refined,
+                           bw_model **refined);
 /* Drop all supports or all loads. */
 void bw_model_clear_supports(bw_model *model);
 void bw_model_clear_loads(bw_model *model);

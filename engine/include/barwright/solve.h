@@ -243,7 +243,8 @@ void bw_modes_options_default(bw_modes_options *options);
 
 typedef struct bw_modes {
   bw_object object;
-  const bw_mesh *mesh; /* retained */
+  const bw_mesh *mesh;         /* retained */
+  const bw_material *material; /* retained; NULL for Laplacian modes */
   int count;
   int components;     /* 3: elastic modes; 1: Laplacian modes */
   int rigid_count;    /* rigid motions recognised and left out */

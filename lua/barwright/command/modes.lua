@@ -22,24 +22,29 @@ local function analyse(wish, out)
   modes, message, details = model.try(part.modes, part, {count = wish.count, sturm = wish.sure})
   out:remarks()
   if not modes then return nil, message, details end
-  return modes, held
+  local errors
+  errors, message, details = modes:error_estimate()
+  if not errors then return nil, message, details end
+  return modes, held, errors:totable()
 end
 
-local function tell(modes, held, wish, out)
+local function tell(modes, held, errors, wish, out)
   out:say("")
   if #wish.hold > 0 then
     out:say("Held at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
   else
     out:say("Free, as if hung on threads, it rings at (its %d rigid motions are left out):", modes.rigid_count)
   end
-  local list = bw.json.list {}
+  local list, cents_of = bw.json.list {}, bw.json.list(errors)
   for i, frequency in ipairs(modes.frequencies:totable()) do
     local note, cents = pitch.note(frequency)
     list[i] = frequency
-    out:say(frequency < 10 and "  %2d  %10.4f Hz   %-4s %+3.0f cents" or "  %2d  %10.1f Hz   %-4s %+3.0f cents", i,
-      frequency, note, cents)
+    out:say(frequency < 10 and "  %2d  %10.4f Hz   %-4s %+3.0f cents, about %.2g too high"
+      or "  %2d  %10.1f Hz   %-4s %+3.0f cents, about %.2g too high", i, frequency, note, cents, errors[i])
   end
-  out:json {frequencies_hz = list, rigid_motions = modes.rigid_count, held = bw.json.list(wish.hold),
+  out:say("The mesh makes frequencies too high; the estimate is in cents, a hundredth of a semitone.")
+  out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
+    held = bw.json.list(wish.hold),
     material = wish.material, counted = modes.counted}
   if wish.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
@@ -75,9 +80,9 @@ return {
       local fine, message = model.check_place(place)
       if not fine then return out:misuse("option --hold: " .. message) end
     end
-    local modes, held, details = analyse(wish, out)
-    if not modes then return out:fail(held, details) end
-    tell(modes, held, wish, out)
+    local modes, held, errors = analyse(wish, out)
+    if not modes then return out:fail(held, errors) end
+    tell(modes, held, errors, wish, out)
     local written = bw.json.list {}
     for _, how in ipairs {{wish.vtu, function() return modes:write(wish.vtu) end},
       {wish.picture, function() return modes:picture(1, wish.picture) end}} do

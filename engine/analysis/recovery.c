@@ -1,0 +1,201 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Superconvergent patch recovery (Zienkiewicz and Zhu 1992): at every corner node a polynomial of
+ * the order of the elements is fitted by least squares to the stresses at points inside the
+ * elements around it, where these are most accurate: the centre of tet4, the four points of degree
+ * 2 of tet10.
+ *
+ * Patches at the boundary are one-sided and may be small: they grow across faces until they have
+ * ENOUGH elements. Invariant: a stress that is a polynomial of that order is recovered exactly
+ * wherever the fit is regular; elsewhere the order of the fit falls to 1 and to 0, the mean. */
+#include "analysis/strain.h"
+
+#include "barwright/analysis.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { TERMS = 10, ENOUGH = 10, MOST = 512, GROWTHS = 2, CORNERS_PER_CHUNK = 64 };
+
+typedef struct recovery {
+  const bw_mesh *mesh;
+  const bw_material *material;
+  const double *displacement;
+  bwi_incidence around;
+  bwi_rule rule;
+  int32_t *corner; /* corner_count nodes */
+  double *fit;     /* corner_count x TERMS x 6 */
+  double *scale;   /* corner_count */
+} recovery;
+
+/* 1, x, y, z, then the products. */
+static void monomials(const double y[3], double p[TERMS]) {
+  const double all[TERMS] = {1,           y[0],        y[1],        y[2],        y[0] * y[0],
+                             y[1] * y[1], y[2] * y[2], y[1] * y[2], y[2] * y[0], y[0] * y[1]};
+  memcpy(p, all, sizeof all);
+}
+
+/* Solve A X = B for six right-hand sides by Cholesky in place; false where A is nearly singular. */
+static bool solve_normal(int n, double a[TERMS][TERMS], double b[TERMS][6]) {
+  for (int j = 0; j < n; j++) {
+    double pivot = a[j][j], before = a[j][j];
+    for (int k = 0; k < j; k++)
+      pivot -= a[j][k] * a[j][k];
+    if (!(pivot > 1e-8 * before))
+      return false;
+    a[j][j] = sqrt(pivot);
+    for (int i = j + 1; i < n; i++) {
+      double sum = a[i][j];
+      for (int k = 0; k < j; k++)
+        sum -= a[i][k] * a[j][k];
+      a[i][j] = sum / a[j][j];
+    }
+  }
+  for (int c = 0; c < 6; c++) {
+    for (int i = 0; i < n; i++) {
+      for (int k = 0; k < i; k++)
+        b[i][c] -= a[i][k] * b[k][c];
+      b[i][c] /= a[i][i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+      for (int k = i + 1; k < n; k++)
+        b[i][c] -= a[k][i] * b[k][c];
+      b[i][c] /= a[i][i];
+    }
+  }
+  return true;
+}
+
+/* The elements of a corner's patch, its own first. */
+static int patch_of(const recovery *r, int32_t node, int32_t *patch) {
+  int count = 0;
+  for (int64_t k = r->around.start[node]; k < r->around.start[node + 1] && count < MOST; k++)
+    patch[count++] = r->around.element[k];
+  for (int growth = 0; growth < GROWTHS && count < ENOUGH; growth++) {
+    int before = count;
+    for (int i = 0; i < before; i++)
+      for (int f = 0; f < 4 && count < MOST; f++) {
+        int32_t next = r->mesh->neighbour[4 * (int64_t)patch[i] + f];
+        bool known = next < 0;
+        for (int j = 0; j < count && !known; j++)
+          known = patch[j] == next;
+        if (!known)
+          patch[count++] = next;
+      }
+  }
+  return count;
+}
+
+typedef struct sums {
+  double a[TERMS][TERMS], b[TERMS][6];
+} sums;
+
+static void add_element(const recovery *r, int32_t e, const double centre[3], double scale,
+                        sums *s) {
+  bwi_element_state state;
+  bwi_element_state_load(r->mesh, r->material, r->displacement, e, &state);
+  const int32_t *node = r->mesh->element + (int64_t)e * state.nodes;
+  for (int q = 0; q < r->rule.points; q++) {
+    double strain[6], stress[6], y[3] = {0}, p[TERMS];
+    bwi_strain_at(&state, r->rule.by_l[q], r->rule.l[q], strain);
+    bwi_stress_of(&state, bw_material_elasticity(r->material, e), strain, stress);
+    for (int k = 0; k < 3; k++) {
+      for (int a = 0; a < state.nodes; a++)
+        y[k] += r->rule.value[q][a] * r->mesh->node[3 * (int64_t)node[a] + k];
+      y[k] = (y[k] - centre[k]) / scale;
+    }
+    monomials(y, p);
+    for (int i = 0; i < TERMS; i++) {
+      for (int j = 0; j <= i; j++)
+        s->a[i][j] += p[i] * p[j];
+      for (int c = 0; c < 6; c++)
+        s->b[i][c] += p[i] * stress[c];
+    }
+  }
+}
+
+static bw_status fit_corners(void *data, int64_t begin, int64_t end, int worker) {
+  const recovery *r = (const recovery *)data;
+  static const int terms[3] = {TERMS, 4, 1};
+  (void)worker;
+  for (int64_t i = begin; i < end; i++) {
+    int32_t patch[MOST], node = r->corner[i];
+    int count = patch_of(r, node, patch);
+    const double *centre = r->mesh->node + 3 * (int64_t)node;
+    double volume = 0, scale, (*fit)[6] = (double(*)[6])(r->fit + 6 * TERMS * i);
+    for (int k = 0; k < count; k++)
+      volume += r->mesh->volume[patch[k]];
+    r->scale[i] = scale = cbrt(volume);
+    sums s = {.a = {{0}}};
+    for (int k = 0; k < count; k++)
+      add_element(r, patch[k], centre, scale, &s);
+    memset(fit, 0, 6 * TERMS * sizeof(double));
+    bool fitted = false;
+    for (int degree = r->mesh->order == 2 ? 0 : 1; degree < 3 && !fitted; degree++) {
+      sums t = s;
+      fitted = solve_normal(terms[degree], t.a, t.b);
+      if (fitted)
+        memcpy(fit, t.b, (size_t)terms[degree] * 6 * sizeof(double));
+    }
+  }
+  return BW_OK;
+}
+
+/* stress += share of the polynomial of corner i at x */
+static void add_fit(const recovery *r, int64_t i, const double x[3], double share, double *stress) {
+  const double *centre = r->mesh->node + 3 * (int64_t)r->corner[i], *fit = r->fit + 6 * TERMS * i;
+  double y[3], p[TERMS];
+  for (int k = 0; k < 3; k++)
+    y[k] = (x[k] - centre[k]) / r->scale[i];
+  monomials(y, p);
+  for (int t = 0; t < TERMS; t++)
+    for (int c = 0; c < 6; c++)
+      stress[c] += share * p[t] * fit[6 * t + c];
+}
+
+bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                              const double *displacement, double *stress) {
+  bw_status status;
+  recovery r = {.mesh = mesh, .material = material, .displacement = displacement};
+  int32_t corners = 0, *number = NULL;
+  int width = mesh->nodes_per_element;
+  BW_TRY(bwi_check_stress_input(context, mesh, material, displacement, "a stress field"));
+  BW_TRY(bwi_incidence_create(context, mesh, &r.around));
+  bwi_rule_make(mesh->order, mesh->order == 2 ? 2 : 1, &r.rule);
+  number = BW_NEW(context, int32_t, mesh->node_count);
+  r.corner = BW_NEW(context, int32_t, mesh->node_count);
+  r.scale = BW_NEW(context, double, mesh->node_count);
+  if (!number || !r.corner || !r.scale) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    number[i] = r.around.local[r.around.start[i]] < 4 ? corners : -1;
+    if (number[i] >= 0)
+      r.corner[corners++] = i;
+  }
+  r.fit = BW_NEW(context, double, 6 * TERMS * (int64_t)corners);
+  if (!r.fit) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_parallel(context, corners, CORNERS_PER_CHUNK, fit_corners, &r));
+  memset(stress, 0, 6 * (size_t)mesh->node_count * sizeof *stress);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *x = mesh->node + 3 * (int64_t)i;
+    if (number[i] >= 0) {
+      add_fit(&r, number[i], x, 1, stress + 6 * (int64_t)i);
+      continue;
+    }
+    const int32_t *own = mesh->element + (int64_t)width * r.around.element[r.around.start[i]];
+    const int *end = bw_tet_edge[r.around.local[r.around.start[i]] - 4];
+    for (int k = 0; k < 2; k++)
+      add_fit(&r, number[own[end[k]]], x, 0.5, stress + 6 * (int64_t)i);
+  }
+done:
+  bwi_incidence_clear(&r.around);
+  bw_free(number);
+  bw_free(r.corner);
+  bw_free(r.scale);
+  bw_free(r.fit);
+  return status;
+}

@@ -1,0 +1,180 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- part:solve {error = , of = } and part:modes {error = }: static solutions and modes on meshes that are refined
+-- until the estimated error of what is asked for is small enough. docs/theory/error_control.md.
+local core = require "barwright.core"
+local goal = require "barwright.goal"
+local options = require "barwright.options"
+local refinement = require "barwright.refinement"
+
+local methods = core.classes.model.methods
+local solve, modes_of = methods.solve, methods.modes -- on the mesh as it is
+
+-- Normals of facets that differ by more than this (radians) are at a sharp edge, which is meant.
+local SHARP = 0.6
+
+local function with_common(rules)
+  for key, rule in pairs(refinement.rules) do rules[key] = rule end
+  return rules
+end
+
+-- The options of the analysis on one mesh among those given.
+local function some_of(wish, keys)
+  local out = {}
+  for _, key in ipairs(keys) do out[key] = wish[key] end
+  return out
+end
+
+-- ---- statics ---------------------------------------------------------------------------------------
+
+local static_rules = with_common {
+  of = {type = "any"},
+  memory_limit = {type = "number", above = 0},
+  inertia_relief = {type = "boolean"},
+  tolerance = {type = "number", above = 0},
+  with = {type = "string", one_of = {"auto", "factor", "levels"}},
+}
+
+-- The parts of the elements in the error, and the error that is their sum. Without a dual problem these are the
+-- parts in the energy, and the value is taken to be off as the energy is.
+local function parts_of(part, static, found)
+  local u, dual, message, details = static.displacement
+  if found.dual then
+    dual, message, details = found.dual()
+    if not dual then return nil, message, details end
+  end
+  local parts
+  parts, message, details = core.error_product(part.mesh, part.material, u, dual or u)
+  if not parts then return nil, message, details end
+  local sum = parts:sum()
+  return parts:totable(), dual and sum or static.energy > 0 and found.value * sum / (2 * static.energy) or 0
+end
+
+-- Facets that stand for a round face have kinks: the stress there changes by about 2/pi of the angle for each
+-- time that the mesh becomes finer by e.
+local function geometry_error(mesh, found)
+  if not found.node then return 0 end
+  local kink, message, details = core.boundary_kink(mesh, found.node, SHARP)
+  if not kink then return nil, message, details end
+  return 2 / math.pi * kink * found.value
+end
+
+-- Elements at nodes whose value may exceed the largest one within what the recovery is unsure of.
+local function rivals_of(mesh, found)
+  if not found.better then return {} end
+  local marked = core.array.map("max(a, b) + abs(a - b) > c", {a = found.field, b = found.better,
+    c = found.value}):totable()
+  local list = {}
+  for e, nodes in ipairs(mesh.elements:totable()) do
+    for _, node in ipairs(nodes) do
+      if marked[node] ~= 0 and marked[node] ~= false then
+        list[#list + 1] = e
+        break
+      end
+    end
+  end
+  return list
+end
+
+local function relative(error, value)
+  if error == 0 then return 0 end
+  return value == 0 and math.huge or error / math.abs(value)
+end
+
+local function static_analysis(wish, mesh)
+  local wanted = goal.read(wish.of, mesh)
+  local how = some_of(wish, {"with", "memory_limit", "inertia_relief", "tolerance"})
+  local function step(history, part, selections)
+    local static, message, details = solve(part, how)
+    if not static then return nil, message, details end
+    local found
+    found, message, details = wanted.measure(part, static, selections)
+    if not found then return nil, message, details end
+    local parts, signed, more = parts_of(part, static, found)
+    if not parts then return nil, signed, more end
+    local geometry
+    geometry, message, details = geometry_error(part.mesh, found)
+    if not geometry then return nil, message, details end
+    local rest = refinement.rest(history, function(row) return row.value end, found.value,
+      part.mesh.element_count)
+    local error = math.sqrt((found.recovery_error + math.abs(signed)) ^ 2 + rest ^ 2 + geometry ^ 2)
+    return {result = static, value = found.value, at = found.at, error = relative(error, found.value),
+      parts = parts, rivals = rivals_of(part.mesh, found)}
+  end
+  return {name = wanted.name, selections = wanted.selections, step = step}
+end
+
+-- ---- modes -----------------------------------------------------------------------------------------
+
+local mode_rules = with_common {
+  count = {type = "integer", default = 15, least = 1, most = 500},
+  tolerance = {type = "number", above = 0},
+  sturm = {type = "boolean"},
+  seed = {type = "integer"},
+}
+
+-- The largest error of a frequency: by its shape's recovered stress, or by what refinement still changes.
+local function error_of_modes(history, modes, elements)
+  local cents, message, details = modes:error_estimate()
+  if not cents then return nil, message, details end
+  local error = 2 ^ (cents:max() / 1200) - 1
+  for k, f in ipairs(modes.frequencies:totable()) do
+    local rest = refinement.rest(history, function(row) return row.frequencies[k] or f end, f, elements)
+    error = math.max(error, rest / f)
+  end
+  return error
+end
+
+-- The parts of the elements in the errors of all modes, each relative to its eigenvalue.
+local function parts_of_modes(part, modes)
+  local sum
+  for k = 1, modes.count do
+    local shape = modes:shape(k)
+    local parts, message, details = core.error_product(part.mesh, part.material, shape, shape)
+    if not parts then return nil, message, details end
+    parts = parts * (1 / modes.eigenvalues(k, 1))
+    sum = sum and sum + parts or parts
+  end
+  return sum:totable()
+end
+
+local function mode_analysis(wish)
+  local how = some_of(wish, {"count", "tolerance", "sturm", "seed"})
+  local function step(history, part)
+    local modes, message, details = modes_of(part, how)
+    if not modes then return nil, message, details end
+    if modes.count == 0 or not modes.frequencies then
+      return nil, "an error of frequencies needs modes of a material whose density is known", {status = "invalid"}
+    end
+    local parts
+    parts, message, details = parts_of_modes(part, modes)
+    if not parts then return nil, message, details end
+    local error
+    error, message, details = error_of_modes(history, modes, part.mesh.element_count)
+    if not error then return nil, message, details end
+    return {result = modes, value = modes.frequencies(1, 1), frequencies = modes.frequencies:totable(),
+      error = error, parts = parts}
+  end
+  return {name = ("frequencies of %d modes, the first"):format(wish.count), selections = {}, step = step}
+end
+
+-- ---- methods ---------------------------------------------------------------------------------------
+
+local function asks(part, given, key)
+  return type(given) == "table" and rawget(given, key) ~= nil and core.class_name(part) == "model"
+end
+
+function methods.solve(part, given)
+  if asks(part, given, "error") or asks(part, given, "of") then
+    local wish = options.read("solve", given, static_rules)
+    return refinement.run(part, wish, static_analysis(wish, part.mesh))
+  end
+  return solve(part, given)
+end
+
+function methods.modes(part, given)
+  if asks(part, given, "error") then
+    local wish = options.read("modes", given, mode_rules)
+    return refinement.run(part, wish, mode_analysis(wish))
+  end
+  return modes_of(part, given)
+end

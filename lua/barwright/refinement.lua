@@ -1,0 +1,212 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The loop of adaptive refinement: analyse, estimate, bisect where the error comes from, until the estimated error
+-- is small enough or a limit is reached. docs/theory/error_control.md.
+local core = require "barwright.core"
+
+local refinement = {}
+
+local accuracy = {}
+accuracy.__index = accuracy
+accuracy.__name = "barwright.accuracy"
+
+--- Options that every analysis with an error has.
+refinement.rules = {
+  error = {type = "number", above = 0, most = 1, needed = true},
+  most_elements = {type = "integer", default = 200000, least = 1, most = 100000000},
+  time_limit = {type = "number", above = 0},
+  surface = {type = "surface"},
+}
+
+-- A step makes at most this many times as many elements; conforming bisection adds about 1.5 to each asked for.
+local GROWTH, CONFORMING = 3.5, 2.5
+-- Fewer elements than this many times the former are no step.
+local LEAST_GROWTH = 1.2
+-- An element is bisected at most three times in a step, which halves its edges.
+local MOST_LEVELS = 3
+-- Bisecting an element divides its part of the error by 2^(7/3): with p = 2 it goes like h^(2p) times the volume.
+local GAIN = 7 / 3 * math.log(2)
+-- The rest of an error is at most this many times the last change.
+local MOST_REST = 1.5
+-- Steps of which each changes the value by at least this share of the change before: it does not converge.
+local STEADY, STEPS = 0.9, 3
+
+-- ---- which elements --------------------------------------------------------------------------------
+
+-- Levels of bisection for every element so that the parts of the error become alike, at about `growth` times as
+-- many elements.
+local function levels_of(parts, growth)
+  local total = 0
+  for _, x in ipairs(parts) do total = total + math.abs(x) end
+  local levels, top = {}, math.log(total + 1e-300)
+  local function assign(threshold)
+    local count = 0
+    for e, x in ipairs(parts) do
+      local k = math.ceil((math.log(math.abs(x) + 1e-300) - threshold) / GAIN)
+      k = k < 0 and 0 or k > MOST_LEVELS and MOST_LEVELS or k
+      levels[e] = k
+      count = count + (1 << k)
+    end
+    return count
+  end
+  local low, high = top - 60, top
+  for _ = 1, 40 do
+    local middle = (low + high) / 2
+    if assign(middle) > growth * #parts then low = middle else high = middle end
+  end
+  assign(high)
+  return levels
+end
+
+-- How many times as many elements the tolerance calls for, with an error like 1 / elements.
+local function growth_of(self, elements)
+  local wish, last = self.options, self.history[#self.history]
+  local growth = GROWTH
+  if #self.history > 1 then growth = math.min(growth, 1.3 * last.estimated_error / wish.error) end
+  return math.max(LEAST_GROWTH, math.min(growth, wish.most_elements / elements))
+end
+
+local function refine(self, step, selections)
+  local wish, mesh = self.options, self.part.mesh
+  local levels = levels_of(step.parts, 1 + (growth_of(self, mesh.element_count) - 1) / CONFORMING)
+  for _, e in ipairs(step.rivals or {}) do levels[e] = math.max(levels[e], 1) end
+  return self.part:refined(core.array.new(levels), {surface = self.surface, also = selections,
+    most_elements = math.max(wish.most_elements, mesh.element_count)})
+end
+
+-- ---- what refinement still changes ------------------------------------------------------------------
+
+--- The error that is left by what refinement has changed. With an error like 1 / elements it is the last change
+--- over (ratio - 1), and more where the changes do not fall as fast. value_of gives the value of a row.
+function refinement.rest(history, value_of, value, elements)
+  local last, former = history[#history], history[#history - 1]
+  if not last then return 0 end
+  local ratio = elements / last.elements
+  local change, factor = math.abs(value - value_of(last)), 1 / math.max(ratio - 1, 1 / MOST_REST)
+  local before = former and math.abs(value_of(last) - value_of(former)) or 0
+  if before > 0 then
+    local rate = change / before
+    factor = math.max(factor, rate < 1 and math.min(rate / (1 - rate), MOST_REST) or MOST_REST)
+  end
+  return factor * change
+end
+
+local function does_not_converge(history)
+  if #history <= STEPS then return false end
+  for i = #history - STEPS + 2, #history do
+    local now, before = history[i].value - history[i - 1].value, history[i - 1].value - history[i - 2].value
+    if now * before <= 0 or math.abs(now) < STEADY * math.abs(before) then return false end
+  end
+  return true
+end
+
+-- Why the last mesh is the last; nil where there is another one to come.
+local function verdict(self)
+  local wish, last = self.options, self.history[#self.history]
+  if #self.history > 1 and last.estimated_error <= wish.error then return "tolerance" end
+  if does_not_converge(self.history) then return "divergence" end
+  if last.elements * LEAST_GROWTH > wish.most_elements then return "elements" end
+  if wish.time_limit then
+    local before = #self.history > 1 and self.history[#self.history - 1].seconds or 0
+    if last.seconds + GROWTH * (last.seconds - before) > wish.time_limit then return "time" end
+  end
+end
+
+-- ---- the loop --------------------------------------------------------------------------------------
+
+-- Whether edges of the boundary are curved: then they say what the shape is.
+local function is_curved(mesh)
+  if mesh.order == 1 then return false end
+  local nodes, size = mesh.nodes, mesh.box.size
+  local limit = 1e-9 * (size[1] + size[2] + size[3])
+  for _, facet in ipairs(mesh.facets:totable()) do
+    for k = 1, 3 do
+      local a, b, middle = facet[k], facet[k % 3 + 1], facet[3 + k]
+      for i = 1, 3 do
+        if math.abs(nodes(middle, i) - (nodes(a, i) + nodes(b, i)) / 2) > limit then return true end
+      end
+    end
+  end
+  return false
+end
+
+local function keep(self, part, step, started)
+  local mesh = part.mesh
+  self.history[#self.history + 1] = {elements = mesh.element_count, unknowns = 3 * mesh.node_count,
+    value = step.value, frequencies = step.frequencies, at = step.at, estimated_error = step.error,
+    seconds = core.seconds() - started}
+  self.part, self.value, self.at, self.estimated_error = part, step.value, step.at, step.error
+end
+
+-- The estimate of every mesh beside the difference to the last value.
+local function judge_history(self)
+  for i = 1, #self.history - 1 do
+    local row = self.history[i]
+    local difference = math.abs(row.value - self.value)
+    row.effectivity = difference > 0 and row.estimated_error * math.abs(row.value) / difference or nil
+  end
+end
+
+local function finish(self, result, reason)
+  local last = self.history[#self.history]
+  self.reason, self.converged = reason, reason == "tolerance"
+  self.elements, self.seconds = last.elements, last.seconds
+  judge_history(self)
+  return result, self
+end
+
+--- Runs an analysis {name, selections, step}: step(history, part, selections) gives {result, value, at, error
+--- (relative), parts (of every element in the error), rivals (elements to be bisected once)}. Returns its last
+--- result and the accuracy; or nil, message, details.
+function refinement.run(part, wish, analysis)
+  local mesh, started = part.mesh, core.seconds()
+  local self = setmetatable({options = wish, history = {}, quantity = analysis.name, surface = wish.surface},
+    accuracy)
+  local message, details, selections
+  if not self.surface and not is_curved(mesh) then
+    self.surface, message, details = mesh:surface()
+    if not self.surface then return nil, message, details end
+  end
+  part, selections, details = part:refined(core.array.zeros(mesh.element_count), {surface = self.surface,
+    order = 2, also = analysis.selections})
+  if not part then return nil, selections, details end
+  local result
+  while true do
+    local step
+    step, message, details = analysis.step(self.history, part, selections)
+    if not step then
+      if result and details.status == "memory" then return finish(self, result, "memory") end
+      return nil, message, details
+    end
+    keep(self, part, step, started)
+    result = step.result
+    local reason = verdict(self)
+    if reason then return finish(self, result, reason) end
+    part, selections, details = refine(self, step, selections)
+    if not part then
+      if details.status == "limit" then return finish(self, result, "elements") end
+      return nil, selections, details
+    end
+  end
+end
+
+-- ---- told ------------------------------------------------------------------------------------------
+
+local reasons = {
+  tolerance = "the estimated error is small enough",
+  elements = "a finer mesh would have too many elements",
+  time = "a finer mesh would take too long",
+  memory = "a finer mesh takes more memory than there is",
+  divergence = "the value changes as much from mesh to mesh: it may have no limit",
+}
+
+function accuracy:__tostring()
+  local lines = {("%s: %.6g, estimated error %.2g %%, %s: %s"):format(self.quantity, self.value,
+    100 * self.estimated_error, self.converged and "converged" or "not converged", reasons[self.reason])}
+  for _, row in ipairs(self.history) do
+    lines[#lines + 1] = ("  %8d elements  %8d unknowns  %12.6g  %6.2f %%"):format(row.elements, row.unknowns,
+      row.value, 100 * row.estimated_error)
+  end
+  return table.concat(lines, "\n")
+end
+
+return refinement
