@@ -132,6 +132,24 @@ static void raw_rows(const bw_pressure_basis *basis, const bw_numbering *numberi
   }
 }
 
+void bwi_column_motions(const bw_pressure_basis *basis, const bw_numbering *numbering,
+                        double *work) {
+  size_t n = (size_t)basis->count;
+  for (int32_t m = 0; m < numbering->motion_count; m++) {
+    const bw_rigid_motion *motion = &numbering->motion[m];
+    for (size_t j = 0; j < n; j++) {
+      double sum = 0;
+      if (basis->mesh->component[basis->node[j]] == motion->component)
+        for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++) {
+          double u[3];
+          bwi_motion_at(motion, basis->mesh->node + 3 * (size_t)basis->row[k], u);
+          sum += bw_dot(u, basis->coefficient + 3 * k);
+        }
+      work[(size_t)m * n + j] = sum;
+    }
+  }
+}
+
 /* Eigenvalues (diagonal of a) and eigenvectors (rows of v) of a small symmetric matrix, by cyclic
  * Jacobi rotations. */
 static void jacobi(int n, double a[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS],
@@ -176,17 +194,20 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
                            bwi_balance *body) {
   int n = body->motions;
   double natural[BWI_LOCAL_ROWS] = {0}, gram[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS] = {{0}};
-  double vector[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS], area = 0;
+  double vector[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS], square[BWI_LOCAL_ROWS] = {0}, area = 0;
   for (int32_t j = 0; j < basis->count; j++) {
     if (basis->mesh->component[basis->node[j]] != body->component)
       continue;
-    for (int m = 0; m < n; m++) {
-      double u[3];
-      bwi_motion_at(&numbering->motion[body->motion[m]],
-                    basis->mesh->node + 3 * (size_t)basis->node[j], u);
-      natural[m] = fmax(natural[m], bw_norm(u));
-    }
+    for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)
+      for (int m = 0; m < n; m++) {
+        double u[3];
+        bwi_motion_at(&numbering->motion[body->motion[m]],
+                      basis->mesh->node + 3 * (size_t)basis->row[k], u);
+        natural[m] = fmax(natural[m], bw_norm(u));
+      }
   }
+  for (int m = 0; m < n; m++)
+    natural[m] = natural[m] > 0 ? natural[m] : 1; /* a rotation about the only node there is */
   for (int32_t j = 0; j < basis->count; j++) {
     double raw[BWI_LOCAL_ROWS];
     if (basis->mesh->component[basis->node[j]] != body->component)
@@ -198,9 +219,23 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
         gram[m][k] += basis->area[j] * raw[m] / natural[m] * (raw[k] / natural[k]);
   }
   jacobi(n, gram, vector);
+  /* Eigenvalues are exact to rounding of the largest: the size of a combination that should vanish
+   * is that of the combination itself. */
+  for (int32_t j = 0; j < basis->count; j++) {
+    double raw[BWI_LOCAL_ROWS];
+    if (basis->mesh->component[basis->node[j]] != body->component)
+      continue;
+    raw_rows(basis, numbering, body, j, raw);
+    for (int i = 0; i < n; i++) {
+      double sum = 0;
+      for (int m = 0; m < n; m++)
+        sum += vector[i][m] * raw[m] / natural[m];
+      square[i] += basis->area[j] * sum * sum;
+    }
+  }
   body->rows = 0;
   for (int i = 0; i < n; i++) {
-    double size = sqrt(fmax(0, gram[i][i] / area));
+    double size = area > 0 ? sqrt(square[i] / area) : 0;
     if (!(size > negligible_row))
       continue;
     for (int m = 0; m < n; m++)
@@ -329,70 +364,6 @@ done:
   else
     bwi_programme_free(programme);
   return status;
-}
-
-/* ---- dense systems ------------------------------------------------------------------------- */
-
-bool bwi_dense_factor(int32_t n, double *a, int32_t *pivot) {
-  double largest = 0;
-  for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
-    largest = fmax(largest, fabs(a[i]));
-  for (int32_t k = 0; k < n; k++) {
-    int32_t p = k;
-    for (int32_t i = k + 1; i < n; i++)
-      if (fabs(a[(size_t)i * (size_t)n + (size_t)k]) > fabs(a[(size_t)p * (size_t)n + (size_t)k]))
-        p = i;
-    pivot[k] = p;
-    double *row_k = a + (size_t)k * (size_t)n, *row_p = a + (size_t)p * (size_t)n;
-    if (!(fabs(row_p[k]) > 1e-13 * largest))
-      return false;
-    for (int32_t j = 0; j < n && p != k; j++) {
-      double t = row_k[j];
-      row_k[j] = row_p[j];
-      row_p[j] = t;
-    }
-    for (int32_t i = k + 1; i < n; i++) {
-      double *row = a + (size_t)i * (size_t)n;
-      if (row[k] == 0)
-        continue;
-      double factor = row[k] /= row_k[k];
-      for (int32_t j = k + 1; j < n; j++)
-        row[j] -= factor * row_k[j];
-    }
-  }
-  return true;
-}
-
-void bwi_dense_solve(int32_t n, const double *a, const int32_t *pivot, double *x) {
-  for (int32_t k = 0; k < n; k++) {
-    double t = x[k];
-    x[k] = x[pivot[k]];
-    x[pivot[k]] = t;
-  }
-  for (int32_t i = 0; i < n; i++)
-    for (int32_t j = 0; j < i; j++)
-      x[i] -= a[(size_t)i * (size_t)n + (size_t)j] * x[j];
-  for (int32_t i = n - 1; i >= 0; i--) {
-    for (int32_t j = i + 1; j < n; j++)
-      x[i] -= a[(size_t)i * (size_t)n + (size_t)j] * x[j];
-    x[i] /= a[(size_t)i * (size_t)n + (size_t)i];
-  }
-}
-
-void bwi_dense_solve_transposed(int32_t n, const double *a, const int32_t *pivot, double *x) {
-  for (int32_t i = 0; i < n; i++) {
-    for (int32_t j = 0; j < i; j++)
-      x[i] -= a[(size_t)j * (size_t)n + (size_t)i] * x[j];
-    x[i] /= a[(size_t)i * (size_t)n + (size_t)i];
-  }
-  for (int32_t i = n - 1; i >= 0; i--)
-    for (int32_t j = i + 1; j < n; j++)
-      x[i] -= a[(size_t)j * (size_t)n + (size_t)i] * x[j];
-  for (int32_t k = n - 1; k >= 0; k--) {
-    double t = x[k];
-    x[k] = x[pivot[k]];
-    x[pivot[k]] = t;
-  }
 }
 
 /* ---- judging a vertex ---------------------------------------------------------------------- */

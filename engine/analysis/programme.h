@@ -56,6 +56,10 @@ typedef struct bwi_programme {
 /* x_u cross x_v of a facet of six nodes at a point: twice n dA over the part of the plane. */
 void bwi_area_vector(const double (*x)[3], const double barycentric[3], double normal[3]);
 
+/* Work of a unit pressure of each column on each rigid motion: motions x columns. */
+void bwi_column_motions(const bw_pressure_basis *basis, const bw_numbering *numbering,
+                        double *work);
+
 /* The columns of a basis without friction, each for the facets of the friction cone. */
 bw_status bwi_pressure_with_friction(bw_context *context, const bw_pressure_basis *plain,
                                      const bw_pressure_options *options, bw_pressure_basis **basis);
@@ -132,6 +136,20 @@ bw_status bwi_grouped_create(bw_context *context, const bwi_programme *programme
 bw_status bwi_grouped_solve(bw_context *context, bwi_grouped *grouped, const double *cost,
                             bool sampled, bwi_vertex *vertex);
 void bwi_grouped_free(bwi_grouped *grouped);
+
+/* Loads of few hands (hands.c): for an objective with the best pressure of the programme and its
+ * multipliers, the best pressure that was found within `options->hands` patches, and its value. */
+typedef struct bwi_hands bwi_hands;
+/* The patch around each node: its nodes ascending in member[start[g]] to start[g + 1], *member to
+ * be freed also on failure; and the nodes' mean normals. */
+bw_status bwi_hand_patches(bw_context *context, const bw_pressure_basis *basis, double radius,
+                           double *normal, int64_t *start, int32_t **member);
+bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
+                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           bwi_hands **hands);
+bw_status bwi_hands_solve(bw_context *context, const bwi_hands *hands, const double *objective,
+                          const double *dual, double *pressure, double *value);
+void bwi_hands_free(bwi_hands *hands);
 
 /* The programme with solvers and scratch memory per thread, for many batches of objectives
  * (worst_loads.c; see bw_worst_loads). */

@@ -13,7 +13,6 @@
  * depend on the number of threads. */
 #include "analysis/weak_internal.h"
 #include "analysis/worst_internal.h"
-#include "model/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -344,26 +343,16 @@ done:
 static bw_status prepare_rows(search *s) {
   bw_context *context = s->context;
   bw_status status = BW_OK;
-  const bw_numbering *numbering = s->system->numbering;
-  const bw_mesh *mesh = s->system->mesh;
   size_t count = (size_t)s->basis->count, m = (size_t)s->motions;
-  double *field = BW_NEW0(context, double, 3 * (size_t)mesh->node_count);
   double *gram = BW_NEW0(context, double, m *m + 1);
   int32_t *pivot = BW_NEW(context, int32_t, m + 1);
   s->motion = BW_NEW(context, double, m *count + 1);
   s->projector = BW_NEW0(context, double, m *count + 1);
-  if (!field || !gram || !pivot || !s->motion || !s->projector) {
+  if (!gram || !pivot || !s->motion || !s->projector) {
     status = BW_MEMORY;
     goto done;
   }
-  for (size_t k = 0; k < m; k++) {
-    const bw_rigid_motion *motion = &numbering->motion[k];
-    memset(field, 0, 3 * (size_t)mesh->node_count * sizeof *field);
-    for (int32_t i = 0; i < mesh->node_count; i++)
-      if (mesh->component[i] == motion->component)
-        bwi_motion_at(motion, mesh->node + 3 * (size_t)i, field + 3 * (size_t)i);
-    bw_pressure_gradient(s->basis, field, s->motion + k * count);
-  }
+  bwi_column_motions(s->basis, s->system->numbering, s->motion);
   for (size_t a = 0; a < m; a++)
     for (size_t b = 0; b < m; b++)
       for (size_t j = 0; j < count; j++)
@@ -378,7 +367,6 @@ static bw_status prepare_rows(search *s) {
     bwi_dense_solve(s->motions, gram, pivot, right);
   }
 done:
-  bw_free(field);
   bw_free(gram);
   bw_free(pivot);
   return status;
@@ -429,10 +417,12 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
   bw_status status = BW_OK;
   const bw_mesh *mesh = system->mesh;
   size_t count = (size_t)basis->count;
+  bw_worst_load_options anywhere = *options;
+  anywhere.hands = 0; /* what pressures anywhere do bounds what hands do */
   search s = {.context = context,
               .system = system,
               .basis = basis,
-              .options = options,
+              .options = &anywhere,
               .incumbent = incumbent,
               .tolerance = tolerance,
               .motions = system->numbering->motion_count,

@@ -15,6 +15,7 @@ static const double gap_limit = 1e-8;
 
 typedef struct loads_scratch {
   double *cost, *share, *multiplier;
+  double *dual; /* of pressures anywhere, for hands */
   bwi_vertex vertex;
   bwi_simplex *simplex;
   bwi_grouped *grouped; /* instead, with friction */
@@ -26,6 +27,7 @@ struct bwi_loads {
   int32_t pressures;
   int workers;
   loads_scratch *scratch; /* per worker */
+  bwi_hands *hands;       /* NULL: pressure may act anywhere */
 };
 
 typedef struct loads_work {
@@ -44,12 +46,14 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
     scratch->share = BW_NEW(context, double, n);
   if (!scratch->multiplier)
     scratch->multiplier = BW_NEW(context, double, m);
+  if (!scratch->dual)
+    scratch->dual = BW_NEW(context, double, (size_t)work->loads->programme->motion_count + 1);
   if (!scratch->vertex.basic)
     scratch->vertex.basic = BW_NEW(context, int32_t, m);
   if (!scratch->vertex.at_upper)
     scratch->vertex.at_upper = BW_NEW(context, uint8_t, n);
-  if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->vertex.basic ||
-      !scratch->vertex.at_upper)
+  if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->dual ||
+      !scratch->vertex.basic || !scratch->vertex.at_upper)
     return BW_MEMORY;
   if (work->loads->options.solver != BW_PROGRAMME_OWN || scratch->simplex || scratch->grouped)
     return BW_OK;
@@ -62,6 +66,7 @@ static void scratch_clear(loads_scratch *scratch) {
   bw_free(scratch->cost);
   bw_free(scratch->share);
   bw_free(scratch->multiplier);
+  bw_free(scratch->dual);
   bw_free(scratch->vertex.basic);
   bw_free(scratch->vertex.at_upper);
   bwi_simplex_free(scratch->simplex);
@@ -87,8 +92,8 @@ static bw_status gains(const loads_work *work, int64_t i, double *cost, double *
 }
 
 /* Pressures, value and raw multipliers from scaled ones. */
-static void hand_over(const loads_work *work, int64_t i, const bwi_solution *solution,
-                      double scale) {
+static void hand_over(const loads_work *work, int64_t i, const bwi_solution *solution, double scale,
+                      double *dual) {
   const bwi_programme *programme = work->loads->programme;
   double *p = work->pressure + (size_t)i * (size_t)work->loads->pressures;
   const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
@@ -105,9 +110,7 @@ static void hand_over(const loads_work *work, int64_t i, const bwi_solution *sol
   for (int32_t j = 0; j < work->loads->pressures; j++)
     value += f[j] * p[j];
   work->value[i] = value;
-  if (!work->dual)
-    return;
-  double *dual = work->dual + (size_t)i * ((size_t)programme->motion_count + 1);
+  memset(dual, 0, ((size_t)programme->motion_count + 1) * sizeof *dual);
   for (int32_t k = 0; k < programme->body_count; k++) {
     const bwi_balance *body = &programme->body[k];
     for (int m = 0; m < body->motions; m++) {
@@ -153,7 +156,15 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
     BW_TRY(bwi_programme_evaluate(work->context, work->loads->programme, scratch->cost,
                                   &scratch->vertex, &solution));
     if (good(&solution)) {
-      hand_over(work, i, &solution, scale);
+      double *dual =
+          work->dual ? work->dual + (size_t)i * ((size_t)work->loads->programme->motion_count + 1)
+                     : scratch->dual;
+      hand_over(work, i, &solution, scale, dual);
+      if (work->loads->hands)
+        BW_TRY(bwi_hands_solve(work->context, work->loads->hands,
+                               work->objective + (size_t)i * (size_t)work->loads->pressures, dual,
+                               work->pressure + (size_t)i * (size_t)work->loads->pressures,
+                               &work->value[i]));
       goto done;
     }
   }
@@ -192,6 +203,7 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   if (!pressure)
     return BW_MEMORY;
   less.at_most = true;
+  less.hands = 0;
   BW_TRY(
       bw_worst_loads(context, basis, numbering, &less, 1, basis->area, pressure, &largest, NULL));
   if (largest < options->force * (1 - violation_limit)) {
@@ -233,6 +245,8 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
     goto done;
   }
   BW_TRY(bwi_programme_create(context, basis, numbering, options, &loads->programme));
+  if (options->hands != 0)
+    BW_TRY(bwi_hands_create(context, basis, numbering, options, &loads->hands));
 done:
   if (status == BW_OK)
     *result = loads;
@@ -247,6 +261,7 @@ void bwi_loads_free(bwi_loads *loads) {
   for (int w = 0; loads->scratch && w < loads->workers; w++)
     scratch_clear(&loads->scratch[w]);
   bw_free(loads->scratch);
+  bwi_hands_free(loads->hands);
   bwi_programme_free(loads->programme);
   bw_free(loads);
 }

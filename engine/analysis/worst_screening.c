@@ -357,6 +357,7 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   s.wanted = wanted < elements ? wanted : elements;
   /* Pressures by patch may miss the balance that pressures by node reach. */
   limits.at_most = options->at_most || !basis->complete;
+  limits.hands = 0; /* the screening ranks elements by what pressures anywhere do */
   int32_t fewest = PATCHES_PER_ROW * (system->numbering->motion_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;

@@ -17,6 +17,8 @@ function load_limits.rules(rules)
   rules.contact = {type = "number", above = 0}
   rules.at_most = {type = "boolean", default = false}
   rules.forbidden = {type = "any"}
+  rules.hands = {type = "integer", least = 1, most = 16}
+  rules.hand = {type = "number", above = 0}
   rules.friction = {type = "number", default = 0, least = 0, most = 100}
   rules.friction_facets = {type = "integer", default = 8, least = 3, most = 64}
   return rules
@@ -49,6 +51,10 @@ function load_limits.basis(where, mesh, wish)
     raise(("%s: options 'pressure' and 'contact' say the same: give one of them"):format(where))
   end
   wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
+  if wish.hand and not wish.hands then
+    raise(("%s: option 'hand' is the area of each of 'hands'"):format(where))
+  end
+  wish.hand = wish.hands and (wish.hand or wish.force / wish.pressure)
   wish.forbidden = wish.forbidden and selection_of(where, wish.forbidden, mesh)
   return core.pressure_basis(mesh, {forbidden = wish.forbidden, friction = wish.friction,
     friction_facets = wish.friction_facets})
@@ -67,14 +73,17 @@ end
 
 --- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
 function load_limits.describe(wish)
-  if wish.friction == 0 then return "" end
-  return ("; friction %.3g, the cone by %d facets (%.2g %% narrower at most)"):format(wish.friction,
+  local hands = wish.hands and ("; %d hand%s of %.3g cm2"):format(wish.hands, wish.hands == 1 and "" or "s",
+    wish.hand * 1e4) or ""
+  if wish.friction == 0 then return hands end
+  return ("%s; friction %.3g, the cone by %d facets (%.2g %% narrower at most)"):format(hands, wish.friction,
     wish.friction_facets, 100 * load_limits.friction_error(wish))
 end
 
 --- What the engine's programmes take.
 function load_limits.programme(wish)
-  return {pressure = wish.pressure, force = wish.force, at_most = wish.at_most, glpk = wish.glpk}
+  return {pressure = wish.pressure, force = wish.force, at_most = wish.at_most, glpk = wish.glpk,
+    hands = wish.hands, hand_area = wish.hands and wish.hand}
 end
 
 return load_limits

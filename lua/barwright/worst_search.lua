@@ -134,6 +134,7 @@ end
 --- An upper bound within `tolerance` of the largest stress: the bound, then results and origins with
 --- a load more where a larger stress was found on the way.
 function worst_search.certify(self, loads, origins, limits, tolerance)
+  -- Of pressures anywhere, which bounds what hands do.
   local bound, message, details = core.worst_bound(self.system, self.basis, {pressure = limits.pressure,
     force = limits.force, at_most = limits.at_most, glpk = limits.glpk, incumbent = loads.peaks:max(),
     tolerance = tolerance})

@@ -263,14 +263,16 @@ static int basis_gradient(lua_State *L) {
   return 1;
 }
 
-/* basis:maximise(system, objective, {pressure, force, at_most}): the pressure of an allowed load
- * that makes objective . pressure largest, and that value */
+/* basis:maximise(system, objective, {pressure, force, at_most, hands, hand_area}): the pressure of
+ * an allowed load that makes objective . pressure largest, and that value */
 static int basis_maximise(lua_State *L) {
   bw_worst_load_options options;
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(bw_worst_load_options, pressure)},
       {"force", LBW_REAL, offsetof(bw_worst_load_options, force)},
       {"at_most", LBW_BOOLEAN, offsetof(bw_worst_load_options, at_most)},
+      {"hands", LBW_INT, offsetof(bw_worst_load_options, hands)},
+      {"hand_area", LBW_REAL, offsetof(bw_worst_load_options, hand_area)},
       {NULL, LBW_OTHER, 0}};
   const bw_pressure_basis *basis = basis_self(L);
   const bw_system *system = (const bw_system *)lbw_check(L, 2, &lbw_system_class);

@@ -117,8 +117,8 @@ static void *by_element(const kept *k, const char *key, bw_type type, int64_t el
   return data;
 }
 
-/* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, batch, keep_pressures,
- * glpk, after}): a table of arrays */
+/* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, hands, hand_area, batch,
+ * keep_pressures, glpk, after}): a table of arrays */
 static int worst_loads(lua_State *L) {
   struct wish {
     bw_worst_load_options options;
@@ -130,6 +130,8 @@ static int worst_loads(lua_State *L) {
       {"force", LBW_REAL, offsetof(struct wish, options.force)},
       {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
       {"one_sign", LBW_BOOLEAN, offsetof(struct wish, options.one_sign)},
+      {"hands", LBW_INT, offsetof(struct wish, options.hands)},
+      {"hand_area", LBW_REAL, offsetof(struct wish, options.hand_area)},
       {"batch", LBW_INT, offsetof(struct wish, batch)},
       {"keep_pressures", LBW_BOOLEAN, offsetof(struct wish, keep_pressures)},
       {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},

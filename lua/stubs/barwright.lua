@@ -68,7 +68,7 @@ function bw.worst_case(part, options) end
 ---With objective "trace" (default, the paper's) each load maximises the trace of the element's stress;
 ---with "principal" an ascent of its principal stress follows, about three times as long.
 ---@param part bw.Model
----@param options? {force: number, pressure: number, contact: number, at_most: boolean, forbidden: bw.Selection|bw.Selection[], friction: number, friction_facets: integer, elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
+---@param options? {force: number, pressure: number, contact: number, at_most: boolean, forbidden: bw.Selection|bw.Selection[], friction: number, friction_facets: integer, hands: integer, hand: number, elements: integer, seed: integer, one_sign: boolean, batch: integer, objective: "trace"|"principal"}
 ---@return bw.BruteForce?
 ---@return string? message
 ---@return table? details
@@ -174,7 +174,7 @@ function bw.pressure_basis(mesh, options) end
 ---@param system bw.System
 ---@param basis bw.PressureBasis
 ---@param regions bw.WeakRegions
----@param options {pressure: number, force: number, at_most?: boolean, one_sign?: boolean, batch?: integer, keep_pressures?: boolean, glpk?: boolean, after?: table}
+---@param options {pressure: number, force: number, at_most?: boolean, hands?: integer, hand_area?: number, one_sign?: boolean, batch?: integer, keep_pressures?: boolean, glpk?: boolean, after?: table}
 ---@return table?
 ---@return string? message
 ---@return table? details
@@ -287,11 +287,13 @@ function bw.version() end
 ---@field contact? number instead of `pressure`: the least area over which the total force presses, m2; the largest pressure is force / contact
 ---@field at_most? boolean the total force may also be smaller; default false
 ---@field forbidden? bw.Selection|bw.Selection[] facets on which no pressure may act; it is zero at their nodes
+---@field hands? integer the pressure lies within so many patches (1 to 16) of the surface; searched for by a heuristic. Left out: anywhere
+---@field hand? number area that each of `hands` can reach, m2: a disc; default force / pressure
 ---@field friction? number Coulomb's coefficient of friction, 0 to 100; default 0: pressure alone
 ---@field friction_facets? integer facets (3 to 64) of the pyramid in the friction cone, which is narrower by 1 - cos(pi / facets) at most; default 8
 ---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
----@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress: several times the time of brute force
+---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress, for pressure anywhere where `hands` are given: several times the time of brute force
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025
@@ -1445,7 +1447,7 @@ function PressureBasis:gradient(q) end
 ---objective . pressure largest, and that value.
 ---@param system bw.System
 ---@param objective bw.Array
----@param options {pressure: number, force: number, at_most?: boolean}
+---@param options {pressure: number, force: number, at_most?: boolean, hands?: integer, hand_area?: number}
 ---@return bw.Array? pressure
 ---@return number|string value or message
 ---@return table? details

@@ -206,7 +206,11 @@ typedef struct bw_worst_load_options {
                       signed; default false: whichever sign reaches more, a mode's sign being
                       arbitrary */
   bw_programme_solver solver;
+  int hands;        /* the pressure lies within so many patches of the boundary; 0: anywhere */
+  double hand_area; /* m2 of the disc that a patch is: the nodes nearer than its radius to the
+                       patch's centre whose normals are within 60 degrees of the centre's */
 } bw_worst_load_options;
+enum { BW_MOST_HANDS = 16 };
 /* For `count` objectives f (basis->count each, one after the other): the pressures p (same layout)
  * that maximise f . p, and f . p. Objectives are worked on in parallel. Balance rows are those of
  * the numbering's free motions; the pressures of a node's columns add up to p_max at most.
@@ -256,9 +260,9 @@ void bw_screening_clear(bw_screening *screening);
 
 /* An upper bound of the principal stress of largest magnitude (mean over an element) that any
  * admissible pressure causes in any element of this mesh, by branch and bound over elements and
- * directions. `incumbent`: a stress known to be reached, Pa. Ends when `upper` is within the
- * relative `tolerance` (0.001 to 0.5) of the largest stress found. Six adjoint solves for every
- * element: several times the cost of brute force. */
+ * directions. Hands are left out: pressure may act anywhere. `incumbent`: a stress known to be
+ * reached, Pa. Ends when `upper` is within the relative `tolerance` (0.001 to 0.5) of the largest
+ * stress found. Six adjoint solves for every element: several times the cost of brute force. */
 typedef struct bw_worst_bound {
   double upper;       /* Pa: no admissible pressure exceeds it, up to rounding */
   double largest;     /* Pa: the incumbent, or a larger stress that was found on the way */
