@@ -21,14 +21,15 @@ refinement.rules = {
 local GROWTH, CONFORMING = 3.5, 2.5
 -- Fewer elements than this many times the former are no step.
 local LEAST_GROWTH = 1.2
--- An element is bisected at most three times in a step, which halves its edges.
-local MOST_LEVELS = 3
+-- An element is bisected at most six times in a step, which quarters its edges.
+local MOST_LEVELS = 6
 -- Bisecting an element divides its part of the error by 2^(7/3): with p = 2 it goes like h^(2p) times the volume.
 local GAIN = 7 / 3 * math.log(2)
 -- The rest of an error is at most this many times the last change.
 local MOST_REST = 1.5
--- Steps of which each changes the value by at least this share of the change before: it does not converge.
-local STEADY, STEPS = 0.9, 3
+-- The value does not converge where each of so many steps changes it by at least this share of the change before,
+-- and the last one by more than this share of the value.
+local STEPS, STEADY, LARGE = 3, 0.9, 0.05
 
 -- ---- which elements --------------------------------------------------------------------------------
 
@@ -96,7 +97,8 @@ local function does_not_converge(history)
     local now, before = history[i].value - history[i - 1].value, history[i - 1].value - history[i - 2].value
     if now * before <= 0 or math.abs(now) < STEADY * math.abs(before) then return false end
   end
-  return true
+  local last, former = history[#history].value, history[#history - 1].value
+  return math.abs(last - former) > LARGE * math.abs(last)
 end
 
 -- Why the last mesh is the last; nil where there is another one to come.

@@ -190,6 +190,18 @@ describe("solve with an error", function()
     assert.matches("xx at a point: .*converged", tostring(accuracy))
   end)
 
+  it("gives the same bits on any number of threads", function()
+    local threads, values = bw.threads(), {}
+    for n = 1, 3 do
+      bw.threads(n)
+      local _, accuracy = assert(cantilever():solve {error = 0.1, of = "displacement"})
+      values[n] = ("%a %a %d"):format(accuracy.value, accuracy.estimated_error, accuracy.elements)
+    end
+    bw.threads(threads)
+    assert.equal(values[1], values[2])
+    assert.equal(values[1], values[3])
+  end)
+
   it("finds the largest value by itself", function()
     local _, accuracy = assert(plate_with_hole(60):solve {error = 0.02, of = "max_principal"})
     assert.is_true(accuracy.converged)

@@ -81,6 +81,8 @@ end
 
 -- The coarser mesh has this share of the elements.
 local COARSER = 1 / 4
+-- With --error the last mesh has at most so many times the elements asked for.
+local MOST_GROWTH = 10
 -- Two meshes of quadratic elements show at least this much uncertainty; one alone leaves so much open.
 local LEAST_ERROR, ONE_MESH_ERROR = 0.02, 0.5
 -- The radius of the patch over the diagonal of the bounding box.
@@ -127,25 +129,63 @@ local function verdict_of(used, estimated)
   return used * (1 - estimated) > 1 and "breaks" or "unsure"
 end
 
-local function tell(static, part, read, loads, wish, out)
-  local mesh, material = part.mesh, part.material
+-- Solves with the error asked for, from a first mesh of a share of the elements: static, accuracy.
+local function solve_to_error(part, read, wish)
+  local surface = read.surface and read.surface:check {limit = 1}
+  return model.try(part.solve, part, {error = wish.error, of = "von_mises", with = wish.with,
+    surface = surface and surface.sound and read.surface or nil,
+    most_elements = math.max(MOST_GROWTH * wish.elements, part.mesh.element_count)})
+end
+
+-- The largest stress, its error, stress over strength in both measures, and whether it is singular.
+local function judge(static, part, read, loads, wish, accuracy)
+  local mesh, material = static.mesh, static.material
+  local radius, mean = PATCH * model.diagonal(mesh.box), static:error_estimate()
+  local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
+  if not accuracy then
+    found.coarse = on_coarser(read, wish, loads, material, radius)
+    found.estimated = error_of(found.fine.stress, found.coarse and found.coarse.stress, mean)
+    found.singular = is_singular(found.fine, found.coarse)
+    return found
+  end
+  found.estimated = accuracy.estimated_error
+  if not accuracy.converged then
+    local first = model.try(part.solve, part, {with = wish.with})
+    found.coarse = first and measure(first, part.mesh, material, radius)
+    found.singular = accuracy.reason == "divergence" or is_singular(found.fine, found.coarse)
+  end
+  return found
+end
+
+local function tell_accuracy(accuracy, out)
+  local steps = bw.json.list {}
+  for i, row in ipairs(accuracy.history) do
+    steps[i] = {elements = row.elements, value = row.value, estimated_error = row.estimated_error}
+  end
+  out:say("")
+  out:say("%s", tostring(accuracy))
+  out:json {elements = accuracy.elements, nodes = accuracy.part.mesh.node_count, converged = accuracy.converged,
+    reason = accuracy.reason, steps = steps}
+end
+
+local function tell(static, part, read, loads, wish, accuracy, out)
+  local mesh, material = static.mesh, static.material
   local node = static.von_mises:argmax()
   local most = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
-  local radius = PATCH * model.diagonal(mesh.box)
-  local mean = static:error_estimate()
-  local fine, coarse = measure(static, mesh, material, radius), on_coarser(read, wish, loads, material, radius)
-  local stress, used = fine.stress, fine.used
-  local estimated, singular = error_of(stress, coarse and coarse.stress, mean), is_singular(fine, coarse)
+  local found = judge(static, part, read, loads, wish, accuracy)
+  local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
+  local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular or false
+  if accuracy then tell_accuracy(accuracy, out) end
   local verdict = verdict_of(used, estimated)
   if singular and used then
     used = fine.used_mean
-    verdict = verdict_of(used, error_of(used, coarse.used_mean, mean))
+    verdict = verdict_of(used, error_of(used, coarse and coarse.used_mean, mean))
   end
   out:say("")
   out:say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
     .. "%.2g %%%s).", model.mm(most), model.place(at), stress / 1e6, 100 * estimated,
-    coarse and "" or ", one mesh only")
+    (coarse or accuracy) and "" or ", one mesh only")
   if singular then
     out:say("It still grows with finer meshes, as at re-entrant edges, point loads and borders of supports. It "
       .. "may have no finite value there. The mean over a surface patch of radius %s mm is judged.",
@@ -175,17 +215,26 @@ end
 local function analyse(wish, loads, out)
   if wish.threads then bw.threads(wish.threads) end
   local start = bw.seconds()
-  local mesh, material, read = model.body(wish, out)
+  local first = wish
+  if wish.error then
+    local elements = math.max(1, math.floor(COARSER * wish.elements))
+    first = setmetatable({elements = elements, order = 2}, {__index = wish})
+  end
+  local mesh, material, read = model.body(first, out)
   if not mesh then return nil, material, read end
   local part, message, details
   part, message, details = set_up(bw.model {mesh = mesh, material = material}, wish, loads, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
-  local static
-  static, message, details = model.try(part.solve, part, {with = wish.with})
+  local static, accuracy
+  if wish.error then
+    static, accuracy, details = solve_to_error(part, read, wish)
+  else
+    static, accuracy, details = model.try(part.solve, part, {with = wish.with})
+  end
   out:remarks()
-  if not static then return nil, message, details end
-  local verdict = tell(static, part, read, loads, wish, out)
+  if not static then return nil, accuracy, details end
+  local verdict = tell(static, part, read, loads, wish, accuracy, out)
   out:json {seconds = bw.seconds() - start}
   return static, verdict
 end
@@ -199,6 +248,9 @@ local options = {
     what = "its own weight: an acceleration in m/s2, 0,0,-9.81 for instance"},
   model.unit_option,
   model.elements_option,
+  {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
+    what = "refine where the error of the largest stress comes from until its estimate is this share, 0.02 for "
+      .. "instance, or the mesh has ten times the elements; the first mesh has a quarter of them"},
   {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
     what = "linear or quadratic elements; linear ones are too stiff"},
   {name = "with", value = "auto|factor|levels", type = "string", default = "auto",
