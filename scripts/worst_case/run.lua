@@ -3,11 +3,16 @@
 --   build/barwright scripts/worst_case/run.lua MODEL --out DIR [--elements N] [--modes 15]
 --       [--regions 5] [--material NAME] [--unit mm] [--force N] [--pressure PA] [--fraction 0.025]
 --       [--measure stress|energy] [--target stress|displacement] [--laplacian] [--order 1|2]
---       [--method search|paper]
+--       [--method search|paper] [--certify SHARE]
+--       [--contact M2] [--hold PLACE]... [--forbid PLACE]... [--friction MU] [--friction-facets 8]
+--       [--hands K] [--hand M2]
+-- The last two lines say which loads are admissible (docs/theory/worst_case.md, section 15): --contact
+-- instead of --pressure; held and forbidden places such as low:z or near:0,0,30mm:5mm.
 -- MODEL: a surface (STL OBJ OFF PLY), which is repaired where it must be and filled, or a mesh of
 -- tetrahedra (.msh .vtu .mesh .inp .node), which is taken as it is. Exit status 0: answered. 2: the
 -- input was refused, one sentence on standard error. 3: the computation could not finish.
 local bw = require "barwright"
+local places = require "barwright.command.model"
 
 local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
 
@@ -16,11 +21,17 @@ local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
 local known = {
   elements = {"whole number", 40000, 1, 1e8}, modes = {"whole number", 15, 1, 500},
   regions = {"whole number", 5, 1, 1000}, material = {"string", "pla"}, unit = {"string"},
-  force = {"number", 20, above = 0}, pressure = {"number", 2e5, above = 0},
+  force = {"number", 20, above = 0}, pressure = {"number", nil, above = 0},
   fraction = {"number", 0.025, nil, 1, above = 0}, measure = {"string", "stress"},
   target = {"string", "stress"}, laplacian = {"flag", false}, order = {"whole number", 1, 1, 2},
+  contact = {"number", nil, above = 0}, hold = {"places"}, forbid = {"places"},
+  friction = {"number", 0, 0, 100}, ["friction-facets"] = {"whole number", 8, 3, 64},
+  hands = {"whole number", nil, 1, 16}, hand = {"number", nil, above = 0},
+  certify = {"number", nil, 0.001, 0.5},
   method = {"string"}, out = {"string"}, threads = {"whole number", nil, 1, 64},
 }
+
+local PRESSURE = 2e5
 
 -- The share of what full pressure could push that the total force may be: with less room the
 -- programme has few loads to choose from, or none.
@@ -51,6 +62,11 @@ local function value_of(name, text)
   local above = known[name].above
   if text == nil then usage(("option --%s: a value expected, got nothing"):format(name)) end
   if kind == "string" then return text end
+  if kind == "places" then
+    local fine, message = places.check_place(text)
+    if not fine then usage(("option --%s: %s"):format(name, message)) end
+    return text
+  end
   local value = tonumber(text)
   local fits = value and value - value == 0
   if fits and kind == "whole number" then
@@ -59,7 +75,7 @@ local function value_of(name, text)
   end
   fits = fits and not (least and value < least or most and value > most or above and value <= above)
   if fits then return value end
-  local range = least and (" from %.0f to %.0f"):format(least, most)
+  local range = least and (" from %g to %.10g"):format(least, most)
     or (most and " above %g and up to %g" or " above %g"):format(above, most)
   usage(("option --%s: a %s%s expected, got '%s'"):format(name, kind, range, text))
 end
@@ -68,6 +84,16 @@ local function suggestion(name)
   local names = {}
   for key in pairs(known) do names[#names + 1] = "--" .. key end
   return require "barwright.core".suggestion("--" .. name, names)
+end
+
+-- Sets an option; places add up.
+local function set(wish, name, text)
+  local value = value_of(name, text)
+  if known[name][1] == "places" then
+    wish[name] = wish[name] or {}
+    value = table.move({value}, 1, 1, #wish[name] + 1, wish[name])
+  end
+  wish[name] = value
 end
 
 local function read_arguments()
@@ -86,15 +112,18 @@ local function read_arguments()
     elseif known[name][1] == "flag" then
       wish[name] = true
     elseif arg[i]:find("=", 1, true) then
-      wish[name] = value_of(name, joined)
+      set(wish, name, joined)
     else
       i = i + 1
-      wish[name] = value_of(name, arg[i])
+      set(wish, name, arg[i])
     end
     i = i + 1
   end
   if not model or model == "" then usage "a MODEL is missing" end
   if not wish.out or wish.out == "" then usage "--out DIR is missing" end
+  if wish.pressure and wish.contact then usage "--pressure and --contact say the same: give one of them" end
+  if wish.hand and not wish.hands then usage "--hand is the area of each of --hands" end
+  wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
   return model, wish
 end
 
@@ -199,6 +228,26 @@ local function main()
   result.area_m2 = mesh.boundary.area
   if material.density then result.mass_kg = material.density * mesh.volume end
 
+  -- ---- supports and forbidden surfaces ----
+
+  local part = bw.model {mesh = mesh, material = material}
+  local forbidden
+  local function selections(list, what, use)
+    local area = 0
+    for _, place in ipairs(list or {}) do
+      local selection = prepared(places.select(mesh, place))
+      checked(REFUSED, use, selection)
+      area = area + selection.area
+      print(("  %s at %s (%.4g mm2)"):format(what, place, selection.area * 1e6))
+    end
+    return area
+  end
+  result.held_area_m2 = selections(wish.hold, "held", function(selection) part:fix(selection) end)
+  result.forbidden_area_m2 = selections(wish.forbid, "no pressure", function(selection)
+    forbidden = forbidden or {}
+    forbidden[#forbidden + 1] = selection
+  end)
+
   -- ---- loads ----
 
   local force = wish.force
@@ -223,15 +272,19 @@ local function main()
     stop(details and details.status == "cancelled" and INTERRUPTED or UNFINISHED, message)
   end
 
-  local part = bw.model {mesh = mesh, material = material}
   local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
-    pressure = wish.pressure, modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
+    pressure = wish.pressure, forbidden = forbidden, friction = wish.friction,
+    friction_facets = wish["friction-facets"], hands = wish.hands, hand = wish.hand, certify = wish.certify,
+    modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
     measure = wish.measure, target = wish.target, laplacian = wish.laplacian, method = wish.method})
   say_remarks()
   if not worst then unfinished(message, details) end
 
   result.max_principal_pa, result.max_principal_at_m = worst.max_principal, worst.at
   result.utilisation = worst.utilisation
+  result.friction, result.friction_error = wish.friction, worst.friction_error
+  result.hands, result.hand_m2 = wish.hands, worst.options.hand
+  result.upper_bound_pa, result.gap = worst.upper_bound, worst.gap
   result.strength_pa = worst.strength
   result.max_displacement_m = worst.max_displacement
   result.worst_region = worst.region
