@@ -1,0 +1,208 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The upper bound of the worst case against linear programmes in rational arithmetic (glp_exact).
+ *
+ * Nothing of the engine's search is used: stresses by pressure come from a forward solve for each
+ * pressure, balance from forces and moments about the origin, the optimum from GLPK's exact simplex
+ * method. Directions are the centres of a cover of the half sphere of this test's own. */
+#include "bodies.h"
+
+#include <glpk.h>
+
+enum { MOST = 96 }; /* pressures */
+
+typedef struct exact {
+  bw_mesh *mesh;
+  bw_material *material;
+  bw_model *model;
+  bw_numbering *numbering;
+  bw_system *system;
+  bw_pressure_basis *basis;
+  double *response; /* pressures x element_count x 6 */
+  glp_prob *problem;
+} exact;
+
+static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool held, double friction) {
+  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6};
+  const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
+  const bw_pressure_options options = {.friction = friction, .friction_facets = 3};
+  bw_selection *foot = NULL;
+  memset(x, 0, sizeof *x);
+  x->mesh = mesh;
+  check_ok(context, bw_material_isotropic(context, &constants, &x->material));
+  check_ok(context, bw_model_create(context, mesh, x->material, &x->model));
+  if (held) {
+    check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
+    check_ok(context, bw_model_fix(context, x->model, foot));
+  }
+  check_ok(context, bw_numbering_create(context, x->model, &x->numbering));
+  check_ok(context, bw_system_create(context, mesh, x->material, x->numbering, NULL, &x->system));
+  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &x->basis));
+  bw_release(foot);
+  int32_t n = x->basis->count;
+  assert_true(n <= MOST);
+  double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), unit[MOST] = {0};
+  x->response = BW_NEW(context, double, 6 * (size_t)n * (size_t)mesh->element_count);
+  for (int32_t j = 0; j < n; j++) {
+    unit[j] = 1;
+    bw_pressure_force(x->basis, unit, force);
+    unit[j] = 0;
+    check_ok(context, bw_system_solve(context, x->system, 1, force, force));
+    check_ok(context, bw_element_stress(context, mesh, x->material, force,
+                                        x->response + 6 * (size_t)j * (size_t)mesh->element_count));
+  }
+  bw_free(force);
+}
+
+static void exact_close(exact *x) {
+  glp_delete_prob(x->problem);
+  bw_free(x->response);
+  bw_release(x->basis);
+  bw_release(x->system);
+  bw_release(x->numbering);
+  bw_release(x->model);
+  bw_release(x->material);
+  bw_release(x->mesh);
+}
+
+/* Unknowns: pressures over p_max. Rows: forces, moments (a free body), the total, each node. */
+static void pose(exact *x, const bw_worst_load_options *options) {
+  const bw_pressure_basis *b = x->basis;
+  int n = b->count, nodes = n / b->directions, balance = x->numbering->motion_count;
+  int row[10], last = balance + 1; /* GLPK counts from 1 */
+  double value[10];
+  assert_true(balance == 0 || balance == 6);
+  x->problem = glp_create_prob();
+  glp_set_obj_dir(x->problem, GLP_MAX);
+  glp_add_rows(x->problem, last + nodes);
+  glp_add_cols(x->problem, n);
+  for (int i = 1; i <= balance; i++)
+    glp_set_row_bnds(x->problem, i, GLP_FX, 0, 0);
+  double total = options->force / options->pressure;
+  glp_set_row_bnds(x->problem, last, options->at_most ? GLP_UP : GLP_FX, total, total);
+  for (int i = 1; i <= nodes; i++)
+    glp_set_row_bnds(x->problem, last + i, GLP_UP, 0, 1);
+  for (int j = 0; j < n; j++) {
+    double sum[6] = {0};
+    int count = 0;
+    for (int64_t e = b->start[j]; e < b->start[j + 1]; e++) {
+      double moment[3];
+      bw_cross(x->mesh->node + 3 * (size_t)b->row[e], b->coefficient + 3 * e, moment);
+      for (int k = 0; k < 3; k++) {
+        sum[k] += b->coefficient[3 * e + k];
+        sum[3 + k] += moment[k];
+      }
+    }
+    for (int k = 0; k < balance; k++)
+      if (sum[k] != 0) {
+        row[++count] = k + 1;
+        value[count] = sum[k];
+      }
+    glp_set_col_bnds(x->problem, j + 1, GLP_LO, 0, 0);
+    row[++count] = last;
+    value[count] = b->area[j];
+    row[++count] = last + 1 + j / b->directions;
+    value[count] = 1;
+    glp_set_mat_col(x->problem, j + 1, count, row, value);
+  }
+}
+
+/* The exact largest value of s n . sigma n in an element, Pa. */
+static double largest(exact *x, const bw_worst_load_options *options, int32_t element,
+                      const double d[3], double sign) {
+  size_t elements = (size_t)x->mesh->element_count;
+  double scale = 0, cost[MOST];
+  for (int32_t j = 0; j < x->basis->count; j++) {
+    const double *s = x->response + 6 * ((size_t)j * elements + (size_t)element);
+    cost[j] = sign * (d[0] * d[0] * s[0] + d[1] * d[1] * s[1] + d[2] * d[2] * s[2] +
+                      2 * (d[1] * d[2] * s[3] + d[2] * d[0] * s[4] + d[0] * d[1] * s[5]));
+    scale = fmax(scale, fabs(cost[j]));
+  }
+  for (int32_t j = 0; j < x->basis->count; j++)
+    glp_set_obj_coef(x->problem, j + 1, cost[j] / scale);
+  glp_smcp control;
+  glp_init_smcp(&control);
+  control.msg_lev = GLP_MSG_OFF;
+  glp_term_out(GLP_OFF);
+  glp_std_basis(x->problem);
+  glp_simplex(x->problem, &control);
+  assert_int_equal(glp_exact(x->problem, &control), 0);
+  assert_int_equal(glp_get_status(x->problem), GLP_OPT);
+  return glp_get_obj_val(x->problem) * scale * options->pressure;
+}
+
+/* The cover: a cube's upper half, faces divided into squares; cosine of twice the largest angle. */
+static int cover(int parts, double (*centre)[3], double *cosine) {
+  int count = 0;
+  *cosine = 1;
+  for (int axis = 0; axis < 3; axis++)
+    for (int i = 0; i < parts; i++)
+      for (int k = 0; k < parts; k++, count++) {
+        double *c = centre[count];
+        c[axis] = 1;
+        c[(axis + 1) % 3] = (2 * i + 1.0) / parts - 1;
+        c[(axis + 2) % 3] = (2 * k + 1.0) / parts - 1;
+        double length = bw_norm(c);
+        for (int l = 0; l < 3; l++)
+          c[l] /= length;
+        for (int corner = 0; corner < 4; corner++) {
+          double v[3];
+          v[axis] = 1;
+          v[(axis + 1) % 3] = 2.0 * (i + corner % 2) / parts - 1;
+          v[(axis + 2) % 3] = 2.0 * (k + corner / 2) / parts - 1;
+          double near = bw_dot(c, v) / bw_norm(v);
+          *cosine = fmin(*cosine, 2 * near * near - 1);
+        }
+      }
+  return count;
+}
+
+/* Every exact value lies below the bound; the best of the cover over its cosine lies above what
+ * loads reach; and the bound's own stress is reached by an exact programme along its direction. */
+static void bound_holds_in_rational_arithmetic(void **state) {
+  bw_context *context = check_context(state);
+  double centre[3 * 16][3], cosine;
+  int parts = getenv("BARWRIGHT_FULL") ? 4 : 2, directions = cover(parts, centre, &cosine);
+  assert_true(cosine > 0);
+  for (int kind = 0; kind < 4; kind++) {
+    exact x;
+    exact_open(context, &x, make_box(context, 1, 0.6, 0.3, 2, 1, 1, 1), kind == 1,
+               kind == 2 ? 3 : 0);
+    bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .at_most = kind == 3};
+    bw_worst_bound bound;
+    check_ok(context, bw_worst_bound_find(context, x.system, x.basis, &options, 0, 0.01, &bound));
+    assert_true(bound.upper >= bound.largest && bound.upper <= 1.0101 * bound.largest);
+    pose(&x, &options);
+    double best = 0;
+    for (int32_t e = 0; e < x.mesh->element_count; e++)
+      for (int d = 0; d < directions; d++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+          double value = largest(&x, &options, e, centre[d], sign);
+          assert_true(value <= bound.upper * (1 + 1e-9));
+          best = fmax(best, value);
+        }
+    assert_true(best / cosine >= bound.largest * (1 - 1e-9));
+    /* Along the direction of the bound's own stress: close to the largest value there is. */
+    double value[3], axis[9];
+    bw_eigen3(bound.stress, value, axis);
+    int which = fabs(value[0]) > fabs(value[2]) ? 0 : 2;
+    double reached =
+        largest(&x, &options, bound.element, axis + 3 * which, value[which] < 0 ? -1 : 1);
+    assert_true(reached >= bound.largest * (1 - 1e-9));
+    assert_true(reached <= bound.upper * (1 + 1e-9));
+    /* From a poorer start elements and directions are closed by their bounds alone; those that hold
+     * this value must not be. */
+    for (int start = 0; start < 3; start++) {
+      const double share[3] = {0.5, 0.8, 0.95};
+      check_ok(context, bw_worst_bound_find(context, x.system, x.basis, &options,
+                                            share[start] * reached, 0.01, &bound));
+      assert_true(bound.upper >= fmax(best, reached) * (1 - 1e-9));
+    }
+    exact_close(&x);
+  }
+  glp_free_env();
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(bound_holds_in_rational_arithmetic)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
