@@ -7,18 +7,17 @@
  * reaches first is found exactly, along the boundary's edges. The contact has no friction, so the
  * impulse acts along the common normal e (from the peg's axis to the point), and the body's inertia
  * there is the effective mass m_e = 1 / (1/m + (r x e) . I^-1 (r x e)). The body bounces back as
- * fast as it came: mean force 2 m_e v_e / duration, as a pressure on the facets around the point,
- * balanced by the body's own inertia in the solve.
+ * fast as it came: mean force 2 m_e v_e / duration, on the contact that the peg's indentation has
+ * (drop_contact.h), balanced by the body's own inertia in the solve.
  *
  * Every drop has a random sequence of its own, so drops may be worked on in any order. */
-#include "barwright/analysis.h"
+#include "analysis/drop_contact.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum { BATCH = 16, PILOT = 200 };
-static const double facing = 0.3; /* least mean cosine between the patch's normals and e */
 
 void bw_drop_options_default(bw_drop_options *options) {
   *options = (bw_drop_options){.drops = 2000, .height = 1, .peg_radius = 0, .duration = 1e-3};
@@ -29,6 +28,7 @@ void bw_drop_result_clear(bw_drop_result *result) {
   bw_free(result->mean_peak);
   bw_free(result->contact);
   bw_free(result->force);
+  bw_free(result->area);
   bw_free(result->peak);
   memset(result, 0, sizeof *result);
 }
@@ -41,14 +41,15 @@ typedef struct drop_test {
   bw_context *context;
   const bw_mesh *mesh;
   const bw_material *material;
-  bw_pressure_basis *basis;
   bw_drop_options options;
   mass_properties *body; /* per component */
-  double speed;
+  double speed, modulus; /* modulus: E/(1 - nu^2) */
   int64_t first;
-  double *block;              /* batch x node_count x 3 */
-  double *contact, *force;    /* of all drops: 3 and 1 */
-  double *stress, *principal; /* of one drop */
+  double *block;          /* batch x node_count x 3 */
+  bwi_contact_part *part; /* workers x part_count */
+  int64_t part_count;
+  double *contact, *force, *area; /* of all drops: 3, 1 and 1 */
+  double *stress, *principal;     /* of one drop */
 } drop_test;
 
 /* ---- mass ---------------------------------------------------------------------------------- */
@@ -103,10 +104,10 @@ static bw_status weigh(bw_context *context, const bw_mesh *mesh, double density,
 /* ---- one drop ------------------------------------------------------------------------------ */
 
 typedef struct contact {
-  double at[3], push[3]; /* the point, and the unit direction of the peg's force on the body */
-  double speed;          /* of approach along push */
-  int32_t node[2];       /* the edge that is hit */
-  double part;           /* where on it: 0 at node[0] */
+  bwi_peg peg;
+  double speed;    /* of approach along the push */
+  int32_t node[2]; /* the edge that is hit */
+  double part;     /* where on it: 0 at node[0] */
 } contact;
 
 /* Along the edge with depths z0, z1 and lateral places y0, y1, where the peg of radius r comes
@@ -163,7 +164,7 @@ static contact find_contact(const drop_test *test, int64_t drop) {
   bw_random random;
   double d[3], b[3], best = -INFINITY;
   double r = test->options.peg_radius;
-  contact found = {{0, 0, 0}, {0, 0, 0}, 0, {-1, -1}, 0};
+  contact found = {.peg = {.radius = r}, .node = {-1, -1}};
   bw_random_seed(&random, test->options.seed + (uint64_t)drop * 0x9e3779b97f4a7c15u);
   for (;;) {
     unit_vector(&random, d);
@@ -195,78 +196,65 @@ static contact find_contact(const drop_test *test, int64_t drop) {
         double y = y0 + part * (y1 - y0), c = fmin(1, fmax(-1, y / r)), s = sqrt(1 - c * c);
         found.speed = test->speed * s;
         for (int m = 0; m < 3; m++) {
-          found.at[m] = p[m] + part * (q[m] - p[m]);
-          found.push[m] = c * b[m] - s * d[m];
+          found.peg.at[m] = p[m] + part * (q[m] - p[m]);
+          found.peg.push[m] = c * b[m] - s * d[m];
         }
       }
-    if (found.node[0] >= 0)
-      return found; /* else the peg passed between two bodies: again */
+    if (found.node[0] >= 0) { /* else the peg passed between two bodies: again */
+      bw_cross(d, b, found.peg.along);
+      found.peg.component = mesh->component[found.node[0]];
+      return found;
+    }
   }
 }
 
-/* The force's size, and the force itself on the nodes around the point. */
-static double apply(const drop_test *test, const contact *hit, double *force) {
-  const bw_mesh *mesh = test->mesh;
-  const bw_pressure_basis *basis = test->basis;
-  int32_t component = mesh->component[hit->node[0]];
-  const mass_properties *body = &test->body[component];
-  double arm[3], turn[3], rate[3], radius = test->options.peg_radius;
+/* The mean force of an impulse along the push through a point. */
+static double force_at(const drop_test *test, const contact *hit, const double at[3]) {
+  const mass_properties *body = &test->body[hit->peg.component];
+  double arm[3], turn[3], rate[3];
   for (int k = 0; k < 3; k++)
-    arm[k] = hit->at[k] - body->centre[k];
-  bw_cross(arm, hit->push, turn);
+    arm[k] = at[k] - body->centre[k];
+  bw_cross(arm, hit->peg.push, turn);
   for (int k = 0; k < 3; k++)
     rate[k] = bw_dot(body->inverse_inertia + 3 * k, turn);
   double effective = 1 / (1 / body->mass + bw_dot(turn, rate));
-  double size = 2 * effective * hit->speed / test->options.duration;
+  return 2 * effective * hit->speed / test->options.duration;
+}
 
+/* The force on the nodes, its size and the area of the contact. The resultant is along the push,
+ * through the centre of pressure, and its size is that of the impulse there. */
+static void apply(const drop_test *test, const contact *hit, bwi_contact_part *part, double *force,
+                  double *size, double *area) {
+  const bw_mesh *mesh = test->mesh;
+  bwi_contact_patch patch;
+  double *share =
+      force + 2 * (size_t)mesh->node_count; /* read before it is overwritten: 3 i <= 2 n + i */
   memset(force, 0, 3 * (size_t)mesh->node_count * sizeof *force);
-  double along = 0, whole = 0;
-  int touched = 0;
-  for (int pass = 0; pass < 2; pass++) {
-    for (int32_t j = 0; j < basis->count; j++) {
-      const double *x = mesh->node + 3 * (size_t)basis->node[j];
-      double off[3] = {x[0] - hit->at[0], x[1] - hit->at[1], x[2] - hit->at[2]}, sum[3] = {0, 0, 0};
-      double near = 1 - bw_dot(off, off) / (radius * radius);
-      if (!(near > 0) || mesh->component[basis->node[j]] != component)
-        continue;
-      for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)
-        for (int c = 0; c < 3; c++)
-          sum[c] += basis->coefficient[3 * k + c];
-      double help = bw_dot(sum, hit->push);
-      if (!(help > 0))
-        continue;
-      if (pass == 0) {
-        along += near * help;
-        whole += near * basis->area[j];
-        touched++;
-        continue;
-      }
-      for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)
-        for (int c = 0; c < 3; c++)
-          force[3 * (size_t)basis->row[k] + (size_t)c] +=
-              size / along * near * basis->coefficient[3 * k + c];
-    }
-    if (pass == 0 && (touched < 3 || along < facing * whole)) {
-      /* Facets larger than the patch, or a spike: the force goes to the edge that is hit. */
-      for (int k = 0; k < 3; k++) {
-        force[3 * (size_t)hit->node[0] + (size_t)k] += (1 - hit->part) * size * hit->push[k];
-        force[3 * (size_t)hit->node[1] + (size_t)k] += hit->part * size * hit->push[k];
-      }
-      break;
-    }
+  bwi_contact_press(mesh, &hit->peg, force_at(test, hit, hit->peg.at), test->modulus, part, share,
+                    &patch);
+  if (patch.count == 0) { /* nothing faces the peg: the edge that is hit */
+    share[hit->node[0]] = 1 - hit->part;
+    share[hit->node[1]] += hit->part;
+    memcpy(patch.centre, hit->peg.at, sizeof patch.centre);
   }
-  return size;
+  *size = force_at(test, hit, patch.centre);
+  *area = patch.area;
+  for (int64_t i = 0; i < mesh->node_count; i++) {
+    double own = *size * share[i];
+    for (int k = 0; k < 3; k++)
+      force[3 * i + k] = own * hit->peg.push[k];
+  }
 }
 
 static bw_status drop_body(void *data, int64_t begin, int64_t end, int worker) {
   const drop_test *test = (const drop_test *)data;
-  (void)worker;
   for (int64_t i = begin; i < end; i++) {
     int64_t drop = test->first + i;
     contact hit = find_contact(test, drop);
-    memcpy(test->contact + 3 * drop, hit.at, sizeof hit.at);
-    test->force[drop] =
-        apply(test, &hit, test->block + (size_t)i * 3 * (size_t)test->mesh->node_count);
+    memcpy(test->contact + 3 * drop, hit.peg.at, sizeof hit.peg.at);
+    apply(test, &hit, test->part + worker * test->part_count,
+          test->block + (size_t)i * 3 * (size_t)test->mesh->node_count, &test->force[drop],
+          &test->area[drop]);
   }
   return BW_OK;
 }
@@ -341,7 +329,8 @@ static bw_status check_drops(bw_context *context, const bw_system *system,
     return bw_fail(context, BW_INVALID, "%lld drops are asked for: give from 1 to 100000000",
                    (long long)options->drops);
   if (!(options->height > 0) || !(options->duration > 0) || !(options->peg_radius >= 0) ||
-      isinf(options->height) || isinf(options->duration) || isinf(options->peg_radius))
+      isinf(options->height) || isinf(options->duration) ||
+      isinf(options->peg_radius * options->peg_radius))
     return bw_fail(context, BW_INVALID,
                    "a drop of %g m on a peg of radius %g m for %g s: height and duration must be "
                    "positive, the radius not negative",
@@ -378,6 +367,9 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
     test.options.peg_radius = 0.02 * bw_norm(high);
   }
   test.speed = sqrt(2 * 9.80665 * test.options.height);
+  double bulk = bw_material_bulk(system->material),
+         shear = bw_material_mean_shear(system->material);
+  test.modulus = 4 * shear * (3 * bulk + shear) / (3 * bulk + 4 * shear);
   size_t drops = (size_t)test.options.drops, elements = (size_t)mesh->element_count;
   test.body = BW_NEW0(context, mass_properties, mesh->component_count);
   test.block = BW_NEW(context, double, BATCH * 3 * (size_t)mesh->node_count);
@@ -387,17 +379,21 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   result.mean_peak = BW_NEW0(context, double, elements);
   result.contact = BW_NEW(context, double, 3 * drops);
   result.force = BW_NEW(context, double, drops);
+  result.area = BW_NEW(context, double, drops);
+  test.part_count = bwi_contact_capacity(mesh);
+  test.part = BW_NEW(context, bwi_contact_part, test.part_count * bw_threads(context));
   result.peak = BW_NEW(context, double, drops);
   result.drops = test.options.drops;
   if (!test.body || !test.block || !test.stress || !test.principal || !result.exceedance ||
-      !result.mean_peak || !result.contact || !result.force || !result.peak) {
+      !result.mean_peak || !result.contact || !result.force || !result.area || !result.peak ||
+      !test.part) {
     status = BW_MEMORY;
     goto done;
   }
   test.contact = result.contact;
   test.force = result.force;
+  test.area = result.area;
   BW_TRY(weigh(context, mesh, system->material->density, test.body));
-  BW_TRY(bw_pressure_basis_create(context, mesh, NULL, &test.basis));
   if (!(bw_material_strength(system->material, system->material->axes) > 0)) {
     histogram = BW_NEW0(context, double, HISTOGRAM_BINS);
     if (!histogram) {
@@ -426,7 +422,7 @@ done:
   bw_free(test.stress);
   bw_free(test.principal);
   bw_free(histogram);
-  bw_release(test.basis);
+  bw_free(test.part);
   if (status == BW_OK)
     *out = result;
   else

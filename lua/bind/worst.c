@@ -354,6 +354,7 @@ static int push_drops(lua_State *L) {
   copy_out(L, 2, "contacts", result->drops, 3, result->contact);
 
   copy_out(L, 2, "forces", result->drops, 1, result->force);
+  copy_out(L, 2, "areas", result->drops, 1, result->area);
   copy_out(L, 2, "peaks", result->drops, 1, result->peak);
   lua_pushnumber(L, result->threshold);
   lua_setfield(L, 2, "threshold");

@@ -93,7 +93,8 @@ function bw.brute_force(part, options) end
 ---@return table? details
 function bw.breaking_force(body, options) end
 
----Random drops of a free part onto a peg, thousands from one factor.
+---Random drops of a free part onto a peg, thousands from one factor. The area of each contact follows from the
+---indentation of part and peg.
 ---@param part bw.Model without supports, of a material with a density
 ---@param options? {drops: integer, height: number, peg_radius: number, duration: number, seed: integer}
 ---@return bw.DropTest?
@@ -1527,6 +1528,7 @@ function BreakingForce:close() end
 ---@field mean_peak bw.Array of every element: mean largest principal stress, Pa
 ---@field contacts bw.Array drops x 3, m
 ---@field forces bw.Array N
+---@field areas bw.Array m2: of the contact of each drop, seen along its force
 ---@field peaks bw.Array largest stress of every drop, Pa
 ---@field threshold number Pa, where no strength is known
 ---@field drops integer

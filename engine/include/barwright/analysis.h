@@ -289,8 +289,7 @@ bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basi
 typedef struct bw_drop_options {
   int64_t drops;     /* default 2000 */
   double height;     /* m, default 1 */
-  double peg_radius; /* m: of the peg, and of the contact patch; 0 (default): 2 % of the box
-                        diagonal */
+  double peg_radius; /* m: of the peg; 0 (default): 2 % of the box diagonal */
   double duration;   /* s: of the contact; the mean force is 2 m_e v / duration with the effective
                         mass m_e of the body at the contact; default 1e-3 */
   uint64_t seed;
@@ -303,6 +302,7 @@ typedef struct bw_drop_result {
   double *mean_peak;  /* element_count: mean over drops of the max principal stress, Pa */
   double *contact;    /* drops x 3 */
   double *force;      /* drops: N */
+  double *area;       /* drops: m2, of the contact as seen along the force */
   double *peak;       /* drops: largest stress */
   double threshold;   /* Pa: the 97.5th percentile by volume of the first 200 drops' stresses; 0
                          when the strength is known */

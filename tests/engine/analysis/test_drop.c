@@ -100,6 +100,36 @@ static void dumbbell_breaks_at_the_neck(void **state) {
   bw_release(system);
 }
 
+/* The same body in two meshes, one with facets far larger than the contacts: the same drops, the
+ * same points, areas and forces. */
+static void contact_does_not_depend_on_the_mesh(void **state) {
+  bw_context *context = check_context(state);
+  enum { DROPS = 60 };
+  bw_drop_options options;
+  bw_drop_options_default(&options);
+  options.drops = DROPS;
+  options.peg_radius = 0.01;
+  bw_drop_result result[2];
+  double difference = 0;
+  for (int k = 0; k < 2; k++) {
+    int cells = k ? 8 : 2;
+    bw_system *system =
+        free_system(context, make_box(context, 0.1, 0.06, 0.04, cells, cells, cells, 1), 1000, 1e7);
+    check_ok(context, bw_drop_test(context, system, &options, &result[k]));
+    bw_release(system);
+  }
+  for (int i = 0; i < DROPS; i++) {
+    for (int c = 0; c < 3; c++)
+      check_near(result[1].contact[3 * i + c], result[0].contact[3 * i + c], 1e-12);
+    assert_true(result[0].area[i] > 0 && result[0].area[i] < 0.04 * 0.06);
+    difference = fmax(difference, fabs(log(result[1].area[i] / result[0].area[i])));
+    check_near(result[1].force[i], result[0].force[i], 0.02 * result[0].force[i]);
+  }
+  assert_true(difference < 0.1);
+  for (int k = 0; k < 2; k++)
+    bw_drop_result_clear(&result[k]);
+}
+
 static void failures(void **state) {
   bw_context *context = check_context(state);
   bw_system *system = free_system(context, make_box(context, 1, 1, 1, 2, 2, 2, 1), 0, 0);
@@ -137,6 +167,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(ball_is_hit_with_its_whole_mass),
       check_test(dumbbell_breaks_at_the_neck),
+      check_test(contact_does_not_depend_on_the_mesh),
       check_test(failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
