@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Curved tetrahedra: the middles of boundary edges of quadratic elements on the primitives of the
- * surface's faces. */
+/* Curved tetrahedra: the nodes of boundary facets of quadratic elements on the primitives of the
+ * surface's faces. Corners of a filled mesh are there already; those of a refined one may be
+ * middles that a coarser element had no room for. */
 #include "mesh/faces_internal.h"
 
 #include <math.h>
@@ -54,20 +55,20 @@ static bool is_distorted(const bw_mesh *mesh, const double *node, int32_t e) {
   return false;
 }
 
-/* Middles of distorted elements back to where they were; true when there were some. */
+/* Nodes of distorted elements back to where they were; true when there were some. */
 static bool straighten(const bw_mesh *mesh, double *node, uint8_t *moved) {
   bool some = false;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    const int32_t *middle = mesh->element + 10 * (size_t)e + 4;
+    const int32_t *own = mesh->element + 10 * (size_t)e;
     bool touched = false;
-    for (int k = 0; k < 6; k++)
-      touched = touched || moved[middle[k]];
+    for (int k = 0; k < 10; k++)
+      touched = touched || moved[own[k]];
     if (!touched || !is_distorted(mesh, node, e))
       continue;
-    for (int k = 0; k < 6; k++)
-      if (moved[middle[k]]) {
-        memcpy(node + 3 * (size_t)middle[k], mesh->node + 3 * (size_t)middle[k], 3 * sizeof *node);
-        moved[middle[k]] = 0;
+    for (int k = 0; k < 10; k++)
+      if (moved[own[k]]) {
+        memcpy(node + 3 * (size_t)own[k], mesh->node + 3 * (size_t)own[k], 3 * sizeof *node);
+        moved[own[k]] = 0;
         some = true;
       }
   }
@@ -102,17 +103,17 @@ bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surf
   BW_TRY(bwi_faces_label(context, surface, faces, boundary, label));
   memcpy(node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *node);
   for (int32_t f = 0; f < mesh->facet_count; f++)
-    for (int k = 3; k < 6 && label[f] >= 0; k++)
+    for (int k = 0; k < 6 && label[f] >= 0; k++)
       bwi_around_add(&at[mesh->facet[6 * (size_t)f + (size_t)k]], faces, label[f]);
   for (int32_t f = 0; f < mesh->facet_count; f++)
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < 6; k++) {
       const int32_t *own = mesh->facet + 6 * (size_t)f;
-      const double *a = mesh->node + 3 * (size_t)own[k];
+      const double *a = mesh->node + 3 * (size_t)own[k % 3];
       const double *b = mesh->node + 3 * (size_t)own[(k + 1) % 3];
-      const double *from = mesh->node + 3 * (size_t)own[3 + k];
+      const double *from = mesh->node + 3 * (size_t)own[k];
       double x[3] = {from[0], from[1], from[2]}, edge[3], move[3];
-      if (moved[own[3 + k]] || at[own[3 + k]].count == 0 ||
-          !bwi_around_project(faces, &at[own[3 + k]], BW_FACE_SPHERE, diagonal, x))
+      if (moved[own[k]] || at[own[k]].count == 0 ||
+          !bwi_around_project(faces, &at[own[k]], BW_FACE_SPHERE, diagonal, x))
         continue;
       for (int i = 0; i < 3; i++) {
         edge[i] = b[i] - a[i];
@@ -120,8 +121,8 @@ bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surf
       }
       if (bw_norm(move) > longest_move * bw_norm(edge) || bw_norm(move) < 1e-12 * bw_norm(edge))
         continue;
-      memcpy(node + 3 * (size_t)own[3 + k], x, sizeof x);
-      moved[own[3 + k]] = 1;
+      memcpy(node + 3 * (size_t)own[k], x, sizeof x);
+      moved[own[k]] = 1;
     }
   while (straighten(mesh, node, moved))
     BW_TRY(bw_check_cancel(context));

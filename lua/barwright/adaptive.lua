@@ -98,7 +98,7 @@ local function static_analysis(wish, mesh)
       part.mesh.element_count)
     local error = math.sqrt((found.recovery_error + math.abs(signed)) ^ 2 + rest ^ 2 + geometry ^ 2)
     return {result = static, value = found.value, at = found.at, error = relative(error, found.value),
-      parts = parts, rivals = rivals_of(part.mesh, found)}
+      facet_error = relative(geometry, found.value), parts = parts, rivals = rivals_of(part.mesh, found)}
   end
   return {name = wanted.name, selections = wanted.selections, step = step}
 end

@@ -30,6 +30,8 @@ local MOST_REST = 1.5
 -- The value does not converge where each of so many steps changes it by at least this share of the change before,
 -- and the last one by more than this share of the value.
 local STEPS, STEADY, LARGE = 3, 0.9, 0.05
+-- On curved edges the angle between facets falls at least like this from mesh to mesh.
+local KEPT = 0.8
 
 -- ---- which elements --------------------------------------------------------------------------------
 
@@ -77,18 +79,18 @@ end
 -- ---- what refinement still changes ------------------------------------------------------------------
 
 --- The error that is left by what refinement has changed. With an error like 1 / elements it is the last change
---- over (ratio - 1), and more where the changes do not fall as fast. value_of gives the value of a row.
+--- over (ratio - 1), and more where changes of one sign do not fall as fast. value_of gives the value of a row.
 function refinement.rest(history, value_of, value, elements)
   local last, former = history[#history], history[#history - 1]
   if not last then return 0 end
   local ratio = elements / last.elements
-  local change, factor = math.abs(value - value_of(last)), 1 / math.max(ratio - 1, 1 / MOST_REST)
-  local before = former and math.abs(value_of(last) - value_of(former)) or 0
-  if before > 0 then
+  local change, factor = value - value_of(last), 1 / math.max(ratio - 1, 1 / MOST_REST)
+  local before = former and value_of(last) - value_of(former) or 0
+  if change * before > 0 then
     local rate = change / before
     factor = math.max(factor, rate < 1 and math.min(rate / (1 - rate), MOST_REST) or MOST_REST)
   end
-  return factor * change
+  return factor * math.abs(change)
 end
 
 local function does_not_converge(history)
@@ -101,10 +103,18 @@ local function does_not_converge(history)
   return math.abs(last - former) > LARGE * math.abs(last)
 end
 
+-- Facets that stand for a round face, by themselves, are more than the error asked for, and refinement keeps them.
+local function is_faceted(history, error)
+  local last, former = history[#history], history[#history - 1]
+  if not (former and last.facet_error) then return false end
+  return last.facet_error > error and last.facet_error > KEPT * former.facet_error
+end
+
 -- Why the last mesh is the last; nil where there is another one to come.
 local function verdict(self)
   local wish, last = self.options, self.history[#self.history]
   if #self.history > 1 and last.estimated_error <= wish.error then return "tolerance" end
+  if is_faceted(self.history, wish.error) then return "facets" end
   if does_not_converge(self.history) then return "divergence" end
   if last.elements * LEAST_GROWTH > wish.most_elements then return "elements" end
   if wish.time_limit then
@@ -115,26 +125,11 @@ end
 
 -- ---- the loop --------------------------------------------------------------------------------------
 
--- Whether edges of the boundary are curved: then they say what the shape is.
-local function is_curved(mesh)
-  if mesh.order == 1 then return false end
-  local nodes, size = mesh.nodes, mesh.box.size
-  local limit = 1e-9 * (size[1] + size[2] + size[3])
-  for _, facet in ipairs(mesh.facets:totable()) do
-    for k = 1, 3 do
-      local a, b, middle = facet[k], facet[k % 3 + 1], facet[3 + k]
-      for i = 1, 3 do
-        if math.abs(nodes(middle, i) - (nodes(a, i) + nodes(b, i)) / 2) > limit then return true end
-      end
-    end
-  end
-  return false
-end
-
 local function keep(self, part, step, started)
   local mesh = part.mesh
   self.history[#self.history + 1] = {elements = mesh.element_count, unknowns = 3 * mesh.node_count,
     value = step.value, frequencies = step.frequencies, at = step.at, estimated_error = step.error,
+    facet_error = step.facet_error,
     seconds = core.seconds() - started}
   self.part, self.value, self.at, self.estimated_error = part, step.value, step.at, step.error
 end
@@ -164,10 +159,6 @@ function refinement.run(part, wish, analysis)
   local self = setmetatable({options = wish, history = {}, quantity = analysis.name, surface = wish.surface},
     accuracy)
   local message, details, selections
-  if not self.surface and not is_curved(mesh) then
-    self.surface, message, details = mesh:surface()
-    if not self.surface then return nil, message, details end
-  end
   part, selections, details = part:refined(core.array.zeros(mesh.element_count), {surface = self.surface,
     order = 2, also = analysis.selections})
   if not part then return nil, selections, details end
@@ -198,6 +189,7 @@ local reasons = {
   elements = "a finer mesh would have too many elements",
   time = "a finer mesh would take too long",
   memory = "a finer mesh takes more memory than there is",
+  facets = "facets stand for a round face there: give the surface (option 'surface'), or curved edges",
   divergence = "the value changes as much from mesh to mesh: it may have no limit",
 }
 

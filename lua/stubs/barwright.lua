@@ -789,12 +789,12 @@ function Mesh:subset(mask) end
 ---@return bw.Array|table elements of every element the number that it had, or details
 function Mesh:renumbered() end
 
----Curved elements: the middles of the boundary's edges on the planes, cylinders, cones and spheres of the surface
----that a mesh of order 2 was filled from. Middles stay straight where an element would become too distorted.
+---Curved elements: the nodes of the boundary's edges on the planes, cylinders, cones and spheres of the surface
+---that a mesh of order 2 was filled from. Nodes stay where an element would become too distorted.
 ---`local mesh, moved = assert(bw.mesh.fill(surface, {order = 2})):curved(surface)`
 ---@param surface bw.Surface
 ---@return bw.Mesh? mesh
----@return integer|string count how many middles moved, or a message
+---@return integer|string count how many nodes moved, or a message
 ---@return table? details
 function Mesh:curved(surface) end
 
@@ -1114,7 +1114,8 @@ function Model:free_motions() end
 ---"max_principal", "displacement": the largest at nodes; a point, or {at =, field =}: the stress ("von_mises",
 ---"xx" ... "xy") or displacement ("displacement", "ux", "uy", "uz") there; a selection, or {reaction =, axis =}: the
 ---reaction on a face; a function of the solution that returns a number. Supports and loads go with their facets.
----`surface`: whose round faces curved edges follow (default: the boundary of a mesh with straight edges). Limits:
+---`surface`: what the mesh was filled from; edges follow its planes and round faces (default: the mesh's edges stay
+---the lines or curves that they are, and facets of round faces count as an error). Limits:
 ---most_elements (200000), time_limit (s), memory_limit. The second result says how it went; so it does where a limit
 ---came first.
 ---`local static, accuracy = part:solve {error = 0.01, of = {at = {0, 1, 0}, field = "xx"}}`
@@ -1188,8 +1189,8 @@ function Model:close() end
 ---@field estimated_error number
 ---@field at? bw.Vector where; nil for a function
 ---@field converged boolean
----@field reason "tolerance"|"elements"|"time"|"memory"|"divergence" why there is no finer mesh; divergence: the changes of the value do not fall, so it may have no limit
----@field history table[] of every mesh {elements, unknowns, value, frequencies (of modes), at, estimated_error, seconds, effectivity: estimated error over the difference to the last value}
+---@field reason "tolerance"|"elements"|"time"|"memory"|"facets"|"divergence" why there is no finer mesh; facets: those that stand for a round face are a larger error by themselves; divergence: the changes of the value do not fall, so it may have no limit
+---@field history table[] of every mesh {elements, unknowns, value, frequencies (of modes), at, estimated_error, facet_error (its part by facets of round faces), seconds, effectivity: estimated error over the difference to the last value}
 ---@field elements integer of the last mesh
 ---@field seconds number
 ---@field part bw.Model on the last mesh

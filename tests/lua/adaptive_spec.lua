@@ -102,6 +102,21 @@ describe("a refined model", function()
     assert.is_true(part.mesh:quality().dihedral_low > before / 3)
   end)
 
+  it("comes to the round faces of a surface", function()
+    local surface = bw.surface.cylinder {axis = {0, 0, 1}, radius = 0.5, segments = 24}
+    local mesh = assert(bw.mesh.fill(surface, {elements = 300, order = 2}))
+    local part = bw.model {mesh = mesh, material = elastic}
+    for _ = 1, 2 do
+      part = assert(part:refined(levels(part.mesh, function() return 3 end), {surface = surface}))
+    end
+    local furthest = 0
+    for _, node in ipairs(part.mesh.boundary:where("z > 1e-9"):where("z < 1 - 1e-9").nodes:totable()) do
+      local r = math.sqrt(part.mesh.nodes(node, 1) ^ 2 + part.mesh.nodes(node, 2) ^ 2)
+      furthest = math.max(furthest, math.abs(r - 0.5))
+    end
+    assert.is_true(furthest < 1e-9, furthest)
+  end)
+
   it("carries further selections, and refuses those of other meshes", function()
     local part = cantilever()
     local top = part.mesh.boundary:above(3, 1)
@@ -234,6 +249,42 @@ describe("solve with an error", function()
     -- a stress at a sharp re-entrant border has no limit
     _, accuracy = assert(cantilever():solve {error = 1e-3, most_elements = 20000})
     assert.is_false(accuracy.converged)
+  end)
+
+  it("sees facets that stand for a round face", function()
+    local curved = plate_with_hole(10).mesh
+    local straight = curved:with_order(1):with_order(2)
+    local function kink(mesh)
+      local node = mesh.boundary:nearest({cos(pi / 4), sin(pi / 4), 0}, 1).nodes[1]
+      return math.deg(core.boundary_kink(mesh, node, 0.6))
+    end
+    assert.near(22.5, kink(straight), 0.01)
+    assert.is_true(kink(curved) < 1)
+    -- an error by facets that refinement does not lessen ends the loop
+    local refinement = require "barwright.refinement"
+    local function step(_, part)
+      return {result = part, value = 1, error = 0.2, facet_error = 0.1,
+        parts = levels(part.mesh, function() return 1 end):totable()}
+    end
+    local _, accuracy = refinement.run(cantilever(), {error = 0.01, most_elements = 1000},
+      {name = "", selections = {}, step = step})
+    assert.equal("facets", accuracy.reason)
+    assert.equal(2, #accuracy.history)
+  end)
+
+  it("follows the round faces of a surface", function()
+    local surface = bw.surface.cylinder {axis = {0, 0, 1}, radius = 0.5, segments = 24}
+    local mesh = assert(bw.mesh.fill(surface, {elements = 300, order = 2}))
+    local function tension(options)
+      local part = bw.model {mesh = mesh, material = elastic}
+      part:slide(mesh.boundary:below(3, 1e-9), {0, 0, 1})
+      part:load {on = mesh.boundary:above(3, 1 - 1e-9), traction = {0, 0, 1}}
+      options.inertia_relief = true
+      return assert(part:solve(options))
+    end
+    local _, round = tension {error = 0.005, surface = surface}
+    assert.is_true(round.converged)
+    assert.near(1, round.value, 0.005)
   end)
 
   it("raises quadratic elements from linear ones", function()

@@ -49,8 +49,8 @@ int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface, const do
  * for a free one. Inside a cylinder, cone or sphere it is negative. */
 double bw_face_distance(const bw_face *face, const double x[3], double gradient[3]);
 
-/* A mesh of order 2 with the middles of its boundary's edges on the primitives of the surface that
- * it was filled from. Middles stay where an element would become too distorted. `count`, when asked
+/* A mesh of order 2 with the nodes of its boundary's edges on the primitives of the surface that it
+ * was filled from. Nodes stay where an element would become too distorted. `count`, when asked
  * for: how many moved. BW_INVALID for a mesh of order 1. */
 bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surface *surface,
                          bw_mesh **curved, int64_t *count);
