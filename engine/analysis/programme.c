@@ -11,6 +11,7 @@
 /* Balance directions in which all pressures together reach less than this share of the natural size
  * (force times lever arm) are fulfilled by every pressure: their rows would only hold rounding. */
 static const double negligible_row = 1e-9;
+static const double smallest_motion = 1e-3;
 /* A sample below this many columns is not worth a level of its own. */
 enum { LEVEL_FACTOR = 8, LEVEL_SMALLEST = 600 };
 
@@ -198,16 +199,16 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
   for (int32_t j = 0; j < basis->count; j++) {
     if (basis->mesh->component[basis->node[j]] != body->component)
       continue;
-    for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)
-      for (int m = 0; m < n; m++) {
-        double u[3];
-        bwi_motion_at(&numbering->motion[body->motion[m]],
-                      basis->mesh->node + 3 * (size_t)basis->row[k], u);
-        natural[m] = fmax(natural[m], bw_norm(u));
-      }
+    for (int m = 0; m < n; m++) {
+      double u[3];
+      bwi_motion_at(&numbering->motion[body->motion[m]],
+                    basis->mesh->node + 3 * (size_t)basis->node[j], u);
+      natural[m] = fmax(natural[m], bw_norm(u));
+    }
   }
+  /* The motions move a body by about 1. Few nodes, near an axis, hardly move with that rotation. */
   for (int m = 0; m < n; m++)
-    natural[m] = natural[m] > 0 ? natural[m] : 1; /* a rotation about the only node there is */
+    natural[m] = fmax(natural[m], smallest_motion);
   for (int32_t j = 0; j < basis->count; j++) {
     double raw[BWI_LOCAL_ROWS];
     if (basis->mesh->component[basis->node[j]] != body->component)
