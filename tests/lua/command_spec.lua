@@ -322,6 +322,21 @@ describe("commands that compute", function()
     end
   end)
 
+  it("statics warns of volumetric locking, and takes the formulation that cures it", function()
+    local words = "statics " .. beam .. " --material steel --poisson 0.499 --hold low:x --force high:x=0,0,-100N "
+    local function locking(object)
+      return table.concat(object.remarks or {}, " "):find("volumetric locking", 1, true) ~= nil
+    end
+    local _, standard = answer(words)
+    assert.is_true(locking(standard))
+    local _, cured = answer(words .. "--formulation b_bar")
+    assert.is_false(locking(cured))
+    assert.is_true(cured.max_displacement_m > 1.01 * standard.max_displacement_m)
+    local status, _, err = answer(words .. "--formulation hybrid")
+    assert.equal(2, status)
+    assert.truthy(err:find("b_bar", 1, true), err)
+  end)
+
   it("statics gives the beam's deflection and stress", function()
     local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
       .. "above:x:1=0,0,-100N")

@@ -278,6 +278,13 @@ function model.body(wish, out)
   local mesh, message
   mesh, message, details = model.mesh(read, wish, out)
   if not mesh then return nil, message, details end
+  if (wish.formulation or "standard") ~= "standard" then -- parts take it from their material
+    local part
+    part, message, details = model.try(bw.model,
+      {mesh = mesh, material = material, formulation = wish.formulation})
+    if not part then return nil, message, details end
+    material = part.material
+  end
   model.tell_mesh(mesh, material, out)
   return mesh, material, read
 end
