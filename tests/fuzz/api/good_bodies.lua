@@ -128,8 +128,16 @@ add {
       {on = on, torque = {1, 0, 0}, about = {0, 0, 0}}, {nodal = bw.array.zeros(p.Mesh.node_count, 3)}}
   end,
   ["Model:temperature"] = function(p, r) return r:one_of {20, bw.array.zeros(p.Mesh.node_count)}, 1e-5 end,
-  ["Model:solve"] = function(_, r) return {with = r:one_of {"auto", "factor", "levels"},
-    inertia_relief = r:chance(0.5)} end,
+  ["Model:solve"] = function(_, r)
+    if r:chance(0.2) then
+      return {error = 0.2, of = r:one_of {"von_mises", "displacement", {0, 0, 0}}, most_elements = 2000}
+    end
+    return {with = r:one_of {"auto", "factor", "levels"}, inertia_relief = r:chance(0.5)}
+  end,
+  ["Model:refined"] = function(p, r)
+    local mesh = p.Model.mesh
+    return bw.array.zeros(mesh.element_count) + (r:integer(3) - 1), {order = 2, also = {mesh.boundary}}
+  end,
   ["Model:modes"] = function(_, r) return {count = r:integer(3), laplacian = r:chance(0.3),
     sturm = r:chance(0.3), seed = 2} end,
   ["Model:moved"] = function(p) return p:get("bw.Mesh") end,
