@@ -35,6 +35,17 @@ done:
   return status;
 }
 
+/* A size function of a script may fail, and a child cannot hand its error on: it is tried here. */
+static bw_status try_sizes(bwi_filler *f, const bw_surface *from) {
+  for (int32_t i = 0; f->field.size && i < from->point_count; i++) {
+    bwi_size_at(&f->field, from->point + 3 * (size_t)i);
+    bw_status status = bw_check_cancel(f->context);
+    if (status != BW_OK)
+      return status;
+  }
+  return BW_OK;
+}
+
 static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, double sharp,
                         bw_surface **made, bw_shape_log *log) {
   remesh_job job = {.from = from};
@@ -51,6 +62,7 @@ static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, do
   size_t count = 0;
   remesh_head head;
   bw_status status;
+  BW_TRY(try_sizes(f, from));
   BW_TRY(bwi_child_run(f->context, "remeshing the surface", &limits, remesh_child, &job, &bytes,
                        &count));
   if (count >= sizeof head)
