@@ -81,7 +81,7 @@ bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surf
   bw_faces *faces = NULL;
   bw_surface *boundary = NULL;
   int32_t *label = NULL;
-  bwi_around *at = NULL;
+  bwi_faces_around *at = NULL;
   uint8_t *moved = NULL;
   double *node = NULL;
   int64_t total = 0;
@@ -93,7 +93,7 @@ bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surf
   BW_TRY(bw_faces_find(context, surface, 0, &faces));
   BW_TRY(bw_mesh_boundary(context, mesh, &boundary, NULL));
   label = BW_NEW(context, int32_t, mesh->facet_count);
-  at = BW_NEW0(context, bwi_around, mesh->node_count);
+  at = BW_NEW0(context, bwi_faces_around, mesh->node_count);
   moved = BW_NEW0(context, uint8_t, mesh->node_count);
   node = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
   if (!label || !at || !moved || !node) {

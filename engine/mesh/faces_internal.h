@@ -57,13 +57,13 @@ bool bwi_face_fit(const bwi_cloud *cloud, bw_face_kind kind, bw_face *face);
 
 /* faces_project.c: the faces that meet at a point, planes first; free forms are left out. */
 enum { BWI_AROUND = 8 };
-typedef struct bwi_around {
+typedef struct bwi_faces_around {
   int count;
   int32_t face[BWI_AROUND];
-} bwi_around;
-void bwi_around_add(bwi_around *around, const bw_faces *faces, int32_t face);
+} bwi_faces_around;
+void bwi_around_add(bwi_faces_around *around, const bw_faces *faces, int32_t face);
 /* x onto the primitives, up to a kind; false when the steps do not end. */
-bool bwi_around_project(const bw_faces *faces, const bwi_around *around, bw_face_kind last,
+bool bwi_around_project(const bw_faces *faces, const bwi_faces_around *around, bw_face_kind last,
                         double diagonal, double x[3]);
 /* The face of the base that each facet of a surface lies on; -1 where it is not clear. */
 bw_status bwi_faces_label(bw_context *context, const bw_surface *base, const bw_faces *faces,
@@ -75,5 +75,24 @@ bw_status bwi_faces_label(bw_context *context, const bw_surface *base, const bw_
 bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const bw_faces *faces,
                             const bw_surface *surface, double longest, bw_surface **projected,
                             int64_t *count, double *moved);
+
+/* Borders of faces that remeshing keeps as sharp edges. */
+typedef struct bwi_face_borders {
+  const bw_faces *faces; /* of the surface as it is when welded */
+  double tolerance;      /* m: points of a border that lie so near to a straight line may go */
+  double round_angle;    /* radians: the most that an edge on a round face turns; 0: no bound */
+} bwi_face_borders;
+
+/* surface_remesh.c: bw_surface_remesh that keeps borders (NULL: none). The remeshed surface has the
+ * number of the face of each facet as its groups then. */
+bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
+                             const bw_remesh_options *options, const bwi_face_borders *borders,
+                             bw_surface **remeshed, bw_shape_log *log);
+
+/* remesh_faces.c: how many points bend the borders of faces, which remeshing keeps, and how many
+ * facets the round faces need (bwi_face_borders). */
+bw_status bwi_faces_least(bw_context *context, const bw_surface *surface, const bw_faces *faces,
+                          double sharp_angle, double tolerance, double round_angle, int64_t *bends,
+                          double *round_facets);
 
 #endif

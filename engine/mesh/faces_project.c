@@ -16,8 +16,9 @@
 enum { STEPS = 20 };
 static const double least_gradient = 0.1; /* of the part outside of the span: 6 degrees */
 static const double of_edge = 0.3;        /* longest move, of the shortest edge at the point */
+static const double of_rounding = 1e-7;   /* of the diagonal: single precision */
 
-void bwi_around_add(bwi_around *a, const bw_faces *faces, int32_t face) {
+void bwi_around_add(bwi_faces_around *a, const bw_faces *faces, int32_t face) {
   int at = a->count;
   for (int i = 0; i < a->count; i++)
     if (a->face[i] == face)
@@ -34,7 +35,7 @@ void bwi_around_add(bwi_around *a, const bw_faces *faces, int32_t face) {
   a->count++;
 }
 
-bool bwi_around_project(const bw_faces *faces, const bwi_around *a, bw_face_kind last,
+bool bwi_around_project(const bw_faces *faces, const bwi_faces_around *a, bw_face_kind last,
                         double diagonal, double x[3]) {
   for (int step = 0; step < STEPS; step++) {
     double base[3][3], move[3] = {0, 0, 0}, largest = 0;
@@ -103,9 +104,19 @@ done:
   return status;
 }
 
+bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface, const bw_faces *faces,
+                           const bw_mesh *mesh, int32_t *label) {
+  bw_surface *boundary = NULL;
+  bw_status status = bw_mesh_boundary(context, mesh, &boundary, NULL);
+  if (status == BW_OK)
+    status = bwi_faces_label(context, surface, faces, boundary, label);
+  bw_release(boundary);
+  return status;
+}
+
 /* The faces at each point, and the longest move that its edges allow. */
 static void look_around(const bw_faces *faces, const bw_surface *surface, const int32_t *label,
-                        bwi_around *at, double *room) {
+                        bwi_faces_around *at, double *room) {
   for (int32_t i = 0; i < surface->point_count; i++)
     room[i] = HUGE_VAL;
   for (int32_t t = 0; t < surface->triangle_count; t++) {
@@ -149,12 +160,25 @@ static bool take_back(const bw_surface *surface, const double *from, double *poi
 typedef struct projection {
   const bw_faces *faces;
   const bw_surface *surface;
-  const bwi_around *at;
+  const bwi_faces_around *at;
   const double *room;
   double longest, diagonal;
   double *from, *point; /* before and after a round */
   uint8_t *moved;       /* in this round */
 } projection;
+
+/* A point of the border of a plane that is as near to all its faces as those of the base are moves
+ * by roundings only: the outline of the plane, and its area, are those of the base. */
+static bool is_outline(const bw_faces *faces, const bwi_faces_around *at, const double x[3]) {
+  bool planes = false;
+  for (int i = 0; i < at->count; i++) {
+    const bw_face *face = &faces->face[at->face[i]];
+    planes = planes || face->kind == BW_FACE_PLANE;
+    if (fabs(bw_face_distance(face, x, NULL)) > 1.01 * face->residual)
+      return false;
+  }
+  return planes && at->count > 1;
+}
 
 /* One round: onto primitives up to a kind. */
 static bw_status move_onto(bw_context *context, projection *p, bw_face_kind last) {
@@ -162,10 +186,13 @@ static bw_status move_onto(bw_context *context, projection *p, bw_face_kind last
   memcpy(p->from, p->point, 3 * (size_t)surface->point_count * sizeof *p->from);
   for (int32_t i = 0; i < surface->point_count; i++) {
     double x[3];
+    const bool outline =
+        p->surface->group && is_outline(p->faces, &p->at[i], p->from + 3 * (size_t)i);
+    const double longest = outline ? of_rounding * p->diagonal : fmin(p->room[i], p->longest);
     memcpy(x, p->from + 3 * (size_t)i, sizeof x);
     p->moved[i] = p->at[i].count > 0 &&
                   bwi_around_project(p->faces, &p->at[i], last, p->diagonal, x) &&
-                  apart(surface->point + 3 * (size_t)i, x) <= fmin(p->room[i], p->longest) &&
+                  apart(surface->point + 3 * (size_t)i, x) <= longest &&
                   memcmp(x, p->from + 3 * (size_t)i, sizeof x) != 0;
     if (p->moved[i])
       memcpy(p->point + 3 * (size_t)i, x, sizeof x);
@@ -183,7 +210,7 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
   bw_surface *made = NULL;
   bw_surface_report report = {0};
   size_t points = (size_t)surface->point_count;
-  bwi_around *at = BW_NEW0(context, bwi_around, points);
+  bwi_faces_around *at = BW_NEW0(context, bwi_faces_around, points);
   double *room = BW_NEW(context, double, points);
   int32_t *label = BW_NEW(context, int32_t, surface->triangle_count);
   projection p = {.faces = faces,
@@ -201,7 +228,10 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_faces_label(context, base, faces, surface, label));
+  if (surface->group)
+    memcpy(label, surface->group, (size_t)surface->triangle_count * sizeof *label);
+  else
+    BW_TRY(bwi_faces_label(context, base, faces, surface, label));
   look_around(faces, surface, label, at, room);
   memcpy(p.point, surface->point, 3 * points * sizeof *p.point);
   /* Planes first, by hair's breadths: what the longer moves onto round faces give up stays flat. */

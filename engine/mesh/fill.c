@@ -14,6 +14,9 @@
 
 /* Elements on the boundary with a dihedral angle below this are taken off: 3 degrees. */
 static const double flat_angle = 0.05;
+/* ... where borders of faces are kept, if their height is no more than rounding: in shares of the
+ * diagonal. */
+static const double of_rounding = 1e-7;
 
 void bw_fill_options_default(bw_fill_options *options) {
   *options = (bw_fill_options){.order = 1,
@@ -219,7 +222,9 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   if (!f.options->keep_surface) {
     int64_t gone;
     double moved;
-    BW_TRY(bwi_peel_flat(context, &made, flat_angle, &gone, &moved));
+    const bool borders = f.best_how >= WAY_FACES && f.best_how <= WAY_CURVES;
+    BW_TRY(bwi_peel_flat(context, &made, flat_angle, borders ? of_rounding * f.diagonal : HUGE_VAL,
+                         &gone, &moved));
     if (gone > 0)
       bw_shape_log_add(&f.best_log, "peel", gone, moved,
                        "%lld flat elements of less than %.3g m height were taken off the boundary",

@@ -10,6 +10,8 @@
 
 /* Elements per facet of the surface and per volume of an edge length, for the first guess. */
 static const double facet_share = 1.7, volume_share = 1.6;
+/* ... per point that bends a border of faces, where those are kept. */
+static const double bend_share = 12;
 /* The volume bound that goes with an edge length, in cubes of it: the edges inside may be about
  * half as long again as those on the surface. */
 static const double volume_of_length = 0.5;
@@ -79,6 +81,7 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
     f->best_surface = bw_retain(f->surface);
     f->best_log = f->surface_log;
     f->best_length = f->length;
+    f->best_how = f->how;
   } else {
     bw_free(result.node);
     bw_free(result.element);
@@ -109,6 +112,8 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
     if (filled && status == BW_LIMIT && *how != WAY_AS_IS)
       break; /* well-shaped facets already: another surface takes as long */
     snprintf(why, sizeof why, "%s", bw_message(f->context));
+    if (status == BW_LIMIT && *how == WAY_FACES)
+      *how = WAY_BORDERS; /* that takes as long */
     if (!f->options->remesh || f->options->keep_surface)
       break;
   }
@@ -118,6 +123,12 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
 }
 
 /* ---- the wanted number ---------------------------------------------------------------------- */
+
+/* Elements that the faces take at any edge length. */
+static double least_count(const bwi_filler *f, bwi_fill_way how) {
+  return (how <= WAY_BORDERS ? bend_share * (double)f->bends : 0) +
+         (how <= WAY_FACES ? facet_share * f->round_facets : 0);
+}
 
 static double expected_count(const bwi_filler *f, double length) {
   double facets = f->area / (0.4330127 * length * length) * 1.15;
@@ -171,32 +182,31 @@ static int64_t tunnels_of(const bw_surface *surface, int64_t bodies) {
   return bodies - ((int64_t)surface->point_count - surface->triangle_count / 2) / 2;
 }
 
-/* A surface much finer than wanted needs coarsening only, which is faster than remeshing; but that
- * knows one length for all places. */
-static bwi_fill_way first_way(const bwi_filler *f, double length) {
+/* The first way that may give so many elements. Faces are kept where they can be, and where one
+ * length holds for all places. A surface much finer than wanted needs coarsening only, which is
+ * faster than remeshing; but that knows one length for all places. */
+static bwi_fill_way way_from(const bwi_filler *f, bwi_fill_way first, double length, double count) {
   double own = sqrt(f->area / (0.4330127 * f->base->triangle_count));
+  for (bwi_fill_way how = first; how < WAY_REMESH; how++)
+    if (f->has_faces && f->field.point_count == 0 && !f->field.size && least_count(f, how) <= count)
+      return how;
   return own < 0.6 * length && f->field.point_count == 0 ? WAY_COARSEN : WAY_REMESH;
 }
 
-bw_status bwi_fill_meet_count(bwi_filler *f) {
+/* Search for the edge length: a secant on the logarithms of length and count. The slope lies
+ * between that of a sheet, -2, and that of a solid, -3, unless detail that must be kept flattens
+ * it. */
+static bw_status search_length(bwi_filler *f, bwi_fill_way *how) {
   double wanted = (double)f->options->elements, tolerance = log1p(f->options->tolerance) * 0.999;
   bw_status status = BW_OK;
-  int64_t count = 0;
-  bwi_fill_way how = WAY_AS_IS;
-  if (f->options->keep_surface || !f->options->remesh) {
-    double volume = 1.8 * f->volume / wanted;
-    BW_TRY(fill_at(f, &how, 0, volume, &count));
-    BW_TRY(tune_volume(f, wanted, volume, count, 6));
-    goto done;
-  }
-  /* Secant on the logarithms of length and count; the slope lies between that of a sheet, -2, and
-   * that of a solid, -3, unless detail that must be kept flattens it. */
-  double length = first_length(f, wanted), slope = -2.4, last_length = 0, last_count = 0;
+  double length = first_length(f, fmax(wanted - least_count(f, *how), 0.3 * wanted));
+  double slope = -2.4, last_length = 0, last_count = 0;
+  bool flat = false;
   double low = 0, high = INFINITY; /* lengths known to give too many, too few */
-  how = first_way(f, length);
   for (int i = 0; i < 8 && f->attempts < MOST_ATTEMPTS && !bwi_fill_too_late(f); i++) {
     double volume = volume_of_length * length * length * length;
-    status = fill_at(f, &how, length, volume, &count);
+    int64_t count = 0;
+    status = fill_at(f, how, length, volume, &count);
     if (status != BW_OK) {
       if (f->best.node && bwi_fill_may_cure(status)) {
         status = BW_OK;
@@ -208,7 +218,7 @@ bw_status bwi_fill_meet_count(bwi_filler *f) {
       break;
     double ratio = (double)count / wanted;
     int64_t tunnels = tunnels_of(f->surface, 1);
-    if (ratio > 1 && how < WAY_WRAP && 40.0 * (double)tunnels > wanted) {
+    if (ratio > 1 && *how < WAY_WRAP && 40.0 * (double)tunnels > wanted) {
       /* A wrap would close them, but it also fills the walls' surroundings: not the user's body. */
       bw_remark(
           f->context,
@@ -230,6 +240,15 @@ bw_status bwi_fill_meet_count(bwi_filler *f) {
     }
     if (last_length > 0 && fabs(log(length / last_length)) > 0.02) {
       slope = log((double)count / last_count) / log(length / last_length);
+      if (*how < WAY_REMESH && ratio > 1 + f->options->tolerance && slope > -0.4) {
+        if (flat) /* the borders of faces take as many at any length */
+          break;
+        flat = true;
+        last_length = length;
+        last_count = (double)count;
+        length *= 3;
+        continue;
+      }
       slope = fmin(fmax(slope, -3.5), -1.0);
     }
     last_length = length;
@@ -247,6 +266,30 @@ done:
   return status;
 }
 
+bw_status bwi_fill_meet_count(bwi_filler *f) {
+  double wanted = (double)f->options->elements, tolerance = log1p(f->options->tolerance) * 0.999;
+  bw_status status = BW_OK;
+  int64_t count = 0;
+  bwi_fill_way how = WAY_AS_IS;
+  if (f->options->keep_surface || !f->options->remesh) {
+    double volume = 1.8 * f->volume / wanted;
+    BW_TRY(fill_at(f, &how, 0, volume, &count));
+    BW_TRY(tune_volume(f, wanted, volume, count, 6));
+    goto done;
+  }
+  BW_TRY(bwi_fill_find_faces(f));
+  double length = first_length(f, wanted);
+  bool faces = true;
+  for (how = WAY_FACES; faces; how++) {
+    how = way_from(f, how, length, wanted);
+    faces = how < WAY_REMESH;
+    BW_TRY(search_length(f, &how));
+    faces = faces && f->best_miss > tolerance && how < WAY_REMESH;
+  }
+done:
+  return status;
+}
+
 /* Without a wish for the count: the surface at its own resolution, or one that fits the volume
  * bound, whichever is finer. */
 bw_status bwi_fill_once(bwi_filler *f) {
@@ -259,7 +302,13 @@ bw_status bwi_fill_once(bwi_filler *f) {
     bound = volume_of_length * length * length * length;
   } else if (o->max_volume > 0)
     length = fmin(length, cbrt(o->max_volume / volume_of_length));
-  bwi_fill_way how = o->remesh && !o->keep_surface ? first_way(f, length) : WAY_AS_IS;
+  bwi_fill_way how = WAY_AS_IS;
+  if (o->remesh && !o->keep_surface) {
+    bw_status found = bwi_fill_find_faces(f);
+    if (found != BW_OK)
+      return found;
+    how = way_from(f, WAY_FACES, length, o->edge_length > 0 ? 0 : expected_count(f, length));
+  }
   if (o->max_volume == 0 && bound == 0 && how != WAY_AS_IS)
     bound = 8 * length * length * length;
   bw_status status = fill_at(f, &how, length, bound, &count);

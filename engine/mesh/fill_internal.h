@@ -26,13 +26,18 @@ bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface, do
                               double shorter, double error, double seconds, bw_surface **coarsened);
 
 /* Take flat elements off the boundary: those with a dihedral angle below `angle`, where it stays a
- * manifold. *gone counts them, *moved is the largest height of one. *mesh (order 1) is replaced. */
-bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, int64_t *gone,
-                        double *moved);
+ * manifold and their height is at most `highest`. *gone counts them, *moved is the largest height
+ * of one. *mesh (order 1) is replaced. */
+bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, double highest,
+                        int64_t *gone, double *moved);
 
 /* How the surface for TetGen is made from the base, from the mildest to the last resort. */
 typedef enum bwi_fill_way {
-  WAY_AS_IS,   /* the base itself */
+  WAY_AS_IS, /* the base itself */
+  WAY_FACES, /* remeshed with the borders of faces as they are, and round faces as fine as they need
+              */
+  WAY_BORDERS, /* with the borders as they are */
+  WAY_CURVES,  /* with the borders as sharp edges, of fewer points */
   WAY_REMESH,  /* remeshed to the edge length */
   WAY_COARSEN, /* long edges cut, short ones collapsed where that makes no intersections */
   WAY_WRAP,    /* wrapped, which drops detail below the edge length, then remeshed */
@@ -46,7 +51,10 @@ typedef struct bwi_filler {
   bw_surface *base;
   double volume, area, diagonal;
   bw_shape_log base_log;
-  bw_faces *faces; /* of the base, once the surface has been changed; or NULL */
+  bw_faces *faces;     /* of the base, once they have been asked for; or NULL */
+  int64_t bends;       /* points of their borders that stay */
+  bool has_faces;      /* planes and round ones have most of the area */
+  double round_facets; /* on round faces at least */
 
   bw_surface
       *tidy; /* the base without very short edges, for lengths from tidy_length on; or NULL */
@@ -64,6 +72,7 @@ typedef struct bwi_filler {
   double best_miss; /* |log(count / wanted)| */
   bw_shape_log best_log;
   double best_length;
+  bwi_fill_way best_how;
 
   int attempts;
   double seconds_repair, seconds_remesh, seconds_fill;
@@ -79,6 +88,8 @@ bool bwi_fill_may_cure(bw_status status);
 bool bwi_fill_too_late(const bwi_filler *f);
 /* fill_surface.c: the surface for TetGen from the base, for an edge length. */
 bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length);
+/* The faces of the base and what keeping them takes, once. */
+bw_status bwi_fill_find_faces(bwi_filler *f);
 /* fill_count.c: attempts until the count is met, or one that quality and volume ask for. */
 bw_status bwi_fill_meet_count(bwi_filler *f);
 bw_status bwi_fill_once(bwi_filler *f);

@@ -104,7 +104,7 @@ static bool may_go(const bw_mesh *mesh, int32_t element, unsigned faces, const u
 }
 
 static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine_limit,
-                           bw_mesh **out, int64_t *gone, double *moved) {
+                           double highest, bw_mesh **out, int64_t *gone, double *moved) {
   bw_status status = BW_OK;
   bwi_keyed *edge = NULL;
   int64_t edges = 0;
@@ -124,7 +124,7 @@ static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine
     keep[i] = 1;
     if (n[0] < 0 || n[1] < 0 || n[2] < 0 || n[3] < 0)
       flatness(mesh, i, &height, &sine);
-    if (sine >= sine_limit)
+    if (sine >= sine_limit || height > highest)
       continue;
     keep[i] = 0; /* a candidate */
     for (int k = 0; k < 4; k++)
@@ -164,14 +164,14 @@ done:
   return status;
 }
 
-bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, int64_t *gone,
-                        double *moved) {
+bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, double highest,
+                        int64_t *gone, double *moved) {
   *gone = 0;
   *moved = 0;
   for (int round = 0; round < 4; round++) {
     bw_mesh *made;
     int64_t now;
-    bw_status status = peel_once(context, *mesh, sin(angle), &made, &now, moved);
+    bw_status status = peel_once(context, *mesh, sin(angle), highest, &made, &now, moved);
     if (status != BW_OK)
       return status;
     if (now == 0)

@@ -7,15 +7,27 @@
 #include <math.h>
 #include <string.h>
 
+/* Points of borders this near to straight lines, in shares of the diagonal, may go. */
+static const double straight = 1e-6;
+/* ... of the edge length where the count has no room for more. */
+static const double nearly_straight = 0.03;
+/* Faces are kept where planes and round faces of at least the second share of the area have the
+ * first share of it: scans have many small ones by chance. */
+static const double share_of_area = 0.5, least_area = 1e-3;
+/* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the square.
+ */
+static const double round_angle = 0.25;
+
 /* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles
  * keep it busy for minutes, and there is another way for those. */
 typedef struct remesh_job {
   const bw_surface *from;
   bw_remesh_options options;
+  bwi_face_borders borders; /* faces NULL: none are kept */
 } remesh_job;
 
 typedef struct remesh_head {
-  int64_t points, triangles;
+  int64_t points, triangles, groups; /* of triangles: none, or a number of each */
   bw_shape_log log;
 } remesh_head;
 
@@ -24,12 +36,15 @@ static bw_status remesh_child(bw_context *context, void *data, bwi_child_stream 
   bw_surface *made = NULL;
   remesh_head head = {.log.count = 0};
   bw_status status;
-  BW_TRY(bw_surface_remesh(context, job->from, &job->options, &made, &head.log));
+  BW_TRY(bwi_surface_remesh(context, job->from, &job->options,
+                            job->borders.faces ? &job->borders : NULL, &made, &head.log));
   head.points = made->point_count;
   head.triangles = made->triangle_count;
+  head.groups = job->borders.faces ? made->triangle_count : 0;
   BW_TRY(bwi_child_write(out, &head, sizeof head));
   BW_TRY(bwi_child_write(out, made->point, 24 * (size_t)head.points));
   BW_TRY(bwi_child_write(out, made->triangle, 12 * (size_t)head.triangles));
+  BW_TRY(bwi_child_write(out, made->group, 4 * (size_t)head.groups));
 done:
   bw_release(made);
   return status;
@@ -46,16 +61,23 @@ static bw_status try_sizes(bwi_filler *f, const bw_surface *from) {
   return BW_OK;
 }
 
-static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, double sharp,
+static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from, double length,
                         bw_surface **made, bw_shape_log *log) {
   remesh_job job = {.from = from};
   bw_remesh_options_default(&job.options);
   job.options.edge_length = length;
-  job.options.sharp_angle = sharp;
+  job.options.sharp_angle = f->options->sharp_angle;
+  if (how < WAY_REMESH) {
+    job.borders.faces = f->faces;
+    job.borders.tolerance = how == WAY_CURVES ? nearly_straight * length : straight * f->diagonal;
+    job.borders.round_angle = how == WAY_FACES ? round_angle : 0;
+  }
   job.options.time_limit = f->options->time_limit;
   job.options.memory_limit = f->options->memory_limit;
   job.options.sizes = &f->field;
   double facets = f->area / (0.4330127 * length * length) + 0.5 * from->triangle_count;
+  if (how <= WAY_BORDERS)
+    facets += 8.0 * (double)f->bends + f->round_facets;
   bwi_child_limits limits = {fmin(5 + 2.5e-4 * facets, f->options->time_limit),
                              f->options->memory_limit};
   unsigned char *bytes = NULL;
@@ -68,15 +90,17 @@ static bw_status remesh(bwi_filler *f, const bw_surface *from, double length, do
   if (count >= sizeof head)
     memcpy(&head, bytes, sizeof head);
   if (count < sizeof head || head.points < 0 || head.triangles < 0 || head.points > INT32_MAX ||
-      head.triangles > INT32_MAX ||
-      count != sizeof head + 24 * (size_t)head.points + 12 * (size_t)head.triangles) {
+      head.triangles > INT32_MAX || (head.groups != 0 && head.groups != head.triangles) ||
+      count != sizeof head + 24 * (size_t)head.points + 12 * (size_t)head.triangles +
+                   4 * (size_t)head.groups) {
     status = bw_fail(f->context, BW_INTERNAL, "%zu bytes are no remeshed surface", count);
     goto done;
   }
   const unsigned char *points = bytes + sizeof head; /* aligned: the head is whole doubles long */
-  BW_TRY(bw_surface_copy(
-      f->context, head.points, (const double *)(const void *)points, head.triangles,
-      (const int32_t *)(const void *)(points + 24 * (size_t)head.points), NULL, made));
+  const int32_t *triangles = (const int32_t *)(const void *)(points + 24 * (size_t)head.points);
+  BW_TRY(bw_surface_copy(f->context, head.points, (const double *)(const void *)points,
+                         head.triangles, triangles,
+                         head.groups ? triangles + 3 * head.triangles : NULL, made));
   bwi_fill_append_log(log, &head.log);
 done:
   bw_free(bytes);
@@ -137,14 +161,15 @@ static double shortest_wish(const bwi_filler *f, double length) {
 
 /* Remesh, and drop the very short edges that sharp edges with many points leave behind: they would
  * make flat elements. */
-static bw_status remesh_sound(bwi_filler *f, const bw_surface *from, double length,
-                              bw_surface **out, bw_shape_log *log) {
+static bw_status remesh_sound(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
+                              double length, bw_surface **out, bw_shape_log *log) {
   bw_surface *made = NULL;
   bw_status status;
-  BW_TRY(remesh(f, from, length, f->options->sharp_angle, &made, log));
+  BW_TRY(remesh(f, how, from, length, &made, log));
   BW_TRY(check_sound(f, made, length));
   double least = shortest_wish(f, length);
-  BW_TRY(collapse_short(f, length, 0.4 * least, 0.02 * least, &made, log));
+  if (how >= WAY_REMESH)
+    BW_TRY(collapse_short(f, length, 0.4 * least, 0.02 * least, &made, log));
   *out = made;
   made = NULL;
 done:
@@ -176,14 +201,28 @@ done:
   return status;
 }
 
+bw_status bwi_fill_find_faces(bwi_filler *f) {
+  if (f->faces)
+    return BW_OK;
+  bw_status status = bw_faces_find(f->context, f->base, 0, &f->faces);
+  if (status == BW_OK)
+    status = bwi_faces_least(f->context, f->base, f->faces, f->options->sharp_angle,
+                             straight * f->diagonal, round_angle, &f->bends, &f->round_facets);
+  double kept = 0;
+  for (int32_t i = 0; status == BW_OK && i < f->faces->count; i++) {
+    const bw_face *face = &f->faces->face[i];
+    kept += face->kind != BW_FACE_FREE && face->area >= least_area * f->area ? face->area : 0;
+  }
+  f->has_faces = kept >= share_of_area * f->area;
+  return status;
+}
+
 /* Points that remeshing moved off the planes and round faces of the base go back onto them. */
 static bw_status onto_faces(bwi_filler *f, double length, bw_surface **surface, bw_shape_log *log) {
   bw_surface *made;
   int64_t count;
   double moved;
-  bw_status status = BW_OK;
-  if (!f->faces)
-    status = bw_faces_find(f->context, f->base, 0, &f->faces);
+  bw_status status = bwi_fill_find_faces(f);
   if (status == BW_OK)
     status = bwi_faces_project(f->context, f->base, f->faces, *surface, 0.3 * length, &made, &count,
                                &moved);
@@ -214,15 +253,21 @@ bw_status bwi_fill_make_surface(bwi_filler *f, bwi_fill_way how, double length) 
   case WAY_AS_IS:
     made = bw_retain(f->base);
     break;
+  case WAY_FACES:
+  case WAY_BORDERS:
+  case WAY_CURVES:
+    BW_TRY(bwi_fill_find_faces(f));
+    BW_TRY(remesh_sound(f, how, f->base, length, &made, &log));
+    break;
   case WAY_REMESH:
-    BW_TRY(remesh_sound(f, f->base, length, &made, &log));
+    BW_TRY(remesh_sound(f, how, f->base, length, &made, &log));
     break;
   case WAY_COARSEN:
     BW_TRY(coarsen(f, length, &made, &log));
     break;
   default:
     BW_TRY(bw_surface_wrap(context, f->base, &wrap, &between, &log));
-    BW_TRY(remesh_sound(f, between, length, &made, &log));
+    BW_TRY(remesh_sound(f, how, between, length, &made, &log));
     break;
   }
   if (f->field.point_count || f->field.size) {

@@ -5,15 +5,16 @@
 
 #include <math.h>
 
+#include "barwright/faces.h"
 #include "barwright/mesh.h"
 #include "base/limit.h"
 #include "mesh/remesh_mesh.h"
 #include "mesh/surface_tree.h"
 
 static const double longest = 4.0 / 3, shortest = 4.0 / 5; /* of the wanted length */
-static const double growth = 0.5;                          /* of the wanted length, per distance */
-static const double finest = 1.0 / 12;                     /* of the edge length asked for */
-static const double turn = 0.5; /* cosine of the largest turn of a facet in one change */
+static const double chord = 2;    /* chords of round faces may be so much longer */
+static const double growth = 0.5; /* of the wanted length, per distance */
+static const double turn = 0.5;   /* cosine of the largest turn of a facet in one change */
 
 /* A place where edges must be finer than asked for. */
 typedef struct bwi_fine_place {
@@ -23,15 +24,18 @@ typedef struct bwi_fine_place {
 typedef struct bwi_remesher {
   bw_context *context;
   const bw_surface *original;
+  const struct bwi_face_borders *borders; /* NULL: none are kept */
+  const bw_faces *faces; /* of the original, or NULL: their borders are sharp edges */
   bwi_changing *mesh;
   bwi_tree *tree, *creases;
   int32_t *crease; /* sharp edges of the original as triangles a b b */
   double length, tolerance;
+  double finest;      /* of the edge length asked for: where features are small */
   double tiny;        /* edges so short go even where they are features */
   double most_facets; /* no more edges are split beyond */
   double memory;      /* bytes allowed */
   bwi_time_limit time;
-  double share; /* done of the whole, for progress */
+  double share;               /* done of the whole, for progress */
   const bw_size_field *sizes; /* NULL: none */
   double *room; /* per facet of the original: how far what lies opposite is, inside or outside */
   bwi_fine_place *fine;
@@ -88,6 +92,11 @@ bool bwi_remesh_facet_near_surface(const bwi_remesher *r, const double a[3], con
                                    const double c[3], double limit);
 double bwi_remesh_size_near(const bwi_remesher *r, const double x[3]);
 bw_status bwi_remesh_find_room(void *data, int64_t begin, int64_t end, int worker);
+
+/* remesh_faces.c: borders of faces are sharp edges, groups the numbers of faces; edges on round
+ * faces are short beside the radius. Is a side a chord of a round face beside a plane? */
+bw_status bwi_remesh_mark_faces(bwi_remesher *r, double tolerance, double round_angle);
+bool bwi_remesh_is_chord(const bwi_remesher *r, int32_t side);
 
 /* remesh_edges.c: split long sides, collapse short ones, let wanted sizes grow no faster than they
  * may. */

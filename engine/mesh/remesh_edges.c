@@ -32,7 +32,8 @@ bw_status bwi_remesh_split_long(bwi_remesher *r) {
       if (mesh->corner[s] < 0 || s > mesh->opposite[s])
         continue;
       double ratio = side_length(mesh, s) / wanted(mesh, s);
-      if (ratio <= longest || !is_longest(mesh, s, ratio))
+      if (ratio <= longest || !is_longest(mesh, s, ratio) ||
+          (ratio <= chord * longest && bwi_remesh_is_chord(r, s)))
         continue;
       double at[3];
       int32_t made;
@@ -169,7 +170,7 @@ bw_status bwi_remesh_collapse_short(bwi_remesher *r, bool coarse, bool learn) {
         bwi_collapse(mesh, s);
         done_count++;
       } else if (learn && there == FEATURE && back == FEATURE && pass == 0) {
-        double size = fmax(1.8 * side_length(mesh, s), finest * r->length);
+        double size = fmax(1.8 * side_length(mesh, s), r->finest * r->length);
         int32_t ends[2] = {bwi_from(mesh, s), bwi_to(mesh, s)};
         for (int k = 0; k < 2; k++)
           mesh->size[ends[k]] = fmin(mesh->size[ends[k]], size);

@@ -2,8 +2,8 @@
 /* What a change of the remeshed surface must not do: leave the surface, leave a crease, or come
  * near what lies opposite. */
 #include "mesh/remesh.h"
-#include "mesh/tetgen_run.h"
 #include "mesh/surface_internal.h"
+#include "mesh/tetgen_run.h"
 
 /* How far the surface may be left near a point. */
 double bwi_remesh_slack(const bwi_remesher *r, double size) {

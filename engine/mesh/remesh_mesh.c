@@ -65,9 +65,7 @@ static double angle_between(const bwi_changing *mesh, int32_t s, int32_t t) {
   return atan2(bw_norm(c), bw_dot(m, n));
 }
 
-/* Points on no sharp edge are free; on two that run on nearly straight, crease points; others are
- * corners. */
-static void classify(bwi_changing *mesh) {
+void bwi_changing_classify(bwi_changing *mesh) {
   for (int32_t p = 0; p < (int32_t)mesh->point_count; p++) {
     int32_t start = mesh->side[p], s = start, ends[2] = {0, 0};
     int count = 0;
@@ -124,7 +122,7 @@ bw_status bwi_changing_create(bw_context *context, const bw_surface *surface, do
     mesh->opposite[t] = s;
     mesh->sharp[s] = mesh->sharp[t] = angle_between(mesh, s, t) > sharp_angle;
   }
-  classify(mesh);
+  bwi_changing_classify(mesh);
   *out = mesh;
   mesh = NULL;
 done:

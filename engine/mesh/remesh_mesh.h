@@ -29,6 +29,9 @@ enum { BWI_FREE, BWI_CREASE, BWI_CORNER };
  * facets' normals differ by more than the angle are sharp. */
 bw_status bwi_changing_create(bw_context *context, const bw_surface *surface, double sharp_angle,
                               bwi_changing **mesh);
+/* Points on no sharp edge are free; on two that run on nearly straight, crease points; others are
+ * corners. */
+void bwi_changing_classify(bwi_changing *mesh);
 void bwi_changing_free(bwi_changing *mesh);
 bw_status bwi_changing_surface(const bwi_changing *mesh, bool groups, bw_surface **surface);
 

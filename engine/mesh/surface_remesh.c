@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "barwright/mesh.h"
+#include "mesh/faces_internal.h"
 #include "mesh/remesh.h"
 #include "mesh/surface_cgal.h"
 #include "mesh/surface_internal.h"
@@ -77,10 +78,12 @@ static bw_status run(bwi_remesher *r, const bw_remesh_options *options, bw_surfa
   bwi_changing_free(r->mesh);
   r->mesh = NULL;
   BW_TRY(bwi_changing_create(r->context, r->original, options->sharp_angle, &r->mesh));
-  if (!r->creases)
-    BW_TRY(find_creases(r));
   for (size_t p = 0; p < r->mesh->point_count; p++)
     r->mesh->size[p] = bwi_remesh_size_near(r, r->mesh->point + 3 * p);
+  if (r->faces)
+    BW_TRY(bwi_remesh_mark_faces(r, r->borders->tolerance, r->borders->round_angle));
+  if (!r->creases)
+    BW_TRY(find_creases(r));
   BW_TRY(bwi_remesh_flip_edges(r, 10));
   for (int i = 0; i < options->iterations; i++) {
     r->share = (double)i / options->iterations;
@@ -92,7 +95,7 @@ static bw_status run(bwi_remesher *r, const bw_remesh_options *options, bw_surfa
     BW_TRY(bwi_remesh_relax(r));
     BW_TRY(bwi_remesh_flip_edges(r, 2));
   }
-  BW_TRY(bwi_changing_surface(r->mesh, r->original->group != NULL, made));
+  BW_TRY(bwi_changing_surface(r->mesh, r->faces || r->original->group, made));
 done:
   return status;
 }
@@ -114,7 +117,7 @@ static bw_status refine_cuts(bwi_remesher *r, const bw_surface *made,
       size = fmax(size, distance(made->point + 3 * (int64_t)corner[k],
                                  made->point + 3 * (int64_t)corner[(k + 1) % 3]));
     memcpy(place->at, defect->at, sizeof place->at);
-    place->size = fmax(0.4 * size, finest * r->length);
+    place->size = fmax(0.4 * size, r->finest * r->length);
   }
   return BW_OK;
 }
@@ -148,9 +151,9 @@ done:
   return status;
 }
 
-bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
-                            const bw_remesh_options *given, bw_surface **remeshed,
-                            bw_shape_log *log) {
+bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
+                             const bw_remesh_options *given, const bwi_face_borders *borders,
+                             bw_surface **remeshed, bw_shape_log *log) {
   bw_status status = BW_OK;
   bw_remesh_options options;
   bw_surface *welded = NULL, *made = NULL;
@@ -195,7 +198,17 @@ bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
     goto done;
   }
   r.most_facets = 8.0 * welded->triangle_count + 400 * report.area / (r.length * r.length) + 1e4;
-  r.tiny = fmin(0.03 * r.length, 0.3 * r.tolerance);
+  if (borders && borders->faces->triangle_count != welded->triangle_count) {
+    status = bw_fail(context, BW_GEOMETRY,
+                     "%d facets have a face, but the welded surface has %d facets: find the faces "
+                     "of the welded surface",
+                     borders->faces->triangle_count, welded->triangle_count);
+    goto done;
+  }
+  r.borders = borders;
+  r.faces = borders ? borders->faces : NULL;
+  r.finest = r.faces && borders->tolerance < 1e-3 * r.length ? 0.02 : 1.0 / 12;
+  r.tiny = r.faces ? borders->tolerance : fmin(0.03 * r.length, 0.3 * r.tolerance);
   bool sound_before = report.sound;
   int attempt = 0;
   r.original = welded;
@@ -247,4 +260,10 @@ done:
   bw_free(r.fine);
   bw_free(r.room);
   return status;
+}
+
+bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
+                            const bw_remesh_options *options, bw_surface **remeshed,
+                            bw_shape_log *log) {
+  return bwi_surface_remesh(context, surface, options, NULL, remeshed, log);
 }

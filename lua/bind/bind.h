@@ -265,11 +265,12 @@ typedef bw_status lbw_boundary(bw_context *context, const void *body, bw_surface
                                int32_t **node);
 int lbw_push_boundary(lua_State *L, const void *body, lbw_boundary *boundary);
 
-/* faces.c: surface:faces{angle}, selection:face(which), mesh:curved(surface), and the text on the
- * top of the stack with a line for each of the largest faces behind it. */
+/* faces.c: surface:faces{angle}, selection:face(which), mesh:curved(surface), mesh:faces(surface),
+ * and the text on the top of the stack with a line for each of the largest faces behind it. */
 int lbw_surface_faces(lua_State *L);
 int lbw_selection_face(lua_State *L);
 int lbw_mesh_curved(lua_State *L);
+int lbw_mesh_faces(lua_State *L);
 void lbw_add_faces(lua_State *L, const bw_surface *surface);
 
 /* {size, elements, ...} at `index`. `field` is pushed: NULL (and nil), or what to begin and end

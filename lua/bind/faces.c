@@ -60,14 +60,8 @@ static int push_faces(lua_State *L) {
   return 1;
 }
 
-/* surface:faces{angle}: a list by descending area */
-int lbw_surface_faces(lua_State *L) {
-  static const lbw_option list[] = {{"angle", LBW_REAL, 0}, {NULL, LBW_OTHER, 0}};
-  const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
-  double angle = 0;
-  bw_faces *faces = NULL;
-  lbw_options(L, 2, "faces", list, &angle);
-  bw_status status = bw_faces_find(lbw_enter(L), surface, angle, &faces);
+/* Ends a call of the engine with a list of faces, which are released. */
+static int leave_faces(lua_State *L, bw_status status, bw_faces *faces) {
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
   lbw_state_of(L)->running = 0;
@@ -76,6 +70,17 @@ int lbw_surface_faces(lua_State *L) {
   int failure = lua_pcall(L, 1, 1, 0);
   bw_release(faces);
   return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
+}
+
+/* surface:faces{angle}: a list by descending area */
+int lbw_surface_faces(lua_State *L) {
+  static const lbw_option list[] = {{"angle", LBW_REAL, 0}, {NULL, LBW_OTHER, 0}};
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
+  double angle = 0;
+  bw_faces *faces = NULL;
+  lbw_options(L, 2, "faces", list, &angle);
+  bw_status status = bw_faces_find(lbw_enter(L), surface, angle, &faces);
+  return leave_faces(L, status, faces);
 }
 
 /* Which face: by number, by name, or the nearest to a point. */
@@ -158,6 +163,54 @@ done:
   bw_release(chosen);
   lbw_box_fill(L, box, within);
   return lbw_leave(L, status, 1);
+}
+
+/* The areas of the faces of a surface on the boundary of a mesh: `area` of the faces. */
+static bw_status areas_on_mesh(bw_context *context, const bw_surface *surface, const bw_mesh *mesh,
+                               bw_faces **out) {
+  bw_status status = BW_OK;
+  bw_faces *faces = NULL;
+  bw_selection *chosen = NULL;
+  int32_t *label = BW_NEW(context, int32_t, mesh->facet_count);
+  uint8_t *mask = BW_NEW(context, uint8_t, mesh->facet_count);
+  if (!label || !mask) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_faces_find(context, surface, 0, &faces));
+  BW_TRY(bw_faces_on_mesh(context, surface, faces, mesh, label));
+  for (int32_t i = 0; i < faces->count; i++) {
+    bool some = false;
+    faces->face[i].triangle_count = 0;
+    faces->face[i].area = 0;
+    for (int32_t t = 0; t < mesh->facet_count; t++) {
+      mask[t] = label[t] == i;
+      faces->face[i].triangle_count += mask[t];
+      some = some || mask[t];
+    }
+    if (!some)
+      continue;
+    BW_TRY(bw_select_mask(context, mesh, mask, NULL, &chosen));
+    faces->face[i].area = bw_selection_area(chosen);
+    bw_release(chosen);
+    chosen = NULL;
+  }
+  *out = faces;
+  faces = NULL;
+done:
+  bw_release(faces);
+  bw_free(label);
+  bw_free(mask);
+  return status;
+}
+
+/* mesh:faces(surface): the list of surface:faces() with areas and facets of the mesh's boundary */
+int lbw_mesh_faces(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_surface *surface = (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);
+  bw_faces *faces = NULL;
+  bw_status status = areas_on_mesh(lbw_enter(L), surface, mesh, &faces);
+  return leave_faces(L, status, faces);
 }
 
 /* mesh:curved(surface): mesh, how many middles lie on round faces now */

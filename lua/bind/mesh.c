@@ -515,17 +515,11 @@ static int mesh_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"write", mesh_write},
-                                   {"with_order", mesh_with_order},
-                                   {"moved", mesh_moved},
-                                   {"subset", mesh_subset},
-                                   {"renumbered", mesh_renumbered},
-                                   {"surface", mesh_surface},
-                                   {"curved", lbw_mesh_curved},
-                                   {"locate", mesh_locate},
-                                   {"quality", mesh_quality},
-                                   {"to_nodes", mesh_to_nodes},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"write", mesh_write},       {"with_order", mesh_with_order}, {"moved", mesh_moved},
+    {"subset", mesh_subset},     {"renumbered", mesh_renumbered}, {"surface", mesh_surface},
+    {"curved", lbw_mesh_curved}, {"faces", lbw_mesh_faces},       {"locate", mesh_locate},
+    {"quality", mesh_quality},   {"to_nodes", mesh_to_nodes},     {NULL, NULL}};
 static const luaL_Reg properties[] = {{"nodes", mesh_nodes},
                                       {"elements", mesh_elements},
                                       {"regions", mesh_regions},

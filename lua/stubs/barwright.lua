@@ -803,6 +803,15 @@ function Mesh:curved(surface) end
 ---@return bw.Array nodes
 function Mesh:surface() end
 
+---The faces of the surface that the mesh was filled from (Surface:faces), with `area` and `triangle_count` of the
+---mesh's boundary: what filling has left of each. A face without a facet there has area 0.
+---`for i, face in ipairs(mesh:faces(surface)) do print(face.name, face.area / surface:faces()[i].area) end`
+---@param surface bw.Surface
+---@return bw.Face[]? faces
+---@return string? message
+---@return table? details
+function Mesh:faces(surface) end
+
 ---The element that holds a point (or the nearest one), its barycentric weights, whether it is inside.
 ---@param point bw.Vector
 ---@return integer element

@@ -49,6 +49,11 @@ int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface, const do
  * for a free one. Inside a cylinder, cone or sphere it is negative. */
 double bw_face_distance(const bw_face *face, const double x[3], double gradient[3]);
 
+/* The number of the face of the surface that each facet of a mesh's boundary lies on (label:
+ * facet_count), -1 where it is not clear. */
+bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface, const bw_faces *faces,
+                           const bw_mesh *mesh, int32_t *label);
+
 /* A mesh of order 2 with the nodes of its boundary's edges on the primitives of the surface that it
  * was filled from. Nodes stay where an element would become too distorted. `count`, when asked
  * for: how many moved. BW_INVALID for a mesh of order 1. */

@@ -185,11 +185,69 @@ static void faces_survive_filling(void **state) {
     }
 }
 
+static double facet_area(const bw_surface *surface, int32_t t) {
+  const double *x[3];
+  double u[3], v[3], n[3];
+  for (int k = 0; k < 3; k++)
+    x[k] = surface->point + 3 * (size_t)surface->triangle[3 * (size_t)t + (size_t)k];
+  for (int k = 0; k < 3; k++) {
+    u[k] = x[1][k] - x[0][k];
+    v[k] = x[2][k] - x[0][k];
+  }
+  bw_cross(u, v, n);
+  return bw_norm(n) / 2;
+}
+
+/* The borders of faces are kept at every size: planes keep their areas to 1e-6, round faces to half
+ * a per cent, and the count is met. */
+static void areas_survive_filling(void **state) {
+  bw_context *context = check_context(state);
+  static const int64_t elements[] = {6000, 9000, 12000};
+  for (int shape = 0; shape < 4; shape++)
+    for (int i = 0; i < 3; i++) {
+      const double low[3] = {0, 0, 0}, axis[3] = {0.2, 0.4, 0.4};
+      bw_surface *surface = NULL, *boundary = NULL;
+      bw_faces *faces = NULL;
+      bw_mesh *mesh = NULL;
+      bw_fill_options options;
+      bw_fill_options_default(&options);
+      options.elements = elements[i];
+      if (shape == 0)
+        check_ok(context, bw_surface_cylinder_shape(context, low, axis, 0.15, 40, &surface));
+      else if (shape == 1)
+        check_ok(context, bw_surface_sphere_shape(context, low, 0.7, 4, &surface));
+      else
+        surface = shape == 2 ? rounded_block(context) : frustum(context, 40, 0.5);
+      check_ok(context, bw_faces_find(context, surface, 0, &faces));
+      check_ok(context, bw_mesh_fill(context, surface, &options, &mesh, NULL));
+      check_near((double)mesh->element_count / (double)elements[i], 1, 0.151);
+      check_ok(context, bw_mesh_boundary(context, mesh, &boundary, NULL));
+      int32_t *label = malloc((size_t)mesh->facet_count * sizeof *label);
+      double *area = calloc((size_t)faces->count, sizeof *area);
+      assert_true(label && area);
+      check_ok(context, bw_faces_on_mesh(context, surface, faces, mesh, label));
+      for (int32_t t = 0; t < mesh->facet_count; t++) {
+        assert_true(label[t] >= 0);
+        area[label[t]] += facet_area(boundary, t);
+      }
+      for (int32_t f = 0; f < faces->count; f++)
+        check_near(area[f] / faces->face[f].area, 1,
+                   faces->face[f].kind == BW_FACE_PLANE ? 1e-6 : 5e-3);
+      free(label);
+      free(area);
+      bw_release(boundary);
+      bw_release(mesh);
+      bw_release(faces);
+      bw_release(surface);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(shapes_have_their_faces),
       check_test(fillets_are_parted_from_planes),
       check_test(faces_survive_filling),
+      check_test(areas_survive_filling),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
