@@ -204,16 +204,27 @@ done:
 bw_status bwi_fill_find_faces(bwi_filler *f) {
   if (f->faces)
     return BW_OK;
-  bw_status status = bw_faces_find(f->context, f->base, 0, &f->faces);
-  if (status == BW_OK)
-    status = bwi_faces_least(f->context, f->base, f->faces, f->options->sharp_angle,
-                             straight * f->diagonal, round_angle, &f->bends, &f->round_facets);
+  bw_surface_report report = {0};
+  bw_surface *welded = NULL; /* what remeshing works on */
+  bw_status status;
+  BW_TRY(bw_faces_find(f->context, f->base, 0, &f->faces));
+  BW_TRY(bw_surface_weld(f->context, f->base, 0, &welded));
+  BW_TRY(bw_surface_check(f->context, welded, 1, &report));
+  if (welded->triangle_count != f->base->triangle_count || !report.closed ||
+      report.count[BW_DEFECT_MISORIENTED_EDGE] || report.count[BW_DEFECT_NONMANIFOLD_EDGE] ||
+      report.count[BW_DEFECT_NONMANIFOLD_POINT] || report.count[BW_DEFECT_DUPLICATE_FACET])
+    goto done; /* such a surface is not remeshed */
+  BW_TRY(bwi_faces_least(f->context, welded, f->faces, f->options->sharp_angle,
+                         straight * f->diagonal, round_angle, &f->bends, &f->round_facets));
   double kept = 0;
-  for (int32_t i = 0; status == BW_OK && i < f->faces->count; i++) {
+  for (int32_t i = 0; i < f->faces->count; i++) {
     const bw_face *face = &f->faces->face[i];
     kept += face->kind != BW_FACE_FREE && face->area >= least_area * f->area ? face->area : 0;
   }
   f->has_faces = kept >= share_of_area * f->area;
+done:
+  bw_surface_report_clear(&report);
+  bw_release(welded);
   return status;
 }
 
