@@ -30,12 +30,25 @@ local rules = {
 local MOST_OF_SURFACE = 0.05
 -- The default radius of the patch, over the diagonal of the bounding box.
 local PATCH = 0.02
--- From one mesh to the next the number of elements grows by this factor, edges shrink by its cube root.
-local GROWTH = 4
--- Meshes in the sequence up to the number of elements that is asked for, and the least useful one.
-local MESHES, FEWEST = 3, 300
+-- The first mesh is uniform and has this share of the elements that are asked for, but not fewer than FEWEST. The
+-- others have so much of them, with BACKGROUND for the whole body, the rest near the weakest places.
+local FIRST, FEWEST, BACKGROUND = 0.25, 300, 0.5
+local SHARES = {0.6, 1}
+-- From there on, while the error is too large, the number of elements grows by this factor.
+local GROWTH = 2
+-- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
+local MOST_MESHES = 8
+-- Places that are refined at once, if they are at least so near to the weakest.
+local REFINED, NEARLY = 4, 0.6
+-- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
+-- radius over edge. Edges there are at most this share of the radius.
+local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
+-- Where the weakest place is not refined, the change from mesh to mesh says little.
+local UNREFINED = 0.3
 -- Places that are listed, and regions whose stresses are judged.
 local PLACES, JUDGED = 6, 12
+-- Places whose mean stress ascends at once, steps at most, and the gain below which the ascent ends.
+local ASCENTS, ASCENT_STEPS, GAIN = 4, 4, 0.01
 -- What the search may miss of the largest stress (docs/benchmarks.md).
 local SEARCH = 0.05
 -- The relative error that a displacement of the surface by the radius of the patch stands for.
@@ -71,40 +84,140 @@ local function candidates(worst)
     if a.stress ~= b.stress then return a.stress > b.stress end
     return a.number < b.number
   end)
-  return table.move(list, 1, math.min(#list, JUDGED), 1, {})
+  local numbers = {}
+  for i = 1, math.min(#list, JUDGED) do numbers[i] = list[i].number end
+  return numbers
 end
 
--- Where the mean stress under each candidate's load is largest: {utilisation, at, region, point}, largest
--- first; `point` is the utilisation by the stress at nodes there.
-local function places_of(self, mesh, worst)
-  local list = {}
-  for i, candidate in ipairs(candidates(worst)) do
-    local u, message, details = worst:displacement(candidate.number)
-    if not u then return nil, message, details end
-    local stress
-    stress, message, details = core.nodal_stress(mesh, self.material, u)
-    if not stress then return nil, message, details end
-    local mean
-    mean, message, details = core.surface_mean(mesh, stress, self.length)
-    if not mean then return nil, message, details end
-    local used = judge(self, mean)
-    local node = used:argmax()
-    list[i] = {utilisation = used:max() / self.reference, at = node_at(mesh, node), region = candidate.number,
-      point = judge(self, stress):max() / self.reference}
+local function weaker(a, b)
+  if a.utilisation ~= b.utilisation then return a.utilisation > b.utilisation end
+  return a.region < b.region
+end
+
+-- Where the mean stress under a region's load is largest: {utilisation, at, node, stress, region, point};
+-- `stress` is the mean tensor, `point` the utilisation by the stress at nodes.
+local function place_of(self, mesh, worst, region)
+  local u, message, details = worst:displacement(region)
+  if not u then return nil, message, details end
+  local stress
+  stress, message, details = core.nodal_stress(mesh, self.material, u)
+  if not stress then return nil, message, details end
+  local mean
+  mean, message, details = core.surface_mean(mesh, stress, self.length)
+  if not mean then return nil, message, details end
+  local used = judge(self, mean)
+  local node = used:argmax()
+  return {utilisation = used:max() / self.reference, at = node_at(mesh, node), node = node, region = region,
+    stress = mean:rows(node, node), point = judge(self, stress):max() / self.reference}
+end
+
+-- Adds the places of regions to a list, weakest first.
+local function add_places(self, mesh, worst, regions, list)
+  for _, region in ipairs(regions) do
+    local place, message, details = place_of(self, mesh, worst, region)
+    if not place then return nil, message, details end
+    list[#list + 1] = place
   end
-  table.sort(list, function(a, b)
-    if a.utilisation ~= b.utilisation then return a.utilisation > b.utilisation end
-    return a.region < b.region
-  end)
+  table.sort(list, weaker)
   return list
 end
 
+-- The weakest places that have not ascended, no two of them in one patch.
+local function starts(self, list)
+  local chosen = {}
+  for _, place in ipairs(list) do
+    local free = not place.tried and #chosen < ASCENTS
+    for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.length end
+    if free then chosen[#chosen + 1] = place end
+  end
+  return chosen
+end
+
+-- Loads that maximise the mean stress of the weakest places, again and again: each reaches at least the mean that
+-- it starts from, but for the difference between surface and elements behind it.
+local function ascend(self, mesh, worst, list)
+  for _ = 1, ASCENT_STEPS do
+    local chosen, nodes, rows, most = starts(self, list), {}, {}, list[1].utilisation
+    if #chosen == 0 then break end
+    for k, place in ipairs(chosen) do
+      place.tried, nodes[k], rows[k] = true, place.node, place.stress:totable()[1]
+    end
+    local first = #worst.regions
+    local fine, message, details = worst:add_patches(self.length, nodes, core.array.new(rows))
+    if not fine then return nil, message, details end
+    local regions = {}
+    for k = 1, #nodes do regions[k] = first + k end
+    fine, message, details = add_places(self, mesh, worst, regions, list)
+    if not fine then return nil, message, details end
+    if list[1].utilisation < (1 + GAIN) * most then break end
+  end
+  return list
+end
+
+-- The places of largest mean stress on a mesh, weakest first.
+local function places_of(self, mesh, worst)
+  local list, message, details = add_places(self, mesh, worst, candidates(worst), {})
+  if not list then return nil, message, details end
+  return ascend(self, mesh, worst, list)
+end
+
+-- The weakest places of all meshes so far that the next mesh refines.
+local function to_refine(self)
+  local all, chosen = {}, {}
+  for k = #self.history, 1, -1 do
+    local level = self.history[k]
+    for _, place in ipairs(level.places) do
+      if place.utilisation >= NEARLY * level.utilisation then all[#all + 1] = place end
+    end
+  end
+  -- Those of the last mesh come first: former ones may be an accident of a coarse mesh.
+  for _, place in ipairs(all) do
+    local free = #chosen < REFINED
+    for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.length end
+    if free then chosen[#chosen + 1] = place end
+  end
+  return chosen
+end
+
+-- Edge lengths near places, of `count` elements in all.
+local function sizes_near(self, places, count)
+  local finer = math.max(1 / LONGEST, (count / (#places * ELEMENTS_OF_PLACE)) ^ (1 / POWER))
+  local near = {}
+  for i, place in ipairs(places) do near[i] = {at = place.at, radius = self.length, length = self.length / finer} end
+  return near
+end
+
+-- A mesh of about so many elements: a uniform one at first, then finer near the weakest places.
 local function make_mesh(self, elements)
   if self.given_mesh then return self.given_mesh end
-  local mesh, log, details = core.mesh.fill(self.surface, {order = 2, elements = math.ceil(elements)})
+  local ask = {order = 2}
+  if #self.history == 0 then
+    ask.elements = elements
+  else
+    ask.near = sizes_near(self, to_refine(self), (1 - BACKGROUND) * elements)
+    ask.edge_length = self.uniform.edge_length * (self.uniform.elements / (BACKGROUND * elements)) ^ (1 / 3)
+  end
+  local mesh, log, details = core.mesh.fill(self.surface, ask)
   if not mesh then return nil, log, details end
-  self.log = log
+  self.log, self.near = log, ask.near or {}
+  self.uniform = self.uniform or {edge_length = log.edge_length, elements = mesh.element_count}
   return mesh
+end
+
+-- Whether a place has the short edges of this mesh around it.
+local function is_refined(self, at)
+  for _, near in ipairs(self.near or {}) do
+    if distance(near.at, at) <= near.radius then return true end
+  end
+  return false
+end
+
+-- How far boundary nodes around a place lie from the surface that was filled.
+local function moved_near(self, mesh, at)
+  if not self.surface then return 0 end
+  local offsets, message, details = self.surface:distance(mesh.nodes:gather(mesh.boundary:near(at, self.length).nodes))
+  if not offsets then return nil, message, details end
+  return offsets:max()
 end
 
 -- One mesh: its worst case and the places of its largest mean stresses.
@@ -128,13 +241,13 @@ local function estimate(self)
   local levels = self.history
   local last, former = levels[#levels], levels[#levels - 1]
   local change = former and math.abs(last.utilisation / former.utilisation - 1) or 0.5
-  return math.max(change, MOVED * last.moved / self.length, LEAST_ERROR)
+  return math.max(change, last.refined and 0 or UNREFINED, MOVED * last.moved / self.length, LEAST_ERROR)
 end
 
 local function is_singular(levels)
   local last, former = levels[#levels], levels[#levels - 1]
-  if #levels < 3 then return false end
-  return 3 * math.log(last.point / former.point) > SINGULAR * math.log(last.elements / former.elements)
+  if #levels < 2 or not former.refined or not last.refined then return false end
+  return math.log(last.point / former.point) > SINGULAR * math.log(former.edge / last.edge)
 end
 
 -- Other places that are as weak within the error, no two of them in one patch.
@@ -161,21 +274,16 @@ local function summarise(self)
   self.ties = ties(self, last.places, change)
 end
 
--- The counts n / 16, n / 4, n without those that are too few to mean anything.
-local function first_count(self)
-  local count = self.options.elements
-  for _ = 2, MESHES do
-    if count / GROWTH >= FEWEST then count = count / GROWTH end
-  end
-  return count
-end
-
--- Up to the number asked for; beyond it while the error is too large and there is room.
-local function next_count(self, count)
-  local wish = self.options
-  if self.given_mesh then return nil end
-  local next = count * GROWTH
-  if next <= wish.elements then return next end
+-- How many elements the next mesh has, or nil. Beyond the number asked for while the error is too large and there
+-- is room; the same again where the weakest place is a new one.
+local function next_count(self)
+  local wish, levels = self.options, #self.history
+  if self.given_mesh or levels >= MOST_MESHES then return nil end
+  if levels == 0 then return math.min(wish.elements, math.max(FEWEST, math.ceil(FIRST * wish.elements))) end
+  if SHARES[levels] then return SHARES[levels] * wish.elements end
+  local last = self.history[levels]
+  if not last.refined and levels < #SHARES + 3 then return last.asked end
+  local next = last.asked * GROWTH
   if estimate(self) <= wish.error or next > (wish.most_elements or wish.elements) then return nil end
   return next
 end
@@ -204,20 +312,22 @@ function breaking_force.analyse(body, given)
   self.length = wish.length or PATCH * distance(self.box.low, self.box.high)
   self.reference, self.history = wish.force, {}
   local start = core.seconds()
-  local elements = first_count(self)
-  while elements do
-    local mesh, message, details = make_mesh(self, elements)
+  local asked = next_count(self) or self.given_mesh.element_count
+  while asked do
+    local mesh, message, details = make_mesh(self, asked)
     if not mesh then return nil, message, details end
     self.contact = self.contact or math.min(wish.contact, MOST_OF_SURFACE * mesh.boundary.area)
-    local places
+    local places, moved
     places, message, details = analyse_on(self, mesh)
     if not places then return nil, message, details end
     local first = places[1]
-    self.history[#self.history + 1] = {elements = mesh.element_count, utilisation = first.utilisation,
+    moved, message, details = moved_near(self, mesh, first.at)
+    if not moved then return nil, message, details end
+    self.history[#self.history + 1] = {elements = mesh.element_count, asked = asked, utilisation = first.utilisation,
       at = first.at, region = first.region, point = first.point, force = 1 / first.utilisation, places = places,
-      moved = self.log and self.log.surface_moved or 0,
+      moved = moved, refined = is_refined(self, first.at), edge = self.near and #self.near > 0 and self.near[1].length,
       seconds = core.seconds() - start}
-    elements = next_count(self, elements)
+    asked = next_count(self)
   end
   summarise(self)
   self.seconds = core.seconds() - start

@@ -45,10 +45,11 @@ local function centres(mesh)
   end
 end
 
-local labels = {element = "screening", ascent = "ascent", bound = "branch and bound"}
+local labels = {element = "screening, element %d", ascent = "ascent, element %d",
+  bound = "branch and bound, element %d", patch = "patch around node %d"}
 
--- What a load was found from: a weak region of a mode, an element of the screening, an ascent, or the
--- search of the upper bound.
+-- What a load was found from: a weak region of a mode, an element of the screening, an ascent, the
+-- search of the upper bound, or a patch of the boundary.
 local function source(self, weak, origins, i)
   if i <= weak.count then
     local region = weak[i]
@@ -57,9 +58,8 @@ local function source(self, weak, origins, i)
       label = ("mode %d, region %d"):format(region.mode, region.rank)}
   end
   local found = origins[i]
-  return {origin = found.origin, target = found.target, from = found.from, elements = 1,
-    volume = self.mesh.volumes[found.target],
-    label = ("%s, element %d"):format(labels[found.origin], found.target)}
+  return {origin = found.origin, target = found.target, from = found.from, elements = found.elements or 1,
+    volume = found.volume or self.mesh.volumes[found.target], label = labels[found.origin]:format(found.target)}
 end
 
 local function region_list(self, weak, loads, origins)
@@ -89,8 +89,9 @@ local function find_worst(self, loads)
   return (used > 0 and loads.utilisations or loads.peaks):argmax()
 end
 
-local function summarise(self, weak, loads, origins)
-  self.regions = region_list(self, weak, loads, origins)
+local function summarise(self, loads, origins)
+  self.loads, self.origins = loads, origins
+  self.regions = region_list(self, self.weak_regions, loads, origins)
   self.region = find_worst(self, loads)
   local worst = self.regions[self.region]
   self.max_principal, self.at, self.element = worst.max_principal, worst.at, worst.element
@@ -182,8 +183,29 @@ function worst_case.analyse(part, given, view)
     self.upper_bound, self.gap = upper, upper / loads.peaks:max() - 1
     seconds.bound = clock() - start
   end
-  summarise(self, weak, loads, origins)
+  self.limits = limits
+  summarise(self, loads, origins)
   return self
+end
+
+--- More loads, which maximise the mean stress over patches of the boundary: those of bw.surface_mean with
+--- `radius` (m) around `nodes` (a list of node numbers), in the principal direction of the rows of `stresses`
+--- (xx yy zz yz zx xy, Pa). They are appended to `regions`. Returns nil, message, details without memory.
+function worst_case:add_patches(radius, nodes, stresses)
+  if not self.regions then raise "add_patches: this worst case is closed" end
+  local patches, message, details = core.patch_regions(self.mesh, radius, nodes, stresses)
+  if not patches then return nil, message, details end
+  local wish, first = {one_sign = true, after = self.loads}, self.loads.peaks.row_count
+  for key, value in pairs(self.limits) do wish[key] = wish[key] == nil and value or wish[key] end
+  local loads
+  loads, message, details = core.worst_loads(self.system, self.basis, patches, wish)
+  if not loads then return nil, message, details end
+  for k = 1, patches.count do
+    self.origins[first + k] = {origin = "patch", target = nodes[k], elements = patches[k].count,
+      volume = patches[k].volume}
+  end
+  summarise(self, loads, self.origins)
+  return true
 end
 
 -- ---- asking -----------------------------------------------------------------------------------------
@@ -326,7 +348,7 @@ function worst_case:close()
     self[key] = nil
   end
   for _, u in pairs(self.solved or {}) do u:close() end
-  self.solved, self.regions = nil, nil
+  self.solved, self.regions, self.loads = nil, nil, nil
 end
 worst_case.__close = worst_case.close
 
@@ -334,7 +356,7 @@ arguments.methods("worst case", worst_case, worst_case, {
   pressure = "region?: integer", force = "region?: integer", displacement = "region?: integer",
   stress = "region?: integer", arrows = "region?: integer, radius?: number", surface_weakness = "",
   write = "path: string", picture = "path: string, options?: options", report = "path: string, options?: options",
-  close = "",
+  add_patches = "radius: number, nodes: table, stresses: array", close = "",
 })
 
 return setmetatable({class = worst_case}, {

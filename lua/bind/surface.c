@@ -343,8 +343,17 @@ static int surface_wrap(lua_State *L) {
   return leave_with_log(L, box, out, &log, status);
 }
 
+/* surface:distance(points): of each; surface:distance(surface): the largest, both ways */
 static int surface_distance(lua_State *L) {
   const bw_surface *surface = self(L);
+  if (!lbw_test(L, 2, &lbw_surface_class)) {
+    int64_t rows;
+    lua_settop(L, 2);
+    const double *point = lbw_to_doubles(L, 2, "points", 3, &rows);
+    bw_array *offset = lbw_push_array(L, BW_F64, rows, 1);
+    return lbw_leave(
+        L, bw_surface_offsets(lbw_enter(L), surface, rows, point, (double *)offset->data), 1);
+  }
   const bw_surface *other = (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);
   double distance = 0;
   bw_status status = bw_surface_distance(lbw_enter(L), surface, other, &distance);

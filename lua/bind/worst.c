@@ -76,6 +76,23 @@ static int directed_regions(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* patch_regions(mesh, radius, nodes, stresses) */
+static int patch_regions(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  int64_t count, rows;
+  lua_settop(L, 4);
+  double radius = lbw_check_number(L, 2);
+  const int32_t *node = lbw_to_indices(L, 3, "nodes", 1, &count);
+  const double *stress = lbw_to_doubles(L, 4, "stresses", 6, &rows);
+  lbw_argument_check(L, rows == count, 4, "stresses: a row of six for every node expected");
+  lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
+  bw_weak_regions *regions = NULL;
+  bw_status status =
+      bw_weak_regions_patches(lbw_enter(L), mesh, radius, count, node, stress, &regions);
+  lbw_box_fill(L, box, regions);
+  return lbw_leave(L, status, 1);
+}
+
 /* regions[i]: {mode, rank, count, volume, energy, peak}; mode and rank where a mode gave the region
  */
 static int regions_index(lua_State *L) {
@@ -408,13 +425,11 @@ static int rank_correlation(lua_State *L) {
 }
 
 void lbw_open_worst(lua_State *L) {
-  static const luaL_Reg functions[] = {{"weak_regions", weak_regions_find},
-                                       {"single_regions", single_regions},
-                                       {"pressure_basis", pressure_basis},
-                                       {"directed_regions", directed_regions},
-                                       {"drops", drops},
-                                       {"rank_correlation", rank_correlation},
-                                       {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"weak_regions", weak_regions_find},    {"single_regions", single_regions},
+      {"pressure_basis", pressure_basis},     {"directed_regions", directed_regions},
+      {"patch_regions", patch_regions},       {"drops", drops},
+      {"rank_correlation", rank_correlation}, {NULL, NULL}};
   lbw_class_register(L, &lbw_weak_regions_class);
   lbw_class_register(L, &lbw_pressure_basis_class);
   luaL_setfuncs(L, functions, 0);

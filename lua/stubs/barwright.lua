@@ -643,9 +643,11 @@ function Surface:translate(by) end
 ---@return bw.Surface?
 function Surface:rotate(axis, angle, centre) end
 
----The largest distance from one surface to the other, both ways.
----@param other bw.Surface
----@return number?
+---The largest distance from one surface to the other, both ways; or how far each of some points is, m.
+---@param other bw.Surface|bw.Array|number[][]
+---@return number|bw.Array|nil
+---@return string? message
+---@return table? details
 function Surface:distance(other) end
 
 ---A part of a surface bounded by sharp edges or by the end of a primitive. Lengths in m, areas in m2. A free

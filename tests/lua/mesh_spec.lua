@@ -114,6 +114,14 @@ describe("a surface", function()
     assert.equal(threads, bw.threads())
   end)
 
+  it("tells how far points are", function()
+    local box = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}
+    assert.same({{0.25}, {0}, {5}}, box:distance {{0.5, 0.5, 0.25}, {1, 0.5, 0.5}, {4, 0.5, 5}}:totable())
+    assert.equal(1, box:distance(bw.surface.box {low = {0, 0, 0}, high = {2, 1, 1}}))
+    check.raises("point 2 is not finite", box.distance, box, {{0, 0, 0}, {0 / 0, 0, 0}})
+    check.raises("distance", box.distance, box, "x")
+  end)
+
   it("comes from and gives arrays that count from 1", function()
     local copy = assert(bw.surface.new {points = box.points, triangles = box.triangles})
     assert.same(box.triangles:totable(), copy.triangles:totable())

@@ -155,6 +155,12 @@ bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64
 bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int64_t count,
                                    const int32_t *element, const double *stress,
                                    bw_weak_regions **regions);
+/* Patches of the boundary as regions: those of bw_surface_mean around boundary nodes. The objective
+ * is the mean, weighted alike, of s n . sigma n over the elements behind the patch, n and s of
+ * stress[6 i] as above. */
+bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh, double radius,
+                                  int64_t count, const int32_t *node, const double *stress,
+                                  bw_weak_regions **regions);
 /* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side);

@@ -166,6 +166,9 @@ bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
  * middles of both. */
 bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
                               double *distance);
+/* How far points are from a surface: distance[count]. */
+bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int64_t count,
+                             const double *point, double *distance);
 /* How thick the body is under `samples` places that have equal shares of the area: the way straight
  * in until the wall on the other side, INFINITY where there is none (an open surface, or one that
  * faces inwards). thickness[samples]; place[3 * samples] may be NULL. */

@@ -180,15 +180,21 @@ function call.make(seed, number, pool, limit, tell)
   bw.progress(progress_functions[way >= 0.1 and way < 0.2 and 2 or 1](random, about))
   debug.sethook(hook, "", 10000)
   local got
-  if way < 0.1 then
-    got = in_thread(f)
-  elseif way >= 0.2 and way < 0.23 then
-    core.fail_allocation(random:integer(random:one_of {3, 30, 1000}), random:chance(0.5))
-    got = table.pack(pcall(f))
-    core.fail_allocation(0, false)
-  else
-    got = table.pack(pcall(f))
-  end
+  -- The hook may raise between the end of the call and here: that is late too, and no fault of the library.
+  local fine, why = pcall(function()
+    if way < 0.1 then
+      got = in_thread(f)
+    elseif way >= 0.2 and way < 0.23 then
+      core.fail_allocation(random:integer(random:one_of {3, 30, 1000}), random:chance(0.5))
+      got = table.pack(pcall(f))
+      core.fail_allocation(0, false)
+    else
+      got = table.pack(pcall(f))
+    end
+    deadline = math.huge
+  end)
+  core.fail_allocation(0, false)
+  if not fine then got = {n = 2, false, why} end
   deadline = math.huge
   debug.sethook()
   local out = {name = entry.name, text = text, seconds = os.clock() - start}
@@ -203,7 +209,7 @@ function call.make(seed, number, pool, limit, tell)
   end
   -- The engine is at rest: it can be entered, and nothing is kept in use.
   bw.progress(nil)
-  local fine, why = pcall(engine)
+  fine, why = pcall(engine)
   if not fine then out.finding, out.message = "leaves the engine busy", tostring(why) end
   -- A field that a script sets on a plain table of results is the script's own doing.
   if entry.kind == "assignment" and out.outcome == "done" then pool:forget() end
