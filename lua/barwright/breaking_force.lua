@@ -43,8 +43,11 @@ local REFINED, NEARLY = 4, 0.6
 -- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
 -- radius over edge. Edges there are at most this share of the radius.
 local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
--- Where the weakest place is not refined, the change from mesh to mesh says little.
+-- The least error where the weakest place is not refined, for elements as large as the radius of a patch: there
+-- the change from mesh to mesh says little.
 local UNREFINED = 0.3
+-- The volume of a regular tetrahedron over its cubed edge.
+local REGULAR = 1 / (6 * math.sqrt(2))
 -- Places that are listed, and regions whose stresses are judged.
 local PLACES, JUDGED = 6, 12
 -- Places whose mean stress ascends at once, steps at most, and the gain below which the ascent ends.
@@ -183,7 +186,9 @@ end
 local function sizes_near(self, places, count)
   local finer = math.max(1 / LONGEST, (count / (#places * ELEMENTS_OF_PLACE)) ^ (1 / POWER))
   local near = {}
-  for i, place in ipairs(places) do near[i] = {at = place.at, radius = self.length, length = self.length / finer} end
+  for i, place in ipairs(places) do
+    near[i] = {at = place.at, radius = self.length, length = self.length / finer}
+  end
   return near
 end
 
@@ -215,7 +220,8 @@ end
 -- How far boundary nodes around a place lie from the surface that was filled.
 local function moved_near(self, mesh, at)
   if not self.surface then return 0 end
-  local offsets, message, details = self.surface:distance(mesh.nodes:gather(mesh.boundary:near(at, self.length).nodes))
+  local nodes = mesh.boundary:near(at, self.length).nodes
+  local offsets, message, details = self.surface:distance(mesh.nodes:gather(nodes))
   if not offsets then return nil, message, details end
   return offsets:max()
 end
@@ -241,7 +247,8 @@ local function estimate(self)
   local levels = self.history
   local last, former = levels[#levels], levels[#levels - 1]
   local change = former and math.abs(last.utilisation / former.utilisation - 1) or 0.5
-  return math.max(change, last.refined and 0 or UNREFINED, MOVED * last.moved / self.length, LEAST_ERROR)
+  local unrefined = last.refined and 0 or UNREFINED * math.max(1, last.size / self.length)
+  return math.max(change, unrefined, MOVED * last.moved / self.length, LEAST_ERROR)
 end
 
 local function is_singular(levels)
@@ -323,10 +330,11 @@ function breaking_force.analyse(body, given)
     local first = places[1]
     moved, message, details = moved_near(self, mesh, first.at)
     if not moved then return nil, message, details end
-    self.history[#self.history + 1] = {elements = mesh.element_count, asked = asked, utilisation = first.utilisation,
-      at = first.at, region = first.region, point = first.point, force = 1 / first.utilisation, places = places,
-      moved = moved, refined = is_refined(self, first.at), edge = self.near and #self.near > 0 and self.near[1].length,
-      seconds = core.seconds() - start}
+    self.history[#self.history + 1] = {elements = mesh.element_count, asked = asked,
+      utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
+      force = 1 / first.utilisation, places = places, moved = moved, refined = is_refined(self, first.at),
+      size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
+      edge = self.near and self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)
   end
   summarise(self)

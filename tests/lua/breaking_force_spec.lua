@@ -43,18 +43,26 @@ describe("the breaking force", function()
     assert.is_true(assert(breaking(mesh, {contact = 2e-5})).force < one.force)
   end)
 
-  it("is less certain where filling moved the surface", function()
-    -- A ball that few elements can only cut.
-    local ball = assert(bw.surface.sphere {centre = {0, 0, 0}, radius = 0.02, subdivisions = 4})
-    local found = assert(breaking(ball, {elements = 300, length = 5e-4}))
-    local moved = found.history[#found.history].moved
-    assert.is_true(moved > 1e-4, moved)
-    assert.is_true(found.estimated_error >= 0.6 * math.min(1, moved / 5e-4), tostring(found))
+  it("is refined where the body is weakest, and agrees from a coarse and a fine start", function()
+    -- A stub on a plate: the edge between them is re-entrant.
+    local stub = assert(bw.surface.implicit(function(x, y, z)
+      local plate = math.max(math.abs(x) - 0.02, math.abs(y) - 0.02, math.abs(z) - 0.003)
+      return math.min(plate, math.max(math.abs(x) - 0.004, math.abs(y) - 0.004, math.abs(z - 0.01) - 0.01))
+    end, {low = {-0.03, -0.03, -0.01}, high = {0.03, 0.03, 0.03}, cells = 48}))
+    local coarse, fine = assert(breaking(stub, {elements = 500})), assert(breaking(stub, {elements = 2500}))
+    for _, found in ipairs {coarse, fine} do
+      local last = found.history[#found.history]
+      assert.is_true(last.refined and last.moved < 0.1 * found.length, tostring(found))
+    end
+    check.near(fine.force, coarse.force, 0.15)
+    assert.is_true(coarse.low < fine.force and fine.force < coarse.high,
+      tostring(coarse) .. "\n" .. tostring(fine))
   end)
 
   it("decides nothing on a handful of elements", function()
     local ball = assert(bw.surface.sphere {centre = {0, 0, 0}, radius = 0.02, subdivisions = 4})
-    local found = assert(breaking(ball, {elements = 4}))
+    local few = assert(bw.mesh.fill(ball, {elements = 4}))
+    local found = assert(breaking(few))
     assert.is_true(found.estimated_error >= 1, tostring(found))
     assert.equal("unsure", found:verdict(1e-3 * found.force))
   end)
