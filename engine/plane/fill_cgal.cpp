@@ -57,7 +57,7 @@ struct Origin {
  * largest before all. */
 class Criteria {
 public:
-  Criteria(bw_size_field *field, double sine, const Origin &origin)
+  Criteria(bwi_size_field *field, double sine, const Origin &origin)
       : field_(field), sine_(sine), origin_(origin) {
   }
   struct Quality {
@@ -70,7 +70,7 @@ public:
   };
   class Is_bad {
   public:
-    Is_bad(bw_size_field *field, double sine, const Origin &origin)
+    Is_bad(bwi_size_field *field, double sine, const Origin &origin)
         : field_(field), sine_(sine), origin_(origin) {
     }
     CGAL::Mesh_2::Face_badness operator()(const Quality &quality) const {
@@ -100,7 +100,7 @@ public:
     }
 
   private:
-    bw_size_field *field_;
+    bwi_size_field *field_;
     double sine_;
     Origin origin_;
   };
@@ -112,7 +112,7 @@ private:
   /* Measured: with it, a uniform size h gives about as many triangles as equilateral ones of the
    * side h would be. */
   static constexpr double reach = 1.4;
-  bw_size_field *field_;
+  bwi_size_field *field_;
   double sine_;
   Origin origin_;
 };
@@ -268,7 +268,7 @@ double sharpest_turn(const bwi_fill_boundary *boundary, std::int32_t loops) {
 /* Asked by the watched kernel whether to go on. */
 struct Asked {
   bw_context *context;
-  const bw_size_field *field;
+  const bwi_size_field *field;
   const bwi_time_limit *time;
   std::int64_t most_work;
   bwi_filling *filling;
@@ -281,6 +281,9 @@ constexpr std::int64_t MOST_WORK = 60;
 
 bool go_on(void *data, std::int64_t work) {
   Asked *asked = static_cast<Asked *>(data);
+  /* who is shown it may cancel */
+  bw_progress(asked->context, "filling",
+              0.8 * static_cast<double>(work) / static_cast<double>(asked->most_work));
   asked->status = bwi_time_limit_check(asked->context, asked->time);
   asked->filling->stuck = work > asked->most_work;
   return asked->status == BW_OK && !asked->field->failed && !asked->filling->stuck;
@@ -336,7 +339,7 @@ bool insert_loop(Triangulation &t, const bwi_fill_boundary *boundary, std::int32
 }
 
 bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_boundary *boundary,
-               bw_size_field *field, double minimum_angle, std::int64_t limit, bwi::Watch *watch,
+               bwi_size_field *field, double minimum_angle, std::int64_t limit, bwi::Watch *watch,
                bwi_filling *filling) {
   Triangulation t{Kernel(watch)};
   std::vector<Vertex> vertex(static_cast<std::size_t>(boundary->count));
@@ -429,7 +432,7 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
 } // namespace
 
 bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
-                        const bwi_fill_boundary *boundary, bw_size_field *field,
+                        const bwi_fill_boundary *boundary, bwi_size_field *field,
                         double minimum_angle, int64_t limit, const bwi_time_limit *time,
                         bwi_filling *filling) {
   std::memset(filling, 0, sizeof *filling);

@@ -1391,6 +1391,16 @@ function WorstCase:arrows(region, radius) end
 ---@return bw.Array
 function WorstCase:surface_weakness() end
 
+---More loads, which maximise the mean stress over patches of the boundary (docs/theory/breaking_force.md). They
+---are appended to `regions`.
+---@param radius number m: of the patches, as in bw.surface_mean
+---@param nodes integer[] boundary nodes in the middle of the patches
+---@param stresses bw.Array of every patch a row xx yy zz yz zx xy, Pa, whose principal direction counts
+---@return boolean? added
+---@return string? message
+---@return table? details
+function WorstCase:add_patches(radius, nodes, stresses) end
+
 ---Weakness, and pressure, displacement and stress of the worst load, as .vtu.
 ---@param path string
 ---@return true?
@@ -1511,7 +1521,7 @@ function BruteForce:compare(worst, p) end
 ---@field region integer of the worst case, whose load breaks it
 ---@field singular boolean the stress at nodes still grows with finer meshes, as where it has no finite value
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
----@field history table[] of every mesh {elements, force, utilisation, at, region, point, places, moved, seconds}
+---@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, edge, size, seconds}
 ---@field contact number m2
 ---@field length number m: radius of the patch
 ---@field failure string
