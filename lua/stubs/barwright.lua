@@ -1338,7 +1338,7 @@ function System:close() end
 ---@field at bw.Vector m
 ---@field element integer
 ---@field region integer the worst one, a place in `regions`
----@field origin "mode"|"element"|"ascent"|"bound" what the worst load was found from: a mode's weak region, an element of the screening, an ascent, the search of the upper bound
+---@field origin "mode"|"element"|"ascent"|"bound"|"patch" what the worst load was found from: a mode's weak region, an element of the screening, an ascent, the search of the upper bound, a patch of the boundary
 ---@field upper_bound number? with `certify`: no load within the limits stresses any element of this mesh more, Pa
 ---@field friction_error number by how much the friction cone is narrower than asked for at most, as a share; 0 without friction
 ---@field gap number? with `certify`: how far the bound exceeds the largest stress found, as a share of it
@@ -1351,6 +1351,9 @@ function System:close() end
 ---@field weakness bw.Array of every element: the largest stress over all worst loads, Pa
 ---@field worst_region bw.Array of every element: which region's load causes it
 ---@field pressures bw.Array regions x columns of the basis: one for each node, several with friction
+---@field loads table of arrays with a row for each region, as the programmes returned them
+---@field origins table[] of the regions that no mode gave {origin, target, from}
+---@field limits table of the programmes {pressure, force, at_most, ...}
 ---@field modes bw.Modes
 ---@field mesh bw.Mesh
 ---@field material bw.Material

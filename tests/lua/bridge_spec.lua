@@ -339,6 +339,19 @@ describe("a bridge", function()
     assert.truthy(why:find "^[^\n]*bridge_spec%.lua:%d+: out of memory", why)
   end)
 
+  it("that is pulled a kilometre away stops when its progress is answered with false", function()
+    local bridge, calls = assert(small_bridge {size = 0.02}), 0
+    bw.progress(function()
+      calls = calls + 1
+      return calls < 20
+    end)
+    local pulled, message = bridge:pull(2, {0.05, -1000}, {reach = 0.05})
+    bw.progress(nil)
+    assert.is_nil(pulled)
+    assert.equal("cancelled", message)
+    assert.equal(20, calls)
+  end)
+
   it("whose picture has no memory says so", function()
     local bridge, core, path = assert(small_bridge {size = 0.02}), require "barwright.core", os.tmpname()
     for n = 1, 60 do
