@@ -1534,6 +1534,8 @@ function BruteForce:compare(worst, p) end
 ---@field mesh bw.Mesh the last one
 ---@field surface? bw.Surface
 ---@field given_mesh? bw.Mesh
+---@field uniform? {edge_length: number, elements: integer} of the first mesh
+---@field near? {at: bw.Vector, radius: number, length: number}[] edge lengths near places of the last mesh, m
 ---@field box table
 ---@field log? table of the last filling
 ---@field options table
