@@ -40,6 +40,9 @@ static bw_status check_options(bw_context *context, const bw_fill_options *o) {
     return bw_fail(context, BW_INVALID,
                    "edge_length %g with %lld elements: give a length in m, or a number of elements",
                    o->edge_length, (long long)o->elements);
+  if (!(o->surface_tolerance >= 0))
+    return bw_fail(context, BW_INVALID, "surface_tolerance %g: give a length in m, or 0 for none",
+                   o->surface_tolerance);
   if (!(o->max_volume >= 0))
     return bw_fail(context, BW_INVALID, "max_volume %g: give a volume in m3, or 0 for none",
                    o->max_volume);

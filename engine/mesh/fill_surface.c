@@ -72,6 +72,7 @@ static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
     job.borders.tolerance = how == WAY_CURVES ? nearly_straight * length : straight * f->diagonal;
     job.borders.round_angle = how == WAY_FACES ? round_angle : 0;
   }
+  job.options.tolerance = f->options->surface_tolerance;
   job.options.time_limit = f->options->time_limit;
   job.options.memory_limit = f->options->memory_limit;
   job.options.sizes = &f->field;

@@ -39,13 +39,18 @@ local GROWTH = 2
 -- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
 local MOST_MESHES = 8
 -- Places that are refined at once, if they are at least so near to the weakest.
-local REFINED, NEARLY = 4, 0.6
+local REFINED, NEARLY = 6, 0.6
 -- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
 -- radius over edge. Edges there are at most this share of the radius.
 local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
 -- The least error where the weakest place is not refined, for elements as large as the radius of a patch: there
 -- the change from mesh to mesh says little.
 local UNREFINED = 0.3
+-- The background leaves the surface by at most this share of the radius, so that small features are seen.
+local FOLLOWED = 0.1
+-- Elements that meshes have for each facet of the surface and each cube of the edge length; an equilateral
+-- triangle's area over its squared edge.
+local FOR_FACETS, FOR_VOLUME, EQUILATERAL = 2, 1.6, math.sqrt(3) / 4
 -- The volume of a regular tetrahedron over its cubed edge.
 local REGULAR = 1 / (6 * math.sqrt(2))
 -- Places that are listed, and regions whose stresses are judged.
@@ -79,16 +84,24 @@ local function judge(self, stress)
   return self.material:utilisation(stress)
 end
 
--- The regions of largest stress, at most JUDGED of them.
-local function candidates(worst)
-  local list = {}
-  for i, region in ipairs(worst.regions) do list[i] = {number = i, stress = region.max_principal} end
+-- At most JUDGED regions: those of largest stress, no two with their peaks in one patch, then the next ones.
+local function candidates(self, worst)
+  local list, chosen, left = {}, {}, {}
+  for i, region in ipairs(worst.regions) do
+    list[i] = {number = i, stress = region.max_principal, at = region.at}
+  end
   table.sort(list, function(a, b)
     if a.stress ~= b.stress then return a.stress > b.stress end
     return a.number < b.number
   end)
+  for _, one in ipairs(list) do
+    local apart = true
+    for _, other in ipairs(chosen) do apart = apart and distance(one.at, other.at) > self.length end
+    table.insert(apart and chosen or left, one)
+  end
+  table.move(left, 1, #left, #chosen + 1, chosen)
   local numbers = {}
-  for i = 1, math.min(#list, JUDGED) do numbers[i] = list[i].number end
+  for i = 1, math.min(#chosen, JUDGED) do numbers[i] = chosen[i].number end
   return numbers
 end
 
@@ -159,21 +172,39 @@ end
 
 -- The places of largest mean stress on a mesh, weakest first.
 local function places_of(self, mesh, worst)
-  local list, message, details = add_places(self, mesh, worst, candidates(worst), {})
+  local list, message, details = add_places(self, mesh, worst, candidates(self, worst), {})
   if not list then return nil, message, details end
   return ascend(self, mesh, worst, list)
 end
 
--- The weakest places of all meshes so far that the next mesh refines.
+-- Whether a place has the short edges of this mesh around it.
+local function is_refined(self, at)
+  for _, near in ipairs(self.near or {}) do
+    if distance(near.at, at) <= near.radius then return true end
+  end
+  return false
+end
+
+-- Places of a mesh that may be the weakest once they are refined.
+local function unsettled(level)
+  local list = {}
+  for _, place in ipairs(level.places) do
+    if not place.refined and place.utilisation >= NEARLY * level.utilisation then list[#list + 1] = place end
+  end
+  return list
+end
+
+-- The places that the next mesh refines: the weakest of the last mesh, its unsettled ones, then the others of the
+-- last and of former meshes.
 local function to_refine(self)
-  local all, chosen = {}, {}
-  for k = #self.history, 1, -1 do
-    local level = self.history[k]
-    for _, place in ipairs(level.places) do
-      if place.utilisation >= NEARLY * level.utilisation then all[#all + 1] = place end
+  local levels = self.history
+  local all, chosen = {levels[#levels].places[1]}, {}
+  table.move(unsettled(levels[#levels]), 1, JUDGED, #all + 1, all)
+  for k = #levels, 1, -1 do
+    for _, place in ipairs(levels[k].places) do
+      if place.utilisation >= NEARLY * levels[k].utilisation then all[#all + 1] = place end
     end
   end
-  -- Those of the last mesh come first: former ones may be an accident of a coarse mesh.
   for _, place in ipairs(all) do
     local free = #chosen < REFINED
     for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.length end
@@ -192,6 +223,21 @@ local function sizes_near(self, places, count)
   return near
 end
 
+-- The edge length that fills a surface with about `count` elements: FOR_FACETS of them for each facet of the
+-- surface and FOR_VOLUME for each cube of the length.
+local function background_length(surface, count)
+  local low, high = 1e-6, 1
+  local scale = distance(surface.box.low, surface.box.high)
+  for _ = 1, 60 do
+    local share = math.sqrt(low * high)
+    local length = share * scale
+    local facets = surface.area / (EQUILATERAL * length ^ 2)
+    local expected = FOR_FACETS * facets + FOR_VOLUME * math.abs(surface.volume) / length ^ 3
+    if expected > count then low = share else high = share end
+  end
+  return math.sqrt(low * high) * scale
+end
+
 -- A mesh of about so many elements: a uniform one at first, then finer near the weakest places.
 local function make_mesh(self, elements)
   if self.given_mesh then return self.given_mesh end
@@ -200,21 +246,13 @@ local function make_mesh(self, elements)
     ask.elements = elements
   else
     ask.near = sizes_near(self, to_refine(self), (1 - BACKGROUND) * elements)
-    ask.edge_length = self.uniform.edge_length * (self.uniform.elements / (BACKGROUND * elements)) ^ (1 / 3)
+    ask.surface_tolerance = FOLLOWED * self.length
+    ask.edge_length = background_length(self.surface, BACKGROUND * elements)
   end
   local mesh, log, details = core.mesh.fill(self.surface, ask)
   if not mesh then return nil, log, details end
   self.log, self.near = log, ask.near or {}
-  self.uniform = self.uniform or {edge_length = log.edge_length, elements = mesh.element_count}
   return mesh
-end
-
--- Whether a place has the short edges of this mesh around it.
-local function is_refined(self, at)
-  for _, near in ipairs(self.near or {}) do
-    if distance(near.at, at) <= near.radius then return true end
-  end
-  return false
 end
 
 -- How far boundary nodes around a place lie from the surface that was filled.
@@ -275,7 +313,9 @@ local function summarise(self)
   local most = math.max(last.utilisation, former and former.utilisation or 0)
   self.force = 1 / last.utilisation
   self.high = 1 / (last.utilisation * (1 - math.min(change, 1) / 2))
-  self.low = 1 / (most * (1 + change + SEARCH))
+  local hidden = unsettled(last)[1]
+  local hidden_use = hidden and hidden.utilisation / NEARLY or 0
+  self.low = 1 / math.max(most * (1 + change + SEARCH), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
   self.at, self.region, self.singular = last.at, last.region, is_singular(self.history)
   self.ties = ties(self, last.places, change)
@@ -289,7 +329,7 @@ local function next_count(self)
   if levels == 0 then return math.min(wish.elements, math.max(FEWEST, math.ceil(FIRST * wish.elements))) end
   if SHARES[levels] then return SHARES[levels] * wish.elements end
   local last = self.history[levels]
-  if not last.refined and levels < #SHARES + 3 then return last.asked end
+  if #unsettled(last) > 0 and levels < #SHARES + 3 then return last.asked end
   local next = last.asked * GROWTH
   if estimate(self) <= wish.error or next > (wish.most_elements or wish.elements) then return nil end
   return next
@@ -328,11 +368,12 @@ function breaking_force.analyse(body, given)
     places, message, details = analyse_on(self, mesh)
     if not places then return nil, message, details end
     local first = places[1]
+    for _, place in ipairs(places) do place.refined = is_refined(self, place.at) end
     moved, message, details = moved_near(self, mesh, first.at)
     if not moved then return nil, message, details end
     self.history[#self.history + 1] = {elements = mesh.element_count, asked = asked,
       utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
-      force = 1 / first.utilisation, places = places, moved = moved, refined = is_refined(self, first.at),
+      force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined,
       size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
       edge = self.near and self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)

@@ -63,6 +63,7 @@ static int mesh_fill(lua_State *L) {
       {"order", LBW_INT, offsetof(bw_fill_options, order)},
       {"elements", LBW_COUNT, offsetof(bw_fill_options, elements)},
       {"edge_length", LBW_REAL, offsetof(bw_fill_options, edge_length)},
+      {"surface_tolerance", LBW_REAL, offsetof(bw_fill_options, surface_tolerance)},
       {"max_volume", LBW_REAL, offsetof(bw_fill_options, max_volume)},
       {"radius_edge", LBW_REAL, offsetof(bw_fill_options, radius_edge)},
       {"dihedral", LBW_REAL, offsetof(bw_fill_options, dihedral)},

@@ -700,6 +700,7 @@ function mesh_module.fill(surface, options) end
 ---@field elements? integer wanted number of elements
 ---@field order? 1|2 tet4 or tet10; default 1
 ---@field edge_length? number of the surface, m; in place of `elements`: see the log of a former filling
+---@field surface_tolerance? number m that remeshing may leave the surface by; edges are shorter where it is curved or has small features; default a quarter of the edge length
 ---@field max_volume? number of an element, m3
 ---@field radius_edge? number quality bound; default 1.4
 ---@field dihedral? number smallest dihedral angle asked for
@@ -1534,7 +1535,6 @@ function BruteForce:compare(worst, p) end
 ---@field mesh bw.Mesh the last one
 ---@field surface? bw.Surface
 ---@field given_mesh? bw.Mesh
----@field uniform? {edge_length: number, elements: integer} of the first mesh
 ---@field near? {at: bw.Vector, radius: number, length: number}[] edge lengths near places of the last mesh, m
 ---@field box table
 ---@field log? table of the last filling

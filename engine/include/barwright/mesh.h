@@ -280,13 +280,14 @@ typedef struct bw_fill_options {
   int order;          /* 1 (default) or 2 */
   int64_t elements;   /* wanted number of elements; 0: what quality and volume ask for */
   double edge_length; /* m, of the surface, without a wanted number; 0: by quality and volume */
-  double max_volume;  /* m3; 0: none */
-  double radius_edge; /* quality bound, circumradius over shortest edge; default 1.4 */
-  double dihedral;    /* smallest dihedral angle asked for, radians; default 0 (none) */
-  bool keep_surface;  /* no points added on the surface; default false */
-  bool remesh;        /* remesh the surface to a fitting size first; default true */
-  bool repair;        /* repair when the surface is not sound; default true */
-  double sharp_angle; /* for remeshing; default 40 degrees */
+  double surface_tolerance; /* m that remeshing may leave the surface by; 0: by the edge length */
+  double max_volume;        /* m3; 0: none */
+  double radius_edge;       /* quality bound, circumradius over shortest edge; default 1.4 */
+  double dihedral;          /* smallest dihedral angle asked for, radians; default 0 (none) */
+  bool keep_surface;        /* no points added on the surface; default false */
+  bool remesh;              /* remesh the surface to a fitting size first; default true */
+  bool repair;              /* repair when the surface is not sound; default true */
+  double sharp_angle;       /* for remeshing; default 40 degrees */
   /* sizes by distance to features, and a field */
   int64_t size_point_count;
   const bw_size_point *size_point;
