@@ -163,7 +163,7 @@ describe("a plot", function()
       {series = {{y = {1}}, {y = {1}, color = "red"}}})
     check.raises("entry 2: a number expected, got string", bw.plot.lines, {series = {{y = {1, "2"}}}})
     local endless = setmetatable({}, {__len = function() return "3" end})
-    check.raises("a table without a length", bw.plot.lines, {series = {{y = endless}}})
+    check.raises("a table with a length", bw.plot.lines, {series = {{y = endless}}})
     check.raises("a table with a length", bw.plot.lines, {series = endless})
     check.raises("a table without a length", bw.plot.sensitivity,
       {base = 1, high = endless, low = {1}, names = {"a"}})
