@@ -165,7 +165,7 @@ describe("a plot", function()
     local endless = setmetatable({}, {__len = function() return "3" end})
     check.raises("a table with a length", bw.plot.lines, {series = {{y = endless}}})
     check.raises("a table with a length", bw.plot.lines, {series = endless})
-    check.raises("a table without a length", bw.plot.sensitivity,
+    check.raises("a table with a length", bw.plot.sensitivity,
       {base = 1, high = endless, low = {1}, names = {"a"}})
     check.raises("'logarithmic' is not known", bw.plot.lines, {series = {{y = {1}}}, x = {scale = "logarithmic"}})
     check.raises("least 3 must be below most 2", bw.plot.lines, {series = {}, x = {least = 3, most = 2}})
