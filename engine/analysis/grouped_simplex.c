@@ -18,99 +18,14 @@
  * Invariants between iterations: key[g] is a column of g or NONE, and d is largest there up to
  * rounding; member[i] of a basic i is a column, or NONE for the group's column of zeros, never the
  * key; rest = b - sum of u_g A_key. The basis is factored anew in every iteration: it is small. */
-#include "analysis/programme.h"
+#include "analysis/simplex.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { NONE = -1, NO_GROUP = -1, REFRESH_EVERY = 50 };
+enum { NONE = -1, NO_GROUP = -1 };
 
-static const double feasible_share = 1e-12; /* of the total force */
-static const double feasible_bound = 1e-9;  /* of a group's bound */
-static const double smallest_pivot = 1e-7;  /* over the length of the row of the inverse */
-
-typedef struct bend {
-  int32_t group, column; /* the key after it */
-  bool tied;             /* ends the search: the group has a basic column */
-} bend;
-
-struct bwi_grouped {
-  const bwi_programme *programme;
-  double *cost, *reduced, *alpha; /* columns */
-  int32_t *key, *ties;            /* groups: the key, and how many columns of the basis */
-  int32_t *last;                  /* groups: scratch, the last breakpoint passed */
-  bwi_breakpoint *point;          /* columns and groups */
-  bend *bend;                     /* the same */
-  int32_t *group, *member;  /* rows: the basic column's group (NO_GROUP: unit column), column */
-  int32_t *unit;            /* rows: number of the unit column */
-  double *factor, *inverse; /* rows x rows */
-  double *x, *rest, *y, *column; /* rows */
-  int32_t *pivot;
-  int32_t end;    /* groups of the level at work */
-  double stretch; /* of the bounds: a sample carries the whole force */
-  int iterations;
-};
-
-void bwi_grouped_free(bwi_grouped *s) {
-  if (!s)
-    return;
-  bw_free(s->cost);
-  bw_free(s->reduced);
-  bw_free(s->alpha);
-  bw_free(s->key);
-  bw_free(s->ties);
-  bw_free(s->last);
-  bw_free(s->point);
-  bw_free(s->bend);
-  bw_free(s->group);
-  bw_free(s->member);
-  bw_free(s->unit);
-  bw_free(s->factor);
-  bw_free(s->inverse);
-  bw_free(s->x);
-  bw_free(s->rest);
-  bw_free(s->y);
-  bw_free(s->column);
-  bw_free(s->pivot);
-  bw_free(s);
-}
-
-bw_status bwi_grouped_create(bw_context *context, const bwi_programme *programme,
-                             bwi_grouped **grouped) {
-  size_t n = (size_t)programme->columns, m = (size_t)programme->rows, g = (size_t)programme->groups;
-  bwi_grouped *s = BW_NEW0(context, bwi_grouped, 1);
-  if (!s)
-    return BW_MEMORY;
-  s->programme = programme;
-  s->cost = BW_NEW(context, double, n);
-  s->reduced = BW_NEW(context, double, n);
-  s->alpha = BW_NEW(context, double, n);
-  s->key = BW_NEW(context, int32_t, g);
-  s->ties = BW_NEW(context, int32_t, g);
-  s->last = BW_NEW(context, int32_t, g);
-  s->point = BW_NEW(context, bwi_breakpoint, n + g);
-  s->bend = BW_NEW(context, bend, n + g);
-  s->group = BW_NEW(context, int32_t, m);
-  s->member = BW_NEW(context, int32_t, m);
-  s->unit = BW_NEW(context, int32_t, m);
-  s->factor = BW_NEW(context, double, m *m);
-  s->inverse = BW_NEW(context, double, m *m);
-  s->x = BW_NEW(context, double, m);
-  s->rest = BW_NEW(context, double, m);
-  s->y = BW_NEW(context, double, m);
-  s->column = BW_NEW(context, double, m);
-  s->pivot = BW_NEW(context, int32_t, m);
-  if (!s->cost || !s->reduced || !s->alpha || !s->key || !s->ties || !s->last || !s->point ||
-      !s->bend || !s->group || !s->member || !s->unit || !s->factor || !s->inverse || !s->x ||
-      !s->rest || !s->y || !s->column || !s->pivot) {
-    bwi_grouped_free(s);
-    return BW_MEMORY;
-  }
-  *grouped = s;
-  return BW_OK;
-}
-
-static double upper(const bwi_grouped *s, int32_t g) {
+static double upper(const bwi_simplex *s, int32_t g) {
   return s->stretch * s->programme->upper[s->programme->group_start[g]];
 }
 
@@ -118,81 +33,42 @@ static double value(const double *list, int32_t j) {
   return j == NONE ? 0 : list[j];
 }
 
-/* sum += factor * A_j */
-static void add(const bwi_grouped *s, int32_t j, double factor, double *sum) {
-  const bwi_programme *p = s->programme;
-  if (j == NONE)
-    return;
-  double *local = sum + p->first_row[j];
-  for (int32_t l = 0; l < p->row_count[j]; l++)
-    local[l] += factor * p->entry[(size_t)l * (size_t)p->columns + (size_t)j];
-  sum[p->rows - 1] += factor;
-}
-
-/* out_j = row . A_j for all columns at work. */
-static void times_columns(const bwi_grouped *s, const double *row, double *out) {
-  const bwi_programme *p = s->programme;
-  size_t n = (size_t)p->columns;
-  int32_t end = p->group_start[s->end];
-  for (int32_t j = 0; j < end; j++) {
-    const double *e = p->entry + j, *r = row + p->first_row[j];
-    double sum = row[p->rows - 1];
-    for (int32_t l = 0; l < p->row_count[j]; l++)
-      sum += r[l] * e[(size_t)l * n];
-    out[j] = sum;
-  }
-}
-
-static void make_unit(bwi_grouped *s, int32_t i) {
+static void make_unit(bwi_simplex *s, int32_t i) {
   if (s->group[i] != NO_GROUP)
     s->ties[s->group[i]]--;
   s->group[i] = NO_GROUP;
   s->member[i] = NONE;
 }
 
-/* The inverse of the basis; false when its columns are dependent. */
-static bool invert(bwi_grouped *s) {
-  int32_t m = s->programme->rows;
-  size_t square = (size_t)m * (size_t)m;
-  memset(s->factor, 0, square * sizeof *s->factor);
-  for (int32_t i = 0; i < m; i++) {
-    double *row = s->factor + (size_t)i * (size_t)m; /* the transpose of the basis */
-    if (s->group[i] == NO_GROUP) {
-      row[s->unit[i]] = 1;
-    } else {
-      add(s, s->member[i], 1, row);
-      add(s, s->key[s->group[i]], -1, row);
-    }
+static void start(bwi_simplex *s) {
+  for (int32_t g = 0; g < s->programme->groups; g++) {
+    s->key[g] = NONE;
+    s->ties[g] = 0;
   }
-  if (!bwi_dense_factor(m, s->factor, s->pivot))
-    return false;
-  memset(s->inverse, 0, square * sizeof *s->inverse);
-  for (int32_t i = 0; i < m; i++) {
-    double *row = s->inverse + (size_t)i * (size_t)m;
-    row[i] = 1;
-    bwi_dense_solve(m, s->factor, s->pivot, row);
-  }
-  return true;
-}
-
-static void basic_values(bwi_grouped *s) {
-  int32_t m = s->programme->rows;
-  for (int32_t i = 0; i < m; i++) {
-    double sum = 0;
-    for (int32_t k = 0; k < m; k++)
-      sum += s->inverse[(size_t)i * (size_t)m + (size_t)k] * s->rest[k];
-    s->x[i] = sum;
+  for (int32_t i = 0; i < s->programme->rows; i++) {
+    s->group[i] = NO_GROUP;
+    s->member[i] = NONE;
+    s->unit[i] = i;
   }
 }
 
-static void set_key(bwi_grouped *s, int32_t g, int32_t to) {
-  add(s, s->key[g], upper(s, g), s->rest);
-  add(s, to, -upper(s, g), s->rest);
+static void basis_row(const bwi_simplex *s, int32_t i, double *row) {
+  if (s->group[i] == NO_GROUP) {
+    row[s->unit[i]] = 1;
+  } else {
+    bwi_add_column(s, s->member[i], 1, row);
+    bwi_add_column(s, s->key[s->group[i]], -1, row);
+  }
+}
+
+static void set_key(bwi_simplex *s, int32_t g, int32_t to) {
+  bwi_add_column(s, s->key[g], upper(s, g), s->rest);
+  bwi_add_column(s, to, -upper(s, g), s->rest);
   s->key[g] = to;
 }
 
 /* Multipliers and reduced costs of the basis; keys of groups without a basic column. */
-static void price(bwi_grouped *s) {
+static void price(bwi_simplex *s) {
   const bwi_programme *p = s->programme;
   int32_t m = p->rows;
   memset(s->y, 0, (size_t)m * sizeof *s->y);
@@ -203,10 +79,10 @@ static void price(bwi_grouped *s) {
     for (int32_t k = 0; k < m; k++)
       s->y[k] += c * s->inverse[(size_t)i * (size_t)m + (size_t)k];
   }
-  times_columns(s, s->y, s->reduced);
+  bwi_times_columns(s, s->y, s->reduced);
   for (int32_t i = 0; i < m; i++)
     s->rest[i] = i == m - 1;
-  for (int32_t g = 0; g < s->end; g++) {
+  for (int32_t g = 0; g < s->groups; g++) {
     int32_t best = NONE;
     for (int32_t j = p->group_start[g]; j < p->group_start[g + 1]; j++) {
       s->reduced[j] = s->cost[j] - s->reduced[j];
@@ -215,12 +91,12 @@ static void price(bwi_grouped *s) {
     }
     if (s->ties[g] == 0)
       s->key[g] = best;
-    add(s, s->key[g], -upper(s, g), s->rest);
+    bwi_add_column(s, s->key[g], -upper(s, g), s->rest);
   }
 }
 
 /* A basic column whose tie others overtake cannot stay: its place goes to the unit column. */
-static bool overtaken(bwi_grouped *s) {
+static bool overtaken(bwi_simplex *s) {
   const bwi_programme *p = s->programme;
   bool found = false;
   for (int32_t i = 0; i < p->rows; i++) {
@@ -239,24 +115,24 @@ static bool overtaken(bwi_grouped *s) {
 }
 
 /* Everything afresh from the basic columns and their keys. */
-static void restart(bwi_grouped *s) {
+static void restart(bwi_simplex *s) {
   int32_t m = s->programme->rows;
   do {
-    if (!invert(s)) {
+    if (!bwi_invert(s)) {
       for (int32_t i = 0; i < m; i++) {
         make_unit(s, i);
         s->unit[i] = i;
       }
-      invert(s);
+      bwi_invert(s);
     }
     price(s);
   } while (overtaken(s));
-  basic_values(s);
+  bwi_basic_values(s);
 }
 
 /* A key that is negative changes places with the largest basic column of its group. Returns
  * whether any did. */
-static bool turn_keys(bwi_grouped *s) {
+static bool turn_keys(bwi_simplex *s) {
   int32_t m = s->programme->rows;
   bool turned = false;
   for (int32_t i = 0; i < m; i++) {
@@ -269,7 +145,7 @@ static bool turn_keys(bwi_grouped *s) {
         left -= s->x[k];
         largest = s->x[k] > s->x[largest] ? k : largest;
       }
-    if (left >= -(feasible_share + feasible_bound * upper(s, g)))
+    if (left >= -(bwi_feasible_share + bwi_feasible_bound * upper(s, g)))
       continue;
     int32_t former = s->key[g];
     set_key(s, g, s->member[largest]);
@@ -281,18 +157,16 @@ static bool turn_keys(bwi_grouped *s) {
 }
 
 /* The row to leave the basis, or -1 at the optimum. */
-static int32_t leaving_row(const bwi_grouped *s, double *length) {
+static int32_t leaving_row(const bwi_simplex *s, double *length) {
   int32_t m = s->programme->rows, found = -1;
   double best = 0;
   for (int32_t i = 0; i < m; i++) {
     bool unit = s->group[i] == NO_GROUP;
-    double bound = unit ? 0 : upper(s, s->group[i]), square = 0;
+    double bound = unit ? 0 : upper(s, s->group[i]);
     double broken = unit ? fabs(s->x[i]) : -s->x[i];
-    if (!(broken > feasible_share + feasible_bound * bound))
+    if (!(broken > bwi_feasible_share + bwi_feasible_bound * bound))
       continue;
-    const double *row = s->inverse + (size_t)i * (size_t)m;
-    for (int32_t k = 0; k < m; k++)
-      square += row[k] * row[k];
+    double square = bwi_row_square(s, i);
     if (broken * broken > best * square) {
       best = broken * broken / square;
       *length = sqrt(square);
@@ -304,7 +178,7 @@ static int32_t leaving_row(const bwi_grouped *s, double *length) {
 
 /* The column of group g that overtakes column p first as d - step * sign * alpha; NONE - 1 when no
  * one does. */
-static int32_t next_key(const bwi_grouped *s, int32_t g, int32_t p, double sign, double smallest,
+static int32_t next_key(const bwi_simplex *s, int32_t g, int32_t p, double sign, double smallest,
                         double *step) {
   const bwi_programme *programme = s->programme;
   int32_t found = NONE - 1;
@@ -326,9 +200,9 @@ static int32_t next_key(const bwi_grouped *s, int32_t g, int32_t p, double sign,
 }
 
 /* All breakpoints of phi along the row of the inverse; those of a group follow each other. */
-static int32_t breakpoints(bwi_grouped *s, int32_t leaving, double sign, double smallest) {
+static int32_t breakpoints(bwi_simplex *s, int32_t leaving, double sign, double smallest) {
   int32_t count = 0;
-  for (int32_t g = 0; g < s->end; g++) {
+  for (int32_t g = 0; g < s->groups; g++) {
     /* The leaving column is parted from its key: what else the group has in the basis is not. */
     bool tied = s->ties[g] > (s->group[leaving] == g);
     double step, former = 0;
@@ -339,7 +213,7 @@ static int32_t breakpoints(bwi_grouped *s, int32_t leaving, double sign, double 
         break;
       former = fmax(former, step);
       double slope = upper(s, g) * sign * (value(s->alpha, p) - value(s->alpha, q));
-      s->bend[count] = (bend){g, q, tied};
+      s->bend[count] = (bwi_bend){g, q, tied};
       s->point[count] = (bwi_breakpoint){former, tied ? 1e300 : slope, count};
       count++;
       if (tied)
@@ -350,35 +224,33 @@ static int32_t breakpoints(bwi_grouped *s, int32_t leaving, double sign, double 
   return count;
 }
 
-typedef enum step_result { STEP_DONE, STEP_OPTIMAL, STEP_INFEASIBLE, STEP_UNSTABLE } step_result;
-
 /* The pivot of a breakpoint whose group has the key p before it. */
-static double pivot_of(const bwi_grouped *s, int32_t p, int32_t q) {
+static double pivot_of(const bwi_simplex *s, int32_t p, int32_t q) {
   return value(s->alpha, p) - value(s->alpha, q);
 }
 
-static step_result iterate(bwi_grouped *s) {
+static bwi_step iterate(bwi_simplex *s) {
   const bwi_programme *programme = s->programme;
   int32_t m = programme->rows;
   double length = 1;
   do {
-    if (!invert(s))
-      return STEP_UNSTABLE;
-    basic_values(s);
+    if (!bwi_invert(s))
+      return BWI_UNSTABLE;
+    bwi_basic_values(s);
   } while (turn_keys(s));
   int32_t r = leaving_row(s, &length);
   if (r < 0)
-    return STEP_OPTIMAL;
+    return BWI_OPTIMAL;
   bool unit = s->group[r] == NO_GROUP;
   double broken = fabs(s->x[r]), sign = unit && s->x[r] > 0 ? -1 : 1;
   const double *row = s->inverse + (size_t)r * (size_t)m;
-  times_columns(s, row, s->alpha);
+  bwi_times_columns(s, row, s->alpha);
   int32_t count = breakpoints(s, r, sign, 1e-11 * length);
   int32_t passed = bwi_select_breakpoints(s->point, count, broken);
   if (passed <= 0)
-    return STEP_INFEASIBLE;
+    return BWI_INFEASIBLE;
   const bwi_breakpoint stop = s->point[passed - 1];
-  const bend last = s->bend[stop.column];
+  const bwi_bend last = s->bend[stop.column];
 
   /* Keys before the stop: the last breakpoint passed of each group. */
   for (int32_t i = 0; i < passed - 1; i++)
@@ -394,57 +266,26 @@ static step_result iterate(bwi_grouped *s) {
     if (s->bend[b].group == last.group && b == s->last[last.group])
       before = s->bend[b].column;
   }
-  if (fabs(pivot_of(s, before, last.column)) < smallest_pivot * length)
-    return STEP_UNSTABLE;
+  if (fabs(pivot_of(s, before, last.column)) < bwi_smallest_pivot * length)
+    return BWI_UNSTABLE;
   for (int32_t i = 0; i < passed - 1; i++) {
     int32_t b = s->point[i].column;
     if (b == s->last[s->bend[b].group])
       set_key(s, s->bend[b].group, s->bend[b].column);
   }
   double move = stop.step * sign;
-  int32_t end = programme->group_start[s->end];
-  for (int32_t j = 0; j < end; j++)
+  for (int32_t j = 0; j < s->end; j++)
     s->reduced[j] -= move * s->alpha[j];
   if (!unit)
     s->ties[s->group[r]]--;
   s->group[r] = last.group;
   s->member[r] = last.column;
   s->ties[last.group]++;
-  return STEP_DONE;
-}
-
-/* A number from 0 to 1 that tells columns apart. */
-static double scatter(int32_t j) {
-  return (double)((uint32_t)(j + 1) * 2654435761u >> 16) / 65536;
-}
-
-/* To the optimum of one level. The last word is had by a basis and costs computed afresh. */
-static step_result optimise(bwi_grouped *s) {
-  int limit = 400 + 120 * s->programme->rows, since = 0, unstable = 0;
-  restart(s);
-  bool fresh = true;
-  for (int i = 0; i < limit; i++) {
-    step_result result = iterate(s);
-    if (result == STEP_DONE) {
-      s->iterations++;
-      fresh = ++since == REFRESH_EVERY;
-      if (fresh) {
-        restart(s);
-        since = 0;
-      }
-      continue;
-    }
-    if (fresh || (result == STEP_UNSTABLE && unstable++ > 4))
-      return result;
-    restart(s);
-    since = 0;
-    fresh = true;
-  }
-  return STEP_UNSTABLE;
+  return BWI_DONE;
 }
 
 /* As bwi_vertex wants it: no column of zeros in the basis. */
-static void hand_over(bwi_grouped *s, bwi_vertex *vertex) {
+static void hand_over(bwi_simplex *s, bwi_vertex *vertex) {
   const bwi_programme *p = s->programme;
   memset(vertex->at_upper, 0, (size_t)p->columns * sizeof *vertex->at_upper);
   for (int32_t i = 0; i < p->rows; i++)
@@ -457,47 +298,8 @@ static void hand_over(bwi_grouped *s, bwi_vertex *vertex) {
   for (int32_t g = 0; g < p->groups; g++)
     if (s->key[g] != NONE)
       vertex->at_upper[s->key[g]] = 1;
-  vertex->iterations = s->iterations;
 }
 
-bw_status bwi_grouped_solve(bw_context *context, bwi_grouped *s, const double *cost, bool sampled,
-                            bwi_vertex *vertex) {
-  const bwi_programme *p = s->programme;
-  double capacity = 0, sample = 0;
-  int32_t at = 0;
-  step_result result = STEP_OPTIMAL;
-  for (int32_t g = 0; g < p->groups; g++) {
-    capacity += p->upper[p->group_start[g]];
-    s->key[g] = NONE;
-    s->ties[g] = 0;
-  }
-  for (int32_t i = 0; i < p->rows; i++) {
-    s->group[i] = NO_GROUP;
-    s->member[i] = NONE;
-    s->unit[i] = i;
-  }
-  /* The columns of a node lie in a space of three dimensions: where three of them are tied, all
-   * are, and the method would go round in circles. Amounts far below the gap that is accepted tell
-   * them apart, larger ones in the second attempt. */
-  for (int32_t j = 0; j < p->columns; j++)
-    s->cost[j] = cost[j] + (sampled ? 1e-10 : 1e-9) * scatter(j);
-  s->iterations = 0;
-  for (int level = 0; level < p->levels; level++) {
-    while (at < p->groups && p->group_start[at] < p->level_end[level])
-      sample += p->upper[p->group_start[at++]];
-    if (!sampled && level < p->levels - 1)
-      continue;
-    s->end = at;
-    s->stretch = level == p->levels - 1 ? 1 : capacity / sample;
-    result = optimise(s);
-  }
-  if (result != STEP_OPTIMAL)
-    return bw_fail(context, BW_CONVERGENCE,
-                   "the dual simplex method found no optimum of %d rows and %d columns in %d "
-                   "groups in %d iterations (%s)",
-                   p->rows, p->columns, p->groups, s->iterations,
-                   result == STEP_INFEASIBLE ? "the rows contradict each other"
-                                             : "pivots too small, or too many iterations");
-  hand_over(s, vertex);
-  return BW_OK;
-}
+/* The columns of a node lie in a space of three dimensions: where three of them are tied, all are,
+ * and the method would go round in circles, so the first attempt tells them apart as well. */
+const bwi_method bwi_grouped = {1e-10, start, basis_row, restart, iterate, hand_over};

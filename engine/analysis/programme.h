@@ -111,7 +111,7 @@ bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost
                          bwi_vertex *vertex);
 void bwi_glpk_free(bwi_glpk *glpk); /* in the thread that created it */
 
-/* The dual simplex method of our own (dual_simplex.c). */
+/* The dual simplex method of our own (dual_simplex.c), also for columns in groups. */
 typedef struct bwi_simplex bwi_simplex;
 bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme,
                              bwi_simplex **simplex);
@@ -128,14 +128,6 @@ bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b);
 /* Bring to the front the first breakpoints whose slopes reach `wanted`, the last of them at the end
  * of these; returns their number, or -1 when all together do not. */
 int32_t bwi_select_breakpoints(bwi_breakpoint *list, int32_t count, double wanted);
-
-/* The same method for columns in groups (grouped_simplex.c). */
-typedef struct bwi_grouped bwi_grouped;
-bw_status bwi_grouped_create(bw_context *context, const bwi_programme *programme,
-                             bwi_grouped **grouped);
-bw_status bwi_grouped_solve(bw_context *context, bwi_grouped *grouped, const double *cost,
-                            bool sampled, bwi_vertex *vertex);
-void bwi_grouped_free(bwi_grouped *grouped);
 
 /* Loads of few hands (hands.c): for an objective with the best pressure of the programme and its
  * multipliers, the best pressure that was found within `options->hands` patches, and its value. */

@@ -18,7 +18,6 @@ typedef struct loads_scratch {
   double *dual; /* of pressures anywhere, for hands */
   bwi_vertex vertex;
   bwi_simplex *simplex;
-  bwi_grouped *grouped; /* instead, with friction */
 } loads_scratch;
 
 struct bwi_loads {
@@ -55,11 +54,9 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
   if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->dual ||
       !scratch->vertex.basic || !scratch->vertex.at_upper)
     return BW_MEMORY;
-  if (work->loads->options.solver != BW_PROGRAMME_OWN || scratch->simplex || scratch->grouped)
+  if (work->loads->options.solver != BW_PROGRAMME_OWN || scratch->simplex)
     return BW_OK;
-  return work->loads->programme->directions > 1
-             ? bwi_grouped_create(context, work->loads->programme, &scratch->grouped)
-             : bwi_simplex_create(context, work->loads->programme, &scratch->simplex);
+  return bwi_simplex_create(context, work->loads->programme, &scratch->simplex);
 }
 
 static void scratch_clear(loads_scratch *scratch) {
@@ -70,7 +67,6 @@ static void scratch_clear(loads_scratch *scratch) {
   bw_free(scratch->vertex.basic);
   bw_free(scratch->vertex.at_upper);
   bwi_simplex_free(scratch->simplex);
-  bwi_grouped_free(scratch->grouped);
 }
 
 /* Gains per share of the total force, scaled to a largest one of 1. Returns the scale. */
@@ -139,10 +135,8 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
   BW_TRY(gains(work, i, scratch->cost, &scale));
   for (int attempt = own ? 0 : OWN_ATTEMPTS; attempt < OWN_ATTEMPTS + GLPK_ATTEMPTS; attempt++) {
     if (attempt < OWN_ATTEMPTS) {
-      status = scratch->grouped ? bwi_grouped_solve(work->context, scratch->grouped, scratch->cost,
-                                                    attempt == 0, &scratch->vertex)
-                                : bwi_simplex_solve(work->context, scratch->simplex, scratch->cost,
-                                                    attempt == 0, &scratch->vertex);
+      status = bwi_simplex_solve(work->context, scratch->simplex, scratch->cost, attempt == 0,
+                                 &scratch->vertex);
     } else {
       if (!*glpk)
         BW_TRY(bwi_glpk_create(work->context, work->loads->programme, glpk));

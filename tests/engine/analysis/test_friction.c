@@ -1,50 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Pressure with friction: the cone's columns, the programme in groups by our own method and by
  * GLPK, facets of the cone, forbidden surfaces. */
-#include "bodies.h"
+#include "pressed.h"
 
-#include "analysis/programme.h"
-
-typedef struct fixture {
-  bw_mesh *mesh;
-  bw_numbering *numbering;
-  bw_pressure_basis *basis;
-  size_t n, nodes;
-} fixture;
-
-static void fixture_open(bw_context *context, fixture *s, bw_mesh *mesh, double friction,
-                         int facets) {
-  bw_pressure_options options = {.friction = friction, .friction_facets = facets};
-  s->mesh = mesh;
-  check_ok(context, bw_numbering_free(context, mesh, &s->numbering));
-  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &s->basis));
-  s->n = (size_t)s->basis->count;
-  s->nodes = s->n / (size_t)s->basis->directions;
-}
-
-static void fixture_close(fixture *s) {
-  bw_release(s->basis);
-  bw_release(s->numbering);
-}
-
-/* Work on a field that is far from rigid. */
-static double *objective_of(bw_context *context, const fixture *s, int which) {
-  const bw_mesh *mesh = s->mesh;
-  double *field = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  double *f = BW_NEW(context, double, s->n);
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    const double *x = mesh->node + 3 * (size_t)i;
-    field[3 * i] = sin(7 * x[0] + which) * cos(5 * x[1] - which);
-    field[3 * i + 1] = x[2] * x[2] - 0.3 * which * x[0] * x[1] + 0.3 * cos(9 * x[1]);
-    field[3 * i + 2] = cos(4 * x[0] * x[2] + which) + 0.05 * sin(90 * x[0] + 70 * x[1]);
-  }
-  bw_pressure_gradient(s->basis, field, f);
-  bw_free(field);
-  return f;
-}
-
-static double worst_of(bw_context *context, const fixture *s, const bw_worst_load_options *options,
-                       const double *f, double *pressure) {
+static double worst_of(bw_context *context, const pressed_body *s,
+                       const bw_worst_load_options *options, const double *f, double *pressure) {
   double value = 0;
   check_ok(context,
            bw_worst_loads(context, s->basis, s->numbering, options, 1, f, pressure, &value, NULL));
@@ -70,9 +30,9 @@ static void columns_lie_on_the_cone(void **state) {
       mesh = make_box(context, 1, 2, 0.5, 3, 4, 2, 1 + kind);
     else
       check_ok(context, bw_mesh_mapped_box(context, cells, 2, bulge, NULL, &mesh));
-    fixture plain, rough;
-    fixture_open(context, &plain, mesh, 0, 0);
-    fixture_open(context, &rough, mesh, friction, 5);
+    pressed_body plain, rough;
+    pressed_open(context, &plain, mesh, false, 0, 0);
+    pressed_open(context, &rough, mesh, false, friction, 5);
     assert_int_equal(plain.basis->directions, 1);
     assert_int_equal(rough.basis->directions, 5);
     assert_int_equal(rough.nodes, plain.n);
@@ -108,8 +68,8 @@ static void columns_lie_on_the_cone(void **state) {
       }
     }
     assert_true(kind == 2 || flat > 0);
-    fixture_close(&plain);
-    fixture_close(&rough);
+    pressed_close(&plain);
+    pressed_close(&rough);
     bw_release(mesh);
   }
 }
@@ -122,8 +82,8 @@ static void own_method_agrees_with_glpk(void **state) {
                     : kind == 1 ? make_box(context, 1, 1, 1, 5, 5, 5, 2)
                     : kind == 2 ? make_box(context, 1, 0.7, 0.3, 24, 18, 9, 1)
                                 : make_box(context, 1, 1, 1, 40, 40, 10, 1);
-    fixture s;
-    fixture_open(context, &s, mesh, kind == 3 ? 1.5 : 0.3, kind == 1 ? 3 : 6);
+    pressed_body s;
+    pressed_open(context, &s, mesh, false, kind == 3 ? 1.5 : 0.3, kind == 1 ? 3 : 6);
     double area = 0;
     for (size_t j = 0; j < s.n; j += (size_t)s.basis->directions)
       area += s.basis->area[j];
@@ -132,10 +92,10 @@ static void own_method_agrees_with_glpk(void **state) {
       bw_worst_load_options options = {.pressure = 1, .force = share[tight] * area};
       options.at_most = kind == 1 && tight == 1;
       bwi_programme *programme = NULL;
-      bwi_grouped *grouped = NULL;
+      bwi_simplex *simplex = NULL;
       bwi_glpk *glpk = NULL;
       check_ok(context, bwi_programme_create(context, s.basis, s.numbering, &options, &programme));
-      check_ok(context, bwi_grouped_create(context, programme, &grouped));
+      check_ok(context, bwi_simplex_create(context, programme, &simplex));
       check_ok(context, bwi_glpk_create(context, programme, &glpk));
       assert_int_equal(programme->groups, s.nodes + options.at_most);
       assert_int_equal(programme->levels, kind == 3 ? 2 : 1);
@@ -143,7 +103,7 @@ static void own_method_agrees_with_glpk(void **state) {
       double *cost = BW_NEW(context, double, n), *shares = BW_NEW(context, double, n), y[7];
       bwi_vertex vertex = {BW_NEW(context, int32_t, m), BW_NEW(context, uint8_t, n), 0};
       for (int i = 0; i < 3; i++) {
-        double *f = objective_of(context, &s, i), first = 0;
+        double *f = pressed_objective(context, &s, i), first = 0;
         for (size_t j = 0; j < n; j++) {
           int32_t from = programme->source[j];
           cost[j] = from < 0 ? 0 : f[from] / s.basis->area[from];
@@ -154,7 +114,7 @@ static void own_method_agrees_with_glpk(void **state) {
             continue; /* a second or two each */
           bw_status status = BW_CONVERGENCE;
           if (way < 2)
-            status = bwi_grouped_solve(context, grouped, cost, way == 0, &vertex);
+            status = bwi_simplex_solve(context, simplex, cost, way == 0, &vertex);
           for (int attempt = 0; way == 2 && attempt < 3 && status == BW_CONVERGENCE; attempt++)
             status = bwi_glpk_solve(context, glpk, cost, attempt, &vertex);
           check_ok(context, status);
@@ -174,11 +134,11 @@ static void own_method_agrees_with_glpk(void **state) {
       bw_free(shares);
       bw_free(vertex.basic);
       bw_free(vertex.at_upper);
-      bwi_grouped_free(grouped);
+      bwi_simplex_free(simplex);
       bwi_glpk_free(glpk);
       bwi_programme_free(programme);
     }
-    fixture_close(&s);
+    pressed_close(&s);
     bw_release(mesh);
   }
 }
@@ -189,19 +149,20 @@ static void facets_converge_from_below(void **state) {
   bw_context *context = check_context(state);
   const double friction = 0.5, pi = 3.14159265358979323846;
   bw_mesh *mesh = make_box(context, 1, 0.7, 0.3, 8, 6, 3, 1);
-  fixture plain;
-  fixture_open(context, &plain, mesh, 0, 0);
+  pressed_body plain;
+  pressed_open(context, &plain, mesh, false, 0, 0);
   for (int which = 0; which < 4; which++) {
     double former = 0;
     for (int facets = 4; facets <= 16; facets *= 2) {
-      fixture inside, around;
-      fixture_open(context, &inside, mesh, friction, facets);
-      fixture_open(context, &around, mesh, friction / cos(pi / facets), facets);
+      pressed_body inside, around;
+      pressed_open(context, &inside, mesh, false, friction, facets);
+      pressed_open(context, &around, mesh, false, friction / cos(pi / facets), facets);
       bw_worst_load_options options = {.pressure = 1, .force = 0.3};
-      double *f = objective_of(context, &inside, which), *g = objective_of(context, &around, which);
+      double *f = pressed_objective(context, &inside, which),
+             *g = pressed_objective(context, &around, which);
       double *p = BW_NEW(context, double, inside.n), total = 0;
       if (facets == 4) {
-        double *h = objective_of(context, &plain, which);
+        double *h = pressed_objective(context, &plain, which);
         former = worst_of(context, &plain, &options, h, p);
         bw_free(h);
       }
@@ -223,11 +184,11 @@ static void facets_converge_from_below(void **state) {
       bw_free(f);
       bw_free(g);
       bw_free(p);
-      fixture_close(&inside);
-      fixture_close(&around);
+      pressed_close(&inside);
+      pressed_close(&around);
     }
   }
-  fixture_close(&plain);
+  pressed_close(&plain);
   bw_release(mesh);
 }
 
@@ -235,24 +196,25 @@ static void facets_converge_from_below(void **state) {
 static void little_friction_is_none(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_bar(context, dumbbell_profile, 12, 4, 1);
-  fixture plain, rough;
-  fixture_open(context, &plain, mesh, 0, 0);
-  fixture_open(context, &rough, mesh, 1e-12, 4);
+  pressed_body plain, rough;
+  pressed_open(context, &plain, mesh, false, 0, 0);
+  pressed_open(context, &rough, mesh, false, 1e-12, 4);
   double area = 0;
   for (size_t j = 0; j < plain.n; j++)
     area += plain.basis->area[j];
   bw_worst_load_options options = {.pressure = 1, .force = 0.1 * area};
   double *p = BW_NEW(context, double, rough.n);
   for (int which = 0; which < 4; which++) {
-    double *f = objective_of(context, &plain, which), *g = objective_of(context, &rough, which);
+    double *f = pressed_objective(context, &plain, which),
+           *g = pressed_objective(context, &rough, which);
     double value = worst_of(context, &plain, &options, f, p);
     check_near(worst_of(context, &rough, &options, g, p), value, 1e-8 * fabs(value));
     bw_free(f);
     bw_free(g);
   }
   bw_free(p);
-  fixture_close(&plain);
-  fixture_close(&rough);
+  pressed_close(&plain);
+  pressed_close(&rough);
   bw_release(mesh);
 }
 

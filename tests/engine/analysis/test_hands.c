@@ -1,64 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Worst loads of few hands: the search against all pairs and triples of patches, admissible loads,
  * bounds. */
-#include "bodies.h"
-
-#include "analysis/programme.h"
-
-typedef struct fixture {
-  bw_mesh *mesh;
-  bw_material *material;
-  bw_model *model;
-  bw_numbering *numbering;
-  bw_pressure_basis *basis;
-  size_t n;
-} fixture;
-
-static void fixture_open(bw_context *context, fixture *s, bw_mesh *mesh, bool held,
-                         double friction) {
-  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6};
-  const bw_pressure_options options = {.friction = friction, .friction_facets = 4};
-  const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
-  bw_selection *foot = NULL;
-  s->mesh = mesh;
-  check_ok(context, bw_material_isotropic(context, &constants, &s->material));
-  check_ok(context, bw_model_create(context, mesh, s->material, &s->model));
-  if (held) {
-    check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
-    check_ok(context, bw_model_fix(context, s->model, foot));
-  }
-  check_ok(context, bw_numbering_create(context, s->model, &s->numbering));
-  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &s->basis));
-  s->n = (size_t)s->basis->count;
-  bw_release(foot);
-}
-
-static void fixture_close(fixture *s) {
-  bw_release(s->basis);
-  bw_release(s->numbering);
-  bw_release(s->model);
-  bw_release(s->material);
-  bw_release(s->mesh);
-}
-
-static double *objective_of(bw_context *context, const fixture *s, int which) {
-  const bw_mesh *mesh = s->mesh;
-  double *field = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  double *f = BW_NEW(context, double, s->n);
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    const double *x = mesh->node + 3 * (size_t)i;
-    field[3 * i] = sin(7 * x[0] + which) * cos(5 * x[1] - which);
-    field[3 * i + 1] = x[2] * x[2] - 0.3 * which * x[0] * x[1] + 0.3 * cos(9 * x[1]);
-    field[3 * i + 2] = cos(4 * x[0] * x[2] + which) + 0.05 * sin(90 * x[0] + 70 * x[1]);
-  }
-  bw_pressure_gradient(s->basis, field, f);
-  bw_free(field);
-  return f;
-}
+#include "pressed.h"
 
 /* Patches counted from a pressure: loaded nodes that no former centre covers. A patch has a node as
  * its centre, so try all; enough for small bodies. */
-static bool within(const fixture *s, const double *p, int hands, double radius, int32_t from) {
+static bool within(const pressed_body *s, const double *p, int hands, double radius, int32_t from) {
   int32_t loaded = -1;
   double normal[2][3];
   for (int32_t j = from; j < s->basis->count && loaded < 0; j++)
@@ -102,13 +49,13 @@ static bool within(const fixture *s, const double *p, int hands, double radius, 
 static void loads_are_admissible(void **state) {
   bw_context *context = check_context(state);
   for (int kind = 0; kind < 4; kind++) {
-    fixture s;
-    fixture_open(context, &s, make_box(context, 1, 0.5, 0.25, 8, 4, 2, 1), kind == 1,
-                 kind == 2 ? 0.5 : 0);
+    pressed_body s;
+    pressed_open(context, &s, make_box(context, 1, 0.5, 0.25, 8, 4, 2, 1), kind == 1,
+                 kind == 2 ? 0.5 : 0, 4);
     for (int hands = kind == 1 ? 1 : 2; hands <= 4; hands++) {
       bw_worst_load_options options = {.pressure = 1, .force = 0.06, .at_most = kind == 3};
       for (int which = 0; which < 3; which++) {
-        double *f = objective_of(context, &s, which);
+        double *f = pressed_objective(context, &s, which);
         double *p = BW_NEW(context, double, s.n), *q = BW_NEW(context, double, s.n);
         double all, few, dual[7], total = 0, value = 0;
         options.hands = 0;
@@ -141,13 +88,14 @@ static void loads_are_admissible(void **state) {
         bw_free(q);
       }
     }
-    fixture_close(&s);
+    pressed_close(&s);
+    bw_release(s.mesh);
   }
 }
 
 /* Every set of centres by a programme of its own: forbid the rest by an objective that pays for
  * nothing else. */
-static double best_of_all(bw_context *context, const fixture *s,
+static double best_of_all(bw_context *context, const pressed_body *s,
                           const bw_worst_load_options *options, const double *f, int hands,
                           double radius) {
   int32_t n = s->basis->count, c[3] = {0, 0, 0};
@@ -214,14 +162,14 @@ static void reaches_the_best_of_all_sets(void **state) {
   int count = 0;
   bool full = getenv("BARWRIGHT_FULL") != NULL;
   for (int kind = 0; kind < 2; kind++) {
-    fixture s;
-    fixture_open(context, &s, make_box(context, 1, 0.4, 0.3, full ? 6 : 4, 2, full ? 2 : 1, 1),
-                 kind == 1, 0);
+    pressed_body s;
+    pressed_open(context, &s, make_box(context, 1, 0.4, 0.3, full ? 6 : 4, 2, full ? 2 : 1, 1),
+                 kind == 1, 0, 4);
     assert_true(s.n <= 512);
     for (int hands = kind == 1 ? 1 : 2; hands <= (full ? 3 : 2); hands++)
       for (int which = 0; which < (full ? 6 : 3); which++) {
         bw_worst_load_options options = {.pressure = 1, .force = 0.08};
-        double *f = objective_of(context, &s, which), *p = BW_NEW(context, double, s.n), value;
+        double *f = pressed_objective(context, &s, which), *p = BW_NEW(context, double, s.n), value;
         double best = best_of_all(context, &s, &options, f, hands, sqrt(0.15 / 3.14159265358979));
         options.hands = hands;
         options.hand_area = 0.15;
@@ -237,7 +185,8 @@ static void reaches_the_best_of_all_sets(void **state) {
         bw_free(f);
         bw_free(p);
       }
-    fixture_close(&s);
+    pressed_close(&s);
+    bw_release(s.mesh);
   }
   assert_true(sum / count > 0.95);
   assert_true(least > 0.7);
@@ -245,9 +194,9 @@ static void reaches_the_best_of_all_sets(void **state) {
 
 static void impossible_hands_are_refused(void **state) {
   bw_context *context = check_context(state);
-  fixture s;
-  fixture_open(context, &s, make_box(context, 1, 0.5, 0.25, 4, 2, 1, 1), false, 0);
-  double *f = objective_of(context, &s, 0), *p = BW_NEW(context, double, s.n), value;
+  pressed_body s;
+  pressed_open(context, &s, make_box(context, 1, 0.5, 0.25, 4, 2, 1, 1), false, 0, 4);
+  double *f = pressed_objective(context, &s, 0), *p = BW_NEW(context, double, s.n), value;
   bw_worst_load_options options = {.pressure = 1, .force = 0.06, .hands = 1, .hand_area = 0.1};
   /* One hand pushes a free body away. */
   assert_int_equal(bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL),
@@ -267,13 +216,14 @@ static void impossible_hands_are_refused(void **state) {
                    BW_INVALID);
   bw_free(f);
   bw_free(p);
-  fixture_close(&s);
+  pressed_close(&s);
+  bw_release(s.mesh);
 }
 
 static void allocation_failures(void **state) {
   bw_context *context = check_context(state);
-  fixture s;
-  fixture_open(context, &s, make_box(context, 1, 1, 1, 1, 1, 1, 1), true, 0);
+  pressed_body s;
+  pressed_open(context, &s, make_box(context, 1, 1, 1, 1, 1, 1, 1), true, 0, 4);
   check_ok(context, bw_set_threads(context, 1));
   bw_worst_load_options options = {.pressure = 1, .force = 0.1, .hands = 2, .hand_area = 0.5};
   for (int64_t fail = 1;; fail++) {
@@ -292,7 +242,8 @@ static void allocation_failures(void **state) {
     }
     assert_int_equal(status, BW_MEMORY);
   }
-  fixture_close(&s);
+  pressed_close(&s);
+  bw_release(s.mesh);
 }
 
 int main(void) {

@@ -4,51 +4,34 @@
  * Nothing of the engine's search is used: stresses by pressure come from a forward solve for each
  * pressure, balance from forces and moments about the origin, the optimum from GLPK's exact simplex
  * method. Directions are the centres of a cover of the half sphere of this test's own. */
-#include "bodies.h"
+#include "pressed.h"
 
 #include <glpk.h>
 
 enum { MOST = 96 }; /* pressures */
 
 typedef struct exact {
-  bw_mesh *mesh;
-  bw_material *material;
-  bw_model *model;
-  bw_numbering *numbering;
+  pressed_body body;
   bw_system *system;
-  bw_pressure_basis *basis;
   double *response; /* pressures x element_count x 6 */
   glp_prob *problem;
 } exact;
 
 static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool held, double friction) {
-  bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6};
-  const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
-  const bw_pressure_options options = {.friction = friction, .friction_facets = 3};
-  bw_selection *foot = NULL;
-  memset(x, 0, sizeof *x);
-  x->mesh = mesh;
-  check_ok(context, bw_material_isotropic(context, &constants, &x->material));
-  check_ok(context, bw_model_create(context, mesh, x->material, &x->model));
-  if (held) {
-    check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
-    check_ok(context, bw_model_fix(context, x->model, foot));
-  }
-  check_ok(context, bw_numbering_create(context, x->model, &x->numbering));
-  check_ok(context, bw_system_create(context, mesh, x->material, x->numbering, NULL, &x->system));
-  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &x->basis));
-  bw_release(foot);
-  int32_t n = x->basis->count;
-  assert_true(n <= MOST);
+  pressed_body *s = &x->body;
+  pressed_open(context, s, mesh, held, friction, 3);
+  x->problem = NULL;
+  check_ok(context, bw_system_create(context, mesh, s->material, s->numbering, NULL, &x->system));
+  assert_true(s->n <= MOST);
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), unit[MOST] = {0};
-  x->response = BW_NEW(context, double, 6 * (size_t)n * (size_t)mesh->element_count);
-  for (int32_t j = 0; j < n; j++) {
+  x->response = BW_NEW(context, double, 6 * s->n * (size_t)mesh->element_count);
+  for (size_t j = 0; j < s->n; j++) {
     unit[j] = 1;
-    bw_pressure_force(x->basis, unit, force);
+    bw_pressure_force(s->basis, unit, force);
     unit[j] = 0;
     check_ok(context, bw_system_solve(context, x->system, 1, force, force));
-    check_ok(context, bw_element_stress(context, mesh, x->material, force,
-                                        x->response + 6 * (size_t)j * (size_t)mesh->element_count));
+    check_ok(context, bw_element_stress(context, mesh, s->material, force,
+                                        x->response + 6 * j * (size_t)mesh->element_count));
   }
   bw_free(force);
 }
@@ -56,18 +39,15 @@ static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool held, 
 static void exact_close(exact *x) {
   glp_delete_prob(x->problem);
   bw_free(x->response);
-  bw_release(x->basis);
   bw_release(x->system);
-  bw_release(x->numbering);
-  bw_release(x->model);
-  bw_release(x->material);
-  bw_release(x->mesh);
+  pressed_close(&x->body);
+  bw_release(x->body.mesh);
 }
 
 /* Unknowns: pressures over p_max. Rows: forces, moments (a free body), the total, each node. */
 static void pose(exact *x, const bw_worst_load_options *options) {
-  const bw_pressure_basis *b = x->basis;
-  int n = b->count, nodes = n / b->directions, balance = x->numbering->motion_count;
+  const bw_pressure_basis *b = x->body.basis;
+  int n = b->count, nodes = n / b->directions, balance = x->body.numbering->motion_count;
   int row[10], last = balance + 1; /* GLPK counts from 1 */
   double value[10];
   assert_true(balance == 0 || balance == 6);
@@ -86,7 +66,7 @@ static void pose(exact *x, const bw_worst_load_options *options) {
     int count = 0;
     for (int64_t e = b->start[j]; e < b->start[j + 1]; e++) {
       double moment[3];
-      bw_cross(x->mesh->node + 3 * (size_t)b->row[e], b->coefficient + 3 * e, moment);
+      bw_cross(x->body.mesh->node + 3 * (size_t)b->row[e], b->coefficient + 3 * e, moment);
       for (int k = 0; k < 3; k++) {
         sum[k] += b->coefficient[3 * e + k];
         sum[3 + k] += moment[k];
@@ -109,15 +89,15 @@ static void pose(exact *x, const bw_worst_load_options *options) {
 /* The exact largest value of s n . sigma n in an element, Pa. */
 static double largest(exact *x, const bw_worst_load_options *options, int32_t element,
                       const double d[3], double sign) {
-  size_t elements = (size_t)x->mesh->element_count;
+  size_t elements = (size_t)x->body.mesh->element_count;
   double scale = 0, cost[MOST];
-  for (int32_t j = 0; j < x->basis->count; j++) {
+  for (int32_t j = 0; j < x->body.basis->count; j++) {
     const double *s = x->response + 6 * ((size_t)j * elements + (size_t)element);
     cost[j] = sign * (d[0] * d[0] * s[0] + d[1] * d[1] * s[1] + d[2] * d[2] * s[2] +
                       2 * (d[1] * d[2] * s[3] + d[2] * d[0] * s[4] + d[0] * d[1] * s[5]));
     scale = fmax(scale, fabs(cost[j]));
   }
-  for (int32_t j = 0; j < x->basis->count; j++)
+  for (int32_t j = 0; j < x->body.basis->count; j++)
     glp_set_obj_coef(x->problem, j + 1, cost[j] / scale);
   glp_smcp control;
   glp_init_smcp(&control);
@@ -169,11 +149,12 @@ static void bound_holds_in_rational_arithmetic(void **state) {
                kind == 2 ? 3 : 0);
     bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .at_most = kind == 3};
     bw_worst_bound bound;
-    check_ok(context, bw_worst_bound_find(context, x.system, x.basis, &options, 0, 0.01, &bound));
+    check_ok(context,
+             bw_worst_bound_find(context, x.system, x.body.basis, &options, 0, 0.01, &bound));
     assert_true(bound.upper >= bound.largest && bound.upper <= 1.0101 * bound.largest);
     pose(&x, &options);
     double best = 0;
-    for (int32_t e = 0; e < x.mesh->element_count; e++)
+    for (int32_t e = 0; e < x.body.mesh->element_count; e++)
       for (int d = 0; d < directions; d++)
         for (int sign = -1; sign <= 1; sign += 2) {
           double value = largest(&x, &options, e, centre[d], sign);
@@ -193,7 +174,7 @@ static void bound_holds_in_rational_arithmetic(void **state) {
      * this value must not be. */
     for (int start = 0; start < 3; start++) {
       const double share[3] = {0.5, 0.8, 0.95};
-      check_ok(context, bw_worst_bound_find(context, x.system, x.basis, &options,
+      check_ok(context, bw_worst_bound_find(context, x.system, x.body.basis, &options,
                                             share[start] * reached, 0.01, &bound));
       assert_true(bound.upper >= fmax(best, reached) * (1 - 1e-9));
     }

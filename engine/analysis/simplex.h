@@ -1,0 +1,68 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the two dual simplex methods share: a basis and its inverse, products with all columns, the
+ * loop over iterations, nested samples of the columns. boxed_simplex.c has the iteration for
+ * columns with a bound each, grouped_simplex.c the one for columns in groups with a common bound.
+ */
+#ifndef BARWRIGHT_ANALYSIS_SIMPLEX_H
+#define BARWRIGHT_ANALYSIS_SIMPLEX_H
+
+#include "analysis/programme.h"
+
+typedef enum bwi_step { BWI_DONE, BWI_OPTIMAL, BWI_INFEASIBLE, BWI_UNSTABLE } bwi_step;
+
+/* A change of a group's key, see grouped_simplex.c. */
+typedef struct bwi_bend {
+  int32_t group, column; /* the key after it */
+  bool tied;             /* ends the search: the group has a basic column */
+} bwi_bend;
+
+/* One of the two methods. */
+typedef struct bwi_method {
+  double scatter;                /* added to the costs in the first attempt, see simplex.c */
+  void (*start)(bwi_simplex *s); /* a basis of unit columns */
+  void (*basis_row)(const bwi_simplex *s, int32_t i, double *row); /* row += basic column i */
+  void (*restart)(bwi_simplex *s);                                 /* all afresh from the basis */
+  bwi_step (*iterate)(bwi_simplex *s);
+  void (*hand_over)(bwi_simplex *s, bwi_vertex *vertex);
+} bwi_method;
+extern const bwi_method bwi_boxed, bwi_grouped;
+
+struct bwi_simplex {
+  const bwi_programme *programme;
+  const bwi_method *method;
+  double *cost, *reduced, *alpha; /* columns: c, d, and the row that is searched along */
+  bwi_breakpoint *point;          /* columns and groups */
+  double *factor, *inverse;       /* rows x rows */
+  double *x, *rest, *y, *column;  /* rows */
+  int32_t *pivot;                 /* rows */
+  int32_t groups, end, segments;  /* of the level at work; end: columns */
+  double stretch;                 /* of the bounds: a sample carries the whole force */
+  int iterations;
+  /* Columns with a bound each. */
+  uint8_t *state; /* columns */
+  int32_t *basic; /* rows */
+  double reach;   /* how far breakpoints are looked for at first */
+  /* Columns in groups. */
+  int32_t *key, *ties;     /* groups: the key, and how many columns of the basis */
+  int32_t *last;           /* groups: scratch, the last breakpoint passed */
+  bwi_bend *bend;          /* columns and groups */
+  int32_t *group, *member; /* rows: the basic column's group (-1: unit column), column */
+  int32_t *unit;           /* rows: number of the unit column */
+};
+
+static const double bwi_feasible_share = 1e-12; /* of the total force */
+static const double bwi_feasible_bound = 1e-9;  /* of a bound */
+static const double bwi_smallest_pivot = 1e-7;  /* over the length of the row of the inverse */
+
+/* sum += factor * A_j; nothing for a negative j. */
+void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum);
+/* out_j = row . A_j for all columns at work. */
+void bwi_times_columns(const bwi_simplex *s, const double *row, double *out);
+/* The inverse of the basis; false when its columns are dependent. */
+bool bwi_invert(bwi_simplex *s);
+/* x = inverse * rest */
+void bwi_basic_values(bwi_simplex *s);
+/* The square of the length of row i of the inverse. */
+double bwi_row_square(const bwi_simplex *s, int32_t i);
+
+#endif
