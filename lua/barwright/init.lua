@@ -61,6 +61,7 @@ local bw = {
 }
 require "barwright.fields"
 require "barwright.adaptive"
+require "barwright.singular"
 
 -- What the prompt completes after "bw.material." beside the functions.
 local library = {}

@@ -308,6 +308,7 @@ void lbw_open_domains(lua_State *L);
 void lbw_open_pose(lua_State *L);
 void lbw_open_mend(lua_State *L);
 void lbw_open_refine(lua_State *L);
+void lbw_open_singular(lua_State *L);
 void lbw_open_local(lua_State *L);
 void lbw_open_optimise(lua_State *L);
 void lbw_open_live(lua_State *L);

@@ -391,6 +391,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_pose(L);
   lbw_open_mend(L);
   lbw_open_refine(L);
+  lbw_open_singular(L);
   lbw_open_local(L);
   lbw_open_optimise(L);
   lbw_open_live(L);

@@ -674,6 +674,39 @@ function Surface:distance(other) end
 ---@return table? details
 function Surface:faces(options) end
 
+---@class bw.SingularPlace
+---@field kind "re-entrant edge"|"border of a support"|"line"|"point"
+---@field points number[][] a polyline, or one point; m
+---@field inward number[][] of each point: the bisector into the material, unit
+---@field length number m
+---@field angle? number inside the material, radians: the mean along the edge
+---@field least_angle? number
+---@field largest_angle? number
+---@field exponent number Williams' lambda: displacements go like r^lambda with the distance r
+---@field growth number 1 - lambda: the stress grows like h^-growth with the edge length h of elements
+
+---Places where linear elasticity has no finite stress, as a list; `print(places)` shows twelve of them.
+---@class bw.SingularPlaces
+---@field [integer] bw.SingularPlace
+local SingularPlaces = {}
+
+---The place nearest to a point, with the distance and its own nearest point; nil where none is within `radius` (m).
+---@param point number[]
+---@param radius? number default: any
+---@return {place: bw.SingularPlace, distance: number, at: number[], inward: number[]}?
+function SingularPlaces:near(point, radius) end
+
+---The re-entrant edges, the longest first: those whose angle inside the material exceeds 180 degrees by more than
+---`angle` (radians, default 10 degrees) between two faces that lie on planes, cylinders, cones or spheres, and by more
+---than 30 degrees where one is free form. Facets of a round face make no edge (docs/theory/singular.md). nil, a message
+---and details for a surface that is open or turned inside out.
+---`print(bw.surface.read("bracket.stl", {unit = "mm"}):singular_edges())`
+---@param options? {angle?: number}
+---@return bw.SingularPlaces?
+---@return string? message
+---@return table? details
+function Surface:singular_edges(options) end
+
 ---@param path string
 ---@param options? bw.PictureOptions
 ---@return true?

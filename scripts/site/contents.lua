@@ -19,6 +19,7 @@ return {
   {title = "Theory", pages = {
     {"docs/theory/elements.md", "Elements"}, {"docs/theory/filling.md", "Filling a surface"},
     {"docs/theory/faces.md", "Selections and faces"},
+    {"docs/theory/singular.md", "Singular places"},
     {"docs/theory/solving.md", "Solving"}, {"docs/theory/worst_case.md", "Worst case"},
     {"docs/theory/breaking_force.md", "Breaking force"}, {"docs/theory/error_control.md", "Error control"},
     {"docs/theory/edit.md", "Edit sessions"}, {"docs/theory/responsive.md", "The plane"},

@@ -103,6 +103,7 @@ describe("the stubs", function()
       {material = bw.material.pla, elements = 300, modes = 2, regions = 1}))
     same(inner(breaking), "bw.BreakingForce", {given_mesh = true})
     same(inner(drops), "bw.DropTest")
+    same(keys(getmetatable(part.mesh:surface():singular_edges())), "bw.SingularPlaces")
     assert(loads)
     same(keys(bw.edit.class, bw.edit.properties), "bw.Session")
     local bone = require "barwright.edit_bone"

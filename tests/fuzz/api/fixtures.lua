@@ -125,6 +125,7 @@ end}
 makers.BreakingForce = {function(p)
   return assert(bw.breaking_force(p.Mesh, {material = bw.material.pla, modes = 1, regions = 1}))
 end}
+makers.SingularPlaces = {function(p) return assert(p.Mesh:surface():singular_edges()) end}
 makers.DropTest = {function(p) return assert(bw.drop_test(p:variant("bw.Model", 3), {drops = 2})) end}
 makers.Outline = {
   function() return rectangle() end,

@@ -1,0 +1,109 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Singular places: where linear elasticity has no finite stress. Re-entrant edges are found from the geometry.
+-- docs/theory/singular.md.
+local arguments = require "barwright.arguments"
+local core = require "barwright.core"
+local options = require "barwright.options"
+
+local places = {}
+places.__index = places
+places.__name = "barwright.singular_places"
+
+local LINES = 12
+
+local function degrees(angle)
+  return 180 / math.pi * angle
+end
+
+local function mm(x)
+  return ("(%.4g, %.4g, %.4g) mm"):format(1e3 * x[1], 1e3 * x[2], 1e3 * x[3])
+end
+
+local function distance(a, b)
+  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
+end
+
+-- The share of the way from a to b of the point nearest to x.
+local function share_of(a, b, x)
+  local along, size = 0, 0
+  for k = 1, 3 do
+    along = along + (b[k] - a[k]) * (x[k] - a[k])
+    size = size + (b[k] - a[k]) ^ 2
+  end
+  return size > 0 and math.max(0, math.min(1, along / size)) or 0
+end
+
+local function mixed(a, b, share)
+  local out = {}
+  for k = 1, 3 do out[k] = (1 - share) * a[k] + share * b[k] end
+  return out
+end
+
+local function unit(v)
+  local size = distance(v, {0, 0, 0})
+  return size > 0 and {v[1] / size, v[2] / size, v[3] / size} or v
+end
+
+-- The point of a place nearest to x: distance, point, bisector into the material.
+local function nearest_on(place, x)
+  local least, at, inward = distance(place.points[1], x), place.points[1], place.inward[1]
+  for i = 1, #place.points - 1 do
+    local a, b = place.points[i], place.points[i + 1]
+    local share = share_of(a, b, x)
+    local point = mixed(a, b, share)
+    local far = distance(point, x)
+    if far < least then
+      least, at, inward = far, point, unit(mixed(place.inward[i], place.inward[i + 1], share))
+    end
+  end
+  return least, at, inward
+end
+
+--- The place nearest to a point: {place, distance, at, inward}; nil where none is within `radius`. Among those as
+--- near, the one of fastest growth.
+function places:near(point, radius)
+  local best
+  for _, place in ipairs(self) do
+    local far, at, inward = nearest_on(place, point)
+    if far <= (radius or math.huge) and (not best or far < best.distance - 1e-9 * (radius or far)
+      or far <= best.distance + 1e-9 * (radius or far) and place.exponent < best.place.exponent) then
+      best = {place = place, distance = far, at = at, inward = inward}
+    end
+  end
+  return best
+end
+
+local function line_of(place)
+  local a, b = place.points[1], place.points[#place.points]
+  if place.length == 0 then return ("%s at %s: stress like h^%.3g"):format(place.kind, mm(a), -place.growth) end
+  local where = distance(a, b) == 0 and "ring through " .. mm(a) or mm(a) .. " to " .. mm(b)
+  local angle = place.angle and (", %.4g degrees inside the material"):format(degrees(place.angle)) or ""
+  return ("%s, %.4g mm, %s%s: stress like h^%.3g"):format(place.kind, 1e3 * place.length, where, angle,
+    -place.growth)
+end
+
+function places:__tostring()
+  local lines = {#self == 0 and "no singular places" or ("%d singular place%s"):format(#self,
+    #self == 1 and "" or "s")}
+  for i = 1, math.min(#self, LINES) do lines[#lines + 1] = "  " .. line_of(self[i]) end
+  if #self > LINES then lines[#lines + 1] = ("  and %d more"):format(#self - LINES) end
+  return table.concat(lines, "\n")
+end
+
+arguments.methods("singular places", places, places, {near = "point: table, radius?: number"})
+
+local edge_rules = {angle = {type = "number", above = 0, most = 1.5}}
+
+local surface = core.classes.surface.methods
+
+--- The re-entrant edges of a closed surface, the longest first; nil, message, details where it has no inside.
+function surface:singular_edges(given)
+  local wish = options.read("singular_edges", given, edge_rules)
+  local list, message, details = core.singular_edges(self, wish.angle or 0)
+  if not list then return nil, message, details end
+  return setmetatable(list, places)
+end
+
+arguments.methods("surface", surface, nil, {singular_edges = "options?: options"})
+
+return places

@@ -1,0 +1,78 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Singular places: re-entrant edges of surfaces.
+local bw = require "barwright"
+
+local pi = math.pi
+
+-- A prism over a star-shaped profile, its caps fans around `centre`.
+local function prism(profile, centre, height)
+  local n, points, triangles = #profile, {}, {}
+  for i = 1, n + 1 do
+    local p = profile[i] or centre
+    points[#points + 1] = {p[1], p[2], 0}
+    points[#points + 1] = {p[1], p[2], height}
+  end
+  for i = 1, n do
+    local a, b = 2 * i - 1, 2 * (i % n) + 1
+    for _, t in ipairs {{a, b, b + 1}, {a, b + 1, a + 1}, {2 * n + 1, b, a}, {2 * n + 2, a + 1, b + 1}} do
+      triangles[#triangles + 1] = t
+    end
+  end
+  return assert(bw.surface.new {points = points, triangles = triangles})
+end
+
+local function l_section()
+  return prism({{0, 0}, {2e-2, 0}, {2e-2, 1e-2}, {1e-2, 1e-2}, {1e-2, 3e-2}, {0, 3e-2}}, {5e-3, 5e-3}, 4e-2)
+end
+
+describe("the singular edges of a surface", function()
+  it("are one for an L-section, with angle and exponent", function()
+    local edges = assert(l_section():singular_edges())
+    assert.equal(1, #edges)
+    local edge = edges[1]
+    assert.equal("re-entrant edge", edge.kind)
+    assert.near(1.5 * pi, edge.angle, 1e-9)
+    assert.near(0.5444837, edge.exponent, 1e-6)
+    assert.near(1 - edge.exponent, edge.growth, 1e-15)
+    assert.near(4e-2, edge.length, 1e-12)
+    assert.equal(2, #edge.points)
+    assert.near(-math.sqrt(0.5), edge.inward[1][1], 1e-9)
+    local text = tostring(edges)
+    assert.truthy(text:find("1 singular place\n", 1, true))
+    assert.truthy(text:find("270 degrees inside the material: stress like h^-0.456", 1, true), text)
+  end)
+
+  it("are found near a point", function()
+    local edges = assert(l_section():singular_edges())
+    local near = assert(edges:near({1e-2, 1.1e-2, 1e-2}, 2e-3))
+    assert.near(1e-3, near.distance, 1e-12)
+    assert.near(1e-2, near.at[3], 1e-12)
+    assert.equal(edges[1], near.place)
+    assert.is_nil(edges:near({2e-2, 0, 0}, 2e-3))
+  end)
+
+  it("are none on convex bodies, on facets of a cylinder, and by a wide margin", function()
+    assert.equal(0, #assert(bw.surface.box {low = {0, 0, 0}, high = {3, 2, 1}}:singular_edges()))
+    local cylinder = bw.surface.cylinder {axis = {0, 0, 1}, radius = 0.3, segments = 20}
+    local none = assert(cylinder:singular_edges())
+    assert.equal(0, #none)
+    assert.equal("no singular places", tostring(none))
+    local wide = math.sqrt(3)
+    local notched = prism({{-9, -2}, {9, -2}, {9, 1}, {wide, 1}, {0, 0}, {-wide, 1}, {-9, 1}}, {0, -1}, 1)
+    assert.equal(1, #assert(notched:singular_edges {angle = 1}))
+    assert.equal(0, #assert(notched:singular_edges {angle = 1.1}))
+  end)
+
+  it("need a surface with an inside", function()
+    local box = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}
+    local triangles = box.triangles:totable()
+    triangles[#triangles] = nil
+    local open = assert(bw.surface.new {points = box.points:totable(), triangles = triangles})
+    local edges, message, details = open:singular_edges()
+    assert.is_nil(edges)
+    assert.truthy(message:find("the surface is open", 1, true))
+    assert.equal("geometry", details.status)
+    assert.has_error(function() box:singular_edges {angle = 2} end)
+    assert.has_error(function() box:singular_edges {corner = 2} end)
+  end)
+end)
