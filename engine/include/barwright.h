@@ -48,6 +48,7 @@
 #include "barwright/material.h"
 
 #include "barwright/model.h"
+#include "barwright/singular_places.h"
 
 #include "barwright/assemble.h"
 

@@ -173,8 +173,8 @@ static bw_status follow(chainer *c, int64_t half) {
         half = h;
   }
   place.angle = place.length > 0 ? place.angle / place.length : place.least_angle;
-  place.exponent =
-      place.kind == BW_SINGULAR_LINE ? 0 : bw_williams_exponent(c->corner, place.angle, c->poisson);
+  bool line = place.kind == BW_SINGULAR_LINE_LOAD || place.kind == BW_SINGULAR_LINE_SUPPORT;
+  place.exponent = line ? 0 : bw_williams_exponent(c->corner, place.angle, c->poisson);
   if (!(place.exponent < 1))
     return BW_OK;
   for (int32_t i = 0; i < rows; i++) {

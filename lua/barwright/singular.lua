@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Singular places: where linear elasticity has no finite stress. Re-entrant edges are found from the geometry.
+-- Singular places: where linear elasticity has no finite stress, found from shape, supports and loads.
 -- docs/theory/singular.md.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
@@ -104,6 +104,20 @@ function surface:singular_edges(given)
   return setmetatable(list, places)
 end
 
+local place_rules = {angle = edge_rules.angle, surface = {type = "surface"}}
+
+local model = core.classes.model.methods
+
+--- Re-entrant edges, borders of supports, and what acts on points and lines; nil, message, details where the shape
+--- has no inside.
+function model:singular_places(given)
+  local wish = options.read("singular_places", given, place_rules)
+  local list, message, details = core.singular_places(self, wish.surface, wish.angle or 0)
+  if not list then return nil, message, details end
+  return setmetatable(list, places)
+end
+
+arguments.methods("model", model, nil, {singular_places = "options?: options"})
 arguments.methods("surface", surface, nil, {singular_edges = "options?: options"})
 
 return places

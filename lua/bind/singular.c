@@ -2,7 +2,7 @@
 /* Singular places: what lua/barwright/singular.lua makes surface:singular_edges() of. */
 #include "bind.h"
 
-#include "barwright/singular.h"
+#include "barwright/singular_places.h"
 
 /* Rows of three numbers as a list of vectors. */
 static void push_rows(lua_State *L, const double *row, int32_t count, const char *key) {
@@ -63,7 +63,20 @@ static int core_singular_edges(lua_State *L) {
   return leave_places(L, status, places);
 }
 
+/* singular_places(model, surface or nil, angle): a list of tables */
+static int core_singular_places(lua_State *L) {
+  const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
+  const bw_surface *surface =
+      lua_isnil(L, 2) ? NULL : (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);
+  double margin = lbw_check_real(L, 3, "angle");
+  bw_singular_places *places = NULL;
+  bw_status status = bw_singular_places_find(lbw_enter(L), model, surface, margin, &places);
+  return leave_places(L, status, places);
+}
+
 void lbw_open_singular(lua_State *L) {
-  static const luaL_Reg functions[] = {{"singular_edges", core_singular_edges}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"singular_edges", core_singular_edges},
+                                       {"singular_places", core_singular_places},
+                                       {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

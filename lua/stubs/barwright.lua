@@ -675,7 +675,7 @@ function Surface:distance(other) end
 function Surface:faces(options) end
 
 ---@class bw.SingularPlace
----@field kind "re-entrant edge"|"border of a support"|"line"|"point"
+---@field kind "re-entrant edge"|"border of a support"|"line load"|"line support"|"point load"|"point support"
 ---@field points number[][] a polyline, or one point; m
 ---@field inward number[][] of each point: the bisector into the material, unit
 ---@field length number m
@@ -1139,6 +1139,17 @@ function Model:clear_loads() end
 ---Consistent nodal forces of all loads.
 ---@return bw.Array?
 function Model:force_vector() end
+
+---Where the stress has no finite value: re-entrant edges (of `surface`, what the mesh was filled from, or else of the
+---mesh's own boundary; `angle` as in surface:singular_edges), borders of supports, forces and supports at single nodes
+---and along lines of them. The exponents at supports depend on Poisson's ratio (docs/theory/singular.md). nil, a
+---message and details where the shape has no inside.
+---`print(part:singular_places {surface = surface})`
+---@param options? {surface?: bw.Surface, angle?: number}
+---@return bw.SingularPlaces?
+---@return string? message
+---@return table? details
+function Model:singular_places(options) end
 
 ---The rigid motions that the supports leave: {component, centre, translation, rotation, text}.
 ---@return table[]?

@@ -76,3 +76,97 @@ describe("the singular edges of a surface", function()
     assert.has_error(function() box:singular_edges {corner = 2} end)
   end)
 end)
+
+describe("the singular places of a model", function()
+  local elastic = bw.material.isotropic {young = 1, poisson = 0.3}
+
+  local function bar(order)
+    return assert(bw.mesh.box {low = {0, 0, 0}, high = {2, 1, 1}, cells = {4, 2, 2}, order = order})
+  end
+
+  it("are the border of a fixed face", function()
+    for order = 1, 2 do
+      local mesh = bar(order)
+      local part = bw.model {mesh = mesh, material = elastic}
+      part:fix(mesh.boundary:below(1, 0))
+      local list = assert(part:singular_places())
+      assert.equal(4, #list)
+      for _, place in ipairs(list) do
+        assert.equal("border of a support", place.kind)
+        assert.near(0.7112, place.exponent, 1e-4)
+        assert.near(pi / 2, place.angle, 1e-12)
+        assert.near(1, place.length, 1e-12)
+        for _, point in ipairs(place.points) do assert.equal(0, point[1]) end
+      end
+    end
+  end)
+
+  it("are the border of a support inside of a face", function()
+    local mesh = bar(1)
+    local part = bw.model {mesh = mesh, material = elastic}
+    part:fix(mesh.boundary:box({0, 0, 0}, {1, 1, 0}))
+    local inside
+    for _, place in ipairs(assert(part:singular_places())) do
+      if place.points[1][1] == 1 then inside = place end
+    end
+    assert.near(0.5, inside.exponent, 1e-9)
+    assert.near(pi, inside.angle, 1e-12)
+    assert.near(1, inside.length, 1e-12)
+  end)
+
+  it("are none where faces slide on planes of symmetry", function()
+    local mesh = bar(2)
+    local part = bw.model {mesh = mesh, material = elastic}
+    part:slide(mesh.boundary:below(1, 0), {1, 0, 0}):slide(mesh.boundary:below(2, 0))
+    part:prescribe(mesh.boundary:below(3, 0), {false, false, 0})
+    part:load {on = mesh.boundary:above(1, 2), traction = {1, 0, 0}}
+    assert.equal(0, #assert(part:singular_places()))
+  end)
+
+  it("are forces on single nodes and on lines of them, and no area loads", function()
+    for order = 1, 2 do
+      local mesh = bar(order)
+      local part = bw.model {mesh = mesh, material = elastic}
+      local area = bw.model {mesh = mesh, material = elastic}
+      area:load {on = mesh.boundary:above(1, 2), traction = {1, 0, 0}}
+      local rows, force = {}, area:force_vector():totable()
+      for i, p in ipairs(mesh.nodes:totable()) do
+        rows[i] = force[i]
+        if p[1] == 0.5 and p[2] == 0 then rows[i] = {0, 1, 0} end
+        if p[1] == 1.5 and p[2] == 0.5 and p[3] == 1 then rows[i] = {0, 0, 2} end
+      end
+      part:load {nodal = bw.array.new(rows)}
+      local list = assert(part:singular_places())
+      assert.equal(2, #list)
+      assert.equal("line load", list[1].kind)
+      assert.equal(0, list[1].exponent)
+      assert.near(1, list[1].length, 1e-12)
+      assert.equal("point load", list[2].kind)
+      assert.equal(-1, list[2].exponent)
+      assert.near(-1, list[2].inward[1][3], 1e-12)
+      assert.is_nil(list[2].angle)
+      assert.truthy(tostring(list):find("point load at (1500, 500, 1000) mm: stress like h^-2", 1, true))
+    end
+  end)
+
+  it("are supports on points", function()
+    local mesh = bar(1)
+    local part = bw.model {mesh = mesh, material = elastic}
+    part:fix(mesh.boundary:nearest({1, 0.5, 0}, 1))
+    local list = assert(part:singular_places())
+    assert.equal(1, #list)
+    assert.equal("point support", list[1].kind)
+  end)
+
+  it("take re-entrant edges from the surface that was filled", function()
+    local surface = l_section()
+    local mesh = assert(bw.mesh.fill(surface, {elements = 400}))
+    local part = bw.model {mesh = mesh, material = elastic}
+    local own, given = assert(part:singular_places()), assert(part:singular_places {surface = surface})
+    assert.equal(1, #own)
+    assert.equal(1, #given)
+    assert.near(given[1].length, own[1].length, 1e-6)
+    assert.equal(2, #given[1].points)
+    assert.has_error(function() part:singular_places {surface = mesh} end)
+  end)
+end)

@@ -22,8 +22,10 @@ double bw_williams_exponent(bw_corner corner, double angle, double poisson);
 typedef enum bw_singular_kind {
   BW_SINGULAR_EDGE,    /* re-entrant, without a fillet */
   BW_SINGULAR_SUPPORT, /* border of a support */
-  BW_SINGULAR_LINE,    /* line load, or support along a line */
-  BW_SINGULAR_POINT    /* point load, or support at a point */
+  BW_SINGULAR_LINE_LOAD,
+  BW_SINGULAR_LINE_SUPPORT,
+  BW_SINGULAR_POINT_LOAD,
+  BW_SINGULAR_POINT_SUPPORT
 } bw_singular_kind;
 const char *bw_singular_word(bw_singular_kind kind); /* "re-entrant edge", ... */
 

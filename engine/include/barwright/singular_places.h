@@ -1,0 +1,23 @@
+/* singular_places: where a model has no finite stress, by its shape, supports and loads. */
+#ifndef BARWRIGHT_SINGULAR_PLACES_H
+#define BARWRIGHT_SINGULAR_PLACES_H
+
+#include "barwright/model.h"
+#include "barwright/singular.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Re-entrant edges of `surface` (what the mesh was filled from; NULL: the mesh's own boundary, with
+ * `margin` as bw_singular_edges); borders of supports whose exponent is below one; loads and
+ * supports at single nodes, and along lines of them. An angle beside a support is that of the
+ * mesh's boundary. Facets held otherwise than along their normal count as fixed. */
+bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
+                                  const bw_surface *surface, double margin,
+                                  bw_singular_places **places);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
