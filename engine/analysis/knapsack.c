@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-double bwi_knapsack(int32_t count, const double *gain, const double *upper, int halvings) {
+double bwi_knapsack_multiplier(int32_t count, const double *gain, const double *upper,
+                               int halvings) {
   double low = INFINITY, high = -INFINITY;
   for (int32_t j = 0; j < count; j++) {
     low = fmin(low, gain[j]);
@@ -20,8 +21,17 @@ double bwi_knapsack(int32_t count, const double *gain, const double *upper, int 
     else
       high = x;
   }
-  double sum = high;
+  return high;
+}
+
+double bwi_knapsack_value(int32_t count, const double *gain, const double *upper, double x) {
+  double sum = x;
   for (int32_t j = 0; j < count; j++)
-    sum += upper[j] * fmax(0, gain[j] - high);
+    sum += upper[j] * fmax(0, gain[j] - x);
   return sum;
+}
+
+double bwi_knapsack(int32_t count, const double *gain, const double *upper, int halvings) {
+  double x = bwi_knapsack_multiplier(count, gain, upper, halvings);
+  return bwi_knapsack_value(count, gain, upper, x);
 }

@@ -70,8 +70,7 @@ double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3]
   return volume;
 }
 
-/* s = C : T, so that T : sigma = s : grad u. */
-static void conjugate_stress(const double c[36], const double t[6], double s[6]) {
+void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]) {
   for (int k = 0; k < 6; k++) {
     const double *row = c + 6 * k;
     s[k] = row[0] * t[0] + row[1] * t[1] + row[2] * t[2] +
@@ -99,7 +98,7 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
     const double *c = bw_material_elasticity(material, e);
     double gradient[10][3], value[10], s[6], w = 1;
     if (target == BW_WORST_DIRECTION)
-      conjugate_stress(c, r->weight + 6 * (size_t)i, s);
+      bwi_conjugate_stress(c, r->weight + 6 * (size_t)i, s);
     for (int k = 0; k < 6 && target == BW_WORST_STRESS; k++)
       s[k] = c[6 * k] + c[6 * k + 1] + c[6 * k + 2];
     if (target == BW_WORST_STRESS)

@@ -93,9 +93,12 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
                                  const double *cost, const bwi_vertex *vertex,
                                  bwi_solution *solution);
 
-/* A bound of  max gain . t,  sum t = 1,  0 <= t <= upper:  x + sum upper max(0, gain - x)  for the
- * multiplier x that so many halvings find. It is never too small; the excess is at most the range
- * of the gains times 2^-halvings. */
+/* A bound of  max gain . t,  sum t = 1,  0 <= t <= upper:  x + sum upper max(0, gain - x), for any
+ * multiplier x. That of so many halvings exceeds the maximum by at most the range of the gains
+ * times 2^-halvings. */
+double bwi_knapsack_value(int32_t count, const double *gain, const double *upper, double x);
+double bwi_knapsack_multiplier(int32_t count, const double *gain, const double *upper,
+                               int halvings);
 double bwi_knapsack(int32_t count, const double *gain, const double *upper, int halvings);
 
 /* Solve a dense system in place by elimination with column pivoting; false when singular. */

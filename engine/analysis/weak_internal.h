@@ -28,6 +28,9 @@ bw_status bwi_element_regions(bw_context *context, const bw_mesh *mesh, int64_t 
  * functions; either may be NULL. Returns the element's volume (curved edges included). */
 double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3], double *value);
 
+/* s = C : T, so that T : sigma = s : grad u. */
+void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]);
+
 /* Signed weights (not yet scaled) of a region of a Laplacian mode from the mean gradients of the
  * mode in all elements (weak_laplacian.c). */
 void bwi_laplacian_weights(const bw_mesh *mesh, const bw_weak_region *region,

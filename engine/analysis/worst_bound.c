@@ -2,12 +2,15 @@
 /* Branch and bound for the largest principal stress over all admissible pressures, elements and
  * directions (docs/theory/worst_case.md, "The upper bound").
  *
- * Six adjoint solves give the mean stress of an element as a linear function of the pressure. The
+ * The mean stress of an element is a linear function of the pressure (worst_response.c). The
  * directions are covered by spherical triangles. A triangle whose points are within the angle delta
  * of its centre n holds no stress larger than max over both signs and all pressures of  s n . sigma
  * n  /  cos(2 delta). That maximum is bounded by a knapsack, with the multipliers of the triangle
  * above; where this does not suffice, the programme is solved; where that does not suffice, the
  * triangle is divided into four.
+ *
+ * Every bound is evaluated with multipliers of few digits, which are those of the certificate
+ * (worst_leaves.c): any multipliers give a bound.
  *
  * Invariant: the incumbent is the same for all elements of a batch, so that the result does not
  * depend on the number of threads. */
@@ -19,14 +22,19 @@
 
 enum { BATCH = 16, HALVINGS = 16, FACES = BWI_HALF_ICOSAHEDRON, MOST_DEPTH = 12 };
 
+/* For the displacements under unit pressures. */
+static const size_t MOST_BYTES = (size_t)1 << 29;
+
 typedef struct found {
   double upper, largest; /* of one element */
   double stress[6];
   int64_t programmes;
+  bw_bound_leaves leaves;
 } found;
 
 typedef struct worker {
   bwi_loads *loads;
+  double *response;             /* 6 x pressures */
   double *objective, *pressure; /* pressures */
   double *gain;                 /* pressures and a slack */
 } worker;
@@ -41,64 +49,14 @@ typedef struct search {
   double *motion;           /* motions x pressures: work of a unit pressure on each rigid motion */
   double *projector; /* pressures x motions: the fit's multipliers are projector^T objective */
   double *upper;     /* columns: largest shares of the force */
-  double *response;  /* batch x 6 x pressures */
-  double *block;     /* batch x 6 x 3 nodes */
   found *result;     /* batch */
   worker *worker;
   int workers;
   bwi_triangle face[FACES];
-  const bw_weak_regions *regions;
+  bwi_responses responses;
+  int32_t begin;           /* of the batch, among the elements in order */
+  bw_bound_leaves *leaves; /* or NULL */
 } search;
-
-/* ---- the cover of the half sphere ------------------------------------------------------------ */
-
-static void normalise(double v[3]) {
-  double length = bw_norm(v);
-  for (int k = 0; k < 3; k++)
-    v[k] /= length;
-}
-
-/* One of each pair of opposite faces of the icosahedron. */
-void bwi_half_icosahedron(bwi_triangle *face) {
-  const double g = (1 + sqrt(5)) / 2;
-  static const int list[FACES][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8}};
-  const double point[12][3] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
-                               {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
-                               {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  for (int f = 0; f < FACES; f++)
-    for (int c = 0; c < 3; c++) {
-      memcpy(face[f].corner[c], point[list[f][c]], sizeof face[f].corner[c]);
-      normalise(face[f].corner[c]);
-    }
-}
-
-/* The centre, and cos(2 delta) of the largest angle delta from it to a corner. A spherical triangle
- * smaller than a half sphere lies within the cap of its corners. */
-static double centre_of(const bwi_triangle *t, double n[3]) {
-  double least = 1;
-  for (int k = 0; k < 3; k++)
-    n[k] = t->corner[0][k] + t->corner[1][k] + t->corner[2][k];
-  normalise(n);
-  for (int c = 0; c < 3; c++)
-    least = fmin(least, bw_dot(n, t->corner[c]));
-  return 2 * least * least - 1;
-}
-
-static void divide(const bwi_triangle *t, bwi_triangle part[4]) {
-  double middle[3][3];
-  for (int c = 0; c < 3; c++) {
-    for (int k = 0; k < 3; k++)
-      middle[c][k] = t->corner[c][k] + t->corner[(c + 1) % 3][k];
-    normalise(middle[c]);
-  }
-  for (int c = 0; c < 3; c++) {
-    memcpy(part[c].corner[0], t->corner[c], sizeof middle[0]);
-    memcpy(part[c].corner[1], middle[c], sizeof middle[0]);
-    memcpy(part[c].corner[2], middle[(c + 2) % 3], sizeof middle[0]);
-  }
-  memcpy(part[3].corner, middle, sizeof middle);
-}
 
 /* ---- bounds in one direction ----------------------------------------------------------------- */
 
@@ -131,8 +89,9 @@ static void fit(const search *s, const double *objective, double *y) {
       y[k] += s->projector[j * m + k] * objective[j];
 }
 
-/* The knapsack of nodes, from the gains of their columns: with friction the largest of a node. */
-static double fill(const search *s, double *gain) {
+/* The knapsack of nodes, from the gains of their columns: with friction the largest of a node. `x`
+ * becomes the multiplier of the total force. */
+static double fill(const search *s, double *gain, double *x) {
   int32_t directions = s->basis->directions, nodes = s->basis->count / directions;
   for (int32_t g = 0; g < nodes; g++) {
     double most = gain[(size_t)g * (size_t)directions];
@@ -142,26 +101,32 @@ static double fill(const search *s, double *gain) {
   }
   for (int32_t g = nodes; g < s->columns; g++)
     gain[g] = 0; /* the slack */
-  return bwi_knapsack(s->columns, gain, s->upper, HALVINGS);
+  *x = bwi_knapsack_multiplier(s->columns, gain, s->upper, HALVINGS);
+  bwi_round_multipliers(1, x);
+  return bwi_knapsack_value(s->columns, gain, s->upper, *x);
 }
 
-static double knapsack(const search *s, const double *objective, const double *y, double *gain) {
+/* The bound for multipliers y of the motions; y[motions] becomes that of the total. */
+static double knapsack(const search *s, const double *objective, double *y, double *gain) {
   size_t count = (size_t)s->basis->count;
+  bwi_round_multipliers(s->motions, y);
   for (size_t j = 0; j < count; j++) {
     double d = objective[j];
     for (int32_t m = 0; m < s->motions; m++)
       d -= y[m] * s->motion[(size_t)m * count + j];
     gain[j] = d * (s->options->force / s->basis->area[j]);
   }
-  return fill(s, gain);
+  return fill(s, gain, &y[s->motions]);
 }
 
 /* A bound over all directions at once: what a pressure contributes in any direction is at most the
- * norm of its stress, the fit of the balance rows subtracted. `y`: scratch, 6 x motions. */
+ * norm of its stress, the fit of the balance rows subtracted. `y`: 6 x motions, and the total's. */
 static double in_all_directions(const search *s, const double *response, double *y, double *gain) {
   size_t count = (size_t)s->basis->count, m = (size_t)s->motions;
-  for (size_t r = 0; r < 6; r++)
+  for (size_t r = 0; r < 6; r++) {
     fit(s, response + r * count, y + r * m);
+    bwi_round_multipliers(s->motions, y + r * m);
+  }
   for (size_t j = 0; j < count; j++) {
     double sum = 0;
     for (size_t r = 0; r < 6; r++) {
@@ -172,12 +137,13 @@ static double in_all_directions(const search *s, const double *response, double 
     }
     gain[j] = sqrt(sum) * (s->options->force / s->basis->area[j]);
   }
-  return fill(s, gain);
+  return fill(s, gain, &y[6 * m]);
 }
 
 /* What a triangle hands down to its parts: multipliers for both signs. */
 typedef struct node {
   bwi_triangle cell;
+  int64_t number; /* as in bw_bound_leaves */
   int depth;
   double *y; /* 2 x (motions + 1) */
 } node;
@@ -186,7 +152,8 @@ typedef struct node {
 static bool closed(const search *s, worker *w, const double *response, const node *at, double *y,
                    found *out, bw_status *status) {
   size_t count = (size_t)s->basis->count, width = (size_t)s->motions + 1;
-  double n[3], cosine = centre_of(&at->cell, n), bound = 0;
+  double n[3], cosine = bwi_triangle_centre(&at->cell, n), bound = 0;
+  double *former = y + 2 * width; /* scratch */
   for (int sign = 0; sign < 2; sign++) {
     double goal = (1 + s->tolerance) * fmax(s->incumbent, out->largest);
     double *own = y + (size_t)sign * width;
@@ -198,11 +165,15 @@ static bool closed(const search *s, worker *w, const double *response, const nod
     double most = knapsack(s, w->objective, own, w->gain);
     if (most > goal * cosine) {
       double value, stress[6];
+      memcpy(former, own, width * sizeof *own);
       *status = bwi_loads_solve(s->context, w->loads, 1, w->objective, w->pressure, &value, own);
       if (*status != BW_OK)
         return true;
       out->programmes++;
-      most = fmin(most, knapsack(s, w->objective, own, w->gain)); /* of the dual: proved again */
+      double proved = knapsack(s, w->objective, own, w->gain); /* of the dual: proved again */
+      if (proved > most)
+        memcpy(own, former, width * sizeof *own);
+      most = fmin(most, proved);
       for (size_t r = 0; r < 6; r++) {
         stress[r] = 0;
         for (size_t j = 0; j < count; j++)
@@ -219,6 +190,8 @@ static bool closed(const search *s, worker *w, const double *response, const nod
       at->depth < MOST_DEPTH)
     return false;
   out->upper = fmax(out->upper, bound / cosine);
+  if (s->leaves)
+    *status = bwi_keep_leaf(s->context, &out->leaves, at->number, bound / cosine, s->motions, y);
   return true;
 }
 
@@ -227,20 +200,23 @@ static bw_status bound_element(const search *s, worker *w, const double *respons
   bw_context *context = s->context;
   size_t width = 2 * ((size_t)s->motions + 1), count = 0, capacity = 0;
   node *stack = NULL;
-  double *y = BW_NEW0(context, double, width *(MOST_DEPTH + 2)); /* own multipliers, by depth */
+  /* Own multipliers, by depth, and scratch behind the last. */
+  double *y = BW_NEW0(context, double, width *(MOST_DEPTH + 5));
   if (!y)
     return BW_MEMORY;
-  memset(out, 0, sizeof *out);
   out->upper = in_all_directions(s, response, y, w->gain);
-  if (out->upper <= (1 + s->tolerance) * s->incumbent)
+  if (out->upper <= (1 + s->tolerance) * s->incumbent) {
+    if (s->leaves)
+      status = bwi_keep_leaf(context, &out->leaves, 0, out->upper, s->motions, y);
     goto done;
+  }
   out->upper = 0;
   for (int f = FACES - 1; f >= 0; f--) {
     if (!bw_grow(context, (void **)&stack, &capacity, count, 1, sizeof *stack)) {
       status = BW_MEMORY;
       goto done;
     }
-    stack[count++] = (node){s->face[f], 0, NULL};
+    stack[count++] = (node){s->face[f], BW_FIRST_FACE + f, 0, NULL};
   }
   while (count > 0) {
     node at = stack[--count];
@@ -254,13 +230,13 @@ static bw_status bound_element(const search *s, worker *w, const double *respons
     if (done)
       continue;
     bwi_triangle part[4];
-    divide(&at.cell, part);
+    bwi_divide_triangle(&at.cell, part);
     if (!bw_grow(context, (void **)&stack, &capacity, count, 4, sizeof *stack)) {
       status = BW_MEMORY;
       goto done;
     }
     for (int k = 0; k < 4; k++)
-      stack[count++] = (node){part[k], at.depth + 1, NULL};
+      stack[count++] = (node){part[k], 4 * at.number + k, at.depth + 1, NULL};
   }
 done:
   bw_free(y);
@@ -270,71 +246,40 @@ done:
 
 /* ---- batches of elements --------------------------------------------------------------------- */
 
-static bw_status functional_body(void *data, int64_t begin, int64_t end, int number) {
-  const search *s = (const search *)data;
-  size_t n = 3 * (size_t)s->system->mesh->node_count;
-  bw_status status = BW_OK;
-  (void)number;
-  for (int64_t i = begin; i < end; i++)
-    BW_TRY(bw_region_objective(s->context, s->regions, (int)i, s->system->material,
-                               s->block + (size_t)i * n));
-done:
-  return status;
-}
-
 static bw_status element_body(void *data, int64_t begin, int64_t end, int number) {
   const search *s = (const search *)data;
-  size_t n = 3 * (size_t)s->system->mesh->node_count, count = (size_t)s->basis->count;
+  worker *w = &s->worker[number];
   bw_status status = BW_OK;
   for (int64_t i = begin; i < end; i++) {
-    double *response = s->response + (size_t)i * 6 * count;
-    for (size_t r = 0; r < 6; r++)
-      bw_pressure_gradient(s->basis, s->block + ((size_t)i * 6 + r) * n, response + r * count);
-    BW_TRY(bound_element(s, &s->worker[number], response, &s->result[i]));
+    found *result = &s->result[i];
+    bwi_response_of(&s->responses, s->responses.order[s->begin + i], w->response);
+    bw_bound_leaves kept = result->leaves;
+    *result = (found){.leaves = kept};
+    result->leaves.count = result->leaves.number_count = 0;
+    BW_TRY(bound_element(s, w, w->response, result));
   }
 done:
   return status;
 }
 
-/* Six regions for each element: one for each component of its mean stress. */
-static bw_status component_regions(const search *s, int32_t first, int32_t count,
-                                   bw_weak_regions **regions) {
+static bw_status bound_batch(search *s, int32_t count, bw_worst_bound *bound) {
   bw_status status = BW_OK;
-  const bw_mesh *mesh = s->system->mesh;
-  int32_t element[6 * BATCH];
-  for (int32_t i = 0; i < 6 * count; i++)
-    element[i] = first + i / 6;
-  BW_TRY(bwi_element_regions(s->context, mesh, 6 * (int64_t)count, element, BW_WORST_DIRECTION,
-                             regions));
-  for (int32_t i = 0; i < 6 * count; i++) {
-    double volume = bwi_shape_integrals(mesh, element[i], NULL, NULL);
-    (*regions)->region[i].weight[i % 6] = (i % 6 < 3 ? 1 : 0.5) / volume;
-  }
-done:
-  return status;
-}
-
-static bw_status bound_batch(search *s, int32_t first, int32_t count, bw_worst_bound *bound) {
-  bw_status status = BW_OK;
-  bw_weak_regions *regions = NULL;
-  BW_TRY(component_regions(s, first, count, &regions));
-  s->regions = regions;
-  BW_TRY(bw_parallel(s->context, 6 * (int64_t)count, 1, functional_body, s));
-  BW_TRY(bw_system_solve(s->context, s->system, 6 * (int64_t)count, s->block, s->block));
   BW_TRY(bw_parallel(s->context, count, 1, element_body, s));
   for (int32_t i = 0; i < count; i++) {
     const found *f = &s->result[i];
+    int32_t element = s->responses.order[s->begin + i];
     bound->upper = fmax(bound->upper, f->upper);
     bound->programmes += f->programmes;
     if (f->largest > bound->largest) {
       bound->largest = f->largest;
-      bound->element = first + i;
+      bound->element = element;
       memcpy(bound->stress, f->stress, sizeof f->stress);
     }
+    if (s->leaves)
+      BW_TRY(bwi_append_leaves(s->context, s->leaves, element, &f->leaves));
   }
   s->incumbent = bound->largest;
 done:
-  bw_release(regions);
   return status;
 }
 
@@ -383,10 +328,11 @@ static bw_status prepare_workers(search *s) {
   for (int i = 0; i < s->workers; i++) {
     worker *w = &s->worker[i];
     BW_TRY(bwi_loads_create(context, s->basis, s->system->numbering, s->options, &w->loads));
+    w->response = BW_NEW(context, double, 6 * count);
     w->objective = BW_NEW(context, double, count);
     w->pressure = BW_NEW(context, double, count);
     w->gain = BW_NEW(context, double, count + 1);
-    if (!w->objective || !w->pressure || !w->gain) {
+    if (!w->response || !w->objective || !w->pressure || !w->gain) {
       status = BW_MEMORY;
       goto done;
     }
@@ -398,6 +344,7 @@ done:
 static void search_clear(search *s) {
   for (int i = 0; s->worker && i < s->workers; i++) {
     bwi_loads_free(s->worker[i].loads);
+    bw_free(s->worker[i].response);
     bw_free(s->worker[i].objective);
     bw_free(s->worker[i].pressure);
     bw_free(s->worker[i].gain);
@@ -406,17 +353,18 @@ static void search_clear(search *s) {
   bw_free(s->motion);
   bw_free(s->projector);
   bw_free(s->upper);
-  bw_free(s->response);
-  bw_free(s->block);
+  bwi_responses_close(&s->responses);
+  for (int i = 0; s->result && i < BATCH; i++)
+    bw_bound_leaves_clear(&s->result[i].leaves);
   bw_free(s->result);
 }
 
 bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                               const bw_pressure_basis *basis, const bw_worst_load_options *options,
-                              double incumbent, double tolerance, bw_worst_bound *bound) {
+                              double incumbent, double tolerance, bw_worst_bound *bound,
+                              bw_bound_leaves *leaves) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = system->mesh;
-  size_t count = (size_t)basis->count;
   bw_worst_load_options anywhere = *options;
   anywhere.hands = 0; /* what pressures anywhere do bounds what hands do */
   search s = {.context = context,
@@ -425,6 +373,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
               .options = &anywhere,
               .incumbent = incumbent,
               .tolerance = tolerance,
+              .leaves = leaves,
               .motions = system->numbering->motion_count,
               .columns = basis->count / basis->directions + (options->at_most ? 1 : 0)};
   *bound = (bw_worst_bound){.largest = incumbent, .element = -1};
@@ -441,10 +390,8 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
   BW_TRY(prepare_workers(&s));
   BW_TRY(prepare_rows(&s));
   s.upper = BW_NEW(context, double, s.columns);
-  s.response = BW_NEW(context, double, BATCH * 6 * count);
-  s.block = BW_NEW(context, double, (size_t)BATCH * 18 * (size_t)mesh->node_count);
-  s.result = BW_NEW(context, found, BATCH);
-  if (!s.upper || !s.response || !s.block || !s.result) {
+  s.result = BW_NEW0(context, found, BATCH);
+  if (!s.upper || !s.result) {
     status = BW_MEMORY;
     goto done;
   }
@@ -453,12 +400,16 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                      ? basis->area[(size_t)g * (size_t)basis->directions] *
                            (options->pressure / options->force)
                      : 1; /* the slack */
-  for (int32_t first = 0; first < mesh->element_count; first += BATCH) {
-    bw_progress(context, "upper bound", (double)first / mesh->element_count);
-    BW_TRY(bw_check_cancel(context));
-    BW_TRY(bound_batch(&s, first,
-                       mesh->element_count - first < BATCH ? mesh->element_count - first : BATCH,
-                       bound));
+  BW_TRY(bwi_responses_open(context, system, basis, MOST_BYTES, &s.responses));
+  BW_TRY(bwi_responses_next(&s.responses, BATCH));
+  while (s.responses.count > 0) {
+    int32_t end = s.responses.first + s.responses.count;
+    for (s.begin = s.responses.first; s.begin < end; s.begin += BATCH) {
+      bw_progress(context, "upper bound", (double)s.begin / mesh->element_count);
+      BW_TRY(bw_check_cancel(context));
+      BW_TRY(bound_batch(&s, end - s.begin < BATCH ? end - s.begin : BATCH, bound));
+    }
+    BW_TRY(bwi_responses_next(&s.responses, BATCH));
   }
   bound->upper = fmax(bound->upper, bound->largest);
   bw_progress(context, "upper bound", 1);

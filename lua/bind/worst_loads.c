@@ -287,7 +287,7 @@ static int worst_bound(lua_State *L) {
   double *stress = (double *)lbw_push_array(L, BW_F64, 1, 6)->data;
   bw_worst_bound bound;
   bw_status status = bw_worst_bound_find(lbw_enter(L), system, basis, &wish.options, wish.incumbent,
-                                         wish.tolerance, &bound);
+                                         wish.tolerance, &bound, NULL);
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
   memcpy(stress, bound.stress, sizeof bound.stress);

@@ -294,7 +294,7 @@ function bw.version() end
 ---@field friction_facets? integer facets (3 to 64) of the pyramid in the friction cone, which is narrower by 1 - cos(pi / facets) at most; default 8
 ---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
----@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress, for pressure anywhere where `hands` are given: several times the time of brute force
+---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress, for pressure anywhere where `hands` are given: a fraction of the time of brute force
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025

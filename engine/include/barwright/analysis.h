@@ -268,7 +268,8 @@ void bw_screening_clear(bw_screening *screening);
  * admissible pressure causes in any element of this mesh, by branch and bound over elements and
  * directions. Hands are left out: pressure may act anywhere. `incumbent`: a stress known to be
  * reached, Pa. Ends when `upper` is within the relative `tolerance` (0.001 to 0.5) of the largest
- * stress found. Six adjoint solves for every element: several times the cost of brute force. */
+ * stress found. One solve for each pressure, or several where displacements of all nodes under all
+ * pressures take more than 512 MB. */
 typedef struct bw_worst_bound {
   double upper;       /* Pa: no admissible pressure exceeds it, up to rounding */
   double largest;     /* Pa: the incumbent, or a larger stress that was found on the way */
@@ -276,9 +277,31 @@ typedef struct bw_worst_bound {
   double stress[6];   /* of that element then */
   int64_t programmes; /* linear programmes solved */
 } bw_worst_bound;
+/* What proves the bound: in every leaf a set of directions of an element with multipliers whose
+ * dual value is at most `bound`. The leaves of an element cover all directions. Numbers of a leaf:
+ * vectors of an exponent e and whole numbers k, which mean k 2^e. For all directions (cell 0) six
+ * vectors of multipliers of the free motions, one for each component xx yy zz yz zx xy of stress,
+ * and a vector of one, the multiplier of the total force. For a triangle the motions' vector and
+ * the total's, for the positive and then the negative sign. Faces of the icosahedron have the cells
+ * BW_FIRST_FACE + 0 to 9; the four parts of cell c are 4 c + 0 to 3. */
+enum { BW_FIRST_FACE = 10 };
+typedef struct bw_bound_leaf {
+  int32_t element;
+  int64_t cell;
+  double bound;  /* Pa */
+  int64_t start; /* its first number */
+} bw_bound_leaf;
+typedef struct bw_bound_leaves {
+  size_t count, number_count, leaf_room, number_room;
+  bw_bound_leaf *leaf;
+  int32_t *number;
+} bw_bound_leaves;
+void bw_bound_leaves_clear(bw_bound_leaves *leaves);
+/* leaves: NULL, or an empty list that is filled; the caller clears it, also after a failure. */
 bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                               const bw_pressure_basis *basis, const bw_worst_load_options *options,
-                              double incumbent, double tolerance, bw_worst_bound *bound);
+                              double incumbent, double tolerance, bw_worst_bound *bound,
+                              bw_bound_leaves *leaves);
 
 /* Sum a pressure's forces into a few arrows, largest first: clusters of loaded nodes within
  * `radius` (0: a twentieth of the box diagonal) that push the same way. Together they carry the

@@ -6,6 +6,8 @@
  * method. Directions are the centres of a cover of the half sphere of this test's own. */
 #include "pressed.h"
 
+#include "analysis/worst_internal.h"
+
 #include <glpk.h>
 
 enum { MOST = 96 }; /* pressures */
@@ -150,7 +152,7 @@ static void bound_holds_in_rational_arithmetic(void **state) {
     bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .at_most = kind == 3};
     bw_worst_bound bound;
     check_ok(context,
-             bw_worst_bound_find(context, x.system, x.body.basis, &options, 0, 0.01, &bound));
+             bw_worst_bound_find(context, x.system, x.body.basis, &options, 0, 0.01, &bound, NULL));
     assert_true(bound.upper >= bound.largest && bound.upper <= 1.0101 * bound.largest);
     pose(&x, &options);
     double best = 0;
@@ -175,7 +177,7 @@ static void bound_holds_in_rational_arithmetic(void **state) {
     for (int start = 0; start < 3; start++) {
       const double share[3] = {0.5, 0.8, 0.95};
       check_ok(context, bw_worst_bound_find(context, x.system, x.body.basis, &options,
-                                            share[start] * reached, 0.01, &bound));
+                                            share[start] * reached, 0.01, &bound, NULL));
       assert_true(bound.upper >= fmax(best, reached) * (1 - 1e-9));
     }
     exact_close(&x);
@@ -183,7 +185,71 @@ static void bound_holds_in_rational_arithmetic(void **state) {
   glp_free_env();
 }
 
+/* The triangle of a cell, and its depth. */
+static int triangle_of(int64_t cell, bwi_triangle *triangle) {
+  bwi_triangle face[BWI_HALF_ICOSAHEDRON], part[4];
+  int depth = 0;
+  while (cell >> (2 * depth) >= 2 * BW_FIRST_FACE)
+    depth++;
+  bwi_half_icosahedron(face);
+  *triangle = face[(cell >> (2 * depth)) - BW_FIRST_FACE];
+  for (int level = depth - 1; level >= 0; level--) {
+    bwi_divide_triangle(triangle, part);
+    *triangle = part[(cell >> (2 * level)) & 3];
+  }
+  return depth;
+}
+
+/* The leaves of each element cover all directions, and no exact optimum of a leaf's programmes
+ * exceeds its bound. */
+static void leaves_hold_in_rational_arithmetic(void **state) {
+  bw_context *context = check_context(state);
+  double centre[3 * 4][3], cosine;
+  int directions = cover(2, centre, &cosine);
+  bool full = getenv("BARWRIGHT_FULL") != NULL;
+  for (int kind = 0; kind < 4; kind++) {
+    exact x;
+    exact_open(context, &x, make_box(context, 1, 0.6, 0.3, 2, 1, 1, 1), kind == 1,
+               kind == 2 ? 3 : 0);
+    bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .at_most = kind == 3};
+    bw_worst_bound bound;
+    bw_bound_leaves leaves = {0};
+    check_ok(context, bw_worst_bound_find(context, x.system, x.body.basis, &options, 0, 0.01,
+                                          &bound, &leaves));
+    pose(&x, &options);
+    double covered[64] = {0}, most = 0; /* faces of each element */
+    int32_t elements = x.body.mesh->element_count;
+    assert_true(elements <= 64);
+    for (size_t i = 0; i < leaves.count; i++) {
+      const bw_bound_leaf *leaf = &leaves.leaf[i];
+      most = fmax(most, leaf->bound);
+      if (leaf->cell == 0) {
+        covered[leaf->element] += BWI_HALF_ICOSAHEDRON;
+        for (int d = 0; d < directions; d++)
+          for (int sign = -1; sign <= 1; sign += 2)
+            assert_true(largest(&x, &options, leaf->element, centre[d], sign) <=
+                        leaf->bound * (1 + 1e-9));
+        continue;
+      }
+      bwi_triangle triangle;
+      double n[3];
+      covered[leaf->element] += pow(0.25, triangle_of(leaf->cell, &triangle));
+      double share = bwi_triangle_centre(&triangle, n);
+      for (int sign = -1; sign <= 1 && (full || i % 5 == 0); sign += 2)
+        assert_true(largest(&x, &options, leaf->element, n, sign) <=
+                    leaf->bound * share * (1 + 1e-9));
+    }
+    for (int32_t e = 0; e < elements; e++)
+      assert_true(covered[e] == BWI_HALF_ICOSAHEDRON);
+    assert_true(fmax(most, bound.largest) == bound.upper);
+    bw_bound_leaves_clear(&leaves);
+    exact_close(&x);
+  }
+  glp_free_env();
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(bound_holds_in_rational_arithmetic)};
+  const struct CMUnitTest tests[] = {check_test(bound_holds_in_rational_arithmetic),
+                                     check_test(leaves_hold_in_rational_arithmetic)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -226,20 +226,22 @@ static void bound_is_above_every_programme(void **state) {
     bw_worst_load_options options = {
         .pressure = 1e5, .force = kind == 3 ? 2e5 : 300, .at_most = kind == 2};
     bw_worst_bound bound, again;
-    check_ok(context, bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &bound));
+    check_ok(context,
+             bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &bound, NULL));
     assert_true(bound.largest > 0 && bound.upper >= bound.largest);
     assert_true(bound.upper <= 1.0301 * bound.largest);
     assert_true(bound.element >= 0 && bound.programmes > 0);
     check_near(principal(bound.stress), bound.largest, 1e-9 * bound.largest);
     check_ok(context, bw_set_threads(context, 3));
-    check_ok(context, bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &again));
+    check_ok(context,
+             bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &again, NULL));
     assert_memory_equal(&again.upper, &bound.upper, sizeof bound.upper);
     assert_memory_equal(again.stress, bound.stress, sizeof bound.stress);
     assert_int_equal(again.programmes, bound.programmes);
     check_ok(context, bw_set_threads(context, 1));
     /* A better start needs fewer programmes and finds nothing larger than the bound. */
-    check_ok(context,
-             bw_worst_bound_find(context, p.system, p.basis, &options, bound.upper, 0.03, &again));
+    check_ok(context, bw_worst_bound_find(context, p.system, p.basis, &options, bound.upper, 0.03,
+                                          &again, NULL));
     assert_true(again.programmes < bound.programmes && again.element == -1);
     options.one_sign = true;
     for (int turn = 0; turn < 20; turn++) {
@@ -286,6 +288,84 @@ static void same_bits_for_any_number_of_threads(void **state) {
   bw_screening_clear(&first);
 }
 
+/* Stresses by unit pressure from slabs of any size: those of adjoint solves. */
+static void slabs_give_the_same_responses(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    part p;
+    part_open(context, &p, make_box(context, 0.3, 1, 0.3, 2, 6, 2, order), order == 1);
+    size_t n = (size_t)p.basis->count, entries = 3 * (size_t)p.mesh->node_count;
+    int32_t elements = p.mesh->element_count, slabs[2] = {0, 0};
+    double *first = BW_NEW(context, double, 6 * n * (size_t)elements);
+    double *adjoint = BW_NEW(context, double, entries), *own = BW_NEW(context, double, 6 * n);
+    for (int small = 0; small < 2; small++) {
+      bwi_responses r;
+      size_t most = small ? 24 * n * (size_t)(order == 1 ? 30 : 120) : 1 << 30;
+      int32_t seen = 0;
+      check_ok(context, bwi_responses_open(context, p.system, p.basis, most, &r));
+      check_ok(context, bwi_responses_next(&r, 16));
+      for (; r.count > 0; slabs[small]++) {
+        assert_true(r.first + r.count == elements || r.count % 16 == 0);
+        for (int32_t i = r.first; i < r.first + r.count; i++, seen++) {
+          bwi_response_of(&r, r.order[i], own);
+          double *kept = first + 6 * n * (size_t)r.order[i];
+          if (!small)
+            memcpy(kept, own, 6 * n * sizeof *own);
+          assert_memory_equal(kept, own, 6 * n * sizeof *own);
+        }
+        check_ok(context, bwi_responses_next(&r, 16));
+      }
+      assert_int_equal(seen, elements);
+      bwi_responses_close(&r);
+    }
+    assert_int_equal(slabs[0], 1);
+    assert_true(slabs[1] > 2);
+    bw_weak_regions *regions = NULL;
+    const int32_t element = elements / 2;
+    check_ok(context,
+             bwi_element_regions(context, p.mesh, 1, &element, BW_WORST_DIRECTION, &regions));
+    double volume = bwi_shape_integrals(p.mesh, element, NULL, NULL);
+    for (size_t c = 0; c < 6; c++) {
+      double *weight = regions->region[0].weight, largest = 0;
+      memset(weight, 0, 6 * sizeof *weight);
+      weight[c] = (c < 3 ? 1 : 0.5) / volume;
+      check_ok(context, bw_region_objective(context, regions, 0, p.material, adjoint));
+      check_ok(context, bw_system_solve(context, p.system, 1, adjoint, adjoint));
+      bw_pressure_gradient(p.basis, adjoint, own);
+      const double *kept = first + 6 * n * (size_t)element + c * n;
+      for (size_t j = 0; j < n; j++)
+        largest = fmax(largest, fabs(own[j]));
+      for (size_t j = 0; j < n; j++)
+        check_near(kept[j], own[j], 1e-9 * largest);
+    }
+    bw_release(regions);
+    bw_free(first);
+    bw_free(adjoint);
+    bw_free(own);
+    part_close(&p);
+  }
+}
+
+/* Whole numbers times a power of two, at most 2^-15 off, and rounded once for all. */
+static void multipliers_have_few_digits(void **state) {
+  (void)state;
+  for (int turn = 0; turn < 2000; turn++) {
+    double y[3], again[3], largest = 0;
+    for (int k = 0; k < 3; k++) {
+      y[k] = turn == 0 ? 0 : ldexp(2 * noise() - 1, turn % 90 - 45 + 3 * k);
+      y[k] = turn % 7 == 3 ? ldexp(1 - 1e-9, turn % 90 - 45) : y[k];
+      largest = fmax(largest, fabs(y[k]));
+    }
+    memcpy(again, y, sizeof y);
+    bwi_round_multipliers(3, again);
+    for (int k = 0; k < 3; k++)
+      assert_true(fabs(again[k] - y[k]) <= ldexp(largest, -14));
+    memcpy(y, again, sizeof y);
+    bwi_round_multipliers(3, again);
+    assert_memory_equal(y, again, sizeof y);
+  }
+}
+
 static void failures(void **state) {
   bw_context *context = check_context(state);
   part p;
@@ -314,12 +394,12 @@ static void failures(void **state) {
               bw_weak_regions_directed(context, p.mesh, 1, far, stress, &regions));
   bw_worst_bound bound;
   check_fails(context, BW_INVALID, "from 0.001 to 0.5",
-              bw_worst_bound_find(context, p.system, p.basis, &options, 1, 1e-9, &bound));
+              bw_worst_bound_find(context, p.system, p.basis, &options, 1, 1e-9, &bound, NULL));
   check_fails(context, BW_INVALID, "known to be reached is -1",
-              bw_worst_bound_find(context, p.system, p.basis, &options, -1, 0.01, &bound));
+              bw_worst_bound_find(context, p.system, p.basis, &options, -1, 0.01, &bound, NULL));
   bw_cancel(context);
   check_fails(context, BW_CANCELLED, "",
-              bw_worst_bound_find(context, p.system, p.basis, &options, 1, 0.01, &bound));
+              bw_worst_bound_find(context, p.system, p.basis, &options, 1, 0.01, &bound, NULL));
   check_fails(context, BW_CANCELLED, "",
               bw_worst_screening(context, p.system, p.basis, &options, 16, 5, &found));
   bw_clear_cancel(context);
@@ -346,8 +426,11 @@ static void failures(void **state) {
   for (int64_t fail = 1;; fail++) {
     int64_t blocks = bw_live_blocks();
     bw_fail_allocation(fail, true);
-    bw_status status = bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.3, &bound);
+    bw_bound_leaves leaves = {0};
+    bw_status status =
+        bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.3, &bound, &leaves);
     bw_fail_allocation(0, false);
+    bw_bound_leaves_clear(&leaves);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK) {
       assert_true(fail > 20);
@@ -366,6 +449,8 @@ int main(void) {
       check_test(faces_cover_the_half_sphere),
       check_test(bound_is_above_every_programme),
       check_test(same_bits_for_any_number_of_threads),
+      check_test(slabs_give_the_same_responses),
+      check_test(multipliers_have_few_digits),
       check_test(failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
