@@ -3,10 +3,12 @@
 -- then the search beside the modes (worst_search.lua), from one factorisation.
 -- docs/theory/worst_case.md tells why.
 local arguments = require "barwright.arguments"
+local certificate = require "barwright.certificate"
 local core = require "barwright.core"
 local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local worst_search = require "barwright.worst_search"
+local writable = require "barwright.writable"
 
 local raise = core.raise
 
@@ -17,6 +19,7 @@ worst_case.__name = "barwright.worst_case"
 local rules = load_limits.rules {
   method = {type = "string", one_of = {"search", "paper"}},
   certify = {type = "number", least = 0.001, most = 0.5},
+  certificate = {type = "string"},
   targets = {type = "integer", default = 48, least = 1, most = 100000},
   modes = {type = "integer", default = 15, least = 1, most = 500},
   regions = {type = "integer", default = 5, least = 1, most = 1000},
@@ -117,10 +120,19 @@ function worst_case.analyse(part, given, view)
   if wish.certify and wish.target == "displacement" then
     raise "worst_case: option 'certify' bounds the stress: it is not for target \"displacement\""
   end
+  if wish.certificate and not wish.certify then
+    raise "worst_case: option 'certificate' is a file that proves the bound of option 'certify'"
+  end
+  local fine, message, details
+  if wish.certificate then
+    fine, message, details = writable(wish.certificate)
+    if not fine then return nil, message, details end
+  end
   wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
-  local basis, message, details = load_limits.basis("worst_case", mesh, wish)
+  local basis
+  basis, message, details = load_limits.basis("worst_case", mesh, wish)
   if not basis then return nil, message, details end
   self.basis = basis
   local clock = core.seconds
@@ -174,17 +186,22 @@ function worst_case.analyse(part, given, view)
     if not loads then return nil, origins, details end
     seconds.search = clock() - start
   end
+  local leaves
   if wish.certify then
     start = clock()
     local upper
     upper, message, details = worst_search.certify(self, loads, origins, limits, wish.certify)
     if not upper then return nil, message, details end
-    loads = message
+    loads, leaves = message, details
     self.upper_bound, self.gap = upper, upper / loads.peaks:max() - 1
     seconds.bound = clock() - start
   end
   self.limits = limits
   summarise(self, loads, origins)
+  if leaves then
+    fine, message, details = certificate.write(self, part, leaves, wish.certificate)
+    if not fine then return nil, message, details end
+  end
   return self
 end
 

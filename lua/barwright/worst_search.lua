@@ -132,12 +132,13 @@ local function ascend(self, loads, origins, limits)
 end
 
 --- An upper bound within `tolerance` of the largest stress: the bound, then results and origins with
---- a load more where a larger stress was found on the way.
+--- a load more where a larger stress was found on the way, and the leaves that prove it where a certificate is
+--- asked for.
 function worst_search.certify(self, loads, origins, limits, tolerance)
   -- Of pressures anywhere, which bounds what hands do.
   local bound, message, details = core.worst_bound(self.system, self.basis, {pressure = limits.pressure,
     force = limits.force, at_most = limits.at_most, glpk = limits.glpk, incumbent = loads.peaks:max(),
-    tolerance = tolerance})
+    tolerance = tolerance, leaves = self.options.certificate ~= nil})
   if not bound then return nil, message, details end
   if bound.element then
     local earlier = loads.peaks.row_count
@@ -145,7 +146,7 @@ function worst_search.certify(self, loads, origins, limits, tolerance)
     if not loads then return nil, message, details end
     origins[earlier + 1] = {origin = "bound", target = bound.element}
   end
-  return bound.upper, loads
+  return bound.upper, loads, bound.leaves
 end
 
 --- More loads after those of the modes' regions: nil, message, details or the results of all, as

@@ -257,14 +257,41 @@ static int worst_screening(lua_State *L) {
 
 /* ---- the upper bound ------------------------------------------------------------------------- */
 
-/* worst_bound(system, basis, {pressure, force, at_most, glpk, incumbent, tolerance}): {upper,
- * largest, programmes} and, where `largest` is more than the incumbent, element and stress (an
- * array of one row) */
+/* The leaves as arrays: elements, cells, bounds, starts (one more, from 1), numbers. */
+static int push_leaves(lua_State *L) {
+  const bw_bound_leaves *leaves = (const bw_bound_leaves *)lua_touserdata(L, 1);
+  int64_t count = (int64_t)leaves->count, numbers = (int64_t)leaves->number_count;
+  lua_createtable(L, 0, 5);
+  int32_t *element = (int32_t *)lbw_push_array(L, BW_I32, count, 1)->data;
+  lua_setfield(L, 2, "elements");
+  int64_t *cell = (int64_t *)lbw_push_array(L, BW_I64, count, 1)->data;
+  lua_setfield(L, 2, "cells");
+  double *bound = (double *)lbw_push_array(L, BW_F64, count, 1)->data;
+  lua_setfield(L, 2, "bounds");
+  int64_t *start = (int64_t *)lbw_push_array(L, BW_I64, count + 1, 1)->data;
+  lua_setfield(L, 2, "starts");
+  int32_t *number = (int32_t *)lbw_push_array(L, BW_I32, numbers, 1)->data;
+  lua_setfield(L, 2, "numbers");
+  for (int64_t i = 0; i < count; i++) {
+    element[i] = leaves->leaf[i].element + 1;
+    cell[i] = leaves->leaf[i].cell;
+    bound[i] = leaves->leaf[i].bound;
+    start[i] = leaves->leaf[i].start + 1;
+  }
+  start[count] = numbers + 1;
+  if (numbers > 0)
+    memcpy(number, leaves->number, (size_t)numbers * sizeof *number);
+  return 1;
+}
+
+/* worst_bound(system, basis, {pressure, force, at_most, glpk, incumbent, tolerance, leaves}):
+ * {upper, largest, programmes}; where `largest` is more than the incumbent, element and stress (an
+ * array of one row); with leaves = true these */
 static int worst_bound(lua_State *L) {
   struct wish {
     bw_worst_load_options options;
     double incumbent, tolerance;
-    bool glpk;
+    bool glpk, leaves;
   } wish;
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
@@ -273,6 +300,7 @@ static int worst_bound(lua_State *L) {
       {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
       {"incumbent", LBW_REAL, offsetof(struct wish, incumbent)},
       {"tolerance", LBW_REAL, offsetof(struct wish, tolerance)},
+      {"leaves", LBW_BOOLEAN, offsetof(struct wish, leaves)},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =
@@ -285,11 +313,23 @@ static int worst_bound(lua_State *L) {
                      "a pressure basis of the same mesh expected");
   lua_createtable(L, 0, 5);
   double *stress = (double *)lbw_push_array(L, BW_F64, 1, 6)->data;
+  lua_pushcfunction(L, push_leaves);
+  bw_bound_leaves leaves;
+  memset(&leaves, 0, sizeof leaves);
+  lua_pushlightuserdata(L, &leaves);
   bw_worst_bound bound;
   bw_status status = bw_worst_bound_find(lbw_enter(L), system, basis, &wish.options, wish.incumbent,
-                                         wish.tolerance, &bound, NULL);
+                                         wish.tolerance, &bound, wish.leaves ? &leaves : NULL);
+  lbw_state_of(L)->running = 0;
+  int failure = status == BW_OK ? lua_pcall(L, 1, 1, 0) : LUA_OK;
+  bw_bound_leaves_clear(&leaves);
+  if (failure)
+    return lua_error(L);
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
+  if (wish.leaves)
+    lua_setfield(L, 4, "leaves");
+  lua_settop(L, 5); /* the results and the stress */
   memcpy(stress, bound.stress, sizeof bound.stress);
   if (bound.element >= 0) {
     lua_setfield(L, 4, "stress");

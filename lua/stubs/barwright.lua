@@ -64,7 +64,37 @@ function bw.model(options) end
 ---@return table? details
 function bw.worst_case(part, options) end
 
----The same with every element, or a sample of them, as its own region. Slow; the measure of the rest.
+---Checks a certificate that `bw.worst_case` wrote: that its directions are covered, that the multipliers of each leaf
+---prove the leaf's bound, that its load is admissible and reaches its stress. Nothing of the search is used. It takes
+---several times as long as the bound itself. Returns nil, message, details where it fails; the status is "rejected" where the file
+---proves less than it states, "format" where it is no certificate.
+---```lua
+---assert(bw.worst_case(part, {certify = 0.01, certificate = "bound.txt"}))
+---print(assert(bw.check_certificate "bound.txt").upper_bound)
+---```
+---@param path string
+---@return bw.CertificateProof? proof
+---@return string? message
+---@return table? details
+function bw.check_certificate(path) end
+
+---What a certificate proves: no load within the stated limits stresses any element of the stated mesh more than
+---`upper_bound`.
+---@class bw.CertificateProof
+---@field upper_bound number Pa
+---@field reached number the stress that its load reaches, Pa
+---@field gap number upper_bound over reached, less one
+---@field element integer the element in which it does
+---@field elements integer of the mesh
+---@field leaves integer that were checked
+---@field force number total force, N
+---@field pressure number largest pressure, Pa
+---@field at_most boolean the total force may also be smaller
+---@field friction number coefficient of the pyramid in the friction cone
+---@field supports integer
+---@field forbidden_facets integer facets on which no pressure acts
+
+---The same as `bw.worst_case` with every element, or a sample of them, as its own region. Slow; the measure of the rest.
 ---With objective "trace" (default, the paper's) each load maximises the trace of the element's stress;
 ---with "principal" an ascent of its principal stress follows, about three times as long.
 ---@param part bw.Model
@@ -295,6 +325,7 @@ function bw.version() end
 ---@field method? "search"|"paper" "search" (default for stress): targets beside the modes and an ascent of the principal stress; "paper": the modes' weak regions alone
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
 ---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress, for pressure anywhere where `hands` are given: a fraction of the time of brute force
+---@field certificate? string with `certify`: a file that proves the bound (docs/formats.md), for `bw.check_certificate`
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025

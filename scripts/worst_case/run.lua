@@ -3,7 +3,7 @@
 --   build/barwright scripts/worst_case/run.lua MODEL --out DIR [--elements N] [--modes 15]
 --       [--regions 5] [--material NAME] [--unit mm] [--force N] [--pressure PA] [--fraction 0.025]
 --       [--measure stress|energy] [--target stress|displacement] [--laplacian] [--order 1|2]
---       [--method search|paper] [--certify SHARE]
+--       [--method search|paper] [--certify SHARE [--certificate FILE]]
 --       [--contact M2] [--hold PLACE]... [--forbid PLACE]... [--friction MU] [--friction-facets 8]
 --       [--hands K] [--hand M2]
 -- The last two lines say which loads are admissible (docs/theory/worst_case.md, section 15): --contact
@@ -27,7 +27,7 @@ local known = {
   contact = {"number", nil, above = 0}, hold = {"places"}, forbid = {"places"},
   friction = {"number", 0, 0, 100}, ["friction-facets"] = {"whole number", 8, 3, 64},
   hands = {"whole number", nil, 1, 16}, hand = {"number", nil, above = 0},
-  certify = {"number", nil, 0.001, 0.5},
+  certify = {"number", nil, 0.001, 0.5}, certificate = {"string"},
   method = {"string"}, out = {"string"}, threads = {"whole number", nil, 1, 64},
 }
 
@@ -122,6 +122,7 @@ local function read_arguments()
   if not model or model == "" then usage "a MODEL is missing" end
   if not wish.out or wish.out == "" then usage "--out DIR is missing" end
   if wish.pressure and wish.contact then usage "--pressure and --contact say the same: give one of them" end
+  if wish.certificate and not wish.certify then usage "--certificate is the file that proves --certify's bound" end
   if wish.hand and not wish.hands then usage "--hand is the area of each of --hands" end
   wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
   return model, wish
@@ -275,6 +276,7 @@ local function main()
   local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
     pressure = wish.pressure, forbidden = forbidden, friction = wish.friction,
     friction_facets = wish["friction-facets"], hands = wish.hands, hand = wish.hand, certify = wish.certify,
+    certificate = wish.certificate,
     modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
     measure = wish.measure, target = wish.target, laplacian = wish.laplacian, method = wish.method})
   say_remarks()

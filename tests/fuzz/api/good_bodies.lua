@@ -160,6 +160,12 @@ add {
     {pressure = 1e6, force = 1, glpk = r:chance(0.3), keep_pressures = true} end,
   ["bw.worst_case"] = function(p, r) return p:variant("bw.Model", 3), {force = 1, contact = r:one_of {1e-6, 1e-3},
     modes = 1, regions = 1, friction = r:one_of {0, 0.3}, friction_facets = 4} end,
+  ["bw.check_certificate"] = function()
+    local cube = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.01, 0.01, 0.01}, cells = {1, 1, 1}})
+    assert(bw.worst_case(bw.model {mesh = cube, material = bw.material.pla}, {force = 1, modes = 1, regions = 1,
+      certify = 0.5, certificate = "proof.txt"}))
+    return "proof.txt"
+  end,
   ["bw.breaking_force"] = function(p) return p.Mesh, {material = bw.material.pla, modes = 1, regions = 1} end,
   ["bw.brute_force"] = function(p) return p:variant("bw.Model", 3), {force = 1, pressure = 1e6,
     elements = 2} end,

@@ -1,0 +1,382 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Checks a certificate of the worst case's upper bound: docs/theory/worst_case.md, "The certificate". Nothing of
+-- the branch and bound is used. The engine gives the data of the linear programmes only: forces of pressures,
+-- displacements and stresses under them, rigid motions that the supports leave.
+local arguments = require "barwright.arguments"
+local certificate = require "barwright.certificate"
+local core = require "barwright.core"
+
+-- What two computations of the same stress may differ by, as a share of the upper bound.
+local AGREE = 1e-6
+-- Loads keep their limits to this share of the force.
+local ADMISSIBLE = 1e-8
+-- Each term of a sum takes fewer than 64 operations, and sums are compensated: 2^-46 of the terms' sizes.
+local ROUNDING = 2.0 ^ -46
+-- Bytes of stresses that are kept at once.
+local SLAB = 2 ^ 28
+
+-- What is wrong with the certificate.
+local function reject(what, ...)
+  error({message = what:format(...)}, 0)
+end
+
+-- ---- directions --------------------------------------------------------------------------------------
+
+local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
+
+local function cross(a, b)
+  return {a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1]}
+end
+
+local function unit(v)
+  local length = math.sqrt(dot(v, v))
+  return {v[1] / length, v[2] / length, v[3] / length}
+end
+
+local function sum(...)
+  local s = {0, 0, 0}
+  for _, v in ipairs {...} do
+    for k = 1, 3 do s[k] = s[k] + v[k] end
+  end
+  return s
+end
+
+local GOLDEN = (1 + math.sqrt(5)) / 2
+local vertices = {{-1, GOLDEN, 0}, {1, GOLDEN, 0}, {-1, -GOLDEN, 0}, {1, -GOLDEN, 0}, {0, -1, GOLDEN},
+  {0, 1, GOLDEN}, {0, -1, -GOLDEN}, {0, 1, -GOLDEN}, {GOLDEN, 0, -1}, {GOLDEN, 0, 1}, {-GOLDEN, 0, -1},
+  {-GOLDEN, 0, 1}}
+-- One of each pair of opposite faces.
+local faces = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2},
+  {10, 7, 6}, {7, 1, 8}}
+
+-- The solid angle of a triangle of unit vectors.
+local function solid_angle(t)
+  return 2 * math.atan(math.abs(dot(t[1], cross(t[2], t[3]))),
+    1 + dot(t[1], t[2]) + dot(t[2], t[3]) + dot(t[3], t[1]))
+end
+
+local function face(number)
+  local t = {}
+  for k, v in ipairs(faces[number + 1]) do t[k] = unit(vertices[v + 1]) end
+  return t
+end
+
+local function parts_of(t)
+  local m = {unit(sum(t[1], t[2])), unit(sum(t[2], t[3])), unit(sum(t[3], t[1]))}
+  return {{t[1], m[1], m[3]}, {t[2], m[2], m[1]}, {t[3], m[3], m[2]}, m}
+end
+
+local triangles = {}
+
+-- The triangle of a cell: corners, centre, cosine of twice the largest angle from it to a corner.
+local function triangle(cell)
+  local t = triangles[cell]
+  if t then return t end
+  if #cell == 2 then
+    t = face(tonumber(cell:sub(1, 1)))
+  else
+    t = parts_of(triangle(cell:sub(1, -2)))[tonumber(cell:sub(-1)) + 1]
+  end
+  t.centre = unit(sum(t[1], t[2], t[3]))
+  local least = math.min(dot(t.centre, t[1]), dot(t.centre, t[2]), dot(t.centre, t[3]))
+  t.cosine = (2 * least * least - 1) * (1 - ROUNDING)
+  triangles[cell] = t
+  return t
+end
+
+-- Whether the leaves of an element cover all directions: no one lies in another, and together they have the size
+-- of ten faces, each part counting a quarter of the triangle that it is a part of.
+local function check_cover(element, leaves)
+  if #leaves == 1 and leaves[1].cell == "all" then return end
+  local seen, size = {}, 0
+  for _, leaf in ipairs(leaves) do
+    if leaf.cell == "all" or seen[leaf.cell] then
+      reject("element %d: cell %s twice, or beside others", element, leaf.cell)
+    end
+    seen[leaf.cell] = true
+    size = size + 0.25 ^ (#leaf.cell - 2)
+  end
+  for _, leaf in ipairs(leaves) do
+    for length = 2, #leaf.cell - 1 do
+      if seen[leaf.cell:sub(1, length)] then
+        reject("element %d: cell %s lies in cell %s", element, leaf.cell, leaf.cell:sub(1, length))
+      end
+    end
+  end
+  if size ~= #faces then
+    reject("element %d: its leaves cover %.6g of %d faces of the half sphere", element, size, #faces)
+  end
+end
+
+-- The ten faces and their opposites are those of the icosahedron: together the whole sphere, once.
+local function check_faces()
+  local whole = 0
+  for k = 0, #faces - 1 do whole = whole + solid_angle(face(k)) end
+  assert(math.abs(whole - 2 * math.pi) < 1e-9)
+end
+
+-- ---- the model ---------------------------------------------------------------------------------------
+
+local function mask(count, list)
+  local chosen = {}
+  for i = 1, count do chosen[i] = 0 end
+  for _, i in ipairs(list) do
+    if i > count then reject("facet or node %d of %d", i, count) end
+    chosen[i] = 1
+  end
+  return core.array.new(chosen, "u8")
+end
+
+local function selection(mesh, facets, nodes)
+  local chosen = #facets > 0 and mesh.boundary:where(mask(mesh.facet_count, facets))
+  local points = #nodes > 0 and mesh.boundary:where(mask(mesh.node_count, nodes))
+  return chosen and points and chosen:union(points) or chosen or points
+end
+
+local function build(stated)
+  local mesh, message = core.mesh.new {nodes = stated.nodes, elements = stated.elements, order = stated.order}
+  if not mesh then reject("the mesh: %s", message) end
+  if mesh.node_count ~= #stated.nodes or mesh.element_count ~= #stated.elements then
+    reject("the mesh has nodes without elements")
+  end
+  local wish = stated.material
+  local material = core.material[wish.kind](wish.constants)
+  local part = core.model {mesh = mesh, material = material, formulation = stated.formulation}
+  for _, support in ipairs(stated.supports) do
+    local on = selection(mesh, support.facets, support.nodes)
+    if not on then reject "a support on nothing" end
+    if support.kind == "held" then
+      local held = {}
+      for k = 1, 3 do held[k] = support.vector[k] ~= 0 and 0 end
+      part:prescribe(#support.facets > 0 and on or on:node_set(), held)
+    else
+      part:slide(on, support.kind == "along" and support.vector or nil)
+    end
+  end
+  return part
+end
+
+-- Work of a unit of each pressure on each free motion, as columns.
+local function works(stated, part, basis)
+  local motions, list = assert(part:free_motions()), {}
+  if #motions ~= #stated.motions then
+    reject("%d free motions stated, the supports leave %d", #stated.motions, #motions)
+  end
+  local points, components = part.mesh.nodes:totable(), part.mesh.components:totable()
+  for i, motion in ipairs(motions) do
+    local c, t, r, given = motion.centre, motion.translation, motion.rotation, stated.motions[i]
+    local found = {motion.component, c[1], c[2], c[3], t[1], t[2], t[3], r[1], r[2], r[3]}
+    for k, value in ipairs(found) do
+      if math.abs(value - given[k]) > 1e-9 * (1 + math.abs(value)) then reject("motion %d is no free one", i) end
+    end
+    local field = {}
+    for n, x in ipairs(points) do
+      local turn = cross(r, {x[1] - c[1], x[2] - c[2], x[3] - c[3]})
+      field[n] = components[n] == motion.component and sum(t, turn) or {0, 0, 0}
+    end
+    list[i] = basis:gradient(core.array.new(field))
+  end
+  return list
+end
+
+-- ---- the load that reaches a stress --------------------------------------------------------------------
+
+-- The pressures of a node's columns together, or another combination that the formula of g[1], g[2], ... makes.
+local function of_nodes(basis, values, combine)
+  if basis.directions == 1 then return values end
+  local formula = "g[1]"
+  for k = 2, basis.directions do formula = combine:format(formula, k) end
+  return core.array.map(formula, {g = core.array.from_string("<f8", values:tostring "<f8", basis.directions)})
+end
+
+local function check_load(stated, state)
+  local basis, list = state.basis, {}
+  for j = 1, basis.count do list[j] = stated.load[j] or 0.0 end
+  local p = core.array.new(list)
+  if p:min() < 0 then reject("the load pulls: a pressure of %g Pa", p:min()) end
+  local most = of_nodes(basis, p, "%s + g[%d]"):max()
+  if most > stated.pressure * (1 + ADMISSIBLE) then
+    reject("the load has a pressure of %.9g Pa, more than %.9g", most, stated.pressure)
+  end
+  local total = p:dot(basis.areas)
+  local missed = stated.at_most and math.max(0, total - stated.force) or math.abs(total - stated.force)
+  if missed > ADMISSIBLE * stated.force then
+    reject("the load amounts to %.9g N instead of %.9g", total, stated.force)
+  end
+  for i, work in ipairs(state.works) do
+    local size = work:map("abs(a)"):dot(p)
+    if math.abs(work:dot(p)) > ADMISSIBLE * size then
+      reject("the load is not in balance with motion %d", i)
+    end
+  end
+  local u = assert(state.system:solve(basis:force(p)))
+  local found = core.max_principal(assert(core.element_stress(state.mesh, state.material, u)))[stated.element]
+  if found < stated.reached * (1 - AGREE) then
+    reject("the load stresses element %d by %.9g Pa, less than %.9g", stated.element, found, stated.reached)
+  end
+end
+
+-- ---- leaves ----------------------------------------------------------------------------------------------
+
+-- The dual value for gains per share of the force and the total's multiplier x.
+local function dual(state, gains, x)
+  local excess = core.array.map("u * max(0, g - x)", {u = state.shares, x = x,
+    g = of_nodes(state.basis, gains, "max(%s, g[%d])")})
+  return x + excess:sum() + (state.at_most and math.max(0, -x) or 0)
+end
+
+-- Sizes of what is summed up: of a motions' vector, and of x.
+local function size_of(state, y, x)
+  local size = math.abs(x) * (2 + state.share_sum)
+  for k, value in ipairs(y) do size = size + math.abs(value) * state.work_sizes[k] end
+  return size
+end
+
+-- "s * (FIRST - y1 * w1 - ...)" with the numbers of y.
+local function reduced(first, y)
+  local terms = {first}
+  for k, value in ipairs(y) do terms[#terms + 1] = ("- (%.17g) * w%d"):format(value, k) end
+  return "(" .. table.concat(terms, " ") .. ")"
+end
+
+local function all_directions(state, response, leaf, sizes)
+  local squares, size, y = {}, 0, leaf.multipliers
+  for r = 1, 6 do
+    local d = reduced(("r[%d]"):format(r), y[r])
+    squares[r] = ("%d * %s^2"):format(r <= 3 and 1 or 2, d)
+    size = size + 2 * size_of(state, y[r], 0)
+  end
+  state.variables.r = response
+  local gains = core.array.map("s * sqrt(" .. table.concat(squares, " + ") .. ")", state.variables)
+  return dual(state, gains, y.total) + ROUNDING * (2 * sizes + size + size_of(state, {}, y.total))
+end
+
+local function in_triangle(state, response, leaf, sizes)
+  local t, bound = triangle(leaf.cell), 0
+  local n = t.centre
+  local weights = {n[1] * n[1], n[2] * n[2], n[3] * n[3], 2 * n[2] * n[3], 2 * n[3] * n[1], 2 * n[1] * n[2]}
+  state.variables.r = response
+  for sign = 1, 2 do
+    local terms, y = {}, leaf.multipliers[sign]
+    for r = 1, 6 do terms[r] = ("(%.17g) * r[%d]"):format((sign == 1 and 1 or -1) * weights[r], r) end
+    local gains = core.array.map("s * " .. reduced(table.concat(terms, " + "), y), state.variables)
+    local value = dual(state, gains, y.total) + ROUNDING * (2 * sizes + size_of(state, y, y.total))
+    bound = math.max(bound, value / t.cosine)
+  end
+  return bound
+end
+
+-- The largest bound of an element's leaves, each of which must be as stated.
+local function check_leaves(stated, state, leaves, response)
+  state.variables.r = response
+  local sizes = core.array.map("s * u * (abs(r[1]) + abs(r[2]) + abs(r[3]) + abs(r[4]) + abs(r[5]) + abs(r[6]))",
+    state.variables):sum()
+  local most = 0
+  for _, leaf in ipairs(leaves) do
+    local bound = (leaf.cell == "all" and all_directions or in_triangle)(state, response, leaf, sizes)
+    if math.abs(bound - leaf.bound) > AGREE * stated.upper_bound then
+      reject("element %d, cell %s: its multipliers prove %.9g Pa, not %.9g", leaf.element, leaf.cell, bound,
+        leaf.bound)
+    end
+    most = math.max(most, bound)
+  end
+  return most
+end
+
+-- Stresses of elements first to last by unit pressure: a function of the element to rows of six.
+local function responses(state, displacements, first, last)
+  local rows = core.array.range(first, last)
+  local bytes = {}
+  for j, u in ipairs(displacements) do
+    bytes[j] = assert(core.element_stress(state.mesh, state.material, u)):gather(rows):tostring "<f8"
+  end
+  return function(element)
+    local at, list = 48 * (element - first) + 1, {}
+    for j, text in ipairs(bytes) do list[j] = text:sub(at, at + 47) end
+    return core.array.from_string("<f8", table.concat(list), 6)
+  end
+end
+
+local function displacements_of(state)
+  local basis, unit_pressure, list = state.basis, {}, {}
+  for j = 1, basis.count do unit_pressure[j] = 0.0 end
+  for j = 1, basis.count do
+    unit_pressure[j] = 1.0
+    list[j] = assert(state.system:solve(basis:force(core.array.new(unit_pressure))))
+    unit_pressure[j] = 0.0
+  end
+  return list
+end
+
+local function prepare(stated)
+  local part = build(stated)
+  local mesh = part.mesh
+  local basis, message = core.pressure_basis(mesh, {friction = stated.friction,
+    friction_facets = stated.friction_facets,
+    forbidden = #stated.forbidden > 0 and selection(mesh, stated.forbidden, {}) or nil})
+  if not basis then reject("the pressures: %s", message) end
+  if basis.count ~= stated.columns then
+    reject("%d pressures stated, the surface has %d", stated.columns, basis.count)
+  end
+  if not (stated.force > 0 and stated.pressure > 0) then reject "force and pressure must be positive" end
+  local system
+  system, message = part:system()
+  if not system then reject("%s", message) end
+  local state = {mesh = mesh, material = part.material, basis = basis, system = system, at_most = stated.at_most,
+    works = works(stated, part, basis), work_sizes = {}}
+  local scale = stated.force / basis.areas
+  local all = basis.areas * (stated.pressure / stated.force) -- of a node's columns each
+  state.shares = of_nodes(basis, all, "max(%s, g[%d])")
+  state.share_sum = state.shares:sum()
+  state.variables = {s = scale, u = all}
+  for k, work in ipairs(state.works) do
+    state.variables["w" .. k] = work
+    state.work_sizes[k] = core.array.map("abs(w) * s * u", {w = work, s = scale, u = all}):sum()
+  end
+  return state
+end
+
+local function check(stated)
+  check_faces()
+  local by_element = {}
+  for e = 1, #stated.elements do by_element[e] = {} end
+  for _, leaf in ipairs(stated.leaves) do table.insert(by_element[leaf.element], leaf) end
+  for element, leaves in ipairs(by_element) do check_cover(element, leaves) end
+  local state = prepare(stated)
+  check_load(stated, state)
+  local displacements = displacements_of(state)
+  local step, proved = math.max(1, SLAB // (48 * state.basis.count)), 0
+  for first = 1, #stated.elements, step do
+    local last = math.min(first + step - 1, #stated.elements)
+    local response = responses(state, displacements, first, last)
+    for element = first, last do
+      proved = math.max(proved, check_leaves(stated, state, by_element[element], response(element)))
+    end
+    collectgarbage()
+  end
+  if proved > stated.upper_bound * (1 + AGREE) then
+    reject("its leaves prove %.9g Pa, the bound stated is %.9g", proved, stated.upper_bound)
+  end
+  local upper = math.max(proved, stated.reached)
+  return {upper_bound = upper, reached = stated.reached, gap = upper / stated.reached - 1,
+    element = stated.element, elements = #stated.elements, leaves = #stated.leaves, force = stated.force,
+    pressure = stated.pressure, at_most = stated.at_most, friction = stated.friction,
+    supports = #stated.supports, forbidden_facets = #stated.forbidden}
+end
+
+local module = {}
+
+--- Checks a file: what it proves, or nil, message, details (status "rejected" where the proof fails).
+function module.check_certificate(path)
+  local stated, message, details = certificate.read(path)
+  if not stated then return nil, message, details end
+  local fine, result = pcall(check, stated)
+  if fine then return result end
+  if core.interrupted() then error(result, 0) end
+  message = type(result) == "table" and result.message or tostring(result)
+  return nil, ("%s: rejected: %s"):format(path, message), {status = "rejected", file = path}
+end
+
+arguments.functions("", module, {check_certificate = "path: string"})
+
+return module
