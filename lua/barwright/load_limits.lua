@@ -80,6 +80,18 @@ function load_limits.describe(wish)
     wish.friction_facets, 100 * load_limits.friction_error(wish))
 end
 
+--- What the upper bound bounds where that is not the largest stress of the loads asked for, or nil. Hands are left
+--- out of it, which enlarges the set of loads; the pyramid of friction lies in Coulomb's cone, which is larger.
+function load_limits.bounded(wish)
+  local words = {}
+  if wish.hands then words[#words + 1] = "for pressure anywhere instead of within hands" end
+  if wish.friction > 0 then
+    words[#words + 1] = ("for friction of the pyramid, %.2g %% less than Coulomb's at most"):format(
+      100 * load_limits.friction_error(wish))
+  end
+  return #words > 0 and table.concat(words, ", ") or nil
+end
+
 --- What the engine's programmes take.
 function load_limits.programme(wish)
   return {pressure = wish.pressure, force = wish.force, at_most = wish.at_most, glpk = wish.glpk,

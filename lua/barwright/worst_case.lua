@@ -194,6 +194,7 @@ function worst_case.analyse(part, given, view)
     if not upper then return nil, message, details end
     loads, leaves = message, details
     self.upper_bound, self.gap = upper, upper / loads.peaks:max() - 1
+    self.bounded = load_limits.bounded(wish)
     seconds.bound = clock() - start
   end
   self.limits = limits
@@ -301,7 +302,10 @@ function worst_case:__tostring()
   end
   local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
     or "strength not known"
-  if self.upper_bound then tail = ("%s; at most %.4g MPa on this mesh"):format(tail, self.upper_bound / 1e6) end
+  if self.upper_bound then
+    tail = ("%s; at most %.4g MPa on this mesh%s"):format(tail, self.upper_bound / 1e6,
+      self.bounded and " " .. self.bounded or "")
+  end
   return ("%s: %s; %s%s"):format(head, self.regions[self.region].label, tail, load_limits.describe(self.options))
 end
 

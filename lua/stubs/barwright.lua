@@ -1416,6 +1416,7 @@ function System:close() end
 ---@field region integer the worst one, a place in `regions`
 ---@field origin "mode"|"element"|"ascent"|"bound"|"patch" what the worst load was found from: a mode's weak region, an element of the screening, an ascent, the search of the upper bound, a patch of the boundary
 ---@field upper_bound number? with `certify`: no load within the limits stresses any element of this mesh more, Pa
+---@field bounded string? with `certify`, where the bound is not for the loads that were asked for: "for pressure anywhere instead of within hands" (it holds for hands too), or "for friction of the pyramid, ..." (Coulomb's cone is larger)
 ---@field friction_error number by how much the friction cone is narrower than asked for at most, as a share; 0 without friction
 ---@field gap number? with `certify`: how far the bound exceeds the largest stress found, as a share of it
 ---@field mode integer? where a mode's weak region gave the worst load

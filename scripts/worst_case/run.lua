@@ -286,7 +286,7 @@ local function main()
   result.utilisation = worst.utilisation
   result.friction, result.friction_error = wish.friction, worst.friction_error
   result.hands, result.hand_m2 = wish.hands, worst.options.hand
-  result.upper_bound_pa, result.gap = worst.upper_bound, worst.gap
+  result.upper_bound_pa, result.gap, result.bounded = worst.upper_bound, worst.gap, worst.bounded
   result.strength_pa = worst.strength
   result.max_displacement_m = worst.max_displacement
   result.worst_region = worst.region

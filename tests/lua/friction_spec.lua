@@ -73,6 +73,16 @@ describe("the worst case with friction", function()
     assert.truthy(brute.max_principal > 0 and brute.max_principal <= worst.upper_bound * (1 + 1e-9))
   end)
 
+  it("bounds the pyramid's loads, and Coulomb's with a pyramid around the cone", function()
+    local inside = analyse(free, {friction = 0.4, friction_facets = 4, certify = 0.02})
+    local around = analyse(free, {friction = 0.4 / math.cos(math.pi / 4), friction_facets = 4, certify = 0.02})
+    local close = analyse(free, {friction = 0.4, friction_facets = 32})
+    assert.equal("for friction of the pyramid, 29 % less than Coulomb's at most", inside.bounded)
+    assert.truthy(tostring(inside):find("on this mesh for friction of the pyramid", 1, true))
+    assert.truthy(close.max_principal > inside.upper_bound) -- hence the words
+    assert.truthy(close.max_principal <= around.upper_bound)
+  end)
+
   it("drags a face by the pressure times the friction", function()
     local top = box.boundary:facing {0, 0, 1}
     local worst = analyse(held, {friction = 0.5, friction_facets = 16, forbidden = box.boundary:difference(top)})

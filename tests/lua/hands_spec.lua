@@ -37,6 +37,19 @@ describe("the worst case of few hands", function()
     end
   end)
 
+  it("says that the upper bound leaves the hands out", function()
+    local one = assert(analyse(held, {hands = 1, certify = 0.05}))
+    local two = assert(analyse(free, {hands = 2, certify = 0.05}))
+    local any = assert(analyse(free, {certify = 0.05}))
+    assert.equal("for pressure anywhere instead of within hands", two.bounded)
+    assert.truthy(tostring(two):find("on this mesh for pressure anywhere instead of within hands", 1, true))
+    assert.is_nil(any.bounded)
+    assert.is_nil(tostring(any):find("anywhere", 1, true))
+    -- It is that of any pressure: tight where hands take nothing away, and not for two that can only squeeze.
+    check.near(any.max_principal, two.upper_bound, 0.05 * 1.001)
+    assert.truthy(one.gap <= 0.0501 and two.gap > 1)
+  end)
+
   it("finds nothing for one hand on a free body, and all for one on a cantilever", function()
     check.fails("infeasible", "no load of 1 hands was found", analyse(free, {hands = 1}))
     local any, one = assert(analyse(held, {})), assert(analyse(held, {hands = 1, hand = 1e-4}))
