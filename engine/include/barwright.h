@@ -38,6 +38,7 @@
 #include "barwright/mesh.h"
 #include "barwright/outline.h"
 #include "barwright/plane.h"
+#include "barwright/sample.h"
 #include "barwright/singular.h"
 #include "barwright/temporary.h"
 

@@ -9,9 +9,9 @@
 bw_material *bwi_material_create(bw_context *context, const char *name, const char *fallback);
 /* Values from means given by the user: no scatter, no source. */
 void bwi_material_values(bw_material *material);
-/* BW_INVALID unless density and strengths are finite and not negative. */
+/* BW_INVALID unless density, strengths and toughness are finite and not negative. */
 bw_status bwi_material_check_common(bw_context *context, const char *name, double density,
-                                    const double strength[3]);
+                                    const double strength[3], double toughness);
 /* BW_INVALID when a number of the two matrices has left the range of doubles. */
 bw_status bwi_material_check_finite(bw_context *context, const bw_material *material);
 /* BW_INVALID unless the rows are orthonormal and right-handed (1e-6); cleans them to rounding. */

@@ -10,7 +10,7 @@ bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constan
   const bw_isotropic *c = constants;
   const char *name = c->name && *c->name ? c->name : "isotropic";
   double strength[3] = {c->strength, c->strength, c->strength};
-  bw_status status = bwi_material_check_common(context, name, c->density, strength);
+  bw_status status = bwi_material_check_common(context, name, c->density, strength, c->toughness);
   if (status != BW_OK)
     return status;
   if (!isfinite(c->young) || !(c->young > 0)) {
@@ -37,6 +37,7 @@ bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constan
     return BW_MEMORY;
   m->isotropic = true;
   m->density = c->density;
+  m->toughness = c->toughness;
   m->lame_mu = c->young / (2 * (1 + c->poisson));
   m->lame_lambda = c->young * c->poisson / ((1 + c->poisson) * (1 - 2 * c->poisson));
   for (int i = 0; i < 3; i++) {

@@ -21,6 +21,7 @@ typedef struct entry {
   bw_value poisson;     /* nu12 = nu23 = nu13 */
   bw_value strength[3]; /* Pa; isotropic: the first only */
   bw_value density;     /* kg/m3 */
+  bw_value toughness;   /* Pa m^1/2; none where no value is trustworthy */
 } entry;
 
 #define PAPER "worst-case structural analysis (2013), section 6: three-point bending"
@@ -46,7 +47,9 @@ static const entry library[] = {
      .young = {{70e9, 0, EC9}},
      .poisson = {0.3, 0, EC9},
      .strength = {{240e6, 0, "0.2 % proof strength of EN AW-6061 T6 extrusions, EN 755-2"}},
-     .density = {2700, 0, EC9}},
+     .density = {2700, 0, EC9},
+     .toughness = {29e6, 0,
+                   "customary for plates of 6061-T6 and T651 across the rolling direction"}},
     {.name = "pla",
      .isotropic = true,
      .young = {{3.6e9, 0, "NatureWorks Ingeo 4043D data sheet, the resin, ASTM D882"}},
@@ -62,7 +65,12 @@ static const entry library[] = {
      .strength = {{36e6, 0,
                    "Stratasys, Fortus ABS-M30, ASTM D638 (33 MPa by ISO 527); less across printed "
                    "layers"}},
-     .density = {1040, 0, "Stratasys, Fortus ABS-M30"}},
+     .density = {1040, 0, "Stratasys, Fortus ABS-M30"},
+     .toughness =
+         {3e6, 0,
+          "Dowling, Mechanical Behavior of Materials, table 8.2: ABS, not printed; between "
+          "printed layers about a third less by McLouth et al., Additive Manufacturing 18 "
+          "(2017)"}},
     {.name = "resin",
      .isotropic = true,
      .young = {{2.8e9, 0, "Formlabs standard resin data sheet, post-cured, ASTM D638"}},
@@ -102,15 +110,16 @@ const char *bw_material_library_name(int i) {
 static bw_status make(bw_context *context, const entry *e, bw_material **material) {
   bw_status status;
   if (e->isotropic) {
-    bw_isotropic constants = {e->name, e->young[0].mean, e->poisson.mean, e->density.mean,
-                              e->strength[0].mean};
+    bw_isotropic constants = {e->name,         e->young[0].mean,    e->poisson.mean,
+                              e->density.mean, e->strength[0].mean, e->toughness.mean};
     status = bw_material_isotropic(context, &constants, material);
   } else {
     double nu = e->poisson.mean;
     bw_orthotropic constants = {.name = e->name,
                                 .poisson = {nu, 0, nu},  /* nu23, -, nu12 */
                                 .poisson_t = {0, nu, 0}, /* nu13 */
-                                .density = e->density.mean};
+                                .density = e->density.mean,
+                                .toughness = e->toughness.mean};
     for (int i = 0; i < 3; i++) {
       constants.young[i] = e->young[i].mean;
       constants.strength[i] = e->strength[i].mean;
@@ -126,6 +135,7 @@ static bw_status make(bw_context *context, const entry *e, bw_material **materia
     (*material)->poisson_value[i].mean = (*material)->poisson[i];
   }
   (*material)->density_value = e->density;
+  (*material)->toughness_value = e->toughness;
   return BW_OK;
 }
 

@@ -47,10 +47,11 @@ void bwi_material_values(bw_material *material) {
     material->strength_value[i] = (bw_value){material->strength[i], 0, NULL};
   }
   material->density_value = (bw_value){material->density, 0, NULL};
+  material->toughness_value = (bw_value){material->toughness, 0, NULL};
 }
 
 bw_status bwi_material_check_common(bw_context *context, const char *name, double density,
-                                    const double strength[3]) {
+                                    const double strength[3], double toughness) {
   if (!isfinite(density) || density < 0) {
     bw_status status =
         bw_fail(context, BW_INVALID,
@@ -71,6 +72,15 @@ bw_status bwi_material_check_common(bw_context *context, const char *name, doubl
       bw_detail_number(context, "strength", strength[i]);
       return status;
     }
+  if (!isfinite(toughness) || toughness < 0) {
+    bw_status status =
+        bw_fail(context, BW_INVALID,
+                "material %s: the fracture toughness is %g Pa m^0.5; give a positive number, or 0 "
+                "when it is not known",
+                name, toughness);
+    bw_detail_number(context, "toughness", toughness);
+    return status;
+  }
   return BW_OK;
 }
 
@@ -202,6 +212,12 @@ double bw_material_strength(const bw_material *material, const double direction[
     inverse2 += along * along;
   }
   return inverse2 > 0 ? sqrt(length2 / inverse2) : 0;
+}
+
+double bw_material_critical_distance(const bw_material *material) {
+  const double *s = material->strength, most = fmax(s[0], fmax(s[1], s[2]));
+  double share = most > 0 ? material->toughness / most : 0;
+  return share * share / 3.14159265358979323846;
 }
 
 /* The largest 1/s(n)^2 = n . W n, W = sum_i e_i e_i^T / s_i^2, over the unit vectors n spanned by

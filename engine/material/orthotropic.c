@@ -190,7 +190,7 @@ bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *con
   const char *name = c->name && *c->name ? c->name : "orthotropic";
   bw_material *m = NULL;
   bw_status status;
-  BW_TRY(bwi_material_check_common(context, name, c->density, c->strength));
+  BW_TRY(bwi_material_check_common(context, name, c->density, c->strength, c->toughness));
   for (int i = 0; i < 3; i++)
     if (!isfinite(c->young[i]) || !(c->young[i] > 0)) {
       status = bw_fail(context, BW_INVALID,
@@ -205,6 +205,7 @@ bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *con
   if (!m)
     return BW_MEMORY;
   m->density = c->density;
+  m->toughness = c->toughness;
   memcpy(m->young, c->young, sizeof m->young);
   memcpy(m->strength, c->strength, sizeof m->strength);
   for (int p = 0; p < 3; p++) {

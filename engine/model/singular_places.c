@@ -12,6 +12,10 @@
 
 static const double along_normal = 0.999; /* cosine: a direction that is a facet's normal */
 static const double nothing = 1e-12;      /* of the largest nodal force */
+static const double pi = 3.14159265358979323846;
+/* A wedge that a plane of symmetry halves is re-entrant beyond 180 degrees by more than this:
+ * facets of a round face that meets the plane squarely lean by half of their angle. */
+static const double facet_margin = 30 * 0.017453292519943295;
 
 enum { HELD_X = 1, HELD_ALL = 7, OTHERWISE = 8 };
 
@@ -65,6 +69,18 @@ static void classify(finder *f) {
   }
 }
 
+/* The direction on a facet away from its side. */
+static void along_face(bwi_seam *seam, const bwi_topology *top, int64_t side,
+                       const double *normal) {
+  const double *a = top->point + 3 * (size_t)bwi_side_from(top, side);
+  const double *b = top->point + 3 * (size_t)bwi_side_to(top, side);
+  const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  bw_cross(normal + 3 * (size_t)(side / 3), d, seam->inward);
+  double size = bw_norm(seam->inward);
+  for (int k = 0; k < 3 && size > 0; k++)
+    seam->inward[k] /= size;
+}
+
 /* Edges between a facet that is held like this and a free one. */
 static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces *faces,
                               bw_corner corner) {
@@ -83,6 +99,10 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
     seam.angle =
         bwi_opening(top->point + 3 * (size_t)seam.end[0], top->point + 3 * (size_t)seam.end[1],
                     f->normal + 3 * (size_t)t1, f->normal + 3 * (size_t)t2, seam.inward);
+    if (corner == BW_CORNER_SLIDING && 2 * seam.angle - pi <= facet_margin)
+      continue;
+    if (corner == BW_CORNER_SLIDING) /* the bisector of the whole wedge lies in the held face */
+      along_face(&seam, top, side[first ? 0 : 1], f->normal);
     bw_status status = bwi_seams_add(f->context, &f->seams, &seam);
     if (status != BW_OK)
       return status;

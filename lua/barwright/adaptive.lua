@@ -4,6 +4,7 @@
 local core = require "barwright.core"
 local goal = require "barwright.goal"
 local options = require "barwright.options"
+local growth = require "barwright.singular_growth"
 local refinement = require "barwright.refinement"
 
 local methods = core.classes.model.methods
@@ -98,9 +99,24 @@ local function static_analysis(wish, mesh)
       part.mesh.element_count)
     local error = math.sqrt((found.recovery_error + math.abs(signed)) ^ 2 + rest ^ 2 + geometry ^ 2)
     return {result = static, value = found.value, at = found.at, error = relative(error, found.value),
-      facet_error = relative(geometry, found.value), parts = parts, rivals = rivals_of(part.mesh, found)}
+      facet_error = relative(geometry, found.value),
+      edge = found.node and growth.edge_length(part.mesh, found.at), parts = parts,
+      rivals = rivals_of(part.mesh, found)}
   end
   return {name = wanted.name, selections = wanted.selections, step = step}
+end
+
+-- Whether the largest stress is at a place where it has no finite value. The first mesh has all edges.
+local function find_singular(part, accuracy)
+  local last = accuracy.history[#accuracy.history]
+  if not last.edge then return nil end
+  local former
+  for i = #accuracy.history - 1, 1, -1 do
+    former = former or accuracy.history[i].edge > last.edge and accuracy.history[i]
+  end
+  local places = part:singular_places {surface = accuracy.surface}
+  return growth.judge(places, last.at, last.edge, growth.exponent(former, last),
+    accuracy.reason == "divergence")
 end
 
 -- ---- modes -----------------------------------------------------------------------------------------
@@ -166,7 +182,9 @@ end
 function methods.solve(part, given)
   if asks(part, given, "error") or asks(part, given, "of") then
     local wish = options.read("solve", given, static_rules)
-    return refinement.run(part, wish, static_analysis(wish, part.mesh))
+    local static, accuracy, details = refinement.run(part, wish, static_analysis(wish, part.mesh))
+    if static then accuracy.singular = find_singular(part, accuracy) end
+    return static, accuracy, details
   end
   return solve(part, given)
 end

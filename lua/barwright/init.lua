@@ -63,6 +63,7 @@ local bw = {
 require "barwright.fields"
 require "barwright.adaptive"
 require "barwright.singular"
+require "barwright.critical_distance"
 
 -- What the prompt completes after "bw.material." beside the functions.
 local library = {}

@@ -129,7 +129,7 @@ local function keep(self, part, step, started)
   local mesh = part.mesh
   self.history[#self.history + 1] = {elements = mesh.element_count, unknowns = 3 * mesh.node_count,
     value = step.value, frequencies = step.frequencies, at = step.at, estimated_error = step.error,
-    facet_error = step.facet_error,
+    facet_error = step.facet_error, edge = step.edge,
     seconds = core.seconds() - started}
   self.part, self.value, self.at, self.estimated_error = part, step.value, step.at, step.error
 end
@@ -200,6 +200,7 @@ function accuracy:__tostring()
     lines[#lines + 1] = ("  %8d elements  %8d unknowns  %12.6g  %6.2f %%"):format(row.elements, row.unknowns,
       row.value, 100 * row.estimated_error)
   end
+  if self.singular then lines[#lines + 1] = tostring(self.singular) end
   return table.concat(lines, "\n")
 end
 

@@ -90,6 +90,11 @@ function places:__tostring()
   return table.concat(lines, "\n")
 end
 
+--- A list of places of one's own choice among others.
+function places.list(chosen)
+  return setmetatable(chosen, places)
+end
+
 arguments.methods("singular places", places, places, {near = "point: table, radius?: number"})
 
 local edge_rules = {angle = {type = "number", above = 0, most = 1.5}}

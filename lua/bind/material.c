@@ -27,12 +27,13 @@ static const char *name_option(lua_State *L, const char *function) {
   return name;
 }
 
-/* material.isotropic{young, poisson, density, strength, name} */
+/* material.isotropic{young, poisson, density, strength, toughness, name} */
 static int material_isotropic(lua_State *L) {
   static const lbw_option list[] = {{"young", LBW_REAL, offsetof(bw_isotropic, young)},
                                     {"poisson", LBW_REAL, offsetof(bw_isotropic, poisson)},
                                     {"density", LBW_REAL, offsetof(bw_isotropic, density)},
                                     {"strength", LBW_REAL, offsetof(bw_isotropic, strength)},
+                                    {"toughness", LBW_REAL, offsetof(bw_isotropic, toughness)},
                                     {"name", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   bw_isotropic constants;
@@ -46,13 +47,15 @@ static int material_isotropic(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* material.orthotropic{young, poisson, poisson_t, shear, axes, density, strength, name} */
+/* material.orthotropic{young, poisson, poisson_t, shear, axes, density, strength, toughness, name}
+ */
 static int material_orthotropic(lua_State *L) {
   static const lbw_option list[] = {{"young", LBW_VECTOR, offsetof(bw_orthotropic, young)},
                                     {"poisson", LBW_VECTOR, offsetof(bw_orthotropic, poisson)},
                                     {"poisson_t", LBW_VECTOR, offsetof(bw_orthotropic, poisson_t)},
                                     {"shear", LBW_VECTOR, offsetof(bw_orthotropic, shear)},
                                     {"strength", LBW_VECTOR, offsetof(bw_orthotropic, strength)},
+                                    {"toughness", LBW_REAL, offsetof(bw_orthotropic, toughness)},
                                     {"density", LBW_REAL, offsetof(bw_orthotropic, density)},
                                     {"axes", LBW_OTHER, 0},
                                     {"name", LBW_OTHER, 0},
@@ -199,6 +202,16 @@ static int material_strength(lua_State *L) {
   return push_constant(L, material, material->strength);
 }
 
+static int material_toughness(lua_State *L) {
+  push_known(L, self(L)->toughness);
+  return 1;
+}
+
+static int material_critical_distance(lua_State *L) {
+  push_known(L, bw_material_critical_distance(self(L)));
+  return 1;
+}
+
 static int material_axes(lua_State *L) {
   const bw_material *material = self(L);
   return lbw_push_borrowed(L, BW_F64, 3, 3, material->axes, material);
@@ -237,6 +250,7 @@ static int material_sources(lua_State *L) {
     push_value(L, key, &material->strength_value[i]);
   }
   push_value(L, "density", &material->density_value);
+  push_value(L, "toughness", &material->toughness_value);
   return 1;
 }
 
@@ -290,6 +304,7 @@ static int material_tostring(lua_State *L) {
     add_source(&buffer, "strength", axis, &material->strength_value[i], 1e6, "MPa");
   }
   add_source(&buffer, "density", "", &material->density_value, 1, "kg/m3");
+  add_source(&buffer, "fracture toughness", "", &material->toughness_value, 1e6, "MPa m^0.5");
   luaL_pushresult(&buffer);
   return 1;
 }
@@ -299,12 +314,13 @@ static const luaL_Reg methods[] = {{"rotated", material_rotated},
                                    {"utilisation", material_utilisation},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {
-    {"name", material_name},        {"isotropic", material_is_isotropic},
-    {"turned", material_is_turned}, {"density", material_density},
-    {"young", material_young},      {"poisson", material_poisson},
-    {"shear", material_shear},      {"strength", material_strength},
-    {"axes", material_axes},        {"elasticity", material_elasticity},
-    {"sources", material_sources},  {NULL, NULL}};
+    {"name", material_name},           {"isotropic", material_is_isotropic},
+    {"turned", material_is_turned},    {"density", material_density},
+    {"young", material_young},         {"poisson", material_poisson},
+    {"shear", material_shear},         {"strength", material_strength},
+    {"toughness", material_toughness}, {"critical_distance", material_critical_distance},
+    {"axes", material_axes},           {"elasticity", material_elasticity},
+    {"sources", material_sources},     {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", material_tostring}, {NULL, NULL}};
 const lbw_class lbw_material_class = {"material", methods, properties, meta, NULL};
 

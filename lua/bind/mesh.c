@@ -362,6 +362,25 @@ static int mesh_locate(lua_State *L) {
   return 3;
 }
 
+/* mesh:sample(values, points): values at points, and how far these lie outside of the mesh */
+static int mesh_sample(lua_State *L) {
+  const bw_mesh *mesh = self(L);
+  const bw_array *values = (const bw_array *)lbw_check(L, 2, &lbw_array_class);
+  int64_t rows, count;
+  lbw_argument_check(L, values->rows == mesh->node_count, 2,
+                     "values: a row for every node of the mesh expected");
+  const double *value = lbw_to_doubles(L, 2, "values", (int)values->columns, &rows);
+  const double *point = lbw_to_doubles(L, 3, "points", 3, &count);
+  lbw_cached(L, "locator", make_locator);
+  const bw_locator *locator = (const bw_locator *)lbw_test(L, -1, &locator_class);
+  double *out = (double *)lbw_push_array(L, BW_F64, count, values->columns)->data;
+  double *outside = (double *)lbw_push_array(L, BW_F64, count, 1)->data;
+  return lbw_leave(L,
+                   bw_mesh_sample(lbw_enter(L), mesh, locator, (int)values->columns, value, count,
+                                  point, out, outside),
+                   2);
+}
+
 static int mesh_quality(lua_State *L) {
   bw_mesh_quality quality;
   bw_mesh_quality_of(self(L), &quality);
@@ -516,11 +535,19 @@ static int mesh_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"write", mesh_write},       {"with_order", mesh_with_order}, {"moved", mesh_moved},
-    {"subset", mesh_subset},     {"renumbered", mesh_renumbered}, {"surface", mesh_surface},
-    {"curved", lbw_mesh_curved}, {"faces", lbw_mesh_faces},       {"locate", mesh_locate},
-    {"quality", mesh_quality},   {"to_nodes", mesh_to_nodes},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"write", mesh_write},
+                                   {"with_order", mesh_with_order},
+                                   {"moved", mesh_moved},
+                                   {"subset", mesh_subset},
+                                   {"renumbered", mesh_renumbered},
+                                   {"surface", mesh_surface},
+                                   {"curved", lbw_mesh_curved},
+                                   {"faces", lbw_mesh_faces},
+                                   {"locate", mesh_locate},
+                                   {"sample", mesh_sample},
+                                   {"quality", mesh_quality},
+                                   {"to_nodes", mesh_to_nodes},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {{"nodes", mesh_nodes},
                                       {"elements", mesh_elements},
                                       {"regions", mesh_regions},

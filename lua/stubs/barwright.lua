@@ -727,6 +727,11 @@ local SingularPlaces = {}
 ---@return {place: bw.SingularPlace, distance: number, at: number[], inward: number[]}?
 function SingularPlaces:near(point, radius) end
 
+---A list of some of the places: `places.list {places[1], places[3]}`.
+---@param chosen bw.SingularPlace[]
+---@return bw.SingularPlaces
+function SingularPlaces.list(chosen) end
+
 ---The re-entrant edges, the longest first: those whose angle inside the material exceeds 180 degrees by more than
 ---`angle` (radians, default 10 degrees) between two faces that lie on planes, cylinders, cones or spheres, and by more
 ---than 30 degrees where one is free form. Facets of a round face make no edge (docs/theory/singular.md). nil, a message
@@ -885,6 +890,16 @@ function Mesh:faces(surface) end
 ---@return number[] weights
 ---@return boolean inside
 function Mesh:locate(point) end
+
+---A nodal field at points, by the shape functions of the elements that hold them; of a point outside the value at the
+---nearest place of the mesh. `outside`: how far each point lies outside, 0 inside.
+---`local stress = part.mesh:sample(static.stress, {{0.01, 0, 0}, {0.02, 0, 0}})`
+---@param values bw.Array a row for every node
+---@param points bw.Array|number[][]
+---@return bw.Array? values a row for every point
+---@return bw.Array|string outside m, or a message
+---@return table? details
+function Mesh:sample(values, points) end
 
 ---dihedral_low, dihedral_high, radius_edge_high, aspect_high, volume_low, volume_high, worst.
 ---@return table
@@ -1057,14 +1072,15 @@ function Selection:close() end
 ---@field zp150 bw.Material of the worst-case paper: printed plaster, three strengths
 local material_module = {}
 
----@param options {young: number, poisson: number, density?: number, strength?: number, name?: string}
+---Young's modulus and strength in Pa, density in kg/m3, toughness: the fracture toughness K_Ic in Pa m^0.5.
+---@param options {young: number, poisson: number, density?: number, strength?: number, toughness?: number, name?: string}
 ---@return bw.Material?
 function material_module.isotropic(options) end
 
 ---Nine constants along the material axes 1 2 3: young Y1 Y2 Y3, poisson nu23 nu31 nu12 (or the
 ---transposed poisson_t nu32 nu13 nu21), shear G23 G31 G12 (left out: the worst-case paper's formula),
 ---axes as rows of a rotation.
----@param options {young: bw.Vector, poisson?: bw.Vector, poisson_t?: bw.Vector, shear?: bw.Vector, axes?: number[][], density?: number, strength?: bw.Vector, name?: string}
+---@param options {young: bw.Vector, poisson?: bw.Vector, poisson_t?: bw.Vector, shear?: bw.Vector, axes?: number[][], density?: number, strength?: bw.Vector, toughness?: number, name?: string}
 ---@return bw.Material?
 function material_module.orthotropic(options) end
 
@@ -1086,6 +1102,8 @@ function material_module.names() end
 ---@field shear number|bw.Vector Pa
 ---@field density number? kg/m3
 ---@field strength number|bw.Vector|nil Pa
+---@field toughness number? fracture toughness K_Ic, Pa m^0.5; nil where no value is trustworthy
+---@field critical_distance number? m: (toughness / strength)^2 / pi, by the largest strength
 ---@field axes bw.Array 3 x 3, rows are the material axes
 ---@field turned boolean whether axes differ from element to element (an edit session's, with material_turns); `axes` and `elasticity` are then those before
 ---@field elasticity bw.Array 6 x 6, Pa
@@ -1277,12 +1295,21 @@ function Model:close() end
 ---@field at? bw.Vector where; nil for a function
 ---@field converged boolean
 ---@field reason "tolerance"|"elements"|"time"|"memory"|"facets"|"divergence" why there is no finer mesh; facets: those that stand for a round face are a larger error by themselves; divergence: the changes of the value do not fall, so it may have no limit
----@field history table[] of every mesh {elements, unknowns, value, frequencies (of modes), at, estimated_error, facet_error (its part by facets of round faces), seconds, effectivity: estimated error over the difference to the last value}
+---@field history table[] of every mesh {elements, unknowns, value, frequencies (of modes), at, edge (length of elements at a largest stress, m), estimated_error, facet_error (its part by facets of round faces), seconds, effectivity: estimated error over the difference to the last value}
 ---@field elements integer of the last mesh
 ---@field seconds number
 ---@field part bw.Model on the last mesh
 ---@field surface? bw.Surface that curved edges follow
 ---@field options table
+---@field singular? bw.SingularFinding of a largest stress: it has no finite value
+
+---Why the largest stress has no finite value; `print(finding)` says it in a sentence.
+---@class bw.SingularFinding
+---@field by "geometry"|"growth"|"geometry and growth" a place that is known to be singular, or growth under refinement
+---@field place? bw.SingularPlace
+---@field at number[] m: of the place, or where the stress is largest
+---@field expected? number by Williams' exponent the stress grows like h^-expected with the edge length h
+---@field measured? number the growth from the last mesh but one to the last
 
 ---A static solution. Fields are computed when they are first asked for. Names without `element_` are
 ---over nodes.
@@ -1320,6 +1347,36 @@ function Static:error_estimate() end
 ---@param selection bw.Selection
 ---@return bw.Vector
 function Static:reaction_on(selection) end
+
+---The effective stress of the theory of critical distances at singular edges, the largest first: the mean of the
+---stress over 2 L from the edge along the bisector ("line"), or the stress at L / 2 ("point"). It converges where the
+---largest stress does not. length: L in m (default: the material's critical_distance); places: those to look at
+---(default: the re-entrant edges of the mesh's boundary). Of every place the station of the largest value counts:
+---value (largest principal, Pa), stress (the tensor), utilisation, at, estimated_error (relative), edge_length (of the
+---elements there, m). nil, a message and details where the length is not known or no line stays in the body.
+---`static:effective_stress {places = part:singular_places(), length = 1e-3}`
+---@param options? {places?: bw.SingularPlaces, length?: number, method?: "line"|"point"}
+---@return {place: bw.SingularPlace, number: integer, at: number[], value: number, stress: number[], utilisation: number?, length: number, method: string, edge_length: number, estimated_error: number}[]?
+---@return string? message
+---@return table? details
+function Static:effective_stress(options) end
+
+---The notch stress intensity factor K of singular edges, the largest first: the normal stress across the bisector is
+---K / sqrt(2 pi) r^(exponent - 1) at small distances r. value in Pa m^(1 - exponent).
+---@param options? {places?: bw.SingularPlaces}
+---@return {place: bw.SingularPlace, number: integer, at: number[], value: number, exponent: number, edge_length: number, estimated_error: number}[]?
+---@return string? message
+---@return table? details
+function Static:notch_stress_intensity(options) end
+
+---The largest stress that re-entrant edges would have with a fillet of a radius (m), the largest first, from their
+---notch stress intensity factors. For radii that are small beside the notch (docs/theory/singular.md).
+---`print(static:fillet_stress({radius = 1e-3})[1].value)`
+---@param options {radius: number, places?: bw.SingularPlaces}
+---@return {place: bw.SingularPlace, number: integer, at: number[], value: number, intensity: number, radius: number, estimated_error: number}[]?
+---@return string? message
+---@return table? details
+function Static:fillet_stress(options) end
 
 ---Displacement and stresses as .vtu, with further fields.
 ---@param path string

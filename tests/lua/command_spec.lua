@@ -337,6 +337,42 @@ describe("commands that compute", function()
     assert.truthy(err:find("b_bar", 1, true), err)
   end)
 
+  it("statics names a singular place, and what says so", function()
+    local profile, points, triangles = {{0, 0}, {40, 0}, {40, 10}, {10, 10}, {10, 40}, {0, 40}, {5, 5}}, {}, {}
+    for i, p in ipairs(profile) do
+      points[2 * i - 1], points[2 * i] = {p[1] * 1e-3, p[2] * 1e-3, 0}, {p[1] * 1e-3, p[2] * 1e-3, 0.01}
+    end
+    for i = 1, 6 do
+      local a, b = 2 * i - 1, 2 * (i % 6) + 1
+      for _, t in ipairs {{a, b, b + 1}, {a, b + 1, a + 1}, {13, b, a}, {14, a + 1, b + 1}} do
+        triangles[#triangles + 1] = t
+      end
+    end
+    local path = folder .. "angle.stl"
+    assert(assert(bw.surface.new {points = points, triangles = triangles}):write(path))
+    local words = "statics --elements 2000 --hold above:y:40mm --force above:x:40mm=0,-20,0 --material abs "
+    local _, object = answer(words .. path)
+    assert.is_true(object.singular)
+    assert.truthy(object.singular_by:find("geometry", 1, true))
+    assert.equal("re-entrant edge", object.singular_place.kind)
+    assert.near(1.5 * math.pi, object.singular_place.angle_rad, 1e-5)
+    assert.near(0.01, object.singular_place.at_m[1], 1e-6)
+    assert.near(0.4555, object.growth_expected, 1e-3)
+    assert.is_true(object.effective_stress_pa > 2e6 and object.effective_stress_pa < 4e6)
+    assert.near(bw.material.abs.critical_distance, object.critical_distance_m, 1e-12)
+    local _, out = check.run(words .. "--error 0.05 " .. path)
+    assert.truthy(out:find("The largest stress has no finite value: it is at a re-entrant edge of 270 degrees "
+      .. "inside the material at (10, 10, ", 1, true), out)
+    assert.truthy(out:find("(by geometry and growth; h^-0.46 expected, ", 1, true), out)
+    assert.truthy(out:find("The effective stress of the theory of critical distances, the mean over 4.421 mm", 1,
+      true), out)
+    _, object = answer("statics --elements 2000 --hold above:y:40mm --force above:x:40mm=0,-20,0 " .. path)
+    assert.is_nil(object.effective_stress_pa) -- the toughness of PLA is not known
+    _, object = answer("statics --elements 2000 --toughness 3e6 --hold above:y:40mm --force above:x:40mm=0,-20,0 "
+      .. path)
+    assert.near((3 / 53) ^ 2 / math.pi, object.critical_distance_m, 1e-12)
+  end)
+
   it("statics gives the beam's deflection and stress", function()
     local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
       .. "above:x:1=0,0,-100N")

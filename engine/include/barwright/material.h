@@ -40,10 +40,11 @@ struct bw_material {
   double poisson[3];     /* nu23 nu31 nu12: nu_ij is the contraction along j under load along i */
   double shear[3];       /* G23 G31 G12, Pa */
   double strength[3];    /* tensile strength along axes 1 2 3, Pa; 0 when not known */
+  double toughness;      /* fracture toughness K_Ic, Pa m^1/2; 0 when not known */
   double lame_lambda, lame_mu; /* when isotropic */
   bw_formulation formulation;  /* of the elements that have this material */
   /* with scatter and source, where they are known (the library's materials) */
-  bw_value young_value[3], poisson_value[3], strength_value[3], density_value;
+  bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
   /* Of a material turned by element (bw_material_turned), else NULL. Axes and matrices above are
    * then those before any turn; what knows the element takes them from the functions below. */
   const bw_material *unturned; /* retained */
@@ -61,7 +62,7 @@ static inline const double *bw_material_compliance(const bw_material *material, 
 
 typedef struct bw_isotropic {
   const char *name;
-  double young, poisson, density, strength; /* density and strength may be 0 */
+  double young, poisson, density, strength, toughness; /* the last three may be 0 */
 } bw_isotropic;
 /* young > 0 and -1 < poisson < 1/2, or BW_INVALID. */
 bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constants,
@@ -78,6 +79,7 @@ typedef struct bw_orthotropic {
   double axes[9];      /* rotation, rows are the material axes; all zero: identity */
   double density;
   double strength[3];
+  double toughness;
 } bw_orthotropic;
 /* Checked for positive definiteness, for the reciprocal relation (relative 1e-6) and for axes being
  * a rotation: BW_INVALID names the constants. */
@@ -119,6 +121,9 @@ bw_status bw_material_named(bw_context *context, const char *name, bw_material *
 /* Strength in direction n (any length), interpolated over the material axes e_i by
  * 1/s(n)^2 = sum_i (n . e_i)^2 / s_i^2; 0 when not known along all three. */
 double bw_material_strength(const bw_material *material, const double direction[3]);
+/* The critical distance (K_Ic / strength)^2 / pi of the theory of critical distances, by the
+ * largest of the strengths; 0 when one of both is not known (docs/theory/singular.md). */
+double bw_material_critical_distance(const bw_material *material);
 /* Utilisation of a stress tensor: the largest over the principal stresses of
  * |sigma_i| / strength(direction i); 0 when the strength is not known. Where principal stresses
  * coincide every direction between theirs is principal, and the weakest of them counts. */

@@ -43,8 +43,9 @@ typedef struct bw_singular_places {
   int32_t count;
   bw_singular_place *place; /* edges by descending length */
   int32_t point_count;
-  double *point;  /* 3 per point */
-  double *inward; /* 3 per point: the bisector into the material, unit */
+  double *point; /* 3 per point */
+  double
+      *inward; /* 3 per point: the bisector into the material, unit; on a sliding face, along it */
 } bw_singular_places;
 
 /* The re-entrant edges of a closed surface: those where the angle inside the material exceeds 180

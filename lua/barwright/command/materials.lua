@@ -18,7 +18,8 @@ local function about(name)
     sources[key] = {value = from.mean, scatter = from.scatter, source = from.source}
   end
   return {name = name, isotropic = material.isotropic, young_pa = material.young, poisson = material.poisson,
-    density_kg_m3 = material.density, strength_pa = material.strength, sources = sources}
+    density_kg_m3 = material.density, strength_pa = material.strength, toughness_pa_sqrt_m = material.toughness,
+    critical_distance_m = material.critical_distance, sources = sources}
 end
 
 local function tell_one(entry, out)

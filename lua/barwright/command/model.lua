@@ -30,12 +30,14 @@ model.value_options = {
     what = "the stress at which it fails, instead of the material's"},
   {name = "density", value = "DENSITY", type = "number", unit = "kg/m3", above = 0,
     what = "the density, instead of the material's"},
+  {name = "toughness", value = "K_IC", type = "number", above = 0,
+    what = "the fracture toughness in Pa m^0.5, instead of the material's: 2e6 for instance"},
 }
 
--- The named material with what was given by value: {young, poisson, strength, density}.
+-- The named material with what was given by value: {young, poisson, strength, density, toughness}.
 local function material_of(wish)
   local named = bw.material.named(wish.material)
-  if not (wish.young or wish.poisson or wish.strength or wish.density) then return named end
+  if not (wish.young or wish.poisson or wish.strength or wish.density or wish.toughness) then return named end
   local young, poisson, strength = wish.young or named.young, wish.poisson or named.poisson,
     wish.strength or named.strength
   if type(young) ~= "number" or type(poisson) ~= "number" or type(strength) ~= "number" then
@@ -43,7 +45,7 @@ local function material_of(wish)
       :format(wish.material), {status = "misuse"}
   end
   return bw.material.isotropic {name = wish.material, young = young, poisson = poisson, strength = strength,
-    density = wish.density or named.density}
+    density = wish.density or named.density, toughness = wish.toughness or named.toughness}
 end
 
 model.elements_option = {name = "elements", value = "N", type = "integer", default = 20000, least = 1,

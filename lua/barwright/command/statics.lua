@@ -1,7 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright statics MODEL: held here, loaded there, does it bear it?
 local bw = require "barwright"
+local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local singular_places = require "barwright.singular"
 
 -- "PLACE=VALUE": what stands before and behind the last "=".
 local function split(text)
@@ -87,9 +89,6 @@ local MOST_GROWTH = 10
 local LEAST_ERROR, ONE_MESH_ERROR = 0.02, 0.5
 -- The radius of the patch over the diagonal of the bounding box.
 local PATCH = 0.02
--- Where the largest stress grows faster than h^-SINGULAR it is called singular (breaking_force.lua).
-local SINGULAR = 0.3
-
 -- Of a solution: the largest von Mises stress, and stress over strength at nodes and in the mean over patches.
 local function measure(static, mesh, material, radius)
   local found = {elements = mesh.element_count, stress = static.von_mises:max()}
@@ -118,9 +117,25 @@ local function error_of(value, coarse, mean)
   return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, LEAST_ERROR)
 end
 
-local function is_singular(fine, coarse)
-  local refinement = coarse and math.log(fine.elements / coarse.elements) / 3 or 0
-  return refinement > 0.1 and math.log(fine.stress / coarse.stress) / refinement > SINGULAR
+-- Of a uniform mesh, for the growth of the stress: the edge length of elements up to a factor.
+local function sized(found)
+  return found and {value = found.stress, edge = found.elements ^ (-1 / 3)}
+end
+
+-- The finding that there is no finite stress at a point of the solution, or nil.
+local function find_singular(static, part, read, at, found)
+  local sound = read.surface and read.surface:check({limit = 1}).sound
+  local places = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
+  return growth.judge(places, at, growth.edge_length(static.mesh, at),
+    growth.exponent(sized(found.coarse), sized(found.fine)))
+end
+
+-- The effective stress of the theory of critical distances at the edge of a finding, where all is known.
+local function effective(static, finding)
+  local place = finding and finding.place
+  if not place or place.length == 0 or not static.material.critical_distance then return nil end
+  local list = static:effective_stress {places = singular_places.list {place}}
+  return list and list[1]
 end
 
 local function verdict_of(used, estimated)
@@ -138,22 +153,22 @@ local function solve_to_error(part, read, wish)
 end
 
 -- The largest stress, its error, stress over strength in both measures, and whether it is singular.
-local function judge(static, part, read, loads, wish, accuracy)
+local function judge(static, part, read, loads, wish, accuracy, at)
   local mesh, material = static.mesh, static.material
   local radius, mean = PATCH * model.diagonal(mesh.box), static:error_estimate()
   local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
   if not accuracy then
     found.coarse = on_coarser(read, wish, loads, material, radius)
     found.estimated = error_of(found.fine.stress, found.coarse and found.coarse.stress, mean)
-    found.singular = is_singular(found.fine, found.coarse)
+    found.singular = find_singular(static, part, read, at, found)
     return found
   end
   found.estimated = accuracy.estimated_error
   if not accuracy.converged then
     local first = model.try(part.solve, part, {with = wish.with})
     found.coarse = first and measure(first, part.mesh, material, radius)
-    found.singular = accuracy.reason == "divergence" or is_singular(found.fine, found.coarse)
   end
+  found.singular = accuracy.singular
   return found
 end
 
@@ -173,9 +188,10 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   local node = static.von_mises:argmax()
   local most = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
-  local found = judge(static, part, read, loads, wish, accuracy)
+  local found = judge(static, part, read, loads, wish, accuracy, at)
   local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
-  local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular or false
+  local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
+  local critical = effective(static, singular)
   if accuracy then tell_accuracy(accuracy, out) end
   local verdict = verdict_of(used, estimated)
   if singular and used then
@@ -187,9 +203,13 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     .. "%.2g %%%s).", model.mm(most), model.place(at), stress / 1e6, 100 * estimated,
     (coarse or accuracy) and "" or ", one mesh only")
   if singular then
-    out:say("It still grows with finer meshes, as at re-entrant edges, point loads and borders of supports. It "
-      .. "may have no finite value there. The mean over a surface patch of radius %s mm is judged.",
-      model.mm(radius))
+    out:say("%s. The mean over a surface patch of radius %s mm is judged.",
+      (tostring(singular):gsub("^%l", string.upper)), model.mm(radius))
+    if critical then
+      out:say("The effective stress of the theory of critical distances, the mean over %s mm from the edge, is "
+        .. "%.4g MPa (estimated error %.2g %%): %.3g %% of the strength.", model.mm(2 * critical.length),
+        critical.value / 1e6, 100 * critical.estimated_error, 100 * critical.utilisation)
+    end
   end
   if not used then
     out:say("The strength of %s is not known.", wish.material)
@@ -203,10 +223,17 @@ local function tell(static, part, read, loads, wish, accuracy, out)
       solver.iterations, solver.factor_bytes / 1e9)
   end
   out:json {verdict = verdict, value = stress, quantity = "largest von Mises stress, Pa",
-    estimated_error = estimated, at_m = at, singular = singular, averaging_radius_m = singular and radius or nil,
-    unit = model.unit_of(read, wish), max_von_mises_pa = stress, max_von_mises_at_m = at,
+    estimated_error = estimated, at_m = at, singular = singular ~= nil,
+    averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, wish),
+    max_von_mises_pa = stress, max_von_mises_at_m = at,
     max_displacement_m = most, utilisation = used, strength_pa = material.strength, mean_error = mean,
     coarse_value = coarse and coarse.stress, coarse_elements = coarse and coarse.elements,
+    singular_by = singular and singular.by, singular_place = singular and singular.place and {
+      kind = singular.place.kind, angle_rad = singular.place.angle, at_m = singular.at},
+    growth_expected = singular and singular.expected, growth_measured = singular and singular.measured,
+    effective_stress_pa = critical and critical.value,
+    effective_stress_error = critical and critical.estimated_error,
+    critical_distance_m = critical and critical.length,
     material = wish.material, energy_j = static.energy,
     solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
   return verdict

@@ -4,7 +4,7 @@
 #include "bodies.h"
 
 static bw_system *free_system(bw_context *context, bw_mesh *mesh, double density, double strength) {
-  bw_isotropic constants = {"test", 2e9, 0.3, density, strength};
+  bw_isotropic constants = {"test", 2e9, 0.3, density, strength, 0};
   bw_material *material = NULL;
   bw_numbering *numbering = NULL;
   bw_system *system = NULL;

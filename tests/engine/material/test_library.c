@@ -52,6 +52,22 @@ static void well_known_values(void **state) {
   }
 }
 
+/* L = (K_Ic / strength)^2 / pi */
+static void critical_distances(void **state) {
+  bw_context *context = check_context(state);
+  bw_material *m = NULL;
+  check_ok(context, bw_material_named(context, "aluminium", &m));
+  check_near(m->toughness, 29e6, 0);
+  check_near(bw_material_critical_distance(m), 29. * 29 / 240 / 240 / 3.14159265358979324, 1e-15);
+  bw_release(m);
+  check_ok(context, bw_material_named(context, "pla", &m));
+  check_near(bw_material_critical_distance(m), 0, 0);
+  bw_release(m);
+  const bw_isotropic bad = {.name = "x", .young = 1, .toughness = -1};
+  check_fails(context, BW_INVALID, "fracture toughness is -1",
+              bw_material_isotropic(context, &bad, &m));
+}
+
 static void every_library_value_names_its_source(void **state) {
   bw_context *context = check_context(state);
   assert_null(bw_material_library_name(-1));
@@ -82,6 +98,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(library_has_the_papers_values),
       check_test(well_known_values),
+      check_test(critical_distances),
       check_test(every_library_value_names_its_source),
   };
   return cmocka_run_group_tests_name("material: library", tests, NULL, NULL);

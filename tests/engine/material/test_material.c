@@ -29,7 +29,7 @@ static void check_inverse(const bw_material *m) {
 static void isotropic_constants(void **state) {
   bw_context *context = check_context(state);
   bw_material *m = NULL;
-  bw_isotropic c = {"steel", 210e9, 0.3, 7850, 0};
+  bw_isotropic c = {"steel", 210e9, 0.3, 7850, 0, 0};
   check_ok(context, bw_material_isotropic(context, &c, &m));
   check_near(m->lame_mu, 210e9 / 2.6, 1);
   check_near(m->lame_lambda, 210e9 * 0.3 / (1.3 * 0.4), 1);
@@ -45,7 +45,7 @@ static void isotropic_refusals(void **state) {
   bw_material *m = NULL;
   const double bad_young[] = {0, -1, NAN, INFINITY};
   for (int i = 0; i < 4; i++) {
-    bw_isotropic c = {"x", bad_young[i], 0.3, 0, 0};
+    bw_isotropic c = {"x", bad_young[i], 0.3, 0, 0, 0};
     check_fails(context, BW_INVALID, "Young", bw_material_isotropic(context, &c, &m));
   }
   const double bad_poisson[] = {0.5, -1, 0.7, NAN};
