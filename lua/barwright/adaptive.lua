@@ -115,7 +115,7 @@ local function find_singular(part, accuracy)
     former = former or accuracy.history[i].edge > last.edge and accuracy.history[i]
   end
   local places = part:singular_places {surface = accuracy.surface}
-  return growth.judge(places, last.at, last.edge, growth.exponent(former, last),
+  return growth.judge(places, last.at, growth.radius(last.edge), growth.exponent(former, last),
     accuracy.reason == "divergence")
 end
 

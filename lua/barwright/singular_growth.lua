@@ -45,13 +45,18 @@ function growth.exponent(coarse, fine)
   return math.log(fine.value / coarse.value) / math.log(coarse.edge / fine.edge)
 end
 
+--- Within how far of the node of the largest stress a place is the place of it.
+function growth.radius(edge)
+  return NEAR * edge
+end
+
 --- Whether the stress at a point has no finite value: {by, place, at, expected, measured}, or nil. `places`: of
---- the model, or nil; `edge`: edge length of the elements there; `measured`: growth.exponent; `diverges`: the
---- values of a sequence of meshes do not converge.
-function growth.judge(places, at, edge, measured, diverges)
-  local found = places and places:near(at, NEAR * edge)
+--- the model or surface, or nil; one within `radius` counts; `measured`: growth.exponent; `grows`: the stress is
+--- known to grow without end otherwise.
+function growth.judge(places, at, radius, measured, grows)
+  local found = places and places:near(at, radius)
   local expected = found and found.place.growth
-  local grows = diverges or measured ~= nil and measured > (found and CONFIRMS * math.min(expected, 1) or ALONE)
+  grows = grows or measured ~= nil and measured > (found and CONFIRMS * math.min(expected, 1) or ALONE)
   if not (found or grows) then return nil end
   return setmetatable({by = found and (grows and "geometry and growth" or "geometry") or "growth",
     place = found and found.place, at = found and found.at or at, expected = expected, measured = measured},

@@ -371,6 +371,12 @@ describe("commands that compute", function()
     _, object = answer("statics --elements 2000 --toughness 3e6 --hold above:y:40mm --force above:x:40mm=0,-20,0 "
       .. path)
     assert.near((3 / 53) ^ 2 / math.pi, object.critical_distance_m, 1e-12)
+    _, object = answer("worst --elements 1200 --modes 4 --regions 1 " .. path)
+    assert.truthy(object.singular_by:find("geometry", 1, true))
+    assert.equal("re-entrant edge", object.singular_place.kind)
+    _, out = check.run("worst --elements 1200 --modes 4 --regions 1 " .. path)
+    assert.truthy(out:find("The largest stress has no finite value: it is at a re-entrant edge of 270", 1,
+      true), out)
   end)
 
   it("statics gives the beam's deflection and stress", function()

@@ -126,7 +126,7 @@ end
 local function find_singular(static, part, read, at, found)
   local sound = read.surface and read.surface:check({limit = 1}).sound
   local places = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
-  return growth.judge(places, at, growth.edge_length(static.mesh, at),
+  return growth.judge(places, at, growth.radius(growth.edge_length(static.mesh, at)),
     growth.exponent(sized(found.coarse), sized(found.fine)))
 end
 

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright worst MODEL: the least force that breaks it.
 local bw = require "barwright"
+local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
 
 -- With --error the last mesh may have so many.
@@ -17,8 +18,19 @@ local function longest(box)
   return math.max(box.high[1] - box.low[1], box.high[2] - box.low[2], box.high[3] - box.low[3])
 end
 
-local function keep(breaking, verdict, large, wish, out)
+-- The re-entrant edge in the patch that is judged, and whether growth says so too; nil where neither is.
+local function find_singular(breaking, read)
+  local sound = read.surface and read.surface:check({limit = 1}).sound
+  local surface = sound and read.surface or breaking.mesh:surface()
+  return growth.judge(model.try(surface.singular_edges, surface), breaking.at, breaking.length, nil,
+    breaking.singular)
+end
+
+local function keep(breaking, verdict, large, singular, wish, out)
   local worst, contact = breaking.worst, breaking.contact
+  local edge = singular and singular.place
+  out:json {singular_by = singular and singular.by,
+    singular_place = edge and {kind = edge.kind, angle_rad = edge.angle, at_m = singular.at}}
   out:json {
     verdict = verdict, breaking_force_n = breaking.force, breaking_force_low_n = breaking.low,
     breaking_force_high_n = breaking.high, estimated_error = breaking.estimated_error, at_m = breaking.at,
@@ -51,7 +63,7 @@ local sentences = {
 }
 
 -- The answer, in sentences.
-local function tell(breaking, verdict, large, mass, wish, out)
+local function tell(breaking, verdict, large, singular, mass, wish, out)
   out:say("")
   out:say("%s breaks at %s (%.3g to %s), pushed in the worst way over at least %.3g cm2, at %s; %s%s.",
     model.name(wish.model), newtons(breaking.force), breaking.low, newtons(breaking.high), breaking.contact * 1e4,
@@ -60,9 +72,8 @@ local function tell(breaking, verdict, large, mass, wish, out)
   for _, place in ipairs(breaking.ties) do
     out:say("  Within the error as weak: %s, at %s.", newtons(1 / place.utilisation), model.place(place.at))
   end
-  if breaking.singular then
-    out:say("  The stress at nodes still grows with finer meshes, as at a re-entrant edge, where it has no finite "
-      .. "value.")
+  if singular then
+    out:say("  %s. The mean over the patch has one.", (tostring(singular):gsub("^%l", string.upper)))
   end
   if breaking.contact < wish.contact then
     out:say("  The contact is %.3g cm2 instead of %.3g cm2, a twentieth of the surface.", breaking.contact * 1e4,
@@ -113,7 +124,7 @@ local function analyse(wish, out)
   local folder
   if wish.out then
     local options = model.pick({"force", "contact", "error", "modes", "regions", "elements", "material",
-      "unit", "young", "poisson", "strength", "density"}, wish)
+      "unit", "young", "poisson", "strength", "density", "toughness"}, wish)
     local message, details
     folder, message, details = bw.results.open(wish.out, {script = "barwright worst", inputs = {wish.model},
       options = options, seed = 1})
@@ -135,8 +146,9 @@ local function analyse(wish, out)
   model.tell_mesh(worst.mesh, material, out)
   out:json {unit = model.unit_of(read, wish), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
-  keep(breaking, verdict, large, wish, out)
-  tell(breaking, verdict, large, out.object.mass_kg, wish, out)
+  local singular = find_singular(breaking, read)
+  keep(breaking, verdict, large, singular, wish, out)
+  tell(breaking, verdict, large, singular, out.object.mass_kg, wish, out)
   local fine
   fine, message, details = write_files(worst, wish, folder, out)
   if not fine then return nil, message, details end

@@ -50,10 +50,10 @@ static void isotropic_refusals(void **state) {
   }
   const double bad_poisson[] = {0.5, -1, 0.7, NAN};
   for (int i = 0; i < 4; i++) {
-    bw_isotropic c = {"x", 1e9, bad_poisson[i], 0, 0};
+    bw_isotropic c = {"x", 1e9, bad_poisson[i], 0, 0, 0};
     check_fails(context, BW_INVALID, "Poisson", bw_material_isotropic(context, &c, &m));
   }
-  bw_isotropic heavy = {"x", 1e9, 0.3, -3, 0}, weak = {"x", 1e9, 0.3, 0, NAN};
+  bw_isotropic heavy = {"x", 1e9, 0.3, -3, 0, 0}, weak = {"x", 1e9, 0.3, 0, NAN, 0};
   check_fails(context, BW_INVALID, "density", bw_material_isotropic(context, &heavy, &m));
   check_fails(context, BW_INVALID, "strength", bw_material_isotropic(context, &weak, &m));
   assert_null(m);
@@ -85,7 +85,7 @@ static void orthotropic_with_equal_constants_is_isotropic(void **state) {
   bw_orthotropic c = {.young = {2e9, 2e9, 2e9},
                       .poisson = {0.3, 0.3, 0.3},
                       .axes = {cos(a), sin(a), 0, -sin(a), cos(a), 0, 0, 0, 1}};
-  bw_isotropic i = {"iso", 2e9, 0.3, 0, 0};
+  bw_isotropic i = {"iso", 2e9, 0.3, 0, 0, 0};
   check_ok(context, bw_material_orthotropic(context, &c, &m));
   check_ok(context, bw_material_isotropic(context, &i, &iso));
   /* the paper's shear formula gives Y / (2 (1 + nu)) */
@@ -214,7 +214,7 @@ static void strength_by_direction(void **state) {
 static void numbers_out_of_range_are_refused(void **state) {
   bw_context *context = check_context(state);
   bw_material *m = NULL;
-  bw_isotropic soft = {"x", 1e-310, 0.3, 0, 0}, hard = {"x", 1e308, 0.4999, 0, 0};
+  bw_isotropic soft = {"x", 1e-310, 0.3, 0, 0, 0}, hard = {"x", 1e308, 0.4999, 0, 0, 0};
   check_fails(context, BW_INVALID, "range", bw_material_isotropic(context, &soft, &m));
   check_fails(context, BW_INVALID, "range", bw_material_isotropic(context, &hard, &m));
   bw_orthotropic c = {.young = {1e308, 1e308, 1e308}, .poisson = {0.499, 0.499, 0.499}};
