@@ -3,6 +3,7 @@
 local bw = require "barwright"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local singular_places = require "barwright.singular"
 
 -- With --error the last mesh may have so many.
 local MOST_ELEMENTS = 200000
@@ -18,12 +19,15 @@ local function longest(box)
   return math.max(box.high[1] - box.low[1], box.high[2] - box.low[2], box.high[3] - box.low[3])
 end
 
--- The re-entrant edge in the patch that is judged, and whether growth says so too; nil where neither is.
+-- The re-entrant edge in the patch that is judged, and whether growth says so too; nil where neither is. Edges
+-- shorter than the patch's radius are facets of scans, mostly.
 local function find_singular(breaking, read)
   local sound = read.surface and read.surface:check({limit = 1}).sound
-  local surface = sound and read.surface or breaking.mesh:surface()
-  return growth.judge(model.try(surface.singular_edges, surface), breaking.at, breaking.length, nil,
-    breaking.singular)
+  local surface, long = sound and read.surface or breaking.mesh:surface(), {}
+  for _, edge in ipairs(model.try(surface.singular_edges, surface) or {}) do
+    if edge.length >= breaking.length then long[#long + 1] = edge end
+  end
+  return growth.judge(singular_places.list(long), breaking.at, breaking.length, nil, breaking.singular)
 end
 
 local function keep(breaking, verdict, large, singular, wish, out)
@@ -34,7 +38,7 @@ local function keep(breaking, verdict, large, singular, wish, out)
   out:json {
     verdict = verdict, breaking_force_n = breaking.force, breaking_force_low_n = breaking.low,
     breaking_force_high_n = breaking.high, estimated_error = breaking.estimated_error, at_m = breaking.at,
-    singular = breaking.singular, contact_area_m2 = contact, contact_area_asked_m2 = wish.contact,
+    singular = singular ~= nil, contact_area_m2 = contact, contact_area_asked_m2 = wish.contact,
     force_n = wish.force, failure = breaking.failure, averaging_radius_m = breaking.length,
     beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,

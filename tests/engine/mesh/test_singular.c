@@ -241,6 +241,56 @@ static void surfaces_without_an_inside_are_refused(void **state) {
   bw_release(box);
 }
 
+/* Memory that runs out anywhere is reported, and nothing is lost. */
+static void memory_failures(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = notched(context, pi / 2, 1);
+  bw_singular_places *edges = NULL;
+  bw_status status = BW_MEMORY;
+  int64_t n = 0;
+  while (status == BW_MEMORY) {
+    bw_fail_allocation(++n, false);
+    status = bw_singular_edges(context, surface, NULL, 0, &edges);
+    bw_fail_allocation(0, false);
+  }
+  assert_int_equal(status, BW_OK);
+  assert_true(n > 20);
+  assert_int_equal(edges->count, 1);
+  bw_release(edges);
+  bw_release(surface);
+}
+
+/* A nodal field that the elements hold is exact inside, and clamped outside. */
+static void fields_at_points(void **state) {
+  bw_context *context = check_context(state);
+  static const double node[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  static const int32_t element[] = {0, 1, 2, 3};
+  static const double point[] = {0.2, 0.3, 0.1, 2, 0, 0};
+  bw_mesh *linear = NULL, *mesh = NULL;
+  check_ok(context, bw_mesh_copy(context, 1, 4, node, 1, element, NULL, &linear));
+  for (int order = 1; order <= 2; order++) {
+    bw_locator *locator = NULL;
+    double value[20], out[4], outside[2];
+    check_ok(context, bw_mesh_with_order(context, linear, order, &mesh));
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+      const double *x = mesh->node + 3 * i;
+      value[2 * i] = order == 2 ? x[0] * x[1] : x[0];
+      value[2 * i + 1] = 1 + x[0] - 2 * x[2];
+    }
+    check_ok(context, bw_locator_create(context, mesh, &locator));
+    check_ok(context, bw_mesh_sample(context, mesh, locator, 2, value, 2, point, out, outside));
+    check_near(out[0], order == 2 ? 0.06 : 0.2, 1e-15);
+    check_near(out[1], 1, 1e-15);
+    check_near(out[2], order == 2 ? 0 : 1, 1e-15);
+    check_near(out[3], 2, 1e-15);
+    check_near(outside[0], 0, 1e-15);
+    check_near(outside[1], 1, 1e-15);
+    bw_release(locator);
+    bw_release(mesh);
+  }
+  bw_release(linear);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(exponents_of_free_edges),
@@ -250,6 +300,8 @@ int main(void) {
       check_test(convex_and_round_bodies_have_none),
       check_test(facets_of_round_faces_are_no_edges),
       check_test(surfaces_without_an_inside_are_refused),
+      check_test(memory_failures),
+      check_test(fields_at_points),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
