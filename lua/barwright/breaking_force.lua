@@ -4,6 +4,7 @@
 -- stress is judged by its mean over a surface patch, which has a limit under refinement also at re-entrant
 -- edges. docs/theory/breaking_force.md has the mathematics.
 local arguments = require "barwright.arguments"
+local breaking_loads = require "barwright.breaking_loads"
 local core = require "barwright.core"
 local options = require "barwright.options"
 local worst_case = require "barwright.worst_case"
@@ -12,7 +13,7 @@ local breaking_force = {}
 breaking_force.__index = breaking_force
 breaking_force.__name = "barwright.breaking_force"
 
-local rules = {
+local rules = breaking_loads.rules {
   material = {type = "material"},
   force = {type = "number", default = 20, above = 0},
   contact = {type = "number", default = 1e-4, above = 0},
@@ -267,9 +268,11 @@ end
 -- One mesh: its worst case and the places of its largest mean stresses.
 local function analyse_on(self, mesh)
   local wish = self.options
-  local worst, message, details = worst_case(core.model {mesh = mesh, material = self.material}, {
-    force = 2 * wish.force, pressure = wish.force / self.contact, modes = wish.modes, regions = wish.regions,
-    seed = wish.seed})
+  local part, limits, details = breaking_loads.part(self, mesh)
+  if not part then return nil, limits, details end
+  limits.modes, limits.regions, limits.seed = wish.modes, wish.regions, wish.seed
+  local worst, message
+  worst, message, details = worst_case(part, limits)
   if not worst then return nil, message, details end
   local places
   places, message, details = places_of(self, mesh, worst)
@@ -346,6 +349,7 @@ end
 --- is taken as it is. Returns nil, message, details where it cannot be computed.
 function breaking_force.analyse(body, given)
   local wish = options.read("breaking_force", given, rules)
+  breaking_loads.check(wish)
   local self = setmetatable(start_with(body), breaking_force)
   self.options, self.material = wish, wish.material
   if not wish.material then core.raise "breaking_force: option 'material': a material expected, got nil" end

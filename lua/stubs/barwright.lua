@@ -116,8 +116,11 @@ function bw.brute_force(part, options) end
 ---local breaking = assert(bw.breaking_force(assert(bw.surface.read "hook.stl"), {material = bw.material.pla}))
 ---print(breaking, breaking:verdict(50))
 ---```
+---`hold` gives selections on each mesh that do not move: then the whole force pushes. `forbidden` gives those on which
+---nothing presses; `friction` is Coulomb's coefficient (default 0), `hands` the number of places (1 to 16) that are
+---pressed at once.
 ---@param body bw.Surface|bw.Mesh
----@param options {material: bw.Material, force?: number, contact?: number, error?: number, elements?: integer, most_elements?: integer, length?: number, failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer}
+---@param options {material: bw.Material, force?: number, contact?: number, hold?: (fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]), forbidden?: (fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]), friction?: number, hands?: integer, error?: number, elements?: integer, most_elements?: integer, length?: number, failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer}
 ---@return bw.BreakingForce?
 ---@return string? message
 ---@return table? details
@@ -1660,6 +1663,8 @@ function BruteForce:compare(worst, p) end
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
 ---@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, edge, size, seconds}
 ---@field contact number m2
+---@field held_area number? m2: with `hold`, on the last mesh
+---@field forbidden_area number? m2: with `forbidden`
 ---@field length number m: radius of the patch
 ---@field failure string
 ---@field worst bw.WorstCase on the last mesh, under `reference` N

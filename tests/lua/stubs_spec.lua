@@ -96,12 +96,13 @@ describe("the stubs", function()
       out.analyse, out.solved = nil, nil
       return out
     end
-    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true}
+    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true, bounded = true}
     same(inner(worst), "bw.WorstCase", sometimes)
     same(inner(brute), "bw.BruteForce")
     local breaking = assert(bw.breaking_force(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.01}},
       {material = bw.material.pla, elements = 300, modes = 2, regions = 1}))
-    same(inner(breaking), "bw.BreakingForce", {given_mesh = true})
+    same(inner(breaking), "bw.BreakingForce", {given_mesh = true, held_area = true,
+      forbidden_area = true})
     same(inner(drops), "bw.DropTest")
     same(keys(getmetatable(part.mesh:surface():singular_edges())), "bw.SingularPlaces")
     assert(loads)

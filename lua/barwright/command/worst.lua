@@ -92,6 +92,48 @@ local function tell(breaking, verdict, large, singular, mass, wish, out)
       or "the largest principal stress")
 end
 
+-- The loads that the options admit, as options of bw.breaking_force; or nil and a sentence.
+local function read_limits(wish)
+  local limits = {friction = wish.friction, hands = wish.hands}
+  for name, option in pairs {hold = "hold", forbid = "forbidden"} do
+    local places = wish[name]
+    for _, place in ipairs(places) do
+      local fine, message = model.check_place(place)
+      if not fine then return nil, ("option --%s: %s"):format(name, message) end
+    end
+    limits[option] = #places > 0 and function(mesh)
+      local list = {}
+      for i, place in ipairs(places) do
+        local message, details
+        list[i], message, details = model.select(mesh, place)
+        if not list[i] then return nil, message, details end
+      end
+      return list
+    end or nil
+  end
+  if wish.hands == 1 and #wish.hold == 0 then
+    return nil, "option --hands: one hand pushes a part away that nothing holds: give --hold PLACE, or more hands"
+  end
+  return limits
+end
+
+local function tell_limits(breaking, wish, out)
+  local held, forbidden = breaking.held_area, breaking.forbidden_area
+  if held then
+    out:say("  Held at %s (%.4g cm2): the whole force pushes, the supports push back.",
+      table.concat(wish.hold, ", "), held * 1e4)
+  end
+  if forbidden then
+    out:say("  Nothing presses on %s (%.4g cm2).", table.concat(wish.forbid, ", "), forbidden * 1e4)
+  end
+  if wish.friction > 0 then out:say("  Friction %.4g: what presses also drags.", wish.friction) end
+  if wish.hands then
+    out:say("  Pressed within %s at once; where these are is a heuristic search.",
+      model.count(wish.hands, "place"))
+  end
+  out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = wish.friction, hands = wish.hands}
+end
+
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
 local function write_files(worst, wish, folder, out)
   local written = {}
@@ -124,11 +166,13 @@ end
 
 local function analyse(wish, out)
   local start = bw.seconds()
+  local limits, why = read_limits(wish)
+  if not limits then return nil, why, {status = "misuse"} end
   if wish.threads then bw.threads(wish.threads) end
   local folder
   if wish.out then
-    local options = model.pick({"force", "contact", "error", "modes", "regions", "elements", "material",
-      "unit", "young", "poisson", "strength", "density", "toughness"}, wish)
+    local options = model.pick({"force", "contact", "hold", "forbid", "friction", "hands", "error", "modes",
+      "regions", "elements", "material", "unit", "young", "poisson", "strength", "density", "toughness"}, wish)
     local message, details
     folder, message, details = bw.results.open(wish.out, {script = "barwright worst", inputs = {wish.model},
       options = options, seed = 1})
@@ -141,7 +185,8 @@ local function analyse(wish, out)
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
     force = wish.force, contact = wish.contact, error = wish.error, elements = wish.elements,
     most_elements = wish.error and math.max(MOST_ELEMENTS, wish.elements) or nil, modes = wish.modes,
-    regions = wish.regions})
+    regions = wish.regions, hold = limits.hold, forbidden = limits.forbidden, friction = limits.friction,
+    hands = limits.hands})
   out:remarks()
   if not breaking then return nil, wish.model .. ": " .. message, details end
   local worst = breaking.worst
@@ -153,6 +198,7 @@ local function analyse(wish, out)
   local singular = find_singular(breaking, read)
   keep(breaking, verdict, large, singular, wish, out)
   tell(breaking, verdict, large, singular, out.object.mass_kg, wish, out)
+  tell_limits(breaking, wish, out)
   local fine
   fine, message, details = write_files(worst, wish, folder, out)
   if not fine then return nil, message, details end
@@ -170,6 +216,13 @@ local options = {
     what = "the force that is judged: what presses on one side, the reactions press as much; a hand's by default"},
   {name = "contact", value = "AREA", type = "number", unit = "m2", default = 1e-4, above = 0,
     what = "the least area over which the force presses; a fingertip's, 1 cm2, by default"},
+  {name = "hold", value = "PLACE", many = true,
+    what = "hold it there; then the whole force pushes, and the supports push back"},
+  {name = "forbid", value = "PLACE", many = true, what = "nothing presses there"},
+  {name = "friction", value = "MU", type = "number", default = 0, least = 0, most = 100,
+    what = "Coulomb's coefficient of friction of what presses; without it, pressure alone"},
+  {name = "hands", value = "K", type = "integer", least = 1, most = 16,
+    what = "press within so many places at once, each as large as two contacts; without it, anywhere"},
   {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
     what = "refine until the estimated error is this share, 0.05 for instance, or the mesh becomes too large"},
   model.unit_option,
@@ -195,12 +248,14 @@ return {
   about = "Finds the least force that breaks a part when it is pushed in the worst way, without known loads "
     .. "(Zhou, Panetta, Zorin 2013). The answer is an interval, estimated from a sequence of meshes of quadratic "
     .. "tetrahedra. A surface is repaired where it must be and filled; a mesh is taken as it is.\n\n"
+    .. model.place_help .. "\n\n"
     .. "Exit status: 0 it holds the force asked for; 1 it breaks, or the interval contains the force; 2 misuse, "
     .. "or a size that is implausible; 3 it could not be computed.",
   arguments = {model.body_argument},
   options = options,
   examples = {{"barwright worst hook.stl --material pla --report hook.html",
       "opens in a browser, without network"},
+    {"barwright worst hook.stl --hold low:z --forbid near:0,0,30mm:5mm", "screwed down, its hole out of reach"},
     {"barwright worst hook.stl --force 50N --json | jq .breaking_force_n", "as one number"}},
   run = function(wish, out)
     local verdict, message, details = analyse(wish, out)
