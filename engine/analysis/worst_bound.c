@@ -16,14 +16,16 @@
  * depend on the number of threads. */
 #include "analysis/weak_internal.h"
 #include "analysis/worst_internal.h"
+#include "barwright/job.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { BATCH = 16, HALVINGS = 16, FACES = BWI_HALF_ICOSAHEDRON, MOST_DEPTH = 12 };
 
-/* For the displacements under unit pressures. */
-static const size_t MOST_BYTES = (size_t)1 << 29;
+/* For the displacements under unit pressures: a quarter of the free memory within these limits. The
+ * bound does not depend on it. */
+static const double LEAST_BYTES = 1 << 29, MOST_BYTES = 4.0 * (1 << 30);
 
 typedef struct found {
   double upper, largest; /* of one element */
@@ -400,7 +402,8 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                      ? basis->area[(size_t)g * (size_t)basis->directions] *
                            (options->pressure / options->force)
                      : 1; /* the slack */
-  BW_TRY(bwi_responses_open(context, system, basis, MOST_BYTES, &s.responses));
+  double room = fmax(LEAST_BYTES, fmin(MOST_BYTES, bw_free_memory() / 4));
+  BW_TRY(bwi_responses_open(context, system, basis, (size_t)room, &s.responses));
   BW_TRY(bwi_responses_next(&s.responses, BATCH));
   while (s.responses.count > 0) {
     int32_t end = s.responses.first + s.responses.count;

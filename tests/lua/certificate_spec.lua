@@ -124,6 +124,23 @@ describe("a certificate", function()
     end
   end)
 
+  it("is checked by a script", function()
+    certified(part_on(box))
+    local run = check.root .. "/scripts/worst_case/check_certificate.lua "
+    local status, out = check.run(run .. path)
+    assert.equal(0, status)
+    assert.truthy(out:find "A load reaches [%d.]+ Pa in element %d+" and out:find "No load exceeds [%d.]+ Pa")
+    write(path, (read(path):gsub("\nreached (%S+)", function(r) return "\nreached " .. r * 2 end)))
+    local _, err
+    status, _, err = check.run(run .. path)
+    assert.equal(1, status)
+    assert.truthy(err:find("rejected: the load stresses element", 1, true))
+    status, _, err = check.run(run .. check.root .. "/README.md")
+    assert.equal(2, status)
+    assert.truthy(err:find("this is no certificate", 1, true))
+    assert.equal(2, (check.run(run)))
+  end)
+
   it("belongs to certify, and is told to be impossible before the work", function()
     check.raises("'certificate' is a file that proves", bw.worst_case, part_on(box), {certificate = path})
     check.fails("io", "folder", bw.worst_case(part_on(box), {certify = 0.1, certificate = "/tmp"}))

@@ -269,7 +269,7 @@ void bw_screening_clear(bw_screening *screening);
  * directions. Hands are left out: pressure may act anywhere. `incumbent`: a stress known to be
  * reached, Pa. Ends when `upper` is within the relative `tolerance` (0.001 to 0.5) of the largest
  * stress found. One solve for each pressure, or several where displacements of all nodes under all
- * pressures take more than 512 MB. */
+ * pressures take more than a quarter of the free memory (512 MB to 4 GB). */
 typedef struct bw_worst_bound {
   double upper;       /* Pa: no admissible pressure exceeds it, up to rounding */
   double largest;     /* Pa: the incumbent, or a larger stress that was found on the way */
