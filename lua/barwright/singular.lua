@@ -59,9 +59,18 @@ local function nearest_on(place, x)
   return least, at, inward
 end
 
+local function is_point(value)
+  for k = 1, 3 do
+    local x = rawget(value, k)
+    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then return false end
+  end
+  return rawlen(value) == 3
+end
+
 --- The place nearest to a point: {place, distance, at, inward}; nil where none is within `radius`. Among those as
 --- near, the one of fastest growth.
 function places:near(point, radius)
+  if not is_point(point) then core.raise "near: point: three finite numbers {x, y, z} expected" end
   local best
   for _, place in ipairs(self) do
     local far, at, inward = nearest_on(place, point)
@@ -90,12 +99,29 @@ function places:__tostring()
   return table.concat(lines, "\n")
 end
 
---- A list of places of one's own choice among others.
+-- The places that were found, as keys.
+local found = setmetatable({}, {__mode = "k"})
+
+local function found_ones(list)
+  for _, place in ipairs(list) do found[place] = true end
+  return setmetatable(list, places)
+end
+
+--- A list of places of one's own choice among those that were found.
 function places.list(chosen)
-  return setmetatable(chosen, places)
+  local list = {}
+  for i, place in ipairs(chosen) do
+    if not found[place] then
+      core.raise(("list: item %d: a place of singular_edges or singular_places expected, got %s"):format(i,
+        options.kind(place)))
+    end
+    list[i] = place
+  end
+  return setmetatable(list, places)
 end
 
 arguments.methods("singular places", places, places, {near = "point: table, radius?: number"})
+arguments.functions("", places, {list = "chosen: table"})
 
 local edge_rules = {angle = {type = "number", above = 0, most = 1.5}}
 
@@ -106,7 +132,7 @@ function surface:singular_edges(given)
   local wish = options.read("singular_edges", given, edge_rules)
   local list, message, details = core.singular_edges(self, wish.angle or 0)
   if not list then return nil, message, details end
-  return setmetatable(list, places)
+  return found_ones(list)
 end
 
 local place_rules = {angle = edge_rules.angle, surface = {type = "surface"}}
@@ -119,7 +145,7 @@ function model:singular_places(given)
   local wish = options.read("singular_places", given, place_rules)
   local list, message, details = core.singular_places(self, wish.surface, wish.angle or 0)
   if not list then return nil, message, details end
-  return setmetatable(list, places)
+  return found_ones(list)
 end
 
 arguments.methods("model", model, nil, {singular_places = "options?: options"})

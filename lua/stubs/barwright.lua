@@ -719,9 +719,8 @@ function Surface:faces(options) end
 ---@field exponent number Williams' lambda: displacements go like r^lambda with the distance r
 ---@field growth number 1 - lambda: the stress grows like h^-growth with the edge length h of elements
 
----Places where linear elasticity has no finite stress, as a list; `print(places)` shows twelve of them.
+---Places where linear elasticity has no finite stress, as a list of bw.SingularPlace; `print(places)` shows twelve of them.
 ---@class bw.SingularPlaces
----@field [integer] bw.SingularPlace
 local SingularPlaces = {}
 
 ---The place nearest to a point, with the distance and its own nearest point; nil where none is within `radius` (m).

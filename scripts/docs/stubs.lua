@@ -32,14 +32,15 @@ local function annotation(block, line)
   if kind then block.overloads[#block.overloads + 1] = kind end
 end
 
--- A type ends at the first blank outside brackets that is not in "fun(...): x"; the rest is a remark.
+-- A type ends at the first blank outside brackets and quotes that is not in "fun(...): x"; the rest is a remark.
 function stubs.split(kind)
-  local depth = 0
+  local depth, quoted = 0, false
   for i = 1, #kind do
     local c = kind:sub(i, i)
+    if c == '"' then quoted = not quoted end
     if c:match "[%(%{%[<]" then depth = depth + 1 end
     if c:match "[%)%}%]>]" then depth = depth - 1 end
-    if c == " " and depth == 0 and not kind:sub(1, i - 1):match ":$" then
+    if c == " " and depth == 0 and not quoted and not kind:sub(1, i - 1):match ":$" then
       return kind:sub(1, i - 1), kind:sub(i + 1)
     end
   end

@@ -49,6 +49,11 @@ describe("the singular edges of a surface", function()
     assert.near(1e-2, near.at[3], 1e-12)
     assert.equal(edges[1], near.place)
     assert.is_nil(edges:near({2e-2, 0, 0}, 2e-3))
+    for _, bad in ipairs {{1, 2}, {1, 2, "3"}, {1, 2, 0 / 0}, {1, 2, 3, 4}} do
+      assert.error_matches(function() edges:near(bad) end, "three finite numbers")
+    end
+    assert.equal(1, #edges.list {edges[1]})
+    assert.error_matches(function() edges.list {{length = 1}} end, "item 1: a place of singular_edges")
   end)
 
   it("are none on convex bodies, on facets of a cylinder, and by a wide margin", function()

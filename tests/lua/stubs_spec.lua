@@ -130,6 +130,12 @@ describe("the stubs", function()
     same(bound, "bw.Results")
   end)
 
+  it("have types that end behind quoted words with blanks", function()
+    local kind, remark = stubs.split '"plane"|"free form" of a face'
+    assert.equal('"plane"|"free form"', kind)
+    assert.equal("of a face", remark)
+  end)
+
   it("make the reference, which is up to date", function()
     local path = check.folder() .. "/reference.md"
     local status, _, message = check.run("'" .. check.root .. "/scripts/docs/reference.lua' " .. path)
