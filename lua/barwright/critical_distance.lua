@@ -196,6 +196,24 @@ end
 
 -- ---- notch stress intensity factors ------------------------------------------------------------------
 
+-- Williams' exponent of the antisymmetric field: sin(lambda omega) = lambda sin(omega); 1 below 257 degrees.
+local function shear_exponent(angle)
+  local low, high = 0.499, 0.9999
+  local function value(l) return math.sin(l * angle) - l * math.sin(angle) end
+  if value(low) * value(high) > 0 then return 1 end
+  for _ = 1, 60 do
+    local middle = (low + high) / 2
+    if value(low) * value(middle) > 0 then low = middle else high = middle end
+  end
+  return low
+end
+
+-- n . s m of a tensor xx yy zz yz zx xy.
+local function component(s, n, m)
+  return n[1] * m[1] * s[1] + n[2] * m[2] * s[2] + n[3] * m[3] * s[3] + (n[2] * m[3] + n[3] * m[2]) * s[4]
+    + (n[3] * m[1] + n[1] * m[3]) * s[5] + (n[1] * m[2] + n[2] * m[1]) * s[6]
+end
+
 -- K of sigma(r) = K / sqrt(2 pi) r^(lambda - 1), of the normal stress across the bisector: a straight line
 -- through the values of K between NEAREST and FARTHEST edge lengths, at r = 0.
 local function intensity_at(self, place, station)
@@ -207,10 +225,12 @@ local function intensity_at(self, place, station)
   if not rows then return nil, message end
   local n = unit(cross(station.tangent, station.inward))
   local mean_r, mean_k, top, bottom, values = 0, 0, 0, 0, {}
+  local second, shear, radial, sum = shear_exponent(place.angle), 0, 0, 0
   for i, r in ipairs(radii) do
     local s = rows[i]
-    local across = n[1] ^ 2 * s[1] + n[2] ^ 2 * s[2] + n[3] ^ 2 * s[3]
-      + 2 * (n[2] * n[3] * s[4] + n[3] * n[1] * s[5] + n[1] * n[2] * s[6])
+    local across = component(s, n, n)
+    shear = shear + math.sqrt(2 * math.pi) * r ^ (1 - second) * component(s, n, station.inward) / SAMPLES
+    radial, sum = radial + component(s, station.inward, station.inward), sum + across
     values[i] = math.sqrt(2 * math.pi) * r ^ (1 - place.exponent) * across
     mean_r, mean_k = mean_r + r / SAMPLES, mean_k + values[i] / SAMPLES
   end
@@ -222,6 +242,7 @@ local function intensity_at(self, place, station)
     spread = math.max(spread, math.abs(values[i] - value - top / bottom * r))
   end
   return {place = place, at = station.at, value = value, exponent = place.exponent, edge_length = edge,
+    shear = shear, shear_exponent = second, radial = sum ~= 0 and radial / sum or 0,
     estimated_error = value ~= 0 and (spread + 0.25 * math.abs(mean_k - value)) / math.abs(value) or math.huge}
 end
 
@@ -261,11 +282,15 @@ local function fillet_factor(angle)
   end
 end
 
--- The largest stress of a notch of radius rho whose sharp counterpart has the stress intensity K.
-local function rounded(K, exponent, angle, rho)
+-- The largest stress of a notch of radius rho whose sharp counterpart has these stress intensities. Shear on the
+-- bisector turns the principal stress, which grows by the same factor at r0 in the sharp notch.
+local function rounded(one, angle, rho)
   local q = angle / math.pi
   local r0 = rho * (q - 1) / q
-  return K * (1 + fillet_factor(angle)) / (math.sqrt(2 * math.pi) * r0 ^ (1 - exponent))
+  local across = one.value * r0 ^ (one.exponent - 1) / math.sqrt(2 * math.pi)
+  local radial, shear = one.radial * across, one.shear * r0 ^ (one.shear_exponent - 1) / math.sqrt(2 * math.pi)
+  local principal = (across + radial) / 2 + math.sqrt(((across - radial) / 2) ^ 2 + shear ^ 2)
+  return (1 + fillet_factor(angle)) * principal
 end
 
 local fillet_rules = {places = {type = "any"}, radius = {type = "number", above = 0, needed = true}}
@@ -278,7 +303,7 @@ function static:fillet_stress(given)
   for _, one in ipairs(list) do
     if one.place.kind == "re-entrant edge" then
       out[#out + 1] = {place = one.place, at = one.at, intensity = one.value, radius = wish.radius,
-        value = rounded(one.value, one.exponent, one.place.angle, wish.radius),
+        value = rounded(one, one.place.angle, wish.radius),
         estimated_error = one.estimated_error, number = one.number}
     end
   end

@@ -1364,9 +1364,10 @@ function Static:reaction_on(selection) end
 function Static:effective_stress(options) end
 
 ---The notch stress intensity factor K of singular edges, the largest first: the normal stress across the bisector is
----K / sqrt(2 pi) r^(exponent - 1) at small distances r. value in Pa m^(1 - exponent).
+---K / sqrt(2 pi) r^(exponent - 1) at small distances r. value in Pa m^(1 - exponent). shear: that of the shear stress on
+---the bisector, with its own exponent; radial: the stress along the bisector over that across it.
 ---@param options? {places?: bw.SingularPlaces}
----@return {place: bw.SingularPlace, number: integer, at: number[], value: number, exponent: number, edge_length: number, estimated_error: number}[]?
+---@return {place: bw.SingularPlace, number: integer, at: number[], value: number, exponent: number, shear: number, shear_exponent: number, radial: number, edge_length: number, estimated_error: number}[]?
 ---@return string? message
 ---@return table? details
 function Static:notch_stress_intensity(options) end

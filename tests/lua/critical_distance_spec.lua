@@ -230,6 +230,27 @@ describe("the stress of a fillet", function()
     assert.near(largest, fillet.value, 0.05 * largest)
     -- a smaller radius has a larger stress, like rho^(lambda - 1)
     local smaller = assert(sharp:fillet_stress {places = edges, radius = 0.05})[1]
-    assert.near(2 ^ edges[1].growth, smaller.value / fillet.value, 1e-9)
+    assert.near(2 ^ edges[1].growth, smaller.value / fillet.value, 1e-5)
+  end)
+
+  it("is that of Peterson's shoulder fillet", function()
+    -- half of a flat bar of width 4 and 2 under tension; the field at a shoulder is not symmetric
+    local surface = prism({{-5, 0}, {5, 0}, {5, 1}, {0, 1}, {0, 2}, {-5, 2}}, {-0.3, 0.5}, 0.1)
+    local mesh = assert(bw.mesh.fill(surface, {edge_length = 0.5, order = 2,
+      near = {{at = {0, 1, 0.05}, radius = 0.25, length = 0.04}}}))
+    local part = plane(bw.model {mesh = mesh, material = elastic}, 0.1)
+    local boundary = mesh.boundary
+    part:slide(boundary:below(1, -5 + 1e-9), {1, 0, 0}):slide(boundary:below(2, 1e-9), {0, 1, 0})
+    part:load {on = boundary:above(1, 5 - 1e-9), traction = {1, 0, 0}}
+    local static, edges = assert(part:solve()), assert(surface:singular_edges())
+    -- D / d = 2, t = d / 2: the polynomial of Peterson's chart for 2 <= t / r <= 20
+    for _, radius in ipairs {0.1, 0.2} do
+      local x = 1 / radius
+      local root = sqrt(x)
+      local factor = 1.042 + 0.982 * root - 0.036 * x + (-0.074 - 0.156 * root - 0.010 * x) / 2
+        + (-3.418 + 1.220 * root - 0.005 * x) / 4 + (3.450 - 2.046 * root + 0.051 * x) / 8
+      local found = assert(static:fillet_stress {places = edges, radius = radius})[1]
+      assert.is_true(found.value > factor and found.value < 1.08 * factor)
+    end
   end)
 end)
