@@ -350,6 +350,11 @@ describe("commands that compute", function()
     end
     local path = folder .. "angle.stl"
     assert(assert(bw.surface.new {points = points, triangles = triangles}):write(path))
+    local _, shape = answer("check --edges yes " .. path)
+    assert.equal(1, #shape.singular_edges)
+    assert.near(0.01, shape.singular_edges[1].length_m, 1e-6)
+    local _, text = check.run("check --edges yes " .. path)
+    assert.truthy(text:find("Re-entrant edges without a fillet: 1 singular place", 1, true), text)
     local words = "statics --elements 2000 --hold above:y:40mm --force above:x:40mm=0,-20,0 --material abs "
     local _, object = answer(words .. path)
     assert.is_true(object.singular)

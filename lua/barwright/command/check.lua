@@ -104,6 +104,21 @@ local function tell_repair(surface, wish, out)
   return mended
 end
 
+-- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
+local function tell_edges(surface, wish, out)
+  if not wish.edges then return end
+  local edges, message = surface:singular_edges()
+  if not edges then return out:say("%s.", message) end
+  out:say("Re-entrant edges without a fillet: %s", tostring(edges))
+  local list = bw.json.list {}
+  for i, edge in ipairs(edges) do
+    local points = bw.json.list {}
+    for k, point in ipairs(edge.points) do points[k] = point end
+    list[i] = {length_m = edge.length, angle_rad = edge.angle, exponent = edge.exponent, points_m = points}
+  end
+  out:json {singular_edges = list}
+end
+
 local function check_surface(read, wish, out)
   local surface = read.surface
   local report = surface:check {limit = 1}
@@ -118,6 +133,7 @@ local function check_surface(read, wish, out)
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
       model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
     good = tell_thickness(surface, wish, out)
+    tell_edges(surface, wish, out)
   else
     local text = {}
     text[#text + 1] = report.closed and "closed" or ("open, with %s"):format(model.count(report.holes, "hole"))
@@ -125,7 +141,10 @@ local function check_surface(read, wish, out)
     out:say("Not sound (%s):", table.concat(text, ", "))
     tell_defects(report, out)
     local mended = tell_repair(surface, wish, out)
-    if mended then tell_thickness(mended, wish, out) end
+    if mended then
+      tell_thickness(mended, wish, out)
+      tell_edges(mended, wish, out)
+    end
     good = false
   end
   return good
@@ -133,7 +152,7 @@ end
 
 -- ---- meshes ----------------------------------------------------------------------------------------
 
-local function check_mesh(read, _, out)
+local function check_mesh(read, wish, out)
   local mesh = read.mesh
   out:say("%s: %s, a mesh of %s tetrahedra of %d nodes.", model.name(read.path), read.format,
     mesh.order == 1 and "linear" or "quadratic", mesh.order == 1 and 4 or 10)
@@ -147,6 +166,7 @@ local function check_mesh(read, _, out)
     quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
     volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
+  tell_edges(mesh:surface(), wish, out)
   if mesh.component_count > 1 then
     out:say("The bodies do not hang together: what pushes one is not felt by the others.")
   end
@@ -186,6 +206,8 @@ return {
     model.unit_option,
     {name = "thin", value = "LENGTH", type = "number", unit = "m", above = 0,
       what = "a fault if more than 1 % of the surface has less material under it than this"},
+    {name = "edges", value = "yes|no", one_of = {"yes", "no"}, default = "no",
+      what = "list the re-entrant edges without a fillet, where the stress has no finite value"},
     {name = "repair", value = "yes|no", one_of = {"yes", "no"}, default = "yes", what = "try a repair"},
     {name = "seconds", value = "TIME", type = "number", unit = "s", default = 120, above = 0,
       what = "how long the repair may take"},
@@ -193,7 +215,7 @@ return {
   examples = {"barwright check hook.stl", {"barwright check --thin 0.8mm hook.stl && echo printable",
     "a wall of 0.8 mm at least, as a condition"}},
   run = function(wish, out)
-    wish.repair = wish.repair == "yes"
+    wish.repair, wish.edges = wish.repair == "yes", wish.edges == "yes"
     local read, message, details = model.open(wish.model, wish.unit, out)
     if not read then
       out:json {sound = false}
