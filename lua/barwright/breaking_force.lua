@@ -3,6 +3,7 @@
 -- contacts of a given size, as an interval. The worst case is analysed on a sequence of finer meshes; the
 -- stress is judged by its mean over a surface patch, which has a limit under refinement also at re-entrant
 -- edges. docs/theory/breaking_force.md has the mathematics.
+local advice = require "barwright.advice"
 local arguments = require "barwright.arguments"
 local breaking_loads = require "barwright.breaking_loads"
 local core = require "barwright.core"
@@ -395,6 +396,11 @@ function breaking_force:verdict(force)
   return force > self.high and "breaks" or "unsure"
 end
 
+--- What to thicken so that it bears {force = N}; see barwright.advice.
+function breaking_force:advice(given)
+  return advice.of(self, judge, given)
+end
+
 --- Releases the factor and the modes of the last mesh.
 function breaking_force:close()
   if self.worst then self.worst:close() end
@@ -408,7 +414,8 @@ function breaking_force:__tostring()
     self.singular and "; the stress there has no finite value" or "")
 end
 
-arguments.methods("breaking force", breaking_force, breaking_force, {verdict = "force: number", close = ""})
+arguments.methods("breaking force", breaking_force, breaking_force, {verdict = "force: number",
+  advice = "options: options", close = ""})
 
 return setmetatable({class = breaking_force}, {
   __call = function(_, body, given) return breaking_force.analyse(body, given) end,

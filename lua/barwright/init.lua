@@ -41,6 +41,7 @@ local bw = {
   check_certificate = require("barwright.certificate_check").check_certificate,
   brute_force = require "barwright.brute_force",
   breaking_force = require "barwright.breaking_force",
+  strengthen = require "barwright.strengthen",
   drop_test = require "barwright.drop_test",
   skeleton = require "barwright.skeleton",
   skinning_weights = core.skinning_weights,

@@ -301,6 +301,7 @@ void lbw_open_model(lua_State *L);
 void lbw_open_solve(lua_State *L);
 void lbw_open_worst(lua_State *L);
 void lbw_open_worst_loads(lua_State *L);
+void lbw_open_patch_gradient(lua_State *L);
 void lbw_open_picture(lua_State *L);
 void lbw_open_canvas(lua_State *L);
 void lbw_open_skeleton(lua_State *L);

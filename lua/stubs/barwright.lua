@@ -126,6 +126,24 @@ function bw.brute_force(part, options) end
 ---@return table? details
 function bw.breaking_force(body, options) end
 
+---Thickens a surface around its weak places until the lower end of its breaking force exceeds `force` (N), with at
+---most `steps` (default 8) rounds of advice, smooth outward bumps, and analysis. A surface that is not sound is repaired
+---first. `keep(x, y, z)` is true where the surface must not move (m). `progress(step)` is called after each step with
+---{places, offset, predicted, force, low, high}: how many places, the largest offset (m), forces (N); low and high only
+---of full analyses. Other options: those of bw.breaking_force. nil, message, details where it cannot be computed; a
+---force that is not reached is no failure: see `reached` and `stopped`. docs/theory/strengthen.md.
+---```lua
+---local result = assert(bw.strengthen(surface, {material = bw.material.pla, force = 50}))
+---print(result)
+---assert(result.surface:write "stronger.stl")
+---```
+---@param surface bw.Surface
+---@param options {force: number, material: bw.Material, contact?: number, elements?: integer, length?: number, failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer, steps?: integer, keep?: (fun(x: number, y: number, z: number): boolean), progress?: fun(step: table)}
+---@return bw.Strengthened?
+---@return string? message
+---@return table? details
+function bw.strengthen(surface, options) end
+
 ---Random drops of a free part onto a peg, thousands from one factor. The area of each contact follows from the
 ---indentation of part and peg.
 ---@param part bw.Model without supports, of a material with a density
@@ -1685,8 +1703,47 @@ local BreakingForce = {}
 ---@return string
 function BreakingForce:verdict(force) end
 
+---Which places to thicken, and by how much, so that the lower end of the interval reaches `force` (N), from the shape
+---gradients of the judged stresses on the last mesh. `estimate` (N) replaces what the estimate is to reach,
+---`keep(x, y, z)` is true where nothing may move (m), no offset is more than `most_offset` (default 0.25) radii.
+---Linearised: large offsets need repetition, which bw.strengthen does. nil, message, details where all weak places are
+---kept (status "infeasible"), or for loads with friction or hands ("unsupported"). Raises where it is closed.
+---docs/theory/strengthen.md.
+---```lua
+---print(assert(breaking:advice {force = 50}))
+---```
+---@param options {force: number, estimate?: number, keep?: (fun(x: number, y: number, z: number): boolean), most_offset?: number}
+---@return bw.Advice?
+---@return string? message
+---@return table? details
+function BreakingForce:advice(options) end
+
 ---Releases the factor and the modes of the last mesh.
 function BreakingForce:close() end
+
+---What to thicken; print tells it in sentences.
+---@class bw.Advice
+---@field required number N: the force that was asked for
+---@field places {at: bw.Vector, radius: number, offset: number}[] m: displace the surface outwards by offset around at, up to radius; weakest first, empty where nothing needs or helps
+---@field force number N: the predicted breaking force
+---@field low number N: the lower end of its interval
+---@field high number N: the upper end
+
+---A surface and what was added to it; print tells it in one line.
+---@class bw.Strengthened
+---@field surface bw.Surface the thickened surface
+---@field original bw.Surface what it was made from: the given one, repaired where it had to be
+---@field reached boolean whether the lower end of the interval is at least the force
+---@field stopped? string why the steps ended early
+---@field before table {force, low, high, at, estimated_error, singular, contact, volume, mass}: the breaking force (N) of the given surface, with volume (m3) and mass (kg)
+---@field after table the same of the thickened one
+---@field steps table[] {places, offset, predicted, force, low, high}
+---@field added_volume number m3
+---@field repaired? boolean
+---@field length number m: radius of the judged patch
+---@field breaking bw.BreakingForce the last analysis, closed
+---@field options table
+---@field seconds number
 
 ---@class bw.DropTest
 ---@field exceedance bw.Array of every element: fraction of drops beyond the strength

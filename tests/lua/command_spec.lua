@@ -289,6 +289,11 @@ describe("commands that compute", function()
     check.near(object.breaking_force_n, stronger.breaking_force_n, 1e-6)
     assert.equal("breaks", stronger.verdict)
     assert.equal(1, scaled)
+    local advice = stronger.advice
+    assert.is_true(#advice.places > 0)
+    assert.is_true(advice.predicted_breaking_force_n > stronger.breaking_force_n)
+    assert.is_true(advice.places[1].offset_m > 0 and advice.places[1].radius_m > 0 and #advice.places[1].at_m == 3)
+    assert.is_nil(object.advice)
     scaled, stronger = answer(words:format(folder, object.breaking_force_n))
     assert.equal("unsure", stronger.verdict)
     assert.equal(1, scaled)
@@ -304,6 +309,28 @@ describe("commands that compute", function()
     assert.equal(3, code)
     assert.falsy(said:find("breaks", 1, true), said)
     assert.truthy(fault:find("no/such/folder/r.html", 1, true), fault)
+  end)
+
+  it("strengthen thickens a part, and says by its exit code whether that is enough", function()
+    local words = "strengthen --elements 200 --modes 2 --regions 1 --steps 1 --out %sstrong.stl %ssound.stl "
+      .. "--force %s"
+    local status, object = answer(words:format(folder, folder, "5N"))
+    assert.equal(0, status)
+    assert.equal("reached", object.verdict)
+    assert.equal(0, object.added_mass_kg)
+    local box = assert(bw.surface.read(folder .. "strong.stl")).box
+    check.near(assert(bw.surface.read(folder .. "sound.stl")).box.high[1], box.high[1], 1e-6)
+    if os.getenv "BARWRIGHT_FULL" ~= "1" then return end
+    status, object = answer(words:format(folder, folder, "1MN --keep low:z"))
+    assert.equal(1, status)
+    assert.equal("not reached", object.verdict)
+    assert.equal("mm", object.unit)
+    assert.is_true(object.after.breaking_force_n > 0.9 * object.before.breaking_force_n)
+    assert.is_true(object.added_mass_kg > 0 and #object.steps == 1)
+    local strong, given = bw.surface.read(folder .. "strong.stl"), bw.surface.read(folder .. "sound.stl")
+    assert.is_true(strong:check().sound)
+    assert.is_true(strong.volume > given.volume)
+    check.near(given.box.low[3] + 1, strong.box.low[3] + 1, 1e-9) -- kept
   end)
 
   it("worst, statics and modes refuse a size that is implausible until the unit is given", function()
@@ -447,6 +474,12 @@ describe("commands that compute", function()
       ["worst --material plaa " .. beam] = "did you mean 'pla'",
       ["worst --force -3 " .. beam] = "above 0 expected",
       ["materials plaa"] = "did you mean 'pla'",
+      ["strengthen --force 5 --out x.stl " .. beam] = "strengthening needs a surface",
+      ["strengthen --out x.stl " .. beam] = "--force FORCE is missing",
+      ["strengthen --force 5 " .. beam] = "--out FILE.stl is missing",
+      ["strengthen --force 5 --out x.vtu " .. beam] = "ends in .stl, .obj",
+      ["strengthen --force 5 --keep lwo:z --out x.stl " .. beam] = "'lwo:z' is no place",
+      ["strengthen --force 5 --out x.stl " .. folder .. "plate.svg"] = "a drawing is flat",
       ["worst " .. folder .. "plate.svg"] = "a drawing is flat",
       ["statics --hold near:9,9,9:1mm --gravity 0,0,1 " .. beam] = "holds no boundary node",
       ["worst --material zp150 --young 1GPa " .. beam] = "differs with the direction",

@@ -99,6 +99,36 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const int32_t *node, const uint8_t *wanted, double *von_mises,
                                 double *gradient);
 
+/* slope . m, with m the mean stress over the patch of bw_surface_mean around a boundary node and
+ * nodal stresses as bw_nodal_stress, as a functional of the displacement: its nodal forces,
+ * node_count x 3 (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
+bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                              double radius, int32_t node, const double slope[6], double *force);
+typedef struct bw_patch_state {
+  int32_t node;               /* in the middle of the patch */
+  double radius, slope[6];    /* m; by the six components of the mean stress */
+  const double *displacement; /* u: node_count x 3 */
+  const double *adjoint;      /* lambda: node_count x 3 */
+  const double *pressure;     /* p at corner nodes: node_count */
+  double price;               /* of the total of the pressure: its multiplier */
+} bw_patch_state;
+/* The derivative, node_count x 3, of
+ *     slope . m + lambda . (G p - K u) - price * integral of p
+ * by the position of every node, middle ones too, with nodal values of u, lambda and p held. With
+ * K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's multipliers, it
+ * is the derivative of the largest value over admissible p. *value: slope . m. Curved elements
+ * count as they are. BW_UNSUPPORTED for the B-bar formulation. */
+bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
+                                  const bw_material *material, const bw_patch_state *state,
+                                  double *value, double *gradient);
+
+/* A motion (node_count x 3) of the boundary carried into the body, in place: inner nodes follow by
+ * sweeps of averaging. */
+bw_status bw_boundary_extend(bw_context *context, const bw_mesh *mesh, double *motion);
+/* The transpose, in place: a derivative by the position of every node becomes that by the boundary
+ * nodes, which inner nodes follow; 0 at inner nodes. */
+bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *covector);
+
 /* A convex quadratic programme: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
  * NLopt's SLSQP. H n x n positive definite, A m x n; bounds may be infinite. Where no x fulfils
  * A x <= b within the bounds, *violation > 0 is the least v for which A x <= b + v has a solution

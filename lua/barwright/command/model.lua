@@ -394,6 +394,39 @@ function model.check_place(text)
   return true
 end
 
+local tests = {}
+function tests.all() return true end
+function tests.low(p, box, axis)
+  local i = ({x = 1, y = 2, z = 3})[axis]
+  return p[i] <= box.low[i] + share * (box.high[i] - box.low[i])
+end
+function tests.high(p, box, axis)
+  local i = ({x = 1, y = 2, z = 3})[axis]
+  return p[i] >= box.high[i] - share * (box.high[i] - box.low[i])
+end
+function tests.below(p, _, axis, at) return p[({x = 1, y = 2, z = 3})[axis]] <= at end
+function tests.above(p, _, axis, at) return p[({x = 1, y = 2, z = 3})[axis]] >= at end
+function tests.near(p, _, point, radius)
+  return (p[1] - point[1]) ^ 2 + (p[2] - point[2]) ^ 2 + (p[3] - point[3]) ^ 2 <= radius ^ 2
+end
+
+--- Whether a point (x, y, z) lies in one of several places of a body of this box: a function; or nil and a
+--- sentence.
+function model.place_test(texts, box)
+  local list = {}
+  for i, text in ipairs(texts) do
+    local kind, first, second = read_place(text)
+    if not kind then return nil, first end
+    list[i] = function(p) return tests[kind](p, box, first, second) end
+  end
+  return function(x, y, z)
+    for _, test in ipairs(list) do
+      if test {x, y, z} then return true end
+    end
+    return false
+  end
+end
+
 --- The selection on a mesh, or nil and a sentence.
 function model.select(mesh, text)
   local kind, first, second = read_place(text)

@@ -134,6 +134,31 @@ local function tell_limits(breaking, wish, out)
   out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = wish.friction, hands = wish.hands}
 end
 
+-- What to thicken where the force is not held for certain. Advice that fails is told; the command does not fail.
+local function advise(breaking, verdict, wish, out)
+  if verdict == "holds" then return end
+  local advice, message = breaking:advice {force = wish.force}
+  if not advice then
+    out:json {advice = {force_n = wish.force, message = message}}
+    out:say("No advice: %s.", message)
+    return
+  end
+  local places, first = bw.json.list {}, advice.places[1]
+  for i, place in ipairs(advice.places) do
+    places[i] = {at_m = place.at, radius_m = place.radius, offset_m = place.offset}
+    if place.offset > first.offset then first = place end
+  end
+  out:json {advice = {force_n = wish.force, places = places, predicted_breaking_force_n = advice.force,
+    predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
+  if not first then return out:say("Advice: no thickening was found that helps.") end
+  out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s (%.3g to %s).",
+    model.count(#places, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
+    model.place(first.at), newtons(advice.force), advice.low, newtons(advice.high))
+  if #wish.hold + #wish.forbid > 0 then return end -- strengthening takes free parts only
+  out:say("  `barwright strengthen %s --force %gN --out FILE.stl` does it, and computes the breaking force again.",
+    model.name(wish.model), wish.force)
+end
+
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
 local function write_files(worst, wish, folder, out)
   local written = {}
@@ -199,6 +224,7 @@ local function analyse(wish, out)
   keep(breaking, verdict, large, singular, wish, out)
   tell(breaking, verdict, large, singular, out.object.mass_kg, wish, out)
   tell_limits(breaking, wish, out)
+  advise(breaking, verdict, wish, out)
   local fine
   fine, message, details = write_files(worst, wish, folder, out)
   if not fine then return nil, message, details end

@@ -1,0 +1,366 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Bumps: smooth outward displacements of a surface around places, for advice and strengthening. A place is
+-- {at = {x, y, z}, radius =, offset =}, m. A shape is {points = {{x, y, z}...}, triangles = {{a, b, c}...}}.
+-- docs/theory/strengthen.md says why they look like this.
+local core = require "barwright.core"
+
+local bumps = {}
+
+-- Full offset up to this share of the radius, then a smooth decay to zero.
+local FLAT = 0.4
+-- Normals diffuse over this share of the radius. Where less than LEAST of their length is left, as in the middle
+-- of a thin rib, the displacement is less as well.
+local SMOOTHED, LEAST = 0.3, 0.5
+-- Of the conjugate gradients for them.
+local ITERATIONS, PRECISION = 100, 1e-4
+-- A part of the surface within the radius that is not connected to the place moves where its normal points
+-- away from the place at least so much: the other side of a wall, but not the other side of a gap.
+local AWAY = 0.3
+-- Towards points that are kept a bump falls to zero over this share of the radius. So a bump of at most a quarter
+-- of the radius does not reach beyond a kept plane.
+local KEPT = 0.5
+-- Edges longer than this share of the radius are cut in halves near a place; rounds at most.
+local EDGE, ROUNDS = 1 / 7, 40
+-- Points that are cut at most, so that memory stays bounded.
+local MOST_POINTS = 2000000
+
+local sqrt = math.sqrt
+
+local function distance(a, b)
+  return sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
+end
+
+--- The shape of a surface.
+function bumps.of_surface(surface)
+  return {points = surface.points:totable(), triangles = surface.triangles:totable()}
+end
+
+--- The surface of a shape.
+function bumps.to_surface(shape)
+  return core.surface.new {points = core.array.new(shape.points),
+    triangles = core.array.new(shape.triangles, "i32")}
+end
+
+--- The shape of a mesh's boundary, middle nodes among its points; `nodes` has the mesh node of each point.
+function bumps.of_mesh(mesh)
+  local shape, index = {points = {}, triangles = {}, nodes = {}}, {}
+  local nodes, facets = mesh.nodes, mesh.facets:totable()
+  local function point(node)
+    if not index[node] then
+      index[node] = #shape.points + 1
+      shape.points[index[node]] = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}
+      shape.nodes[index[node]] = node
+    end
+    return index[node]
+  end
+  local inner = {{1, 4, 6}, {4, 2, 5}, {6, 5, 3}, {5, 6, 4}}
+  for _, facet in ipairs(facets) do
+    local p = {}
+    for k, node in ipairs(facet) do p[k] = point(node) end
+    if #p == 3 then
+      table.insert(shape.triangles, p)
+    else
+      for _, t in ipairs(inner) do table.insert(shape.triangles, {p[t[1]], p[t[2]], p[t[3]]}) end
+    end
+  end
+  return shape
+end
+
+local function area_vector(points, triangle)
+  local a, b, c = points[triangle[1]], points[triangle[2]], points[triangle[3]]
+  local ux, uy, uz = b[1] - a[1], b[2] - a[2], b[3] - a[3]
+  local vx, vy, vz = c[1] - a[1], c[2] - a[2], c[3] - a[3]
+  return (uy * vz - uz * vy) / 2, (uz * vx - ux * vz) / 2, (ux * vy - uy * vx) / 2
+end
+
+-- Area vectors and areas of points: thirds of the triangles around. Made once for a shape.
+local function measure(shape)
+  if shape.normals then return end
+  local normals, areas, around = {}, {}, {}
+  for i = 1, #shape.points do normals[i], areas[i], around[i] = {0, 0, 0}, 0, {} end
+  for t, triangle in ipairs(shape.triangles) do
+    local x, y, z = area_vector(shape.points, triangle)
+    local size = sqrt(x * x + y * y + z * z)
+    for _, i in ipairs(triangle) do
+      local n = normals[i]
+      n[1], n[2], n[3] = n[1] + x / 3, n[2] + y / 3, n[3] + z / 3
+      areas[i] = areas[i] + size / 3
+      table.insert(around[i], t)
+    end
+  end
+  for i, n in ipairs(normals) do
+    local size = sqrt(n[1] ^ 2 + n[2] ^ 2 + n[3] ^ 2)
+    if size > 0 then n[1], n[2], n[3] = n[1] / size, n[2] / size, n[3] / size else normals[i] = {0, 0, 0} end
+  end
+  shape.normals, shape.areas, shape.around = normals, areas, around
+end
+
+-- The points within a distance of a place, and the nearest one.
+local function within(shape, at, radius)
+  local list, nearest, least = {}, nil, math.huge
+  for i, p in ipairs(shape.points) do
+    local d = distance(p, at)
+    if d < radius then list[#list + 1] = i end
+    if d < least then nearest, least = i, d end
+  end
+  return list, nearest
+end
+
+-- Of the points in `inside` (a set) those that triangles connect with the first one, within the set.
+local function connected(shape, first, inside)
+  local reached, queue, k = {[first] = true}, {first}, 1
+  while queue[k] do
+    for _, t in ipairs(shape.around[queue[k]]) do
+      for _, i in ipairs(shape.triangles[t]) do
+        if inside[i] and not reached[i] then
+          reached[i] = true
+          queue[#queue + 1] = i
+        end
+      end
+    end
+    k = k + 1
+  end
+  return reached
+end
+
+-- Conductances between neighbouring points: for an edge of length l of a triangle of area A, 2 A / (3 l^2), that
+-- of the cotangent Laplacian on equilateral triangles, but never negative. Lists of neighbours and weights.
+local function conductances(shape, list)
+  local links = {}
+  for _, i in ipairs(list) do
+    local of = {}
+    for _, t in ipairs(shape.around[i]) do
+      local triangle = shape.triangles[t]
+      local x, y, z = area_vector(shape.points, triangle)
+      local size = 2 / 3 * sqrt(x * x + y * y + z * z)
+      for _, j in ipairs(triangle) do
+        local square = j ~= i and distance(shape.points[i], shape.points[j]) ^ 2 or 0
+        if square > 0 then of[j] = (of[j] or 0) + size / square end
+      end
+    end
+    local neighbours, weights = {}, {}
+    for j in pairs(of) do neighbours[#neighbours + 1] = j end
+    table.sort(neighbours)
+    for k, j in ipairs(neighbours) do weights[k] = of[j] end
+    links[i] = {neighbours, weights}
+  end
+  return links
+end
+
+-- Solves (M + t L) x = M b at the points of a list by conjugate gradients with the diagonal as preconditioner.
+local function diffuse(shape, list, links, t, b)
+  local known, diagonal, x, r, z, p, q = {}, {}, {}, {}, {}, {}, {}
+  for _, i in ipairs(list) do known[i] = true end
+  local function multiply(v, out)
+    for _, i in ipairs(list) do
+      local neighbours, weights, own = links[i][1], links[i][2], v[i]
+      local sum = 0
+      for k = 1, #neighbours do
+        local j = neighbours[k]
+        if known[j] then sum = sum + weights[k] * (own - v[j]) end
+      end
+      out[i] = shape.areas[i] * own + t * sum
+    end
+  end
+  local function dot(u, v)
+    local sum = 0
+    for _, i in ipairs(list) do sum = sum + u[i] * v[i] end
+    return sum
+  end
+  for _, i in ipairs(list) do
+    local sum = 0
+    for k, j in ipairs(links[i][1]) do sum = sum + (known[j] and links[i][2][k] or 0) end
+    diagonal[i] = math.max(shape.areas[i] + t * sum, 1e-300)
+    x[i] = b[i]
+  end
+  multiply(x, q)
+  for _, i in ipairs(list) do
+    r[i] = shape.areas[i] * b[i] - q[i]
+    z[i] = r[i] / diagonal[i]
+    p[i] = z[i]
+  end
+  local rho = dot(r, z)
+  local first = rho
+  for _ = 1, ITERATIONS do
+    if rho <= PRECISION ^ 2 * first then break end
+    multiply(p, q)
+    local alpha = rho / dot(p, q)
+    for _, i in ipairs(list) do
+      x[i], r[i] = x[i] + alpha * p[i], r[i] - alpha * q[i]
+      z[i] = r[i] / diagonal[i]
+    end
+    local former = rho
+    rho = dot(r, z)
+    for _, i in ipairs(list) do p[i] = z[i] + rho / former * p[i] end
+  end
+  return x
+end
+
+--- Normals and directions around places, once for a shape. Directions are normals that diffuse along the surface
+--- over a share of the radius: the two sides of a wall do not mix, and a crumb of tiny facets takes the
+--- direction of what is around it.
+function bumps.prepare(shape, places)
+  measure(shape)
+  local taken, list, length = {}, {}, 0
+  for _, place in ipairs(places) do
+    length = length + place.radius / #places
+    for _, i in ipairs((within(shape, place.at, (1 + 2 * SMOOTHED) * place.radius))) do
+      if not taken[i] then
+        taken[i] = true
+        list[#list + 1] = i
+      end
+    end
+  end
+  table.sort(list)
+  local links, parts = conductances(shape, list), {}
+  for c = 1, 3 do
+    local b = {}
+    for _, i in ipairs(list) do b[i] = shape.normals[i][c] end
+    parts[c] = diffuse(shape, list, links, (SMOOTHED * length) ^ 2, b)
+  end
+  shape.directions = {}
+  for _, i in ipairs(list) do
+    local x, y, z = parts[1][i], parts[2][i], parts[3][i]
+    local size = math.max(sqrt(x * x + y * y + z * z), LEAST)
+    shape.directions[i] = {x / size, y / size, z / size}
+  end
+end
+
+-- 1 up to FLAT of the radius, then a smooth decay to 0.
+local function height(share)
+  if share <= FLAT then return 1 end
+  local t = (1 - share) / (1 - FLAT)
+  return t * t * (3 - 2 * t)
+end
+
+-- A function that falls to zero at the border of the kept points among those of a list, within a length.
+local function kept_share(shape, list, keep, length)
+  local border, is_kept = {}, {}
+  for _, i in ipairs(keep and list or {}) do
+    local p = shape.points[i]
+    is_kept[i] = keep(p[1], p[2], p[3]) and true or false
+  end
+  for _, i in ipairs(list) do
+    local at_border = false
+    for _, t in ipairs(is_kept[i] and shape.around[i] or {}) do
+      for _, j in ipairs(shape.triangles[t]) do at_border = at_border or is_kept[j] == false end
+    end
+    if at_border then border[#border + 1] = shape.points[i] end
+  end
+  return function(i)
+    if is_kept[i] then return 0 end
+    local least = length
+    for _, p in ipairs(border) do least = math.min(least, distance(p, shape.points[i])) end
+    return least / length
+  end
+end
+
+--- The unit bump of a place on a shape: {[point] = {x, y, z}}, displacement over offset. `keep(x, y, z)` is true
+--- where nothing moves. bumps.prepare comes first.
+function bumps.unit(shape, place, keep)
+  local list, nearest = within(shape, place.at, place.radius)
+  local inside, out = {}, {}
+  for _, i in ipairs(list) do inside[i] = true end
+  local reached = connected(shape, nearest, inside)
+  local share = kept_share(shape, list, keep, KEPT * place.radius)
+  for _, i in ipairs(list) do
+    local p, n = shape.points[i], shape.directions[i]
+    local x, y, z = p[1] - place.at[1], p[2] - place.at[2], p[3] - place.at[3]
+    local far = sqrt(x * x + y * y + z * z)
+    local away = x * n[1] + y * n[2] + z * n[3] > AWAY * far
+    if reached[i] or away then
+      local h = height(far / place.radius) * share(i)
+      out[i] = {h * n[1], h * n[2], h * n[3]}
+    end
+  end
+  return out
+end
+
+-- ---- subdivision --------------------------------------------------------------------------------------
+
+-- The distance of a point from a segment.
+local function to_segment(p, a, b)
+  local dx, dy, dz = b[1] - a[1], b[2] - a[2], b[3] - a[3]
+  local square = dx * dx + dy * dy + dz * dz
+  local t = square > 0 and ((p[1] - a[1]) * dx + (p[2] - a[2]) * dy + (p[3] - a[3]) * dz) / square or 0
+  t = math.max(0, math.min(1, t))
+  return sqrt((p[1] - a[1] - t * dx) ^ 2 + (p[2] - a[2] - t * dy) ^ 2 + (p[3] - a[3] - t * dz) ^ 2)
+end
+
+local function too_long(a, b, places)
+  local length = distance(a, b)
+  for _, place in ipairs(places) do
+    if length > EDGE * place.radius and to_segment(place.at, a, b) < place.radius then return true end
+  end
+  return false
+end
+
+-- The triangles that one becomes, m the middles of its edges 12, 23, 31, or false.
+local function pieces(points, t, m)
+  local count = (m[1] and 1 or 0) + (m[2] and 1 or 0) + (m[3] and 1 or 0)
+  if count == 0 then return {t} end
+  if count == 3 then
+    return {{t[1], m[1], m[3]}, {m[1], t[2], m[2]}, {m[3], m[2], t[3]}, {m[1], m[2], m[3]}}
+  end
+  -- Turn it so that edge 12 is cut, and with two cuts edge 31 is not.
+  while not m[1] or (count == 2 and m[3]) do t, m = {t[2], t[3], t[1]}, {m[2], m[3], m[1]} end
+  if count == 1 then return {{t[1], m[1], t[3]}, {m[1], t[2], t[3]}} end
+  local out = {{m[1], t[2], m[2]}}
+  if distance(points[t[1]], points[m[2]]) <= distance(points[m[1]], points[t[3]]) then
+    table.move({{t[1], m[1], m[2]}, {t[1], m[2], t[3]}}, 1, 2, 2, out)
+  else
+    table.move({{t[1], m[1], t[3]}, {m[1], m[2], t[3]}}, 1, 2, 2, out)
+  end
+  return out
+end
+
+--- Cuts edges near places in halves until they are short enough for bumps: the same surface with more triangles.
+--- Returns nil and a message where it would take too many points.
+function bumps.subdivide(shape, places)
+  local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
+  for _ = 1, ROUNDS do
+    local middles, known, cut, changed = {}, {}, {}, false
+    local function middle(a, b)
+      if a > b then a, b = b, a end
+      local key = a * 4294967296 + b
+      if known[key] == nil then
+        known[key] = too_long(points[a], points[b], places)
+        if known[key] then
+          local p, q = points[a], points[b]
+          points[#points + 1] = {(p[1] + q[1]) / 2, (p[2] + q[2]) / 2, (p[3] + q[3]) / 2}
+          middles[key] = #points
+        end
+      end
+      return middles[key] or false
+    end
+    for _, t in ipairs(triangles) do
+      local m = {middle(t[1], t[2]), middle(t[2], t[3]), middle(t[3], t[1])}
+      if m[1] or m[2] or m[3] then changed = true end
+      for _, piece in ipairs(pieces(points, t, m)) do cut[#cut + 1] = piece end
+    end
+    triangles = cut
+    if not changed then break end
+    if #points > MOST_POINTS then
+      return nil, ("the surface would need more than %d points around the weak places"):format(MOST_POINTS)
+    end
+  end
+  return {points = points, triangles = triangles}
+end
+
+--- The shape with all places displaced by their offsets times their shares (1 where none is given).
+function bumps.displaced(shape, places, keep)
+  local moved = {}
+  if not shape.directions then bumps.prepare(shape, places) end
+  for i, p in ipairs(shape.points) do moved[i] = {p[1], p[2], p[3]} end
+  for _, place in ipairs(places) do
+    if place.shape ~= shape then place.shape, place.unit = shape, bumps.unit(shape, place, keep) end
+    local size = (place.share or 1) * place.offset
+    for i, d in pairs(place.unit) do
+      local p = moved[i]
+      p[1], p[2], p[3] = p[1] + size * d[1], p[2] + size * d[2], p[3] + size * d[3]
+    end
+  end
+  return {points = moved, triangles = shape.triangles}
+end
+
+return bumps

@@ -1,0 +1,146 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- barwright strengthen MODEL: thicken it around its weak places until it bears a force.
+local bw = require "barwright"
+local model = require "barwright.command.model"
+local writable = require "barwright.writable"
+
+-- Fields of the object for one of before and after.
+local function fields_of(one)
+  return {breaking_force_n = one.force, breaking_force_low_n = one.low, breaking_force_high_n = one.high,
+    estimated_error = one.estimated_error, at_m = one.at, singular = one.singular,
+    contact_area_m2 = one.contact, volume_m3 = one.volume, mass_kg = one.mass}
+end
+
+local function row(name, one, out)
+  out:say("  %-8s%9.3g N%10.3g to%9.3g N%14s   %s", name, one.force, one.low, one.high,
+    one.mass and model.mass_text(one.mass) or ("%.4g cm3"):format(one.volume * 1e6), model.place(one.at))
+end
+
+local function tell(result, wish, out)
+  out:say("")
+  out:say("  %-8s%11s%24s%14s   weakest place", "", "breaks at", "interval",
+    result.before.mass and "mass" or "volume")
+  row("before", result.before, out)
+  row("after", result.after, out)
+  local share = result.added_volume / result.before.volume
+  local density = result.options.material.density
+  out:say("Added: %s, %.3g %%, in %s.", density and model.mass_text(density * result.added_volume)
+    or ("%.4g cm3"):format(result.added_volume * 1e6), 100 * share, model.count(#result.steps, "step"))
+  if result.reached then
+    out:say("%.3g N is reached: the whole interval lies above.", wish.force)
+  else
+    out:say("%.3g N is not reached: the interval begins below%s.", wish.force, result.stopped
+      and "; " .. result.stopped or ("; --steps allows %d"):format(wish.steps))
+  end
+  local steps = bw.json.list {}
+  for i, step in ipairs(result.steps) do
+    steps[i] = {places = step.places, largest_offset_m = step.offset, predicted_breaking_force_n = step.predicted,
+      breaking_force_n = step.force, breaking_force_low_n = step.low, breaking_force_high_n = step.high}
+  end
+  out:json {verdict = result.reached and "reached" or "not reached", force_n = wish.force,
+    before = fields_of(result.before), after = fields_of(result.after), steps = steps, stopped = result.stopped,
+    added_volume_m3 = result.added_volume, added_mass_kg = density and density * result.added_volume or nil,
+    added_share = share, repaired = result.repaired or false}
+end
+
+-- How far the surface moved, on the surface.
+local function picture(result, path)
+  local moved, message, details = result.original:distance(result.surface.points)
+  if not moved then return nil, message, details end
+  return bw.picture(result.surface, path, {values = moved, scale = 1e3, unit = "thickened by, mm",
+    title = tostring(result)})
+end
+
+local function write_files(result, read, wish, out)
+  local files = bw.json.list {wish.out}
+  local fine, message, details = result.surface:write(wish.out, {unit = model.unit_of(read, wish)})
+  if fine and wish.picture then
+    files[2] = wish.picture
+    fine, message, details = picture(result, wish.picture)
+  end
+  if not fine then return nil, message, details end
+  out:json {files = files}
+  out:say("Written: %s.", table.concat(files, ", "))
+  return true
+end
+
+local function strengthen(wish, out)
+  local start = bw.seconds()
+  if wish.threads then bw.threads(wish.threads) end
+  local fine, message, details = writable(wish.out)
+  if not fine then return nil, message, details end
+  for _, place in ipairs(wish.keep) do
+    fine, message = model.check_place(place)
+    if not fine then return nil, "option --keep: " .. message, {status = "misuse"} end
+  end
+  local read, material
+  read, material, details = model.start(wish, out)
+  if not read then return nil, material, details end
+  if read.kind == "outline" then return model.mesh(read, wish, out) end
+  if read.kind ~= "surface" then
+    return nil, wish.model .. ": a mesh of tetrahedra: strengthening needs a surface (STL OBJ OFF PLY)",
+      {status = "unsupported"}
+  end
+  local result
+  result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = wish.force,
+    contact = wish.contact, elements = wish.elements, modes = wish.modes, regions = wish.regions,
+    steps = wish.steps, keep = #wish.keep > 0 and model.place_test(wish.keep, read.box) or nil,
+    progress = function(step)
+      out:say("  %s thickened, most by %.2g mm: breaks at %.3g N%s", model.count(step.places, "place"),
+        step.offset * 1e3, step.force, step.low and (" (%.3g to %.3g N)"):format(step.low, step.high)
+          or ", by one mesh")
+    end})
+  out:remarks()
+  if not result then return nil, wish.model .. ": " .. message, details end
+  out:json {unit = model.unit_of(read, wish), material = wish.material}
+  tell(result, wish, out)
+  fine, message, details = write_files(result, read, wish, out)
+  if not fine then return nil, message, details end
+  out:json {seconds = bw.seconds() - start}
+  return result
+end
+
+local options = {
+  {name = "force", value = "FORCE", type = "number", unit = "N", above = 0, needed = true,
+    what = "the force that it must bear: what presses on one side, the reactions press as much"},
+  {name = "out", value = "FILE.stl", type = "file", endings = {"stl", "obj", "off", "ply"}, needed = true,
+    what = "where the strengthened surface goes, in the unit of the input"},
+  model.material_option,
+  {name = "keep", value = "PLACE", many = true,
+    what = "where the surface must not move; may be repeated"},
+  {name = "contact", value = "AREA", type = "number", unit = "m2", default = 1e-4, above = 0,
+    what = "the least area over which the force presses; a fingertip's, 1 cm2, by default"},
+  {name = "steps", value = "N", type = "integer", default = 8, least = 1, most = 100,
+    what = "how often it is thickened and computed again at most"},
+  model.unit_option,
+  model.elements_option,
+  {name = "modes", value = "N", type = "integer", default = 15, least = 1, most = 500,
+    what = "modes of vibration in which weak regions are looked for"},
+  {name = "regions", value = "N", type = "integer", default = 5, least = 1, most = 1000,
+    what = "weak regions of each mode"},
+  {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+    what = "write a picture of what was thickened, and by how much"},
+  model.threads_option,
+}
+table.move(model.value_options, 1, #model.value_options, #options + 1, options)
+
+return {
+  summary = "thicken a part around its weak places until it bears a force",
+  about = "Computes the least force that breaks a part (as `barwright worst`), thickens its surface where it is "
+    .. "too weak for the force asked for, computes again, and repeats this until the force lies below the whole "
+    .. "interval. Where and by how much follows from the shape gradients of the judged stresses. The surface is "
+    .. "moved outwards by smooth bumps; holes and gaps become narrower where they are not kept.\n\n"
+    .. model.place_help .. "\n\n"
+    .. "Exit status: 0 the force is reached; 1 it is not, the best that was found is written; 2 misuse, or a size "
+    .. "that is implausible; 3 it could not be computed.",
+  arguments = {{name = "model", type = "file", what = "surface (STL OBJ OFF PLY)"}},
+  options = options,
+  examples = {"barwright strengthen hook.stl --force 50N --out stronger.stl",
+    {"barwright strengthen hook.stl --force 50N --out stronger.stl --keep low:z --picture where.png",
+      "the face that it stands on stays"}},
+  run = function(wish, out)
+    local result, message, details = strengthen(wish, out)
+    if not result then return model.fail(out, message, details) end
+    return result.reached and 0 or 1
+  end,
+}

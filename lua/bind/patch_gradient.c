@@ -1,0 +1,126 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* How the judged stress of a patch changes with the shape: what lua/barwright/advice.lua needs. */
+#include "bind.h"
+
+#include <string.h>
+
+static const double *check_rows(lua_State *L, int index, const char *what, int columns,
+                                int64_t rows) {
+  int64_t given;
+  const double *data = lbw_to_doubles(L, index, what, columns, &given);
+  if (given != rows)
+    lbw_error(L, "%s: %d rows expected, got %d", what, (int)rows, (int)given);
+  return data;
+}
+
+/* patch_functional(mesh, material, radius, node, slope): nodal forces */
+static int patch_functional(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  double radius = lbw_check_real(L, 3, "radius");
+  int64_t node = lbw_check_index(L, 4, "node", mesh->node_count);
+  const double *slope = check_rows(L, 5, "slope", 6, 1);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
+  return lbw_leave(
+      L, bw_patch_functional(lbw_enter(L), mesh, material, radius, (int32_t)node, slope, out), 1);
+}
+
+/* patch_gradient(mesh, material, {radius, node, slope, displacement, adjoint, pressure, price}):
+ * a row for every node, the value */
+static int patch_gradient(lua_State *L) {
+  bw_patch_state state;
+  static const lbw_option list[] = {{"radius", LBW_REAL, offsetof(bw_patch_state, radius)},
+                                    {"price", LBW_REAL, offsetof(bw_patch_state, price)},
+                                    {"node", LBW_OTHER, 0},
+                                    {"slope", LBW_OTHER, 0},
+                                    {"displacement", LBW_OTHER, 0},
+                                    {"adjoint", LBW_OTHER, 0},
+                                    {"pressure", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  double value = 0;
+  memset(&state, 0, sizeof state);
+  lua_settop(L, 3);
+  lbw_options(L, 3, "patch_gradient", list, &state);
+  lbw_option_get(L, 3, "node"); /* 4 */
+  state.node = (int32_t)lbw_check_index(L, 4, "node", mesh->node_count);
+  lbw_option_get(L, 3, "slope"); /* 5 */
+  memcpy(state.slope, check_rows(L, 5, "slope", 6, 1), sizeof state.slope);
+  luaL_checkstack(L, 12, NULL);
+  lua_settop(L, 5);
+  lbw_option_get(L, 3, "displacement");
+  lbw_option_get(L, 3, "adjoint");
+  lbw_option_get(L, 3, "pressure");
+  state.displacement = check_rows(L, 6, "displacement", 3, mesh->node_count);
+  state.adjoint = check_rows(L, 7, "adjoint", 3, mesh->node_count);
+  state.pressure = check_rows(L, 8, "pressure", 1, mesh->node_count);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
+  bw_status status = bw_patch_shape_gradient(lbw_enter(L), mesh, material, &state, &value, out);
+  lua_pushnumber(L, value);
+  return lbw_leave(L, status, 2);
+}
+
+typedef bw_status carry(bw_context *context, const bw_mesh *mesh, double *values);
+
+static int carried(lua_State *L, carry *function) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const double *given = check_rows(L, 2, "values", 3, mesh->node_count);
+  size_t size = 3 * (size_t)mesh->node_count * sizeof *given;
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
+  memcpy(out, given, size);
+  return lbw_leave(L, function(lbw_enter(L), mesh, out), 1);
+}
+
+/* boundary_extend(mesh, motion): that of the boundary nodes, carried into the body */
+static int boundary_extend(lua_State *L) {
+  return carried(L, bw_boundary_extend);
+}
+
+/* boundary_gather(mesh, gradient): by the boundary nodes, which inner nodes follow */
+static int boundary_gather(lua_State *L) {
+  return carried(L, bw_boundary_gather);
+}
+
+/* priced_load(system, basis, objective, {pressure, force, at_most}): the pressure of
+ * basis:maximise, the value, and the multipliers: the rigid motion of the balance (a row for every
+ * node) and the price of the total force */
+static int priced_load(lua_State *L) {
+  bw_worst_load_options options;
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(bw_worst_load_options, pressure)},
+      {"force", LBW_REAL, offsetof(bw_worst_load_options, force)},
+      {"at_most", LBW_BOOLEAN, offsetof(bw_worst_load_options, at_most)},
+      {NULL, LBW_OTHER, 0}};
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
+  lbw_argument_check(L, system->mesh == basis->mesh, 2, "a basis of the same mesh expected");
+  memset(&options, 0, sizeof options);
+  lua_settop(L, 4);
+  lbw_options(L, 4, "priced_load", list, &options);
+  const double *objective = check_rows(L, 3, "objective", 1, basis->count);
+  int motions = system->numbering->motion_count;
+  int64_t nodes = basis->mesh->node_count;
+  double *dual = (double *)lua_newuserdatauv(L, ((size_t)motions + 1) * sizeof *dual, 0);
+  double *pressure = (double *)lbw_push_array(L, BW_F64, basis->count, 1)->data, value = 0;
+  lua_pushnil(L); /* the value's place */
+  double *motion = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
+  bw_status status = bw_worst_loads(lbw_enter(L), basis, system->numbering, &options, 1, objective,
+                                    pressure, &value, dual);
+  memset(motion, 0, 3 * (size_t)nodes * sizeof *motion);
+  if (status == BW_OK)
+    bw_motions_add(system->numbering, dual, motion);
+  lua_pushnumber(L, value);
+  lua_replace(L, -3);
+  lua_pushnumber(L, status == BW_OK ? dual[motions] : 0);
+  return lbw_leave(L, status, 4);
+}
+
+void lbw_open_patch_gradient(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"patch_functional", patch_functional}, {"patch_gradient", patch_gradient},
+      {"boundary_extend", boundary_extend},   {"boundary_gather", boundary_gather},
+      {"priced_load", priced_load},           {NULL, NULL}};
+  luaL_setfuncs(L, functions, 0);
+}

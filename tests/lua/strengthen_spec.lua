@@ -1,0 +1,211 @@
+-- Advice and strengthening: the shape gradient against differences, bumps, predictions, beam theory, wrong input.
+local bumps = require "barwright.bumps"
+local bw = require "barwright"
+local check = require "check"
+local core = require "barwright.core"
+
+-- A bar of 60 x 8 mm along x whose height goes from 8 to 5 mm in the middle third; flat faces only.
+local function necked()
+  local points, triangles = {}, {}
+  local profile = {{-0.03, 0.004}, {-0.012, 0.004}, {-0.008, 0.0025}, {0.008, 0.0025}, {0.012, 0.004},
+    {0.03, 0.004}}
+  for _, p in ipairs(profile) do
+    for _, corner in ipairs {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}} do
+      points[#points + 1] = {p[1], corner[1] * 0.004, corner[2] * p[2]}
+    end
+  end
+  local function quad(a, b, c, d)
+    table.move({{a, b, c}, {a, c, d}}, 1, 2, #triangles + 1, triangles)
+  end
+  quad(1, 4, 3, 2)
+  for k = 1, #profile - 1 do
+    local i = 4 * (k - 1)
+    for j = 1, 4 do quad(i + j, i + j % 4 + 1, i + j % 4 + 5, i + j + 4) end
+  end
+  local last = 4 * (#profile - 1)
+  quad(last + 1, last + 2, last + 3, last + 4)
+  return assert(bw.surface.new {points = core.array.new(points), triangles = core.array.new(triangles, "i32")})
+end
+
+local full = os.getenv "BARWRIGHT_FULL" == "1"
+local few = {modes = 4, regions = 2, material = bw.material.pla}
+
+local function with(given)
+  local options = {}
+  for key, value in pairs(few) do options[key] = value end
+  for key, value in pairs(given) do options[key] = value end
+  return options
+end
+
+local bar = necked()
+local mesh = assert(bw.mesh.fill(bar, {elements = 500, order = 2}))
+
+describe("the shape gradient of the judged stress", function()
+  it("agrees with differences of the whole analysis", function()
+    local radius, limits = 0.002, {force = 40, pressure = 20 / 2e-5}
+    local slope = core.array.new {{2e-8, 1e-9, 5e-9, 0, 2e-9, 0}}
+    local node = mesh.boundary:near({0.001, 0.001, 0.0025}, 0.002).nodes[1]
+    local function optimum(on)
+      local system = assert(bw.model({mesh = on, material = bw.material.pla}):system())
+      local adjoint = assert(system:solve(assert(core.patch_functional(on, bw.material.pla, radius, node, slope))))
+      local basis = assert(core.pressure_basis(on))
+      local pressure, value, motion, price = core.priced_load(system, basis, basis:gradient(adjoint), limits)
+      return value, {displacement = assert(system:solve(basis:force(pressure))), adjoint = adjoint - motion,
+        pressure = basis:nodal(pressure), price = price, radius = radius, node = node, slope = slope}
+    end
+    local value, state = optimum(mesh)
+    local gradient, same = core.patch_gradient(mesh, bw.material.pla, state)
+    check.near(value, same, 1e-9)
+    gradient = assert(core.boundary_gather(mesh, gradient))
+    -- A bump on the boundary, which inner nodes follow.
+    local shape, rows = bumps.of_mesh(mesh), {}
+    for i = 1, mesh.node_count do rows[i] = {0, 0, 0} end
+    local place = {at = {0, 0, 0.0025}, radius = 0.008}
+    bumps.prepare(shape, {place})
+    for k, d in pairs(bumps.unit(shape, place)) do rows[shape.nodes[k]] = d end
+    local motion = core.array.new(rows)
+    local slow, whole = gradient:dot(motion), assert(core.boundary_extend(mesh, motion))
+    local step = 1e-8
+    local plus, minus = optimum(assert(mesh:moved(mesh.nodes + whole * step))),
+      optimum(assert(mesh:moved(mesh.nodes - whole * step)))
+    check.near((plus - minus) / (2 * step), slow, 1e-4)
+    assert.is_true(slow < 0) -- thicker is stronger
+  end)
+end)
+
+describe("bumps", function()
+  it("move both sides of a wall outwards, and not the other side of a gap", function()
+    local wall = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.04, 0.002}})
+    local place = {at = {0.02, 0.02, 0.002}, radius = 0.008, offset = 0.001}
+    local shape = assert(bumps.subdivide(bumps.of_surface(wall), {place}))
+    local moved = assert(bumps.to_surface(bumps.displaced(shape, {place})))
+    assert.is_true(moved:check().sound)
+    check.near(0.003, moved.box.high[3], 1e-3)
+    check.near(-0.001, moved.box.low[3], 3e-3)
+    -- Two walls with a gap of 1 mm: the far one stays.
+    local far = assert(bw.surface.box {low = {0, 0, 0.003}, high = {0.04, 0.04, 0.005}})
+    local points, triangles = wall.points:totable(), wall.triangles:totable()
+    local before = #points
+    for _, p in ipairs(far.points:totable()) do points[#points + 1] = p end
+    for _, t in ipairs(far.triangles:totable()) do
+      triangles[#triangles + 1] = {t[1] + before, t[2] + before, t[3] + before}
+    end
+    shape = assert(bumps.subdivide({points = points, triangles = triangles}, {place}))
+    bumps.prepare(shape, {place})
+    for i in pairs(bumps.unit(shape, place)) do
+      assert.is_true(shape.points[i][3] < 0.0025 or shape.points[i][3] > 0.0045)
+    end
+    -- Kept points stay, and nothing moves beyond their plane.
+    local function keep(x) return x < 0.0185 end
+    local unit, kept = bumps.unit(shape, place, keep), 0
+    for i, p in ipairs(bumps.displaced(shape, {place}, keep).points) do
+      local x = shape.points[i][1]
+      if keep(x) then
+        assert.is_true(not unit[i] or unit[i][3] == 0)
+        kept = kept + (unit[i] and 1 or 0)
+      else
+        assert.is_true(p[1] >= 0.0185)
+      end
+    end
+    assert.is_true(kept > 0)
+  end)
+
+  it("cut coarse triangles without a crack or a change of shape", function()
+    local place = {at = {0, 0, 0.0025}, radius = 0.006}
+    local fine = assert(bumps.to_surface(assert(bumps.subdivide(bumps.of_surface(bar), {place}))))
+    assert.is_true(fine.triangle_count > 4 * bar.triangle_count)
+    assert.is_true(fine:check().sound)
+    check.near(bar.volume, fine.volume, 1e-12)
+    check.near(bar.area, fine.area, 1e-12)
+  end)
+
+  it("fill a concave edge without crossing themselves", function()
+    local place = {at = {-0.008, 0, 0.0025}, radius = 0.006, offset = 0.0015}
+    local shape = assert(bumps.subdivide(bumps.of_surface(bar), {place}))
+    assert.is_true(assert(bumps.to_surface(bumps.displaced(shape, {place}))):check().sound)
+  end)
+end)
+
+describe("advice", function()
+  it("thickens the neck of a bar, and predicts what a small step does", function()
+    local breaking = assert(bw.breaking_force(mesh, with {}))
+    local advice = assert(breaking:advice {force = 0.8 * breaking.force, estimate = 1.2 * breaking.force})
+    assert.is_true(#advice.places > 0)
+    for _, place in ipairs(advice.places) do
+      assert.is_true(math.abs(place.at[1]) < 0.014, tostring(advice)) -- the neck and its ends
+      assert.is_true(place.offset > 0 and place.offset <= 0.25 * place.radius)
+    end
+    assert.is_true(advice.low < advice.force and advice.force < advice.high)
+    assert.truthy(tostring(advice):find "Thicken by")
+    -- The same bumps on the mesh: the change of the analysis against the linearised one.
+    local shape, rows = bumps.of_mesh(mesh), {}
+    for i = 1, mesh.node_count do rows[i] = {0, 0, 0} end
+    bumps.prepare(shape, advice.places)
+    for _, place in ipairs(advice.places) do
+      for k, d in pairs(bumps.unit(shape, place)) do
+        local row = rows[shape.nodes[k]]
+        for c = 1, 3 do row[c] = row[c] + place.offset * d[c] end
+      end
+    end
+    local motion = assert(core.boundary_extend(mesh, core.array.new(rows)))
+    local thicker = assert(mesh:moved(mesh.nodes + motion))
+    local after = assert(bw.breaking_force(thicker, with {length = breaking.length}))
+    check.near(math.log(advice.force / breaking.force), math.log(after.force / breaking.force), 0.25)
+    after:close()
+    -- What it bears already needs nothing.
+    assert.equal(0, #assert(breaking:advice {force = 0.5 * breaking.low}).places)
+    -- Nothing may move.
+    check.fails("infeasible", "must not move", breaking:advice {force = 2 * breaking.force,
+      keep = function() return true end})
+    check.raises("unknown option 'forc'", breaking.advice, breaking, {forc = 3})
+    check.raises("option 'force': is missing", breaking.advice, breaking, {})
+    breaking:close()
+    check.raises("closed", breaking.advice, breaking, {force = 1e6})
+  end)
+end)
+
+describe("strengthening", function()
+  -- How much more a neck of this cross-section bears than the former one: bending, force ~ width x height^2.
+  local function gain(surface)
+    local high, wide = 0, 0
+    for _, p in ipairs(surface.points:totable()) do
+      if math.abs(p[1]) < 0.002 then high, wide = math.max(high, p[3]), math.max(wide, p[2]) end
+    end
+    return wide / 0.004 * (high / 0.0025) ^ 2
+  end
+
+  it("thickens a neck in one step, and says that the force is not reached", function()
+    local steps = {}
+    local result = assert(bw.strengthen(bar, with {elements = 200, modes = 2, regions = 1, force = 250, steps = 1,
+      progress = function(step) steps[#steps + 1] = step end}))
+    assert.is_false(result.reached)
+    assert.equal(1, #result.steps)
+    assert.equal(result.steps[1], steps[1])
+    assert.is_true(result.before.low < 250 and result.after.low < 250)
+    assert.is_true(result.after.force > 1.1 * result.before.force, tostring(result))
+    assert.is_true(result.surface:check().sound)
+    check.near(result.surface.volume - bar.volume, result.added_volume, 1e-9)
+    assert.is_true(gain(result.surface) > 1.1)
+    assert.truthy(tostring(result):find "is not reached")
+  end)
+
+  it("thickens a neck by what beam theory asks for", function()
+    if not full then return pending "only with BARWRIGHT_FULL=1" end
+    local result = assert(bw.strengthen(bar, with {elements = 600, force = 160}))
+    assert.is_true(result.reached, tostring(result))
+    assert.is_true(result.after.low >= 160 and result.before.low < 160)
+    assert.is_true(result.surface:check().sound)
+    -- The lower end, not the estimate, must reach the force.
+    local asked = result.after.force / result.before.force
+    local found = gain(result.surface)
+    assert.is_true(found > 0.7 * asked and found < 2.5 * asked, ("%g for %g"):format(found, asked))
+    assert.truthy(tostring(result):find "is reached")
+  end)
+
+  it("names what is wrong", function()
+    check.raises("surface: a surface expected", bw.strengthen, mesh, with {force = 5})
+    check.raises("option 'force': is missing", bw.strengthen, bar, few)
+    check.raises("option 'material': is missing", bw.strengthen, bar, {force = 5})
+    check.raises("did you mean 'steps'", bw.strengthen, bar, with {force = 5, step = 3})
+  end)
+end)
