@@ -27,14 +27,16 @@ static void add_facet(void *data, int32_t facet, const double share[BWI_PATCH_SA
   sum *s = (sum *)data;
   const bw_mesh *mesh = s->m->patches.mesh;
   const int32_t *node = mesh->facet + (size_t)facet * mesh->nodes_per_facet;
+  double part[6] = {0};
   for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
     s->total += share[k];
-    for (int a = 0; a < mesh->nodes_per_facet; a++) {
-      const double *value = s->m->value + (size_t)node[a] * s->m->columns;
-      double part = share[k] * s->m->patches.weight[k][a];
-      for (int c = 0; part > 0 && c < s->m->columns; c++)
-        s->mean[c] += part * value[c];
-    }
+    for (int a = 0; a < mesh->nodes_per_facet; a++)
+      part[a] += share[k] * s->m->patches.weight[k][a];
+  }
+  for (int a = 0; a < mesh->nodes_per_facet; a++) {
+    const double *value = s->m->value + (size_t)node[a] * s->m->columns;
+    for (int c = 0; c < s->m->columns; c++)
+      s->mean[c] += part[a] * value[c];
   }
 }
 

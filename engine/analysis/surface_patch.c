@@ -44,12 +44,14 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh, do
   if (!(radius > 0) || !isfinite(radius))
     return bw_fail(context, BW_INVALID, "a radius greater than 0 expected, got %g m", radius);
   patches->area = BW_NEW(context, double, facets);
+  patches->sample = BW_NEW(context, double, facets *BWI_PATCH_SAMPLES * 3);
   patches->seen = BW_NEW0(context, int32_t, facets * threads);
   patches->queue = BW_NEW(context, int32_t, facets * threads);
-  if (!patches->area || !patches->seen || !patches->queue)
+  if (!patches->area || !patches->sample || !patches->seen || !patches->queue)
     return BW_MEMORY;
   BW_TRY(bwi_incidence_of_elements(context, mesh->node_count, mesh->facet_count,
                                    mesh->nodes_per_facet, mesh->facet, &patches->around));
+  make_rule(mesh->nodes_per_facet, patches->weight);
   for (size_t f = 0; f < facets; f++) {
     const int32_t *node = mesh->facet + f * (size_t)mesh->nodes_per_facet;
     const double *a = mesh->node + 3 * (size_t)node[0], *b = mesh->node + 3 * (size_t)node[1],
@@ -59,8 +61,14 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh, do
       u[k] = b[k] - a[k], v[k] = c[k] - a[k];
     bw_cross(u, v, n);
     patches->area[f] = 0.5 * sqrt(bw_dot(n, n));
+    for (size_t k = 0; k < BWI_PATCH_SAMPLES; k++)
+      for (size_t j = 0; j < 3; j++) {
+        double x = 0;
+        for (int i = 0; i < mesh->nodes_per_facet; i++)
+          x += patches->weight[k][i] * mesh->node[3 * (size_t)node[i] + j];
+        patches->sample[(f * BWI_PATCH_SAMPLES + k) * 3 + j] = x;
+      }
   }
-  make_rule(mesh->nodes_per_facet, patches->weight);
 done:
   return status;
 }
@@ -68,6 +76,7 @@ done:
 void bwi_surface_patches_clear(bwi_surface_patches *patches) {
   bwi_incidence_clear(&patches->around);
   bw_free(patches->area);
+  bw_free(patches->sample);
   bw_free(patches->seen);
   bw_free(patches->queue);
 }
@@ -75,18 +84,12 @@ void bwi_surface_patches_clear(bwi_surface_patches *patches) {
 /* The shares of a facet's samples; whether one is not 0. */
 static bool shares_of(const bwi_surface_patches *p, int32_t facet, const double *centre,
                       double share[BWI_PATCH_SAMPLES]) {
-  const bw_mesh *mesh = p->mesh;
-  const int32_t *node = mesh->facet + (size_t)facet * mesh->nodes_per_facet;
+  const double *x = p->sample + (size_t)facet * BWI_PATCH_SAMPLES * 3;
+  double area = p->area[facet] / BWI_PATCH_SAMPLES, scale = 1 / (p->radius * p->radius);
   bool any = false;
-  for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
-    double square = 0;
-    for (int c = 0; c < 3; c++) {
-      double x = -centre[c];
-      for (int a = 0; a < mesh->nodes_per_facet; a++)
-        x += p->weight[k][a] * mesh->node[3 * (size_t)node[a] + c];
-      square += x * x;
-    }
-    share[k] = fmax(0, p->area[facet] / BWI_PATCH_SAMPLES * (1 - square / (p->radius * p->radius)));
+  for (int k = 0; k < BWI_PATCH_SAMPLES; k++, x += 3) {
+    double d[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
+    share[k] = fmax(0, area * (1 - scale * bw_dot(d, d)));
     any = any || share[k] > 0;
   }
   return any;

@@ -16,6 +16,7 @@ typedef struct bwi_surface_patches {
   double weight[BWI_PATCH_SAMPLES][6]; /* of the facet's nodes, at every sample */
   bwi_incidence around;                /* facets around every node */
   double *area;                        /* facet_count */
+  double *sample;                      /* facet_count x BWI_PATCH_SAMPLES x 3 */
   int32_t *seen;  /* threads x facet_count: the mark of the last patch that met the facet */
   int32_t *queue; /* threads x facet_count */
 } bwi_surface_patches;

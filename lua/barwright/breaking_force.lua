@@ -63,8 +63,8 @@ local ASCENTS, ASCENT_STEPS, GAIN = 4, 4, 0.01
 local SEARCH = 0.05
 -- The relative error that a displacement of the surface by the radius of the patch stands for.
 local MOVED = 2
--- No estimate from three meshes is trusted below this.
-local LEAST_ERROR = 0.02
+-- No estimate from several meshes is trusted below this, and one mesh alone leaves so much open.
+local LEAST_ERROR, ALONE = 0.02, 0.5
 -- Where the stress at nodes grows faster than h^-SINGULAR it is called singular; it grows like h^-0.45 at a
 -- re-entrant edge of 90 degrees.
 local SINGULAR = 0.3
@@ -283,14 +283,26 @@ local function analyse_on(self, mesh)
   return places
 end
 
--- The relative change from the former mesh, or what one mesh alone leaves open; at least what a surface that was
--- moved by filling may change.
+-- The largest relative change from former meshes that refine their weakest place, back to one of fewer elements;
+-- from the first mesh where there is none.
+local function change_of(levels)
+  local last, change = levels[#levels], nil
+  for k = #levels - 1, 1, -1 do
+    local former = levels[k]
+    if former.refined or k == 1 and not change then
+      change = math.max(change or 0, math.abs(last.utilisation / former.utilisation - 1))
+    end
+    if former.refined and former.asked < last.asked then break end
+  end
+  return change or ALONE
+end
+
+-- The relative error: the change, or what an unrefined place leaves open; at least what a surface that was moved
+-- by filling may change.
 local function estimate(self)
-  local levels = self.history
-  local last, former = levels[#levels], levels[#levels - 1]
-  local change = former and math.abs(last.utilisation / former.utilisation - 1) or 0.5
+  local last = self.history[#self.history]
   local unrefined = last.refined and 0 or UNREFINED * math.max(1, last.size / self.length)
-  return math.max(change, unrefined, MOVED * last.moved / self.length, LEAST_ERROR)
+  return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, LEAST_ERROR)
 end
 
 local function is_singular(levels)
