@@ -227,7 +227,8 @@ static bw_status cut_regions(bw_context *context, const bw_mesh *mesh, const mod
     parts++;
     memcpy(r->element, stack, (size_t)size * sizeof *stack);
   }
-  qsort(part, parts, sizeof *part, by_energy);
+  if (parts > 0) /* without any there is no array */
+    qsort(part, parts, sizeof *part, by_energy);
   *found = 0;
   for (size_t i = 0; i < parts && *found < options->regions; i++) {
     if (!(part[i].energy > 0))

@@ -335,17 +335,23 @@ static void compare(const bw_solid_material *m, const bwi_frame18 *frame, const 
   *of_force = sqrt(difference / bwi_product(BWI_SHAPES, sample->force, sample->force));
 }
 
-static void measure(const bw_solid_material *fitted, const bw_solid_material *naive,
-                    const bwi_fit_workspace *w, int first, int count, bw_fit_error *error) {
+static bw_status measure(bw_context *context, const bw_solid_material *fitted,
+                         const bw_solid_material *naive, const bwi_fit_workspace *w, int first,
+                         int count, bw_fit_error *error) {
+  bw_status status = BW_OK;
   double *values = w->error, other;
   for (int turn = 0; turn < 2; turn++)
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; i++) {
+      BW_TRY(bw_check_cancel(context));
       compare(turn ? naive : fitted, &w->frame, w->sample + first + i,
               values + 2 * turn * count + i, values + (2 * turn + 1) * count + i);
+    }
   spread_of(values, count, &error->median, &error->worst);
   spread_of(values + count, count, &error->force, &other);
   spread_of(values + 2 * count, count, &error->naive_median, &error->naive_worst);
   spread_of(values + 3 * count, count, &error->naive_force, &other);
+done:
+  return status;
 }
 
 /* Never worse than nothing: constants that are not negative cannot follow blocks of a negative
@@ -361,12 +367,16 @@ static void prefer(const bw_solid_material *naive, bw_solid_material **fitted,
 
 /* ---- fitting -------------------------------------------------------------------------------- */
 
-static int take_samples(const bw_library_options *options, int directions, bw_random *random,
-                        bwi_fit_workspace *w, int count) {
-  for (int d = 0; d < directions; d++)
-    count += bwi_sample_direction(&w->sampler, &w->frame, options->strain, options->magnitudes,
-                                  random, w->sample + count);
-  return count;
+static bw_status take_samples(bw_context *context, const bw_library_options *options,
+                              int directions, bw_random *random, bwi_fit_workspace *w, int *count) {
+  bw_status status = BW_OK;
+  for (int d = 0; d < directions; d++) {
+    BW_TRY(bw_check_cancel(context));
+    *count += bwi_sample_direction(&w->sampler, &w->frame, options->strain, options->magnitudes,
+                                   random, w->sample + *count);
+  }
+done:
+  return status;
 }
 
 bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_options *options,
@@ -383,8 +393,10 @@ bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_
   BW_TRY(bw_check_cancel(context));
   bwi_sampler_set(&w->sampler, block, &w->condensed, &w->frame);
   bw_random_seed(&random, seed);
-  int first = take_samples(options, held_out(options), &random, w, 0);
-  int count = take_samples(options, options->directions, &random, w, first);
+  int first = 0;
+  BW_TRY(take_samples(context, options, held_out(options), &random, w, &first));
+  int count = first;
+  BW_TRY(take_samples(context, options, options->directions, &random, w, &count));
   for (int k = 0; k < BWI_OCTANTS; k++)
     law[k] = law_of(block, k);
   bwi_fit_constants(&w->frame, &w->base, law, w->sample + first, count - first, options->ridge,
@@ -394,7 +406,7 @@ bw_status bwi_fit(bw_context *context, const bwi_block *block, const bw_library_
     memset(error, 0, sizeof *error);
     error->samples = count;
     BW_TRY(bwi_fit_naive(context, block, &naive));
-    measure(fitted, naive, w, 0, first, error);
+    BW_TRY(measure(context, fitted, naive, w, 0, first, error));
     if (naive->rule->count == BWI_OCTANTS && error->median > error->naive_median &&
         error->force > error->naive_force)
       prefer(naive, &fitted, error);

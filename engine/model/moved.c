@@ -224,6 +224,8 @@ done:
   bw_free(t.before);
   bw_free(t.after);
   bw_free(t.node_to);
+  for (int i = 0; i < also_count && status != BW_OK; i++)
+    also_carried[i] = NULL; /* released with the others */
   if (status == BW_OK)
     *out = t.to;
   else

@@ -167,8 +167,8 @@ local function at_point(mesh, point)
   if apart <= 1e-12 * size then return {node}, {1} end
   local element, l, inside = mesh:locate(point)
   if not inside and apart > 1e-4 * size then
-    return nil, ("the point (%g, %g, %g) of option 'of' does not lie in the body"):format(point[1], point[2],
-      point[3]), {status = "invalid"}
+    core.raise(("solve: the point (%g, %g, %g) of option 'of' does not lie in the body"):format(point[1], point[2],
+      point[3]))
   end
   local nodes, weights = {}, {}
   for a = 1, mesh.elements.column_count do
@@ -200,8 +200,7 @@ end
 local function at_place(point, field)
   local column, direction = stress_columns[field], displacement_columns[field]
   return function(part, static)
-    local nodes, weights, details = at_point(part.mesh, point)
-    if not nodes then return nil, weights, details end
+    local nodes, weights = at_point(part.mesh, point)
     local found = {at = point, recovery_error = 0}
     if field == "displacement" or direction then
       local u = interpolated(static.displacement, nodes, weights, 3)
@@ -212,8 +211,7 @@ local function at_place(point, field)
       found.dual = function() return dual_of_displacement(part, static, nodes, scaled(weights, along)) end
       return found
     end
-    local better, message
-    better, message, details = recovered(static)
+    local better, message, details = recovered(static)
     if not better then return nil, message, details end
     local s, t = interpolated(static.stress, nodes, weights, 6), interpolated(better, nodes, weights, 6)
     found.value = column and s[column] or von_mises(s)

@@ -92,6 +92,7 @@ end
 
 local function with_default(given, label)
   if type(given) == "string" then given = {label = given} end
+  if given ~= nil and type(given) ~= "table" then return given end -- the axis names what it expects
   local out = {label = label, scale = "log"}
   for key, value in pairs(given or {}) do out[key] = value end
   return out
