@@ -47,8 +47,10 @@ end
 local function picture(result, path)
   local moved, message, details = result.original:distance(result.surface.points)
   if not moved then return nil, message, details end
+  local before, after = result.before, result.after
   return bw.picture(result.surface, path, {values = moved, scale = 1e3, unit = "thickened by, mm",
-    title = tostring(result)})
+    title = ("breaks at %.3g N (%.3g to %.3g), before: %.3g N (%.3g to %.3g)"):format(after.force, after.low,
+      after.high, before.force, before.low, before.high)})
 end
 
 local function write_files(result, read, wish, out)
