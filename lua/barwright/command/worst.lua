@@ -160,7 +160,8 @@ local function advise(breaking, verdict, wish, out)
 end
 
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
-local function write_files(worst, wish, folder, out)
+local function write_files(breaking, wish, folder, out)
+  local worst = breaking.worst
   local written = {}
   local function leave(path, value, message, details)
     if not value then return nil, message, details end
@@ -173,11 +174,17 @@ local function write_files(worst, wish, folder, out)
   local picture, vtu, report = file("weakness.png", wish.picture), file("worst.vtu", wish.vtu),
     file("report.html", wish.report)
   local fine, message, details = true, nil, nil
-  if picture then fine, message, details = leave(picture, worst:picture(picture)) end
+  if picture then
+    local title = ("%s breaks at %s (%.3g to %.3g)"):format(model.name(wish.model), newtons(breaking.force),
+      breaking.low, breaking.high)
+    fine, message, details = leave(picture, worst:picture(picture, {title = title,
+      arrows = worst:arrows(breaking.region)}))
+  end
   if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
   if fine and folder then
     local path = folder:path "worst_load.png"
-    fine, message, details = leave(path, worst:picture(path, {region = worst.region}))
+    fine, message, details = leave(path, worst:picture(path, {region = breaking.region,
+      title = "Under the load that breaks it"}))
   end
   if fine and report then
     fine, message, details = leave(report, worst:report(report, {manifest = folder and folder.manifest,
@@ -226,7 +233,7 @@ local function analyse(wish, out)
   tell_limits(breaking, wish, out)
   advise(breaking, verdict, wish, out)
   local fine
-  fine, message, details = write_files(worst, wish, folder, out)
+  fine, message, details = write_files(breaking, wish, folder, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then

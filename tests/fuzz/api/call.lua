@@ -29,11 +29,13 @@ function call.begin(list)
   end
 end
 
-local function draw(random)
+local function draw(random) -- at least one kind has entries: run.lua refuses an empty list
   local x = random:uniform()
   for i, share in ipairs(shares) do
-    if x < share[1] then return random:one_of(call.by_kind[i]) end
+    -- With --only some kinds have no entry: the next kind that has one is drawn.
+    if x < share[1] and #call.by_kind[i] > 0 then return random:one_of(call.by_kind[i]) end
   end
+  return draw(random)
 end
 
 local function of_path(path)

@@ -241,6 +241,7 @@ return function(wish, stubs_path)
     end
     list = some
   end
+  if #list == 0 then error("api: no entry of the stubs has the text of --only", 0) end
   call.begin(list)
   values.begin(by_name)
   -- What forked children cannot have, and what stands for files of the batch's folder.
