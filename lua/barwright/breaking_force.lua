@@ -14,12 +14,15 @@ local breaking_force = {}
 breaking_force.__index = breaking_force
 breaking_force.__name = "barwright.breaking_force"
 
+-- Elements that are asked for by default.
+local ELEMENTS = 20000
+
 local rules = breaking_loads.rules {
   material = {type = "material"},
   force = {type = "number", default = 20, above = 0},
   contact = {type = "number", default = 1e-4, above = 0},
   error = {type = "number", default = 0.05, above = 0, most = 1},
-  elements = {type = "integer", default = 20000, least = 1, most = 10000000},
+  elements = {type = "integer", default = ELEMENTS, least = 1, most = 10000000},
   most_elements = {type = "integer", least = 1, most = 10000000},
   length = {type = "number", above = 0},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
@@ -36,8 +39,9 @@ local PATCH = 0.02
 -- others have so much of them, with BACKGROUND for the whole body, the rest near the weakest places.
 local FIRST, FEWEST, BACKGROUND = 0.25, 300, 0.5
 local SHARES = {0.6, 1}
--- From there on, while the error is too large, the number of elements grows by this factor.
-local GROWTH = 2
+-- From there on, while the error is too large, the number of elements grows by this factor, by default to MORE
+-- times the number asked for, but not beyond the default of that number.
+local GROWTH, MORE = 2, 4
 -- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
 local MOST_MESHES = 8
 -- Places that are refined at once, if they are at least so near to the weakest.
@@ -65,6 +69,8 @@ local SEARCH = 0.05
 local MOVED = 2
 -- No estimate from several meshes is trusted below this, and one mesh alone leaves so much open.
 local LEAST_ERROR, ALONE = 0.02, 0.5
+-- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
+local HIGHER = 0.05
 -- Where the stress at nodes grows faster than h^-SINGULAR it is called singular; it grows like h^-0.45 at a
 -- re-entrant edge of 90 degrees.
 local SINGULAR = 0.3
@@ -328,7 +334,7 @@ local function summarise(self)
   local change = estimate(self)
   local most = math.max(last.utilisation, former and former.utilisation or 0)
   self.force = 1 / last.utilisation
-  self.high = 1 / (last.utilisation * (1 - math.min(change, 1) / 2))
+  self.high = 1 / (last.utilisation * (1 - math.max(math.min(change, 1) / 2, HIGHER)))
   local hidden = unsettled(last)[1]
   local hidden_use = hidden and hidden.utilisation / NEARLY or 0
   self.low = 1 / math.max(most * (1 + change + SEARCH), hidden_use)
@@ -347,7 +353,8 @@ local function next_count(self)
   local last = self.history[levels]
   if #unsettled(last) > 0 and levels < #SHARES + 3 then return last.asked end
   local next = last.asked * GROWTH
-  if estimate(self) <= wish.error or next > (wish.most_elements or wish.elements) then return nil end
+  local most = wish.most_elements or math.max(wish.elements, math.min(MORE * wish.elements, ELEMENTS))
+  if estimate(self) <= wish.error or next > most then return nil end
   return next
 end
 

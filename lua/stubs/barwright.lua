@@ -106,8 +106,9 @@ function bw.brute_force(part, options) end
 
 ---The least force that breaks a body when it is pushed in the worst way through contacts of a given size, as an
 ---interval. The force is what presses on one side; the reactions press as much. A surface is filled with quadratic
----tetrahedra on meshes of `elements` / 16, / 4 and / 1 elements; with `most_elements` finer ones follow until the
----estimated error is below `error`. A mesh is taken as it is, and the interval is wide. The stress is judged by its
+---tetrahedra on meshes of about 0.25, 0.6 and 1 times `elements` (20000); finer ones follow until the estimated error
+---is at most `error` (0.05) or there are `most_elements` (four times `elements`, but not more than 20000 unless asked
+---for). A mesh is taken as it is, and the interval is wide. The stress is judged by its
 ---mean over a surface patch of radius `length` (m; default 2 % of the diagonal of the bounding box), by the largest
 ---principal stress, or by von Mises against yield for the library's metals or `failure = "von_mises"`.
 ---`contact` is the least area that a force presses on (m2; default 1e-4, at most a twentieth of the surface), `force`

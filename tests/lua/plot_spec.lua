@@ -292,7 +292,8 @@ describe("a plot of trials", function()
     assert.truthy(svg:find("tet10 (slope 2.00)", 1, true))
     assert.truthy(svg:find("1 point without place", 1, true))
     svg_of(bw.plot.convergence {series = {}})
-    check.raises("plot.convergence: x: a table of options expected, got number", bw.plot.convergence, {series = {}, x = 1e300})
+    check.raises("plot.convergence: x: a table of options expected, got number", bw.plot.convergence,
+      {series = {}, x = 1e300})
   end)
 
   it("puts pictures side by side, also those that are not there", function()

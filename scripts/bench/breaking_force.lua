@@ -1,0 +1,88 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Breaking forces from coarse, middle and fine starts: largest over smallest force, whether each interval contains
+-- the force of the finest start, how far the places lie apart in radii of the patch, and processor seconds.
+--   build/barwright scripts/bench/breaking_force.lua [--models DIR] [--elements 2500,5000,10000] [--only NAME]
+-- The bodies are the machine parts of scripts/worst_case/machine_parts.lua and, with --models, the surfaces of a
+-- folder named below, scaled to a box diagonal of 100 mm.
+local bw = require "barwright"
+local folder = arg[0]:match "^(.*)/" or "."
+package.path = folder .. "/../worst_case/?.lua;" .. package.path
+local parts = require "machine_parts"
+
+-- Chosen before any was measured.
+local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_round.stl", "cat.obj", "chair.ply",
+  "engine_bracket.obj", "fan_blade.stl", "fandisk.obj", "fertility.off", "gear_spur.stl", "rocker_arm.obj",
+  "screwdriver.ply", "tray_bottom.stl", "triceratops.off"}
+local DIAGONAL = 0.1
+
+local wish, i = {elements = "2500,5000,10000"}, 1
+while arg[i] do
+  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
+  if not (name == "models" or name == "only" or name == "elements") or not value then
+    io.stderr:write(("breaking_force: '%s %s' is not known (--models DIR, --elements N,N,..., --only NAME)\n")
+      :format(arg[i], tostring(value)))
+    os.exit(2, true)
+  end
+  wish[name], i = value, i + 2
+end
+local starts = {}
+for number in wish.elements:gmatch "%d+" do starts[#starts + 1] = math.tointeger(tonumber(number)) end
+
+local function distance(a, b)
+  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
+end
+
+local function scaled(surface)
+  return surface:scale(DIAGONAL / distance(surface.box.low, surface.box.high))
+end
+
+local bodies = {}
+for _, part in ipairs(wish.models and {} or parts.list) do
+  bodies[#bodies + 1] = {name = part.name, surface = function() return parts.surface(part) end}
+end
+for _, file in ipairs(wish.models and surfaces or {}) do
+  bodies[#bodies + 1] = {name = file:match "^[^.]*", surface = function()
+    return scaled(assert(bw.surface.read(wish.models .. "/" .. file)))
+  end}
+end
+
+-- Whether a place, or one of its ties, lies within a patch of another.
+local function same_place(found, other)
+  local least = distance(found.at, other.at)
+  for _, tie in ipairs(found.ties) do least = math.min(least, distance(tie.at, other.at)) end
+  for _, tie in ipairs(other.ties) do least = math.min(least, distance(tie.at, found.at)) end
+  return least / found.length
+end
+
+print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (interval)", "elements", "apart, r",
+  "CPU, s"))
+local most, covered, all = 1, 0, 0
+for _, body in ipairs(bodies) do
+  if not wish.only or body.name:find(wish.only, 1, true) then
+    local found, low, high = {}, math.huge, 0
+    for k, elements in ipairs(starts) do
+      local clock = os.clock()
+      local one, message = bw.breaking_force(body.surface(), {material = bw.material.pla, elements = elements})
+      if one then
+        found[#found + 1] = one
+        one.start, one.cpu, one.count = elements, os.clock() - clock, one.mesh.element_count
+        low, high = math.min(low, one.force), math.max(high, one.force)
+        one:close()
+      else
+        print(("%-22s start %d: %s"):format(body.name, elements, message))
+      end
+      if k == #starts and #found > 0 then most = math.max(most, high / low) end
+    end
+    local finest = found[#found]
+    for k, one in ipairs(found) do
+      local inside = one.low <= finest.force and finest.force <= one.high
+      if k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
+      local interval = ("%.4g (%.4g to %.4g)%s"):format(one.force, one.low, one.high, inside and "" or " misses")
+      print(("%-22s %-8s %-30s %-8d %-8.1f %.0f"):format(k == 1 and body.name or "",
+        k == 1 and ("%.3f"):format(high / low) or "", interval, one.count, same_place(one, finest), one.cpu))
+    end
+    io.stdout:flush()
+  end
+end
+print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the finest start"):format(most,
+  covered, all))
