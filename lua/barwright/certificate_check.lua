@@ -22,6 +22,17 @@ local function reject(what, ...)
   error({message = what:format(...)}, 0)
 end
 
+-- A value of the engine, or why it has none: what the certificate states, or a lack of memory, which is no
+-- verdict.
+local function needed(about, value, message, details)
+  if value then return value end
+  local status = details and details.status
+  if status == "memory" or status == "cancelled" or status == "limit" then
+    error({message = message, details = details}, 0)
+  end
+  reject("%s%s", about, message)
+end
+
 -- ---- directions --------------------------------------------------------------------------------------
 
 local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
@@ -136,8 +147,8 @@ local function selection(mesh, facets, nodes)
 end
 
 local function build(stated)
-  local mesh, message = core.mesh.new {nodes = stated.nodes, elements = stated.elements, order = stated.order}
-  if not mesh then reject("the mesh: %s", message) end
+  local mesh = needed("the mesh: ", core.mesh.new {nodes = stated.nodes, elements = stated.elements,
+    order = stated.order})
   if mesh.node_count ~= #stated.nodes or mesh.element_count ~= #stated.elements then
     reject("the mesh has nodes without elements")
   end
@@ -160,7 +171,7 @@ end
 
 -- Work of a unit of each pressure on each free motion, as columns.
 local function works(stated, part, basis)
-  local motions, list = assert(part:free_motions()), {}
+  local motions, list = needed("", part:free_motions()), {}
   if #motions ~= #stated.motions then
     reject("%d free motions stated, the supports leave %d", #stated.motions, #motions)
   end
@@ -211,8 +222,8 @@ local function check_load(stated, state)
       reject("the load is not in balance with motion %d", i)
     end
   end
-  local u = assert(state.system:solve(basis:force(p)))
-  local found = core.max_principal(assert(core.element_stress(state.mesh, state.material, u)))[stated.element]
+  local u = needed("", state.system:solve(basis:force(p)))
+  local found = core.max_principal(needed("", core.element_stress(state.mesh, state.material, u)))[stated.element]
   if found < stated.reached * (1 - AGREE) then
     reject("the load stresses element %d by %.9g Pa, less than %.9g", stated.element, found, stated.reached)
   end
@@ -289,7 +300,7 @@ end
 local function responses(state, displacements, first, last)
   local rows, bytes = core.array.range(first, last), {}
   for j, u in ipairs(displacements) do
-    bytes[j] = assert(core.element_stress(state.mesh, state.material, u)):gather(rows):tostring "<f8"
+    bytes[j] = needed("", core.element_stress(state.mesh, state.material, u)):gather(rows):tostring "<f8"
   end
   local begin, group -- GROUP elements at a time: rows of six for each
   return function(element)
@@ -309,26 +320,27 @@ local function displacements_of(state)
   for j = 1, basis.count do unit_pressure[j] = 0.0 end
   for j = 1, basis.count do
     unit_pressure[j] = 1.0
-    list[j] = assert(state.system:solve(basis:force(core.array.new(unit_pressure))))
+    list[j] = needed("", state.system:solve(basis:force(core.array.new(unit_pressure))))
     unit_pressure[j] = 0.0
   end
   return list
 end
 
 local function prepare(stated)
-  local part = build(stated)
+  local fine, part = pcall(build, stated) -- raises where what is stated is misuse
+  if not fine then
+    if type(part) ~= "string" or part:find "out of memory" or core.interrupted() then error(part, 0) end
+    reject("%s", part)
+  end
   local mesh = part.mesh
-  local basis, message = core.pressure_basis(mesh, {friction = stated.friction,
+  local basis = needed("the pressures: ", core.pressure_basis(mesh, {friction = stated.friction,
     friction_facets = stated.friction_facets,
-    forbidden = #stated.forbidden > 0 and selection(mesh, stated.forbidden, {}) or nil})
-  if not basis then reject("the pressures: %s", message) end
+    forbidden = #stated.forbidden > 0 and selection(mesh, stated.forbidden, {}) or nil}))
   if basis.count ~= stated.columns then
     reject("%d pressures stated, the surface has %d", stated.columns, basis.count)
   end
   if not (stated.force > 0 and stated.pressure > 0) then reject "force and pressure must be positive" end
-  local system
-  system, message = part:system()
-  if not system then reject("%s", message) end
+  local system = needed("", part:system())
   local state = {mesh = mesh, material = part.material, basis = basis, system = system, at_most = stated.at_most,
     works = works(stated, part, basis), work_sizes = {}}
   local scale = stated.force / basis.areas
@@ -379,9 +391,9 @@ function module.check_certificate(path)
   if not stated then return nil, message, details end
   local fine, result = pcall(check, stated)
   if fine then return result end
-  if core.interrupted() then error(result, 0) end
-  message = type(result) == "table" and result.message or tostring(result)
-  return nil, ("%s: rejected: %s"):format(path, message), {status = "rejected", file = path}
+  if type(result) ~= "table" or not result.message then error(result, 0) end
+  if result.details then return nil, ("%s: %s"):format(path, result.message), result.details end
+  return nil, ("%s: rejected: %s"):format(path, result.message), {status = "rejected", file = path}
 end
 
 arguments.functions("", module, {check_certificate = "path: string"})

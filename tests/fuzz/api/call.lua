@@ -78,7 +78,7 @@ end
 
 local statuses = {}
 for word in ([[io format geometry free singular convergence infeasible limit memory cancelled unsupported
-  empty busy damaged failed different foreign]]):gmatch "%S+" do
+  empty busy damaged failed different foreign rejected]]):gmatch "%S+" do
   statuses[word] = true
 end
 
