@@ -74,17 +74,6 @@ done:
   return status;
 }
 
-/* Gradients in space of the shape functions at local node a of an element. */
-static void gradient_at_node(const bw_mesh *mesh, int64_t element, int a, double (*gradient)[3]) {
-  double x[10][3], l[4] = {0};
-  bwi_element_nodes(mesh, element, x);
-  if (a < 4)
-    l[a] = 1;
-  else
-    l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
-  bw_tet_gradient(mesh->order, (const double(*)[3])x, l, gradient);
-}
-
 /* Means of the gradients of the shape functions over an element. */
 static void mean_gradient(const bw_mesh *mesh, int64_t element, double (*mean)[3]) {
   double x[10][3], l[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS], whole = 0;
@@ -121,7 +110,7 @@ bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
       int64_t e = around.element[k];
       const int32_t *own = mesh->element + e * mesh->nodes_per_element;
       double gradient[10][3], s[6], share = mesh->volume[e] / volume;
-      gradient_at_node(mesh, e, around.local[k], gradient);
+      bwi_gradients_at_node(mesh, e, around.local[k], gradient);
       bwi_multiply6(bw_material_elasticity(material, e), weight + 6 * i, s);
       const double full[3][3] = {{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};
       for (int a = 0; a < mesh->nodes_per_element; a++)

@@ -142,13 +142,7 @@ done:
 /* Shape functions' gradients at local node a of an element, and du/dx there. */
 static void gradients_at_node(const bw_mesh *mesh, int64_t element, int a, const double *u,
                               double (*g)[3], double grad[9]) {
-  double x[10][3], l[4] = {0};
-  bwi_element_nodes(mesh, element, x);
-  if (a < 4)
-    l[a] = 1;
-  else
-    l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
-  bw_tet_gradient(mesh->order, (const double(*)[3])x, l, g);
+  bwi_gradients_at_node(mesh, element, a, g);
   gradient_of(mesh->nodes_per_element, mesh->element + element * mesh->nodes_per_element, u,
               (const double(*)[3])g, grad);
 }

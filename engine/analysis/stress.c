@@ -31,11 +31,7 @@ static void prepare(const bw_mesh *mesh, const bw_material *material, const doub
   bw_tet_shape_gradient(mesh->order, centre, d->mean); /* linear: the centre has the mean */
   for (int a = 0; a < mesh->nodes_per_element; a++) {
     double *l = d->node_l[a];
-    memset(l, 0, sizeof d->node_l[a]);
-    if (a < 4)
-      l[a] = 1;
-    else
-      l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
+    bwi_node_place(a, l);
     bw_tet_shape_gradient(mesh->order, l, d->at_node[a]);
   }
 }

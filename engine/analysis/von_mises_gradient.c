@@ -454,11 +454,8 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
   /* products of two gradients; with a temperature's shape functions between them one more degree */
   bwi_rule_make(mesh->order, mesh->order == 1 ? 1 : d.expansion ? 3 : 2, &d.rule);
   for (int a = 0; a < mesh->nodes_per_element; a++) {
-    double l[4] = {0, 0, 0, 0};
-    if (a < 4)
-      l[a] = 1;
-    else
-      l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
+    double l[4];
+    bwi_node_place(a, l);
     bw_tet_shape_gradient(mesh->order, l, d.at_node[a]);
   }
   size_t most = (size_t)(count < BATCH ? count : BATCH);

@@ -33,6 +33,24 @@ static inline void bwi_element_nodes(const bw_mesh *mesh, int64_t element, doubl
       x[a][k] = mesh->node[3 * (int64_t)node[a] + k];
 }
 
+/* Barycentric coordinates of local node a: of a corner, or of the middle of an edge. */
+static inline void bwi_node_place(int a, double l[4]) {
+  l[0] = l[1] = l[2] = l[3] = 0;
+  if (a < 4)
+    l[a] = 1;
+  else
+    l[bw_tet_edge[a - 4][0]] = l[bw_tet_edge[a - 4][1]] = 0.5;
+}
+
+/* Gradients in space of the shape functions at local node a of an element. */
+static inline void bwi_gradients_at_node(const bw_mesh *mesh, int64_t element, int a,
+                                         double (*gradient)[3]) {
+  double x[10][3], l[4];
+  bwi_element_nodes(mesh, element, x);
+  bwi_node_place(a, l);
+  bw_tet_gradient(mesh->order, (const double(*)[3])x, l, gradient);
+}
+
 /* BW_INVALID unless the mesh has the graph's topology (by its sizes). */
 bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_mesh *mesh);
 /* Mark the pairs of two nodes of one facet of the boundary, by pair: elsewhere the tensor of

@@ -5,6 +5,7 @@
 local bumps = require "barwright.bumps"
 local core = require "barwright.core"
 local options = require "barwright.options"
+local distance = require("barwright.points").distance
 
 local advice = {}
 advice.__index = advice
@@ -32,10 +33,6 @@ local OFF = 0.5
 local STEP = 1e-5
 -- What is aimed at beyond the force, as the linearised stresses fall short of it.
 local MARGIN = 1.02
-
-local function distance(a, b)
-  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
-end
 
 local function diagonal(box)
   return distance(box.low, box.high)

@@ -7,7 +7,9 @@ local advice = require "barwright.advice"
 local arguments = require "barwright.arguments"
 local breaking_loads = require "barwright.breaking_loads"
 local core = require "barwright.core"
+local growth = require "barwright.singular_growth"
 local options = require "barwright.options"
+local distance = require("barwright.points").distance
 local worst_case = require "barwright.worst_case"
 
 local breaking_force = {}
@@ -71,16 +73,8 @@ local MOVED = 2
 local LEAST_ERROR, ALONE = 0.02, 0.5
 -- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
 local HIGHER = 0.05
--- Where the stress at nodes grows faster than h^-SINGULAR it is called singular; it grows like h^-0.45 at a
--- re-entrant edge of 90 degrees.
-local SINGULAR = 0.3
-
 -- Metals whose strength in the library is the yield strength.
 local ductile = {steel = true, aluminium = true}
-
-local function distance(a, b)
-  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
-end
 
 local function node_at(mesh, node)
   return {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
@@ -311,10 +305,17 @@ local function estimate(self)
   return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, LEAST_ERROR)
 end
 
+-- Whether the largest stress at nodes grows without end, from the last mesh with longer edges to the last one.
 local function is_singular(levels)
-  local last, former = levels[#levels], levels[#levels - 1]
-  if #levels < 2 or not former.refined or not last.refined then return false end
-  return math.log(last.point / former.point) > SINGULAR * math.log(former.edge / last.edge)
+  local last = levels[#levels]
+  if not last.refined then return false end
+  for k = #levels - 1, 1, -1 do
+    local former = levels[k]
+    local exponent = former.refined and growth.exponent({value = former.point, edge = former.edge},
+      {value = last.point, edge = last.edge})
+    if exponent then return exponent > growth.ALONE end
+  end
+  return false
 end
 
 -- Other places that are as weak within the error, no two of them in one patch.

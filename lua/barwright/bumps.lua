@@ -3,6 +3,7 @@
 -- {at = {x, y, z}, radius =, offset =}, m. A shape is {points = {{x, y, z}...}, triangles = {{a, b, c}...}}.
 -- docs/theory/strengthen.md says why they look like this.
 local core = require "barwright.core"
+local distance = require("barwright.points").distance
 
 local bumps = {}
 
@@ -25,10 +26,6 @@ local EDGE, ROUNDS = 1 / 7, 40
 local MOST_POINTS = 2000000
 
 local sqrt = math.sqrt
-
-local function distance(a, b)
-  return sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
-end
 
 --- The shape of a surface.
 function bumps.of_surface(surface)

@@ -4,6 +4,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
+local distance = require("barwright.points").distance
 local edge_length = require("barwright.singular_growth").edge_length
 local singular = require "barwright.singular"
 
@@ -20,10 +21,6 @@ local OUTSIDE = 0.02
 
 local function along(point, direction, r)
   return {point[1] + r * direction[1], point[2] + r * direction[2], point[3] + r * direction[3]}
-end
-
-local function distance(a, b)
-  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
 end
 
 local function unit(v)

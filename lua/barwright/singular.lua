@@ -4,6 +4,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
+local distance = require("barwright.points").distance
 
 local places = {}
 places.__index = places
@@ -17,10 +18,6 @@ end
 
 local function mm(x)
   return ("(%.4g, %.4g, %.4g) mm"):format(1e3 * x[1], 1e3 * x[2], 1e3 * x[3])
-end
-
-local function distance(a, b)
-  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
 end
 
 -- The share of the way from a to b of the point nearest to x.

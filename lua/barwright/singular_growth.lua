@@ -9,8 +9,9 @@ local finding = {}
 finding.__index = finding
 finding.__name = "barwright.singular_finding"
 
--- Stresses that grow faster than h^-ALONE grow without a known place too; it is h^-0.45 at 90 degrees.
-local ALONE = 0.3
+--- Stresses that grow faster than h^-ALONE have no finite value, also without a known place; it is h^-0.45 at a
+--- re-entrant edge of 90 degrees.
+growth.ALONE = 0.3
 -- With a known place so much of the growth that is expected there confirms it.
 local CONFIRMS = 0.5
 -- The edge lengths of two meshes that show a growth differ by at least this factor.
@@ -56,7 +57,7 @@ end
 function growth.judge(places, at, radius, measured, grows)
   local found = places and places:near(at, radius)
   local expected = found and found.place.growth
-  grows = grows or measured ~= nil and measured > (found and CONFIRMS * math.min(expected, 1) or ALONE)
+  grows = grows or measured ~= nil and measured > (found and CONFIRMS * math.min(expected, 1) or growth.ALONE)
   if not (found or grows) then return nil end
   return setmetatable({by = found and (grows and "geometry and growth" or "geometry") or "growth",
     place = found and found.place, at = found and found.at or at, expected = expected, measured = measured},

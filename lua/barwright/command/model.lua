@@ -52,6 +52,17 @@ model.elements_option = {name = "elements", value = "N", type = "integer", defau
   most = 10000000,
   what = "about how many tetrahedra a surface is filled with: more take longer and show finer stresses"}
 
+model.contact_option = {name = "contact", value = "AREA", type = "number", unit = "m2", default = 1e-4, above = 0,
+  what = "the least area over which the force presses; a fingertip's, 1 cm2, by default"}
+
+--- Where weak regions are looked for.
+model.search_options = {
+  {name = "modes", value = "N", type = "integer", default = 15, least = 1, most = 500,
+    what = "modes of vibration in which weak regions are looked for"},
+  {name = "regions", value = "N", type = "integer", default = 5, least = 1, most = 1000,
+    what = "weak regions of each mode"},
+}
+
 model.order_option = {name = "order", value = "1|2", type = "integer", default = 1, one_of = {1, 2},
   what = "linear or quadratic elements: the latter are far more exact, and slower"}
 

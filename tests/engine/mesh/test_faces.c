@@ -1,38 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Faces of shapes by formula, and what filling leaves of them. */
-#include "check.h"
+#include "prism.h"
 
 #include "barwright/faces.h"
 
 static const double pi = 3.14159265358979323846;
 
-/* A convex profile (x, y) from z = 0, scaled by `top` at z = height; caps are fans. */
-static bw_surface *prism(bw_context *context, int n, const double (*profile)[2], double height,
-                         double top) {
-  double *point = malloc(3 * (2 * (size_t)n + 2) * sizeof *point);
-  int32_t *triangle = malloc(12 * (size_t)n * sizeof *triangle), at = 0;
-  bw_surface *surface = NULL;
-  assert_true(point && triangle);
-  for (int i = 0; i < n; i++)
-    for (int level = 0; level < 2; level++) {
-      double *x = point + 3 * (2 * i + level), scale = level ? top : 1;
-      x[0] = scale * profile[i][0];
-      x[1] = scale * profile[i][1];
-      x[2] = level * height;
-    }
-  memset(point + 6 * (size_t)n, 0, 6 * sizeof *point);
-  point[6 * n + 5] = height;
-  for (int i = 0; i < n; i++) {
-    int32_t a = 2 * i, b = 2 * ((i + 1) % n);
-    const int32_t four[12] = {a, b, b + 1, a, b + 1, a + 1, 2 * n, b, a, 2 * n + 1, a + 1, b + 1};
-    memcpy(triangle + at, four, sizeof four);
-    at += 12;
-  }
-  check_ok(context, bw_surface_copy(context, 2 * n + 2, point, 4 * n, triangle, NULL, &surface));
-  free(point);
-  free(triangle);
-  return surface;
-}
+static const double middle[2] = {0, 0};
 
 enum { ARC = 8, ROUNDED = 4 * (ARC + 1) };
 
@@ -46,7 +20,7 @@ static bw_surface *rounded_block(bw_context *context) {
       profile[c * (ARC + 1) + i][0] = centre[c][0] + 0.2 * cos(angle);
       profile[c * (ARC + 1) + i][1] = centre[c][1] + 0.2 * sin(angle);
     }
-  return prism(context, ROUNDED, (const double(*)[2])profile, 0.5, 1);
+  return prism(context, ROUNDED, (const double(*)[2])profile, middle, 0.5, 1);
 }
 
 static bw_surface *frustum(bw_context *context, int n, double top) {
@@ -55,7 +29,7 @@ static bw_surface *frustum(bw_context *context, int n, double top) {
     profile[i][0] = 0.4 * cos(2 * pi * i / n);
     profile[i][1] = 0.4 * sin(2 * pi * i / n);
   }
-  return prism(context, n, (const double(*)[2])profile, 0.5, top);
+  return prism(context, n, (const double(*)[2])profile, middle, 0.5, top);
 }
 
 static int count_of(const bw_faces *faces, bw_face_kind kind) {

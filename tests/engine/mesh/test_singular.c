@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Williams' exponents against published values, and re-entrant edges of shapes by formula. */
-#include "check.h"
+#include "prism.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -39,39 +39,12 @@ static void exponents_at_supports(void **state) {
   check_near(bw_williams_exponent(BW_CORNER_SLIDING, 2 * pi, 0.3), 0.25, 1e-9);
 }
 
-/* A star-shaped profile from z = 0 to `height`; caps are fans around `centre`. */
-static bw_surface *prism(bw_context *context, int n, const double (*profile)[2],
-                         const double centre[2], double height) {
-  double *point = malloc(3 * (2 * (size_t)n + 2) * sizeof *point);
-  int32_t *triangle = malloc(12 * (size_t)n * sizeof *triangle), at = 0;
-  bw_surface *surface = NULL;
-  assert_true(point && triangle);
-  for (int i = 0; i <= n; i++)
-    for (int level = 0; level < 2; level++) {
-      double *x = point + 3 * (2 * i + level);
-      const double *from = i < n ? profile[i] : centre;
-      x[0] = from[0];
-      x[1] = from[1];
-      x[2] = level * height;
-    }
-  for (int i = 0; i < n; i++) {
-    int32_t a = 2 * i, b = 2 * ((i + 1) % n);
-    const int32_t four[12] = {a, b, b + 1, a, b + 1, a + 1, 2 * n, b, a, 2 * n + 1, a + 1, b + 1};
-    memcpy(triangle + at, four, sizeof four);
-    at += 12;
-  }
-  check_ok(context, bw_surface_copy(context, 2 * n + 2, point, 4 * n, triangle, NULL, &surface));
-  free(point);
-  free(triangle);
-  return surface;
-}
-
 /* A block with a V-notch of the opening `open` (radians) at the origin. */
 static bw_surface *notched(bw_context *context, double open, double height) {
   const double wide = tan(open / 2), centre[2] = {0, -1};
   const double profile[][2] = {{-25, -2}, {25, -2},   {25, 1}, {wide, 1},
                                {0, 0},    {-wide, 1}, {-25, 1}};
-  return prism(context, 7, profile, centre, height);
+  return prism(context, 7, profile, centre, height, 1);
 }
 
 static void notches_have_one_edge(void **state) {
@@ -117,7 +90,7 @@ static void an_l_section_has_one_edge(void **state) {
   bw_context *context = check_context(state);
   const double profile[][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
   const double centre[2] = {0.5, 0.5};
-  bw_surface *surface = prism(context, 6, profile, centre, 4);
+  bw_surface *surface = prism(context, 6, profile, centre, 4, 1);
   bw_singular_places *edges = NULL;
   check_ok(context, bw_singular_edges(context, surface, NULL, 0, &edges));
   assert_int_equal(edges->count, 1);
