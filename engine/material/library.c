@@ -1,7 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The library of measured materials: one table. To add a material, add a row (CONTRIBUTING shows
  * one from start to end). Every value carries its standard deviation, 0 where none is published,
- * and where it comes from, in words that say plainly when it is an estimate.
+ * and where it comes from, in words that say plainly when it is an estimate. Where a range a to b
+ * is published, the deviation is that of a uniform distribution, (b - a) / sqrt(12).
  *
  * An orthotropic row gives Poisson's ratios nu12, nu23, nu13 (load along the first axis), and its
  * shear moduli follow from the worst-case paper's formula. The paper assumes 0.3 "in all cases"
@@ -21,7 +22,7 @@ typedef struct entry {
   bw_value poisson;     /* nu12 = nu23 = nu13 */
   bw_value strength[3]; /* Pa; isotropic: the first only */
   bw_value density;     /* kg/m3 */
-  bw_value toughness;   /* Pa m^1/2; none where no value is trustworthy */
+  bw_value toughness;   /* Pa m^1/2; none where no published value fits the material */
 } entry;
 
 #define PAPER "worst-case structural analysis (2013), section 6: three-point bending"
@@ -41,15 +42,19 @@ static const entry library[] = {
      .young = {{210e9, 0, EC3}},
      .poisson = {0.3, 0, EC3},
      .strength = {{235e6, 0, "yield strength of grade S235 up to 16 mm, EN 10025-2"}},
-     .density = {7850, 0, "EN 1991-1-1, table A.4"}},
+     .density = {7850, 0, "EN 1991-1-1, table A.4"},
+     .toughness = {61.5e6, 11.8e6,
+                   "Cambridge University Engineering Department, Materials Data Book (2003): low "
+                   "carbon steels, 41 to 82; S235 yields before it fractures in plane strain"}},
     {.name = "aluminium",
      .isotropic = true,
      .young = {{70e9, 0, EC9}},
      .poisson = {0.3, 0, EC9},
      .strength = {{240e6, 0, "0.2 % proof strength of EN AW-6061 T6 extrusions, EN 755-2"}},
      .density = {2700, 0, EC9},
-     .toughness = {29e6, 0,
-                   "customary for plates of 6061-T6 and T651 across the rolling direction"}},
+     .toughness = {29e6, 3.8e6,
+                   "6061-T6 across the rolling direction, supplier's data by ASM; scatter of "
+                   "aluminium alloys, 22 to 35, Materials Data Book (2003)"}},
     {.name = "pla",
      .isotropic = true,
      .young = {{3.6e9, 0, "NatureWorks Ingeo 4043D data sheet, the resin, ASTM D882"}},
@@ -67,10 +72,10 @@ static const entry library[] = {
                    "layers"}},
      .density = {1040, 0, "Stratasys, Fortus ABS-M30"},
      .toughness =
-         {3e6, 0,
-          "Dowling, Mechanical Behavior of Materials, table 8.2: ABS, not printed; between "
-          "printed layers about a third less by McLouth et al., Additive Manufacturing 18 "
-          "(2017)"}},
+         {3e6, 0.4e6,
+          "Dowling, Mechanical Behavior of Materials (2013), table 8.2: ABS, not printed; scatter "
+          "by McLouth et al., Additive Manufacturing 18 (2017): 54 % from the weakest to the "
+          "strongest direction of prints"}},
     {.name = "resin",
      .isotropic = true,
      .young = {{2.8e9, 0, "Formlabs standard resin data sheet, post-cured, ASTM D638"}},

@@ -214,10 +214,22 @@ double bw_material_strength(const bw_material *material, const double direction[
   return inverse2 > 0 ? sqrt(length2 / inverse2) : 0;
 }
 
+bw_value bw_material_critical_distance_value(const bw_material *material) {
+  const double *s = material->strength, K = material->toughness;
+  int most = s[1] > s[0] ? 1 : 0;
+  most = s[2] > s[most] ? 2 : most;
+  if (!(s[most] > 0) || !(K > 0))
+    return (bw_value){0};
+  double L = K / s[most] * (K / s[most]) / 3.14159265358979323846;
+  const bw_value *of_K = &material->toughness_value, *of_s = &material->strength_value[most];
+  double scatter = 2 * L * hypot(of_K->scatter / K, of_s->scatter / s[most]);
+  return (bw_value){L, scatter,
+                    of_K->source ? "(fracture toughness / strength)^2 / pi, by the largest strength"
+                                 : NULL};
+}
+
 double bw_material_critical_distance(const bw_material *material) {
-  const double *s = material->strength, most = fmax(s[0], fmax(s[1], s[2]));
-  double share = most > 0 ? material->toughness / most : 0;
-  return share * share / 3.14159265358979323846;
+  return bw_material_critical_distance_value(material).mean;
 }
 
 /* The largest 1/s(n)^2 = n . W n, W = sum_i e_i e_i^T / s_i^2, over the unit vectors n spanned by

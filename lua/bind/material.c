@@ -251,6 +251,8 @@ static int material_sources(lua_State *L) {
   }
   push_value(L, "density", &material->density_value);
   push_value(L, "toughness", &material->toughness_value);
+  const bw_value critical = bw_material_critical_distance_value(material);
+  push_value(L, "critical_distance", &critical);
   return 1;
 }
 
@@ -305,6 +307,8 @@ static int material_tostring(lua_State *L) {
   }
   add_source(&buffer, "density", "", &material->density_value, 1, "kg/m3");
   add_source(&buffer, "fracture toughness", "", &material->toughness_value, 1e6, "MPa m^0.5");
+  const bw_value critical = bw_material_critical_distance_value(material);
+  add_source(&buffer, "critical distance", "", &critical, 1e-3, "mm");
   luaL_pushresult(&buffer);
   return 1;
 }

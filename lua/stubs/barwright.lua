@@ -1123,12 +1123,12 @@ function material_module.names() end
 ---@field shear number|bw.Vector Pa
 ---@field density number? kg/m3
 ---@field strength number|bw.Vector|nil Pa
----@field toughness number? fracture toughness K_Ic, Pa m^0.5; nil where no value is trustworthy
+---@field toughness number? fracture toughness K_Ic, Pa m^0.5; nil where no published value fits the material
 ---@field critical_distance number? m: (toughness / strength)^2 / pi, by the largest strength
 ---@field axes bw.Array 3 x 3, rows are the material axes
 ---@field turned boolean whether axes differ from element to element (an edit session's, with material_turns); `axes` and `elasticity` are then those before
 ---@field elasticity bw.Array 6 x 6, Pa
----@field sources table<string, {mean: number, scatter: number, source: string}> where values come from
+---@field sources table<string, {mean: number, scatter: number?, source: string?}> where values come from and their standard deviations: young_1, poisson_12, strength_1, ..., density, toughness, critical_distance
 local Material = {}
 
 ---Turned by a rotation, three rows of three.

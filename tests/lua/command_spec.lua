@@ -413,6 +413,21 @@ describe("commands that compute", function()
       true), out)
   end)
 
+  it("materials prints fracture toughness and critical distance with scatter", function()
+    local _, out = check.run "materials"
+    assert.truthy(out:find("3 +- 0.4", 1, true), out)
+    assert.truthy(out:find("2.21 +- 0.59", 1, true), out)
+    local _, object = answer "materials abs"
+    local abs = object.materials[1]
+    assert.near(0.4e6, abs.toughness_scatter_pa_sqrt_m, 1e-9)
+    assert.near(2 * abs.critical_distance_m * 0.4 / 3, abs.critical_distance_scatter_m, 1e-12)
+    assert.truthy(abs.sources.toughness.source:find("Dowling", 1, true))
+    assert.truthy(tostring(bw.material.abs):find("critical distance 2.21 +- 0.589 mm", 1, true))
+    _, object = answer "materials pla" -- no published value fits it
+    assert.is_nil(object.materials[1].toughness_pa_sqrt_m)
+    assert.is_nil(object.materials[1].critical_distance_m)
+  end)
+
   it("statics gives the beam's deflection and stress", function()
     local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
       .. "above:x:1=0,0,-100N")

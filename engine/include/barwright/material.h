@@ -124,6 +124,9 @@ double bw_material_strength(const bw_material *material, const double direction[
 /* The critical distance (K_Ic / strength)^2 / pi of the theory of critical distances, by the
  * largest of the strengths; 0 when one of both is not known (docs/theory/singular.md). */
 double bw_material_critical_distance(const bw_material *material);
+/* The same with its standard deviation, 2 L ((s_K / K)^2 + (s_s / s)^2)^1/2 by those of toughness
+ * and strength, where one of them is known. `source` where that of the toughness is known. */
+bw_value bw_material_critical_distance_value(const bw_material *material);
 /* Utilisation of a stress tensor: the largest over the principal stresses of
  * |sigma_i| / strength(direction i); 0 when the strength is not known. Where principal stresses
  * coincide every direction between theirs is principal, and the weakest of them counts. */

@@ -17,9 +17,17 @@ local function about(name)
   for key, from in pairs(material.sources or {}) do
     sources[key] = {value = from.mean, scatter = from.scatter, source = from.source}
   end
+  local function scatter(key) return sources[key] and sources[key].scatter end
   return {name = name, isotropic = material.isotropic, young_pa = material.young, poisson = material.poisson,
     density_kg_m3 = material.density, strength_pa = material.strength, toughness_pa_sqrt_m = material.toughness,
-    critical_distance_m = material.critical_distance, sources = sources}
+    toughness_scatter_pa_sqrt_m = scatter "toughness", critical_distance_m = material.critical_distance,
+    critical_distance_scatter_m = scatter "critical_distance", sources = sources}
+end
+
+-- "3 +- 0.4", "-" where the value is not known.
+local function scattered(value, scatter, scale)
+  if not value then return "-" end
+  return ("%.3g"):format(value * scale) .. (scatter and (" +- %.2g"):format(scatter * scale) or "")
 end
 
 local function tell_one(entry, out)
@@ -32,7 +40,7 @@ local function tell_one(entry, out)
     local name = entry.isotropic and key:gsub("_%d+$", "") or key
     if not said[name] then
       said[name] = true
-      out:say("  %-12s %.6g%s  %s", name, from.value, from.scatter and (" +- %.3g"):format(from.scatter) or "",
+      out:say("  %-17s %.6g%s  %s", name, from.value, from.scatter and (" +- %.3g"):format(from.scatter) or "",
         from.source or "")
     end
   end
@@ -52,13 +60,16 @@ return {
       return 0
     end
     local list = bw.json.list {}
-    out:say("%-28s %-22s %-22s %-10s %s", "name", "Young's modulus, GPa", "Poisson's ratio", "kg/m3",
-      "strength, MPa")
+    local row = "%-28s %-20s %-20s %-6s %-14s %-17s %s"
+    out:say(row, "name", "Young's modulus, GPa", "Poisson's ratio", "kg/m3", "strength, MPa", "K_Ic, MPa m^0.5",
+      "critical distance, mm")
     for i, name in ipairs(bw.material.names()) do
       local entry = about(name)
       list[i] = entry
-      out:say("%-28s %-22s %-22s %-10s %s", name, numbers(entry.young_pa, 1e-9), numbers(entry.poisson, 1),
-        numbers(entry.density_kg_m3, 1), numbers(entry.strength_pa, 1e-6))
+      out:say(row, name, numbers(entry.young_pa, 1e-9), numbers(entry.poisson, 1), numbers(entry.density_kg_m3, 1),
+        numbers(entry.strength_pa, 1e-6),
+        scattered(entry.toughness_pa_sqrt_m, entry.toughness_scatter_pa_sqrt_m, 1e-6),
+        scattered(entry.critical_distance_m, entry.critical_distance_scatter_m, 1e3))
     end
     out:json {materials = list}
   end,

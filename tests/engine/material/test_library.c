@@ -59,6 +59,16 @@ static void critical_distances(void **state) {
   check_ok(context, bw_material_named(context, "aluminium", &m));
   check_near(m->toughness, 29e6, 0);
   check_near(bw_material_critical_distance(m), 29. * 29 / 240 / 240 / 3.14159265358979324, 1e-15);
+  bw_value L = bw_material_critical_distance_value(m);
+  check_near(L.mean, bw_material_critical_distance(m), 0);
+  check_near(L.scatter, 2 * L.mean * 3.8 / 29, 1e-12 * L.mean); /* no scatter of the strength */
+  assert_non_null(L.source);
+  bw_release(m);
+  /* of a library's strength with scatter too, the largest counts */
+  check_ok(context, bw_material_named(context, "steel", &m));
+  m->strength_value[0].scatter = 0.1 * m->strength[0];
+  L = bw_material_critical_distance_value(m);
+  check_near(L.scatter, 2 * L.mean * hypot(11.8 / 61.5, 0.1), 1e-12 * L.mean);
   bw_release(m);
   check_ok(context, bw_material_named(context, "pla", &m));
   check_near(bw_material_critical_distance(m), 0, 0);
@@ -90,6 +100,9 @@ static void every_library_value_names_its_source(void **state) {
       assert_true(m->young_value[k].mean == m->young[k]);
       assert_true(m->strength_value[k].mean == m->strength[k]);
     }
+    /* a fracture toughness comes with source and scatter, or not at all */
+    assert_true((m->toughness > 0) == (m->toughness_value.source != NULL));
+    assert_true((m->toughness > 0) == (m->toughness_value.scatter > 0));
     bw_release(m);
   }
 }
