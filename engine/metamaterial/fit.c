@@ -28,7 +28,12 @@ struct bwi_fit_workspace {
   bwi_sample *sample;
   double *error; /* three for each held-out sample, twice */
   size_t capacity;
+  const char *stage; /* NULL, or with `fraction` what is reported as progress */
+  double fraction;
 };
+
+/* Samples or directions from one report of progress to the next. */
+enum { BETWEEN_REPORTS = 256 };
 
 /* Directions that errors are measured on, beside those that are fitted. */
 static int held_out(const bw_library_options *options) {
@@ -72,6 +77,11 @@ bw_status bwi_fit_workspace_create(bw_context *context, const bw_library_options
 done:
   bwi_fit_workspace_free(w);
   return status;
+}
+
+void bwi_fit_workspace_report(bwi_fit_workspace *w, const char *stage, double fraction) {
+  w->stage = stage;
+  w->fraction = fraction;
 }
 
 void bwi_fit_workspace_free(bwi_fit_workspace *w) {
@@ -335,6 +345,13 @@ static void compare(const bw_solid_material *m, const bwi_frame18 *frame, const 
   *of_force = sqrt(difference / bwi_product(BWI_SHAPES, sample->force, sample->force));
 }
 
+/* Lets the caller cancel after some of the many samples of one fit. */
+static bw_status pause_after(bw_context *context, const bwi_fit_workspace *w, int sample) {
+  if (w->stage && sample % BETWEEN_REPORTS == 0)
+    bw_progress(context, w->stage, w->fraction);
+  return bw_check_cancel(context);
+}
+
 static bw_status measure(bw_context *context, const bw_solid_material *fitted,
                          const bw_solid_material *naive, const bwi_fit_workspace *w, int first,
                          int count, bw_fit_error *error) {
@@ -342,7 +359,7 @@ static bw_status measure(bw_context *context, const bw_solid_material *fitted,
   double *values = w->error, other;
   for (int turn = 0; turn < 2; turn++)
     for (int i = 0; i < count; i++) {
-      BW_TRY(bw_check_cancel(context));
+      BW_TRY(pause_after(context, w, i));
       compare(turn ? naive : fitted, &w->frame, w->sample + first + i,
               values + 2 * turn * count + i, values + (2 * turn + 1) * count + i);
     }
@@ -371,7 +388,7 @@ static bw_status take_samples(bw_context *context, const bw_library_options *opt
                               int directions, bw_random *random, bwi_fit_workspace *w, int *count) {
   bw_status status = BW_OK;
   for (int d = 0; d < directions; d++) {
-    BW_TRY(bw_check_cancel(context));
+    BW_TRY(pause_after(context, w, d));
     *count += bwi_sample_direction(&w->sampler, &w->frame, options->strain, options->magnitudes,
                                    random, w->sample + *count);
   }

@@ -70,8 +70,10 @@ static bw_status fit_some(void *data, int64_t begin, int64_t end, int worker) {
     if (!fits->workspace[worker])
       BW_TRY(bwi_fit_workspace_create(fits->context, &fits->library->options,
                                       &fits->workspace[worker]));
+    int32_t done = __atomic_load_n(&it->done, __ATOMIC_RELAXED);
+    bwi_fit_workspace_report(fits->workspace[worker], it->stage, (double)done / it->count);
     BW_TRY(fit_one(it, it->todo[i], fits->workspace[worker]));
-    int32_t done = __atomic_add_fetch(&it->done, 1, __ATOMIC_RELAXED);
+    done = __atomic_add_fetch(&it->done, 1, __ATOMIC_RELAXED);
     if (worker == 0) /* the caller's thread */
       bw_progress(fits->context, it->stage, (double)done / it->count);
   }

@@ -24,6 +24,9 @@ typedef struct bwi_fit_workspace bwi_fit_workspace;
 bw_status bwi_fit_workspace_create(bw_context *context, const bw_library_options *options,
                                    bwi_fit_workspace **workspace);
 void bwi_fit_workspace_free(bwi_fit_workspace *workspace);
+/* What fits in this workspace report as progress, again and again, so that the caller can cancel
+ * within one; stage NULL (at first): nothing. `stage` outlives the fits. */
+void bwi_fit_workspace_report(bwi_fit_workspace *workspace, const char *stage, double fraction);
 
 /* The material that a single cell in place of a 2 x 2 x 2 block is to be given: always of 8 points,
  * one for each octant, whatever the children's points; so it is again a child for the next level.

@@ -65,6 +65,16 @@ describe("a library", function()
     assert.equal(0, assert(followed:solve()):error(assert(scratch:solve())))
   end)
 
+  it("stops growing within one fit of very many samples", function()
+    local reports = 0
+    bw.progress(function()
+      reports = reports + 1
+      return reports < 10
+    end)
+    check.fails("cancelled", "", bw.metamaterial.grow(palette(), layered().grid, {directions = 1000000}))
+    bw.progress(nil)
+  end)
+
   it("is grown for a grid: of a palette, and further", function()
     local fine = layered()
     local grown = assert(bw.metamaterial.grow(palette(), fine.grid, {levels = 2, directions = 40,
