@@ -1,29 +1,31 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Upper bounds of the worst case on machine parts (scripts/worst_case/machine_parts.lua): the gap, how much of
--- the bound the search alone reaches, linear programmes, processor seconds, and the size of the certificate.
+-- the bound the search alone reaches, processor seconds, and the size of the certificate.
 --   nice build/barwright scripts/bench/certified.lua [--out DIR] [--elements 40000] [--share 0.05] [--only NAME]
---       [--check]
--- --check: the certificate is checked as well, which takes several times as long.
+--       [--unseen] [--check] [--brute]
+-- --unseen: on parts of scripts/worst_case/unseen_parts.lua. --check: the certificate is checked as well.
+-- --brute: the processor seconds of brute force on the same mesh, too.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/../worst_case/?.lua;" .. package.path
-local parts = require "machine_parts"
 
-local chosen = {"gear", "housing", "clip", "angle bracket", "flange"}
+-- Chosen before the bound was computed on any of them.
+local developed = {"gear", "housing", "clip", "angle bracket", "flange"}
+local unseen = {"pillow block", "motor bracket", "bell crank"}
 local FORCE, PRESSURE = 20, 2e5
 
 local wish, i = {elements = 40000, share = 0.05}, 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if name == "check" then
-    wish.check, i = true, i - 1
+  if name == "check" or name == "brute" or name == "unseen" then
+    wish[name], i = true, i - 1
   elseif (name == "out" or name == "only") and value then
     wish[name] = value
   elseif (name == "elements" or name == "share") and tonumber(value) then
     wish[name] = tonumber(value)
   else
     io.stderr:write(("certified: '%s %s' is not known (--out DIR, --elements N, --share SHARE, --only NAME, "
-      .. "--check)\n"):format(arg[i], tostring(value)))
+      .. "--unseen, --check, --brute)\n"):format(arg[i], tostring(value)))
     os.exit(2, true)
   end
   i = i + 2
@@ -32,11 +34,18 @@ end
 local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/certified.lua",
   options = wish}))
 
+local parts = require(wish.unseen and "unseen_parts" or "machine_parts")
+local chosen = wish.unseen and unseen or developed
+
 local function measure(part, path)
   local mesh = assert(bw.mesh.fill(parts.surface(part), {elements = wish.elements, tolerance = 0.1}))
   local model = bw.model {mesh = mesh, material = bw.material.pla}
-  local load = {force = FORCE, pressure = PRESSURE}
+  local load, brute = {force = FORCE, pressure = PRESSURE}, nil
   local start = os.clock()
+  if wish.brute then
+    assert(bw.brute_force(model, load))
+    brute, start = os.clock() - start, os.clock()
+  end
   local search <close> = assert(bw.worst_case(model, load))
   local searched = os.clock()
   load.certify, load.certificate = wish.share, path
@@ -44,7 +53,8 @@ local function measure(part, path)
   local row = {part = part.name, elements = mesh.element_count, nodes = mesh.node_count,
     pressures = worst.basis.count, reached_pa = worst.max_principal, upper_bound_pa = worst.upper_bound,
     gap = worst.gap, search_over_bound = search.max_principal / worst.upper_bound,
-    seconds_search = searched - start, seconds_certified = os.clock() - searched}
+    seconds_search = searched - start, seconds_certified = os.clock() - searched,
+    seconds_brute_force = brute}
   local file <close> = assert(io.open(path))
   row.certificate_bytes = file:seek "end"
   if wish.check then
@@ -55,6 +65,11 @@ local function measure(part, path)
   return row
 end
 
+local function brute_text(row)
+  local seconds = row.seconds_brute_force
+  return seconds and (", brute force %.1f s (%.2f times)"):format(seconds, row.seconds_certified / seconds) or ""
+end
+
 local rows, path = {}, os.tmpname()
 for _, part in ipairs(parts.list) do
   local wanted = false
@@ -63,9 +78,10 @@ for _, part in ipairs(parts.list) do
     local row = measure(part, path)
     rows[#rows + 1] = row
     print(("%-14s %6d elements %5d pressures: gap %.4f, search over bound %.4f, search %.1f s, certified %.1f s, "
-      .. "certificate %.1f MB%s"):format(row.part, row.elements, row.pressures, row.gap, row.search_over_bound,
+      .. "certificate %.1f MB%s%s"):format(row.part, row.elements, row.pressures, row.gap, row.search_over_bound,
       row.seconds_search, row.seconds_certified, row.certificate_bytes / 1e6,
-      row.seconds_check and (", checked in %.1f s"):format(row.seconds_check) or ""))
+      row.seconds_check and (", checked in %.1f s"):format(row.seconds_check) or "",
+      brute_text(row)))
     io.stdout:flush()
     collectgarbage()
   end

@@ -2,44 +2,13 @@
 -- Machine parts by formula: plates with ribs and bolt holes, clips, housings, wheels. The worst-case
 -- search is measured on them (scripts/bench/worst_search.lua). Dimensions in mm.
 local bw = require "barwright"
+local tool = require "part_tools"
 local shapes = bw.shapes
+local box, cylinder, turned, cut, bolt_circle = tool.box, tool.cylinder, tool.turned, tool.cut, tool.bolt_circle
 
 local parts = {}
 
 local sqrt, max, abs, pi = math.sqrt, math.max, math.abs, math.pi
-
-local function box(x0, y0, z0, x1, y1, z1) return shapes.box({x0, y0, z0}, {x1, y1, z1}) end
-
---- A cylinder of radius r along an axis ("x", "y", "z") through (a, b), from `low` to `high` along it.
-local function cylinder(axis, a, b, r, low, high)
-  local middle, half = (low + high) / 2, (high - low) / 2
-  return function(x, y, z)
-    local u, v, w = x, y, z
-    if axis == "x" then u, v, w = y, z, x elseif axis == "y" then u, v, w = x, z, y end
-    local across, along = sqrt((u - a) ^ 2 + (v - b) ^ 2) - r, abs(w - middle) - half
-    return max(across, along)
-  end
-end
-
---- `body` turned by an angle about z.
-local function turned(body, angle)
-  local c, s = math.cos(angle), math.sin(angle)
-  return function(x, y, z) return body(c * x + s * y, -s * x + c * y, z) end
-end
-
-local function cut(body, tools)
-  for _, tool in ipairs(tools) do body = shapes.cut(body, tool) end
-  return body
-end
-
-local function bolt_circle(count, radius, hole, low, high)
-  local holes = {}
-  for i = 1, count do
-    local a = 2 * pi * i / count
-    holes[i] = cylinder("z", radius * math.cos(a), radius * math.sin(a), hole, low, high)
-  end
-  return holes
-end
 
 local function ribbed_plate()
   local solid = {box(-40, -25, 0, 40, 25, 4)}
@@ -170,10 +139,6 @@ parts.list = {
   {name = "drawn plate 3", make = function() return drawn_plate(3) end},
 }
 
---- The largest connected part of a surface by formula, in metres.
-function parts.surface(part)
-  local f, low, high = part.make()
-  return assert(bw.surface.implicit(f, {low = low, high = high, cells = 64})):scale(1e-3)
-end
+parts.surface = tool.surface
 
 return parts
