@@ -2,6 +2,8 @@
 /* The worst loads of regions, and the screening of all elements by a coarse pressure. */
 #include "bind.h"
 
+#include "barwright/certificate.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -346,10 +348,43 @@ static int worst_bound(lua_State *L) {
   return lbw_leave(L, BW_OK, 1);
 }
 
+/* ---- what multipliers prove ------------------------------------------------------------------ */
+
+/* dual_bounds(system, basis, {force, pressure, at_most}, works, elements, directions, multipliers):
+ * a bound for each element, and what the residuals of the linear solves may add to it. works: a row
+ * for each free motion */
+static int dual_bounds(lua_State *L) {
+  bw_dual_claims claims;
+  static const lbw_option list[] = {{"pressure", LBW_REAL, offsetof(bw_dual_claims, pressure)},
+                                    {"force", LBW_REAL, offsetof(bw_dual_claims, force)},
+                                    {"at_most", LBW_BOOLEAN, offsetof(bw_dual_claims, at_most)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
+  memset(&claims, 0, sizeof claims);
+  lua_settop(L, 7);
+  lbw_options(L, 3, "dual_bounds", list, &claims);
+  lbw_argument_check(L, basis->mesh == system->mesh, 2,
+                     "a pressure basis of the same mesh expected");
+  int64_t motions, rows;
+  claims.work = lbw_to_doubles(L, 4, "works", basis->count, &motions);
+  claims.motions = (int32_t)motions;
+  claims.element = lbw_to_indices(L, 5, "elements", 1, &claims.count);
+  claims.direction = lbw_to_doubles(L, 6, "directions", 3, &rows);
+  lbw_argument_check(L, rows == claims.count, 6, "directions: one for each element expected");
+  claims.multiplier = lbw_to_doubles(L, 7, "multipliers", 6 * motions + 2, &rows);
+  lbw_argument_check(L, rows == claims.count, 7, "multipliers: a row for each element expected");
+  double *bound = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
+  double *solve_error = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
+  return lbw_leave(L, bw_dual_bounds(lbw_enter(L), system, basis, &claims, bound, solve_error), 2);
+}
+
 void lbw_open_worst_loads(lua_State *L) {
   static const luaL_Reg functions[] = {{"worst_loads", worst_loads},
                                        {"worst_screening", worst_screening},
                                        {"worst_bound", worst_bound},
+                                       {"dual_bounds", dual_bounds},
                                        {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

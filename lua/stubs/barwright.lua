@@ -66,8 +66,8 @@ function bw.worst_case(part, options) end
 
 ---Checks a certificate that `bw.worst_case` wrote: that its directions are covered, that the multipliers of each leaf
 ---prove the leaf's bound, that its load is admissible and reaches its stress. Nothing of the search is used. It takes
----several times as long as the bound itself. Returns nil, message, details where it fails; the status is "rejected" where the file
----proves less than it states, "format" where it is no certificate.
+---about as long as the bound itself. Returns nil, message, details where it fails; the status is "rejected" where the
+---file proves less than it states, "format" where it is no certificate.
 ---```lua
 ---assert(bw.worst_case(part, {certify = 0.01, certificate = "bound.txt"}))
 ---print(assert(bw.check_certificate "bound.txt").upper_bound)
@@ -82,6 +82,7 @@ function bw.check_certificate(path) end
 ---`upper_bound`.
 ---@class bw.CertificateProof
 ---@field upper_bound number Pa
+---@field solve_error number how much of `upper_bound` stands for what the linear solves may be off by, Pa
 ---@field reached number the stress that its load reaches, Pa
 ---@field gap number upper_bound over reached, less one
 ---@field element integer the element in which it does

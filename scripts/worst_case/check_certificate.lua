@@ -20,5 +20,5 @@ print(("%d elements, %d supports, %d forbidden facets; loads: pressures up to %.
   proof.at_most and "at most" or "exactly", proof.force,
   proof.friction > 0 and (", friction %g"):format(proof.friction) or ""))
 print(("A load reaches %.9g Pa in element %d."):format(proof.reached, proof.element))
-print(("No load exceeds %.9g Pa, %.3g %% more: %d leaves were checked."):format(proof.upper_bound,
-  100 * proof.gap, proof.leaves))
+print(("No load exceeds %.9g Pa, %.3g %% more: %d leaves were checked. %.2g Pa of it stand for what the linear "
+  .. "solves may be off by."):format(proof.upper_bound, 100 * proof.gap, proof.leaves, proof.solve_error))

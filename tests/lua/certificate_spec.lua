@@ -62,6 +62,8 @@ describe("a certificate", function()
       check.near(worst.max_principal, proof.reached, 1e-9, name)
       assert.is_true(proof.gap >= 0 and proof.gap >= worst.gap - 1e-6 and proof.gap <= worst.gap + 1e-5, name)
       assert.equal(case[1].mesh.element_count, proof.elements)
+      -- What the linear solves may be off by is in the bound, and small.
+      assert.is_true(proof.solve_error > 0 and proof.solve_error < 1e-6 * proof.upper_bound, name)
     end
   end)
 
@@ -122,6 +124,20 @@ describe("a certificate", function()
       assert.is_nil(nothing)
       assert.is_truthy(details.status == "format" or details.status == "rejected", message)
     end
+  end)
+
+  it("is checked with progress, and the check can be stopped", function()
+    certified(part_on(box))
+    local stages = {}
+    local before = bw.progress(function(stage, fraction)
+      stages[stage] = math.max(stages[stage] or 0, fraction)
+    end)
+    assert(bw.check_certificate(path))
+    bw.progress(function(stage) return stage ~= "certificate" end)
+    local result = bw.check_certificate(path)
+    bw.progress(before)
+    assert.equal(1, stages.certificate)
+    assert.is_nil(result)
   end)
 
   it("is checked by a script", function()

@@ -7,6 +7,7 @@
 #include "pressed.h"
 
 #include "analysis/worst_internal.h"
+#include "barwright/certificate.h"
 
 #include <glpk.h>
 
@@ -200,6 +201,70 @@ static int triangle_of(int64_t cell, bwi_triangle *triangle) {
   return depth;
 }
 
+/* The numbers of a leaf's multipliers: whole numbers times a power of two. */
+static void read_multipliers(const bw_bound_leaves *leaves, const bw_bound_leaf *leaf, int motions,
+                             double *y) {
+  const int32_t *from = leaves->number + leaf->start;
+  int vectors = leaf->cell == 0 ? 6 : 2;
+  for (int v = 0; v < vectors; v++)
+    for (int part = 0; part < (leaf->cell != 0 || v == 5 ? 2 : 1); part++) {
+      int exponent = *from++;
+      for (int k = 0; k < (part == 0 ? motions : 1); k++)
+        *y++ = ldexp(*from++, exponent);
+    }
+}
+
+/* The evaluation that shares nothing with the search gives the leaves' bounds again. */
+static void check_dual_bounds(bw_context *context, const exact *x,
+                              const bw_worst_load_options *options, const bw_bound_leaves *leaves) {
+  const bw_pressure_basis *basis = x->body.basis;
+  const bw_numbering *numbering = x->body.numbering;
+  int m = numbering->motion_count;
+  size_t numbers = 6 * (size_t)m + 2, count = leaves->count;
+  double *work = BW_NEW0(context, double, (size_t)m * x->body.n + 1);
+  double *multiplier = BW_NEW0(context, double, count *numbers);
+  double *direction = BW_NEW0(context, double, 3 * count), *share = BW_NEW(context, double, count);
+  double *bound = BW_NEW(context, double, count), *solve_error = BW_NEW(context, double, count);
+  int32_t *element = BW_NEW(context, int32_t, count);
+  bwi_column_motions(basis, numbering, work);
+  for (size_t i = 0; i < count; i++) {
+    const bw_bound_leaf *leaf = &leaves->leaf[i];
+    element[i] = leaf->element;
+    share[i] = 1;
+    if (leaf->cell != 0) {
+      bwi_triangle triangle;
+      triangle_of(leaf->cell, &triangle);
+      share[i] = bwi_triangle_centre(&triangle, direction + 3 * i);
+    }
+    read_multipliers(leaves, leaf, m, multiplier + i * numbers);
+  }
+  bw_dual_claims claims = {.force = options->force,
+                           .pressure = options->pressure,
+                           .at_most = options->at_most,
+                           .motions = m,
+                           .work = work,
+                           .count = (int64_t)count,
+                           .element = element,
+                           .direction = direction,
+                           .multiplier = multiplier};
+  check_ok(context, bw_dual_bounds(context, x->system, basis, &claims, bound, solve_error));
+  for (size_t i = 0; i < count; i++) {
+    double stated = leaves->leaf[i].bound * share[i];
+    assert_true(fabs(bound[i] - stated) <= 1e-9 * stated);
+    assert_true(solve_error[i] >= 0 && solve_error[i] <= 1e-7 * stated);
+  }
+  element[0] = x->body.mesh->element_count;
+  check_fails(context, BW_INVALID, "element",
+              bw_dual_bounds(context, x->system, basis, &claims, bound, solve_error));
+  bw_free(work);
+  bw_free(multiplier);
+  bw_free(direction);
+  bw_free(share);
+  bw_free(bound);
+  bw_free(solve_error);
+  bw_free(element);
+}
+
 /* The leaves of each element cover all directions, and no exact optimum of a leaf's programmes
  * exceeds its bound. */
 static void leaves_hold_in_rational_arithmetic(void **state) {
@@ -242,6 +307,7 @@ static void leaves_hold_in_rational_arithmetic(void **state) {
     for (int32_t e = 0; e < elements; e++)
       assert_true(covered[e] == BWI_HALF_ICOSAHEDRON);
     assert_true(fmax(most, bound.largest) == bound.upper);
+    check_dual_bounds(context, &x, &options, &leaves);
     bw_bound_leaves_clear(&leaves);
     exact_close(&x);
   }
