@@ -34,11 +34,13 @@ print(("fine: %d elements, %.2f s"):format(fine.element_count, spent))
 
 -- 3. The same bar with an eighth of the elements: by the library, and naively, where each point of an
 -- element has the material that was there. That is far too stiff: it cannot give way where it is soft.
+-- choose = false: the library answers for itself. Without it the naive solid is solved as well, and
+-- answers where it is estimated to be nearer to the fine one.
 local panels = {reference:panel("fine", "movement")}
 for _, by in ipairs {library, "naive"} do
   local coarse = assert(fine:coarsen(by))
   clock = os.clock()
-  local result = assert(coarse:solve())
+  local result = assert(coarse:solve {choose = false})
   local title = by == library and "lookup" or by
   print(("%s: %d elements, %.1f times faster, mean error %.1f %% of the displacement"):format(title,
     coarse.element_count, spent / (os.clock() - clock), 100 * result:error(reference)))

@@ -5,13 +5,12 @@
 -- conjugate gradients over coarse solids, go most of the way to the fine solution. How far they went is
 -- the estimate (engine/nonlinear/correction.c).
 local core = require "barwright.core"
-local options = require "barwright.options"
 
 local estimate = {}
 
 local STEPS, CG_ITERATIONS = 2, 8
 
--- Of solids.lua, which stands on this file: case_of, own_coarse, fine_of.
+-- Of solids.lua, which stands on this file: case_of, own_coarse, fine_of, naive_of, solve_itself.
 local of_solids
 
 --- Tells the functions of solids that this file needs.
@@ -22,6 +21,9 @@ end
 local function corrected(result)
   local fine, message, details = of_solids.fine_of(result.solid)
   if not fine then return nil, message, details end
+  if fine.body.formulation == "b_bar" then -- coarse cells would lock where the fine ones are made not to
+    return nil, "the error of coarse solids of B-bar materials is not estimated", {status = "unsupported"}
+  end
   local case
   case, message, details = of_solids.case_of(fine, 1)
   if not case then return nil, message, details end
@@ -48,39 +50,40 @@ function estimate.of(result)
   return distance == 0 and 0.0 or distance / size, distance, moved
 end
 
--- The result on a coarse grid with what is estimated of it; nil, message, details.
-local function solved(fine, by, levels, wish)
-  local coarse, message, details = fine:coarsen(by, levels)
-  if not coarse then return nil, message, details end
-  local result
-  result, message, details = coarse:solve(wish)
-  if not result then return nil, message, details end
+-- The result of a coarse solid, and its estimated error: nil, message, details where either has none.
+local function estimated(coarse, wish)
+  local result, message, details = of_solids.solve_itself(coarse, wish)
+  if not result then return nil, nil, message, details end
   local relative
-  relative, message, details = result:estimate_error()
-  if not relative then return nil, message, details end
+  relative, message, details = estimate.of(result)
+  if not relative then return result, nil, message, details end
+  rawget(result, "cache").estimated_error = relative
   return result, relative
 end
 
---- The result by a library or that of the naive coarse solid, whichever is estimated to be nearer to the
---- fine one; and {chosen = "library" | "naive", library =, naive =}: the two estimates, nil where a solid
---- has no equilibrium. nil, message, details where neither has one.
-function estimate.better(fine, given)
-  if type(given) ~= "table" then
-    core.raise(("solve_coarse: a table of options expected, got %s"):format(type(given)))
-  end
-  local wish = {}
-  for key, value in pairs(given) do wish[key] = value end
-  local own = options.read("solve_coarse", {by = wish.by, levels = wish.levels}, {
-    by = {type = "library", needed = true}, levels = {type = "integer", default = 1, least = 1, most = 2}})
-  wish.by, wish.levels = nil, nil
-  local naive, of_naive, naive_details = solved(fine, "naive", own.levels, wish)
-  local other, of_other, details = solved(fine, own.by, own.levels, wish)
-  if not naive and not other then return nil, of_other, details end
-  local chosen = other and (not naive or of_other < of_naive) and "library" or "naive"
-  return chosen == "library" and other or naive,
-    {chosen = chosen, library = other and of_other, naive = naive and of_naive,
-      message = not other and of_other or not naive and of_naive or nil,
-      details = not other and details or not naive and naive_details or nil}
+-- What ran out or was cancelled says nothing of a solid.
+local function ended(details)
+  local status = details and details.status
+  return status == "memory" or status == "cancelled" or status == "limit"
+end
+
+--- The equilibrium of a solid made coarse by a library, or of the naive one where that is estimated to be nearer
+--- to the fine one. result.choice = {chosen = "library" | "naive", library =, naive =}: the two estimates, nil
+--- where there is none, with the message and details of why. nil, message, details where neither solid has an
+--- equilibrium.
+function estimate.better(coarse, wish)
+  local result, relative, message, details = estimated(coarse, wish)
+  if ended(details) then return nil, message, details end
+  local twin, why, what = of_solids.naive_of(coarse)
+  local naive, of_naive
+  if twin then naive, of_naive, why, what = estimated(twin, wish) end
+  if ended(what) then return nil, why, what end
+  if not result and not naive then return nil, message, details end
+  local by_library = result and not (of_naive and not (relative and relative <= of_naive))
+  local best = by_library and result or naive
+  rawget(best, "cache").choice = {chosen = by_library and "library" or "naive", library = relative,
+    naive = of_naive, message = message or why, details = details or what}
+  return best
 end
 
 return estimate

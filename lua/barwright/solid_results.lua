@@ -46,6 +46,7 @@ local properties = {
     return self.displacement:map "sqrt(a.x*a.x + a.y*a.y + a.z*a.z)"
   end),
   estimated_error = kept("estimated_error", function(self) return (estimate.of(self)) end),
+  choice = function(self) return rawget(self, "cache").choice end,
   fine_displacement = kept("fine_displacement", function(self)
     local coarse = self.solid.coarse
     return coarse and coarse:to_fine(self.displacement) or self.displacement

@@ -29,14 +29,14 @@ local function check_self(where, self)
   end
 end
 
-local function make(grid, palette, acts, previous, coarse, fine_palette)
+local function make(grid, palette, acts, previous, coarse, fine_palette, by_library)
   local body, message, details = core.solid.create(grid, palette, previous)
   if not body then return nil, message, details end
   local newton
   newton, message, details = core.solid.newton()
   if not newton then return nil, message, details end
   return setmetatable({grid = grid, palette = body.palette, body = body, acts = acts, coarse = coarse or false,
-    fine_palette = fine_palette or false, newton = newton}, solid)
+    fine_palette = fine_palette or false, by_library = by_library or false, newton = newton}, solid)
 end
 
 --- A solid: {grid =, palette = {material 1, material 2, ...}}.
@@ -349,6 +349,7 @@ local MOST_PARTS = 1000
 local solve_rules = {
   path = {type = "integer", least = 1, most = MOST_PARTS},
   start = {type = "any"},
+  choose = {type = "boolean", default = true},
 }
 for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "integer",
   most_iterations = "integer", least_step = "number", cg_tolerance = "number", cg_iterations = "integer",
@@ -422,19 +423,12 @@ local function own_coarse(self, wanted)
   return rawget(self, "under") or nil
 end
 
---- Equilibrium: {tolerance =, iterations = in a load step, most_iterations = in all of them, steps =
---- load steps to begin with, least_step = where to give up, path = parts of the path
---- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
---- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
---- allow_inverted =}. Returns the result; or nil, message, details, where details.reached is the last
---- equilibrium on the way.
-function solid:solve(given)
-  check_self("solve", self)
-  local wish = options.read("solve", given, solve_rules)
+-- Equilibrium of the solid as it is.
+local function solve_itself(self, wish)
   local parts = wish.path or parts_of(self)
   local newton = {}
   for key, value in pairs(wish) do
-    if key ~= "path" and key ~= "start" then newton[key] = value end
+    if key ~= "path" and key ~= "start" and key ~= "choose" then newton[key] = value end
   end
   local under = wish.coarse and coarse_of(wish.coarse)
   if under == nil and (wish.linear == nil or wish.linear == "coarse") then
@@ -464,6 +458,20 @@ function solid:solve(given)
   return solid_results.create(self, all[parts], all)
 end
 
+--- Equilibrium: {tolerance =, iterations = in a load step, most_iterations = in all of them, steps =
+--- load steps to begin with, least_step = where to give up, path = parts of the path
+--- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
+--- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
+--- allow_inverted =, choose = whether a solid made coarse by a library gives way to the naive one where that is
+--- estimated to be nearer to the fine one (true)}. Returns the result; or nil, message, details, where
+--- details.reached is the last equilibrium on the way.
+function solid:solve(given)
+  check_self("solve", self)
+  local wish = options.read("solve", given, solve_rules)
+  if wish.choose and rawget(self, "by_library") then return estimate.better(self, wish) end
+  return solve_itself(self, wish)
+end
+
 --- The solid in motion: {scheme = "implicit_euler" | "newmark", step = s, mass_damping =,
 --- stiffness_damping =, beta =, gamma =, tolerance =, iterations =, displacement =, velocity =}. Loads
 --- are at full, what is held stays where it is at full load.
@@ -490,7 +498,8 @@ function solid:with(grid)
   if not self.coarse then return make(grid, self.palette, self.acts, self.body) end
   local coarse, message, details = self.coarse:follow(grid)
   if not coarse then return nil, message, details end
-  return make(coarse.grid, coarse.palette, self.acts, self.body, coarse, self.fine_palette)
+  return make(coarse.grid, coarse.palette, self.acts, self.body, coarse, self.fine_palette,
+    rawget(self, "by_library"))
 end
 
 --- The solid on a grid made coarse: by a library, or "naive" or "average"; `levels` times (1).
@@ -499,7 +508,7 @@ function solid:coarsen(by, levels)
   if self.coarse then raise "coarsen: this solid is coarse; give the levels where the fine one is coarsened" end
   local coarse, message, details = core.metamaterial.coarsen(self.grid, self.palette, by, levels or 1)
   if not coarse then return nil, message, details end
-  return make(coarse.grid, coarse.palette, self.acts, nil, coarse, self.palette)
+  return make(coarse.grid, coarse.palette, self.acts, nil, coarse, self.palette, type(by) ~= "string")
 end
 
 --- The fine solid of a coarse one; itself of a fine one.
@@ -513,11 +522,37 @@ local function fine_of(self)
   return rawget(self, "fine_solid")
 end
 
---- The equilibrium of the solid made coarse by a library, or of the naive one where that is estimated to be
---- nearer to the fine solution: {by = library, levels = 1, other options as of `solve`}.
+-- The naive coarse solid beside one of a library, kept.
+local function naive_of(self)
+  if not rawget(self, "naive") then
+    local fine, message, details = fine_of(self)
+    if not fine then return nil, message, details end
+    local made
+    made, message, details = fine:coarsen("naive", self.levels)
+    if not made then return nil, message, details end
+    rawset(self, "naive", made)
+  end
+  return rawget(self, "naive")
+end
+
+--- The solid made coarse by a library and solved: {by = library, levels = 1, other options as of `solve`}. The
+--- result, and how it was chosen; nil, message, details.
 function solid:solve_coarse(given)
   check_self("solve_coarse", self)
-  return estimate.better(self, given)
+  if type(given) ~= "table" then
+    raise(("solve_coarse: a table of options expected, got %s"):format(type(given)))
+  end
+  local wish = {}
+  for key, value in pairs(given) do wish[key] = value end
+  local own = options.read("solve_coarse", {by = wish.by, levels = wish.levels}, {
+    by = {type = "library", needed = true}, levels = {type = "integer", default = 1, least = 1, most = 2}})
+  wish.by, wish.levels = nil, nil
+  local coarse, message, details = self:coarsen(own.by, own.levels)
+  if not coarse then return nil, message, details end
+  local result
+  result, message, details = coarse:solve(wish)
+  if not result then return nil, message, details end
+  return result, result.choice
 end
 
 function solid:__tostring()
@@ -528,6 +563,7 @@ end
 
 solids.class, solids.properties = solid, properties
 
-estimate.begin {case_of = case_of, own_coarse = own_coarse, fine_of = fine_of}
+estimate.begin {case_of = case_of, own_coarse = own_coarse, fine_of = fine_of, naive_of = naive_of,
+  solve_itself = solve_itself}
 
 return solids

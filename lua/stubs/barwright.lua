@@ -3645,8 +3645,10 @@ function Solid:floor(options) end
 ---says how far it came: details.reached is the last equilibrium on the way. The work until then is
 ---bounded: `iterations` in a load step (100), `most_iterations` in all of them, where 100 of conjugate
 ---gradients count as one more (500, and 20 for each of `steps` beyond the first), load steps no smaller
----than `least_step` (1/256).
----@param options? {tolerance?: number, iterations?: integer, most_iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array}
+---than `least_step` (1/256). A solid made coarse by a library is compared with the naive coarse one (`choose`, default
+---true): both are solved, the errors of both are estimated, and the result is that of the nearer one, which its
+---`choice` tells. This takes two to four times as long as `choose = false`.
+---@param options? {tolerance?: number, iterations?: integer, most_iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, coarse?: bw.Solid, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean, start?: bw.Array, choose?: boolean}
 ---@return bw.SolidResult?
 ---@return string? message
 ---@return table? details
@@ -3670,7 +3672,9 @@ function Solid:motion(options) end
 function Solid:with(grid) end
 
 ---The solid made coarse `levels` times (1): by a library's lookup; or "naive" (points take the material
----of the fine element there), or "average" (constants averaged), for comparison.
+---of the fine element there), or "average" (constants averaged), for comparison. What a library does not resolve
+---(straight stiff rods, displacements that are imposed) it can make worse than "naive": so `solve` chooses between
+---the two, while `motion` takes the library as it is.
 ---@param by bw.Library|"naive"|"average"
 ---@param levels? integer
 ---@return bw.Solid?
@@ -3678,16 +3682,23 @@ function Solid:with(grid) end
 ---@return table? details
 function Solid:coarsen(by, levels) end
 
----The equilibrium of the solid made coarse by a library, or of the naive one where that is estimated to be
----nearer to the fine solution. Options as of `solve`, with `by` and `levels` as of `coarsen`. Beside the result:
----`chosen`, "library" or "naive"; `library` and `naive`, the estimated errors of the two, relative to the
----displacement, nil where there is no equilibrium, then with `message` and `details` of why. Example:
+---`coarsen` and `solve` in one: options as of `solve`, with `by` and `levels` as of `coarsen`. Beside the result its
+---`choice`. Example:
 ---`local result, how = fine:solve_coarse {by = library}; print(how.chosen, result.estimated_error)`.
 ---@param options {by: bw.Library, levels?: integer, tolerance?: number, iterations?: integer, most_iterations?: integer, steps?: integer, least_step?: number, path?: integer, linear?: string, cg_tolerance?: number, cg_iterations?: integer, allow_inverted?: boolean}
 ---@return bw.SolidResult?
 ---@return table|string how
 ---@return table? details
 function Solid:solve_coarse(options) end
+
+---What a coarse solid's `solve` chose by the estimated errors of both, relative to the displacement (nil where there
+---is no equilibrium or no estimate, then with `message` and `details` of why).
+---@class bw.CoarseChoice
+---@field chosen "library"|"naive"
+---@field library number?
+---@field naive number?
+---@field message string?
+---@field details table?
 
 ---@class bw.SolidResult
 ---@field solid bw.Solid
@@ -3703,6 +3714,7 @@ function Solid:solve_coarse(options) end
 ---@field movement bw.Array of nodes: how far each went, m
 ---@field fine_displacement bw.Array of a coarse solid: at the nodes of its fine grid
 ---@field estimated_error number? of a coarse solid: the first number of `estimate_error`, kept
+---@field choice bw.CoarseChoice? of a solid made coarse by a library: what `solve` chose
 local SolidResult = {}
 
 ---Mean distance of the fine grid's nodes from those of a reference on the same fine grid: over the mean

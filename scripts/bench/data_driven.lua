@@ -112,7 +112,7 @@ if wanted "gradients" then
   out.gradients = bw.json.list {}
   local base
   local function row(level, linear, options)
-    local spent, result, message = compare.timed(solids[level].solve, solids[level], options)
+    local spent, result, message = compare.timed(solids[level].solve, solids[level], compare.as_it_is(options))
     if not result then return print(("  level %d, %-7s %s"):format(level, linear, message)) end
     local report = result.report
     if level == 0 and linear == "jacobi" then base = spent.processor end

@@ -157,7 +157,7 @@ for seed = wish.first, wish.first + wish.bodies - 1 do
         if by == "naive" or by and by.levels >= level then
           local coarse, solution
           coarse = assert(fine:coarsen(by, level))
-          solution, message = coarse:solve()
+          solution, message = coarse:solve {choose = false}
           row[method] = solution and select(2, solution:error(reference)) or nil
           line = line .. ("  %s %s"):format(method, solution and ("%.2e"):format(row[method]) or message)
           if solution and method ~= "naive" and row.naive then

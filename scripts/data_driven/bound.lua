@@ -83,7 +83,7 @@ for _, name in ipairs(names) do
         local of = by[method]
         local solid = of and (of == "naive" and coarse or of.levels >= level and fine:coarsen(of, level))
         local solution
-        if solid then solution, message = solid:solve(scene.solve) end
+        if solid then solution, message = solid:solve(compare.as_it_is(scene.solve)) end
         if solution then
           local v = solution.fine_displacement
           local one, all = best.factor(v, u), best.factors(v, u)

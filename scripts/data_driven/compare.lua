@@ -39,6 +39,13 @@ local function at_level(by, method, level)
   return by
 end
 
+--- Options of solve under which a coarse solid answers for itself: its error is what is measured here.
+function compare.as_it_is(options)
+  local wish = {choose = false}
+  for key, value in pairs(options or {}) do wish[key] = value end
+  return wish
+end
+
 --- Rows of a scene: the fine solution, then by each of the methods at each level: `by[method]` is a
 --- library ("lookup", "grown"), "naive" or "average". `each(row, solution)` is called as they are done.
 --- Returns the rows and the fine solution; a coarse solid that has no solution is a row with `failed`.
@@ -59,7 +66,7 @@ function compare.scene(scene, fine, by, methods, each)
         made, coarse, message, details = compare.timed(fine.coarsen, fine, of, level)
         if not coarse then return nil, message, details, rows end
         local solution
-        spent, solution, message = compare.timed(coarse.solve, coarse, scene.solve)
+        spent, solution, message = compare.timed(coarse.solve, coarse, compare.as_it_is(scene.solve))
         if bw.interrupted() then return nil, "interrupted", {status = "cancelled"}, rows end
         if solution then
           row = row_of(method, level, coarse, solution, spent)

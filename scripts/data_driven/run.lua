@@ -124,7 +124,7 @@ local function edit(scene, fine, library, result, out)
       spent, coarse, message, details = compare.timed(coarse.with, coarse, grid)
       if not coarse then return nil, message, details end
       row.seconds_coarsening, row.looked_up = spent.clock, coarse.coarse.looked_up
-      spent, solution, message, details = compare.timed(coarse.solve, coarse, scene.solve)
+      spent, solution, message, details = compare.timed(coarse.solve, coarse, compare.as_it_is(scene.solve))
       if not solution then return nil, message, details end
       row.seconds_coarse, row.error = spent.processor, select(2, solution:error(reference))
       row.speed_up = row.seconds_fine / row.seconds_coarse

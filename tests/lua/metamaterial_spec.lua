@@ -124,7 +124,8 @@ describe("a library", function()
       local reference = assert(fine:solve())
       local error = {}
       for name, by in pairs {library = made, naive = "naive"} do
-        local result = assert(assert(fine:coarsen(by)):solve())
+        local result = assert(assert(fine:coarsen(by)):solve {choose = false})
+        assert.is_nil(result.choice)
         error[name] = result:error(reference)
         local estimated, of_size, corrected = result:estimate_error()
         assert.equal(estimated, result.estimated_error)
@@ -135,6 +136,7 @@ describe("a library", function()
           < 0.5 * fine.grid:difference(result.fine_displacement, reference.displacement))
       end
       local best, how = fine:solve_coarse {by = made}
+      assert.equal(how, best.choice)
       assert.equal(expected, how.chosen)
       check.near(math.min(error.library, error.naive), (best:error(reference)), 1e-9)
       assert.equal(math.min(how.library, how.naive), best.estimated_error)
@@ -145,6 +147,59 @@ describe("a library", function()
     assert.is_true(error.library > 3 * error.naive)
     error = check_choice(layered(), small(), "library")
     assert.is_true(error.naive > 3 * error.library)
+  end)
+
+  -- A bar of soft cells with hard ones, held below, under a force or a displacement of its upper end.
+  local function bar(material, load)
+    local grid = assert(bw.grid.box {cells = {4, 10, 4}, spacing = 0.01, material = material})
+    local solid = assert(bw.solid {grid = grid, palette = palette()}):hold {side = "low y"}
+    local across, value = load[2], load[3]
+    return solid[load[1]](solid, {side = "high y"}, across and {value, 0, 0} or {0, value, 0})
+  end
+
+  it("never answers worse than the naive solid where the estimate tells the two apart", function()
+    local seed = 5
+    local function drawn()
+      seed = (seed * 1103515245 + 12345) % 2147483648
+      return seed / 2147483648
+    end
+    local mixture = {}
+    for i = 1, 160 do mixture[i] = drawn() < 0.4 and 2 or 1 end
+    local layouts = {
+      rods = function(x, _, z) return x // 0.01 % 3 == 1 and z // 0.01 % 3 == 1 and 2 or 1 end,
+      mixture = function(x, y, z)
+        return mixture[math.floor(1 + x // 0.01 + 4 * (y // 0.01) + 40 * (z // 0.01))]
+      end,
+    }
+    local loads = {pull = {"force", false, 2}, bend = {"force", true, 0.02}, press = {"hold", false, -0.004},
+      shear = {"hold", true, 0.01}}
+    local chosen = {library = 0, naive = 0}
+    for _, material in pairs(layouts) do
+      local made = assert(bw.metamaterial.grow(palette(), bar(material, loads.pull).grid, {directions = 10}))
+      for name, load in pairs(loads) do
+        local fine = bar(material, load)
+        local reference = assert(fine:solve())
+        local best = assert(assert(fine:coarsen(made)):solve())
+        local naive = assert(assert(fine:coarsen "naive"):solve())
+        local choice = best.choice
+        chosen[choice.chosen] = chosen[choice.chosen] + 1
+        assert.equal(math.min(choice.library, choice.naive), best.estimated_error)
+        assert.is_true((best:error(reference)) <= 1.05 * naive:error(reference), name)
+      end
+    end
+    assert.is_true(chosen.library > 0 and chosen.naive > 0)
+  end)
+
+  it("follows an edit and chooses again; answers by itself where it is asked to", function()
+    local fine, made = pressed_rods()
+    local coarse = assert(fine:coarsen(made))
+    assert.equal("naive", assert(coarse:solve()).choice.chosen)
+    local edited = assert(coarse:with(assert(fine.grid:set({high = {0.02, 0.02, 0.02}}, 2))))
+    assert.equal("naive", assert(edited:solve()).choice.chosen)
+    local itself = assert(coarse:solve {choose = false})
+    assert.equal(coarse, itself.solid)
+    assert.is_nil(assert(assert(fine:coarsen "naive"):solve()).choice)
+    check.raises("option 'choose'", coarse.solve, coarse, {choose = 1})
   end)
 
   it("has an error to estimate only where it is coarse", function()
