@@ -5,6 +5,7 @@
 -- edges. docs/theory/breaking_force.md has the mathematics.
 local advice = require "barwright.advice"
 local arguments = require "barwright.arguments"
+local averaging_radius = require "barwright.averaging_radius"
 local breaking_loads = require "barwright.breaking_loads"
 local core = require "barwright.core"
 local growth = require "barwright.singular_growth"
@@ -26,7 +27,7 @@ local rules = breaking_loads.rules {
   error = {type = "number", default = 0.05, above = 0, most = 1},
   elements = {type = "integer", default = ELEMENTS, least = 1, most = 10000000},
   most_elements = {type = "integer", least = 1, most = 10000000},
-  length = {type = "number", above = 0},
+  length = {type = "any"},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
   modes = {type = "integer", default = 15, least = 1, most = 500},
   regions = {type = "integer", default = 5, least = 1, most = 1000},
@@ -35,8 +36,6 @@ local rules = breaking_loads.rules {
 
 -- A contact takes at most this share of the surface; with more, few loads are admissible.
 local MOST_OF_SURFACE = 0.05
--- The default radius of the patch, over the diagonal of the bounding box.
-local PATCH = 0.02
 -- The first mesh is uniform and has this share of the elements that are asked for, but not fewer than FEWEST. The
 -- others have so much of them, with BACKGROUND for the whole body, the rest near the weakest places.
 local FIRST, FEWEST, BACKGROUND = 0.25, 300, 0.5
@@ -381,7 +380,9 @@ function breaking_force.analyse(body, given)
     core.raise "breaking_force: failure 'von_mises' needs one strength; the material's differs with the direction"
   end
   self.failure = wish.failure or ductile[wish.material.name] and "von_mises" or "principal"
-  self.length = wish.length or PATCH * distance(self.box.low, self.box.high)
+  local radius, why, about = averaging_radius("breaking_force", wish.length, wish.material, self.box)
+  if not radius then return nil, why, about end
+  self.length = radius
   self.reference, self.history = wish.force, {}
   local start = core.seconds()
   local asked = next_count(self) or self.given_mesh.element_count

@@ -16,7 +16,7 @@ local rules = {
   material = {type = "material", needed = true},
   contact = {type = "number", default = 1e-4, above = 0},
   elements = {type = "integer", default = 20000, least = 1, most = 10000000},
-  length = {type = "number", above = 0},
+  length = {type = "any"},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
   modes = {type = "integer", default = 15, least = 1, most = 500},
   regions = {type = "integer", default = 5, least = 1, most = 1000},
@@ -41,7 +41,7 @@ local LEAST_OFFSET = 1e-3
 local function full(self, surface)
   local wish = self.options
   return breaking_force(surface, {material = wish.material, force = wish.force, contact = wish.contact,
-    elements = wish.elements, length = self.length, failure = wish.failure, modes = wish.modes,
+    elements = wish.elements, length = self.length or wish.length, failure = wish.failure, modes = wish.modes,
     regions = wish.regions, seed = wish.seed})
 end
 

@@ -110,8 +110,9 @@ function bw.brute_force(part, options) end
 ---tetrahedra on meshes of about 0.25, 0.6 and 1 times `elements` (20000); finer ones follow until the estimated error
 ---is at most `error` (0.05) or there are `most_elements` (four times `elements`, but not more than 20000 unless asked
 ---for). A mesh is taken as it is, and the interval is wide. The stress is judged by its
----mean over a surface patch of radius `length` (m; default 2 % of the diagonal of the bounding box), by the largest
----principal stress, or by von Mises against yield for the library's metals or `failure = "von_mises"`.
+---mean over a surface patch of radius `length` (m; default 2 % of the diagonal of the bounding box; "critical": half
+---the critical distance of the material, nil and a message where it has none), by the largest principal stress, or by
+---von Mises against yield for the library's metals or `failure = "von_mises"`.
 ---`contact` is the least area that a force presses on (m2; default 1e-4, at most a twentieth of the surface), `force`
 ---the load at which `worst` is computed (N; default 20). docs/theory/breaking_force.md.
 ---```lua
@@ -122,7 +123,7 @@ function bw.brute_force(part, options) end
 ---nothing presses; `friction` is Coulomb's coefficient (default 0), `hands` the number of places (1 to 16) that are
 ---pressed at once.
 ---@param body bw.Surface|bw.Mesh
----@param options {material: bw.Material, force?: number, contact?: number, hold?: (fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]), forbidden?: (fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]), friction?: number, hands?: integer, error?: number, elements?: integer, most_elements?: integer, length?: number, failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer}
+---@param options {material: bw.Material, force?: number, contact?: number, hold?: (fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]), forbidden?: (fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]), friction?: number, hands?: integer, error?: number, elements?: integer, most_elements?: integer, length?: number|"critical", failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer}
 ---@return bw.BreakingForce?
 ---@return string? message
 ---@return table? details
@@ -140,7 +141,7 @@ function bw.breaking_force(body, options) end
 ---assert(result.surface:write "stronger.stl")
 ---```
 ---@param surface bw.Surface
----@param options {force: number, material: bw.Material, contact?: number, elements?: integer, length?: number, failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer, steps?: integer, keep?: (fun(x: number, y: number, z: number): boolean), progress?: fun(step: table)}
+---@param options {force: number, material: bw.Material, contact?: number, elements?: integer, length?: number|"critical", failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer, steps?: integer, keep?: (fun(x: number, y: number, z: number): boolean), progress?: fun(step: table)}
 ---@return bw.Strengthened?
 ---@return string? message
 ---@return table? details
@@ -4814,8 +4815,6 @@ function Trials:plot(kind, options) end
 ---@return table? details
 function Trials:report(path, options) end
 
-return bw
-
 -- ---- thickness under a surface ---------------------------------------------------------------------
 
 ---How thick the body is under places of its surface that have equal shares of the area (1000 of them): the
@@ -4881,3 +4880,5 @@ function Distributed.versions() end
 ---Landlock holds it (0: none) and whether its system calls are filtered; nil outside of a sandbox.
 ---@return {folder: string, landlock: integer, calls: boolean}?
 function bw.sandbox() end
+
+return bw

@@ -76,6 +76,23 @@ describe("the breaking force", function()
     assert.equal("principal", principal.failure)
   end)
 
+  it("averages over half the critical distance of the material where that is asked for", function()
+    local mesh = assert(bw.mesh.fill(bar, {elements = 300, order = 2}))
+    local found = assert(breaking(mesh, {material = bw.material.abs, length = "critical"}))
+    assert.equal(0.5 * bw.material.abs.critical_distance, found.length)
+    local same = assert(breaking(mesh, {material = bw.material.abs, length = found.length}))
+    assert.equal(found.force, same.force)
+    check.fails("unsupported", "the fracture toughness of pla is not known: give a length in m, or a material",
+      breaking(mesh, {length = "critical"}))
+    -- twice the 21.8 mm of steel in a bar of 10 mm
+    check.fails("unsupported", "does not fit into a part that is 10 mm thick",
+      breaking(mesh, {material = bw.material.steel, length = "critical"}))
+    check.raises("a length in m above 0 or 'critical' expected, got long", breaking, mesh, {length = "long"})
+    check.raises("a length in m above 0 or 'critical' expected, got 0", breaking, mesh, {length = 0})
+    check.raises("a length in m above 0 or 'critical' expected, got", breaking, mesh, {length = 0 / 0})
+    check.raises("a length in m above 0 or 'critical' expected, got a table", breaking, mesh, {length = {}})
+  end)
+
   it("names what is wrong", function()
     check.raises("option 'material': a material expected", bw.breaking_force, bar)
     check.raises("a surface or a mesh expected, got table", breaking, {})

@@ -428,6 +428,25 @@ describe("commands that compute", function()
     assert.is_nil(object.materials[1].critical_distance_m)
   end)
 
+  it("worst averages over half the critical distance where that is asked for", function()
+    local path = check.folder() .. "/plate.vtu"
+    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(path))
+    local words = "worst --modes 2 --regions 1 " .. path .. " --length "
+    local _, object = answer(words .. "critical --material abs")
+    assert.near(0.5 * bw.material.abs.critical_distance, object.averaging_radius_m, 1e-12)
+    assert.near(bw.material.abs.critical_distance, object.critical_distance_m, 1e-12)
+    _, object = answer(words .. "1.5mm")
+    assert.near(1.5e-3, object.averaging_radius_m, 1e-12)
+    assert.is_nil(object.critical_distance_m)
+    local status
+    status, object = answer(words .. "critical")
+    assert.equal(2, status)
+    assert.truthy(object.error.message:find("the fracture toughness of pla is not known", 1, true))
+    status, object = answer(words .. "criticl")
+    assert.equal(2, status)
+    assert.truthy(object.error.message:find("option --length: 'critical' or a number", 1, true))
+  end)
+
   it("statics gives the beam's deflection and stress", function()
     local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
       .. "above:x:1=0,0,-100N")

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Stress measures at singular edges: critical distances, stress intensities, the stress of a fillet.
 local bw = require "barwright"
+local core = require "barwright.core"
 local prism = require "prism"
 
 local pi, cos, sin, sqrt = math.pi, math.cos, math.sin, math.sqrt
@@ -118,6 +119,25 @@ describe("the theory of critical distances", function()
       assert.equal(edges[1], K[1].place)
       -- the largest stress at nodes has no such limit
       assert.is_true(static.max_principal:max() > 1.3 * line)
+    end
+  end)
+
+  it("bounds the mean over a surface patch of radius L / 2 from below at edges of 270 and 300 degrees", function()
+    local L, height = 0.2, 0.3
+    local function over_line(omega, edge)
+      local static, edges = field(omega, 0.75 * L / 2.5, edge, height)
+      local mean, largest = assert(core.surface_mean(static.mesh, static.stress, L / 2)), 0
+      for i, p in ipairs(static.mesh.nodes:totable()) do
+        if math.abs(p[3] - height / 2) < L / 6 and p[1] ^ 2 + p[2] ^ 2 < L ^ 2 / 4 then
+          largest = math.max(largest, core.principal(mean:rows(i, i))(1, 1))
+        end
+      end
+      local l = edges[1].exponent
+      return largest * l * sqrt(2 * pi) / (2 * L) ^ (l - 1)
+    end
+    for omega, limit in pairs {[1.5 * pi] = 1.02, [5 * pi / 3] = 0.98} do
+      local coarse, fine = over_line(omega, L / 3), over_line(omega, L / 6)
+      assert.is_true(limit < fine and fine < coarse and coarse < 2, ("%g: %g, %g"):format(omega, coarse, fine))
     end
   end)
 

@@ -177,8 +177,9 @@ describe("strengthening", function()
   it("thickens a neck in one step, and says that the force is not reached", function()
     local steps = {}
     local result = assert(bw.strengthen(bar, with {elements = 200, modes = 2, regions = 1, force = 250, steps = 1,
-      progress = function(step) steps[#steps + 1] = step end}))
+      length = 0.0013, progress = function(step) steps[#steps + 1] = step end}))
     assert.is_false(result.reached)
+    assert.equal(0.0013, result.length)
     assert.equal(1, #result.steps)
     assert.equal(result.steps[1], steps[1])
     assert.is_true(result.before.low < 250 and result.after.low < 250)

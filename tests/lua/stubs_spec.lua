@@ -53,6 +53,10 @@ local function same(bound, class, also)
 end
 
 describe("the stubs", function()
+  it("are Lua", function()
+    assert(load(check.read(check.root .. "/lua/stubs/barwright.lua"), "stubs"))
+  end)
+
   it("hold the module", function()
     same(keys(bw), "bw")
     same(keys(bw.array), "bw.ArrayModule")

@@ -83,10 +83,11 @@ end
 --- The value of one word by a rule, or nil and a sentence without a subject.
 function arguments.value(rule, text)
   local value = text
+  if rule.word and text == rule.word then return text end
   if rule.type == "number" or rule.type == "integer" then
     local message
     value, message = number_of(rule, text)
-    if value == nil then return nil, message end
+    if value == nil then return nil, rule.word and ("'%s' or %s"):format(rule.word, message) or message end
   elseif text == "" then
     return nil, "a value expected, got an empty one"
   end
@@ -230,7 +231,7 @@ end
 local types = {string = true, number = true, integer = true, flag = true, file = true, folder = true}
 local rule_keys = {name = true, value = true, type = true, default = true, one_of = true, what = true,
   optional = true, many = true, needed = true, unit = true, least = true, most = true, above = true,
-  below = true, endings = true}
+  below = true, endings = true, word = true}
 local command_keys = {summary = "string", about = "string", arguments = "table", options = "table",
   examples = "table", run = "function", server = "boolean"}
 

@@ -48,6 +48,10 @@ local function material_of(wish)
     density = wish.density or named.density, toughness = wish.toughness or named.toughness}
 end
 
+model.length_option = {name = "length", value = "critical|LENGTH", type = "number", unit = "m", above = 0,
+  word = "critical", what = "radius of the surface patch over which the stress is averaged; critical: half the "
+    .. "critical distance of the material; without it, 2 % of the part's diagonal"}
+
 model.elements_option = {name = "elements", value = "N", type = "integer", default = 20000, least = 1,
   most = 10000000,
   what = "about how many tetrahedra a surface is filled with: more take longer and show finer stresses"}

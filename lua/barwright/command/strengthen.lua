@@ -85,7 +85,8 @@ local function strengthen(wish, out)
   end
   local result
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = wish.force,
-    contact = wish.contact, elements = wish.elements, modes = wish.modes, regions = wish.regions,
+    contact = wish.contact, elements = wish.elements, length = wish.length,
+    modes = wish.modes, regions = wish.regions,
     steps = wish.steps, keep = #wish.keep > 0 and model.place_test(wish.keep, read.box) or nil,
     progress = function(step)
       out:say("  %s thickened, most by %.2g mm: breaks at %.3g N%s", model.count(step.places, "place"),
@@ -111,6 +112,7 @@ local options = {
   {name = "keep", value = "PLACE", many = true,
     what = "where the surface must not move; may be repeated"},
   model.contact_option,
+  model.length_option,
   {name = "steps", value = "N", type = "integer", default = 8, least = 1, most = 100,
     what = "how often it is thickened and computed again at most"},
   model.unit_option,

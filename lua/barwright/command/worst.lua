@@ -40,6 +40,7 @@ local function keep(breaking, verdict, large, singular, wish, out)
     breaking_force_high_n = breaking.high, estimated_error = breaking.estimated_error, at_m = breaking.at,
     singular = singular ~= nil, contact_area_m2 = contact, contact_area_asked_m2 = wish.contact,
     force_n = wish.force, failure = breaking.failure, averaging_radius_m = breaking.length,
+    critical_distance_m = wish.length == "critical" and breaking.material.critical_distance or nil,
     beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
     material = wish.material, frequencies_hz = worst.modes.frequencies and worst.modes.frequencies:totable(),
@@ -86,9 +87,10 @@ local function tell(breaking, verdict, large, singular, mass, wish, out)
   if large then
     out:say("  Deflections there are beyond the range of linear theory: more than a tenth of the part's length.")
   end
-  out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm, judged by %s. The "
+  out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm%s, judged by %s. The "
     .. "search for the worst way is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
-    model.mm(breaking.length), breaking.failure == "von_mises" and "von Mises against yield"
+    model.mm(breaking.length), wish.length == "critical" and ", half the critical distance" or "",
+    breaking.failure == "von_mises" and "von Mises against yield"
       or "the largest principal stress")
 end
 
@@ -203,8 +205,9 @@ local function analyse(wish, out)
   if wish.threads then bw.threads(wish.threads) end
   local folder
   if wish.out then
-    local options = model.pick({"force", "contact", "hold", "forbid", "friction", "hands", "error", "modes",
-      "regions", "elements", "material", "unit", "young", "poisson", "strength", "density", "toughness"}, wish)
+    local options = model.pick({"force", "contact", "hold", "forbid", "friction", "hands", "error", "length",
+      "modes", "regions", "elements", "material", "unit", "young", "poisson", "strength", "density",
+      "toughness"}, wish)
     local message, details
     folder, message, details = bw.results.open(wish.out, {script = "barwright worst", inputs = {wish.model},
       options = options, seed = 1})
@@ -218,7 +221,7 @@ local function analyse(wish, out)
     force = wish.force, contact = wish.contact, error = wish.error, elements = wish.elements,
     most_elements = wish.error and math.max(MOST_ELEMENTS, wish.elements) or nil, modes = wish.modes,
     regions = wish.regions, hold = limits.hold, forbidden = limits.forbidden, friction = limits.friction,
-    hands = limits.hands})
+    hands = limits.hands, length = wish.length})
   out:remarks()
   if not breaking then return nil, wish.model .. ": " .. message, details end
   local worst = breaking.worst
@@ -257,6 +260,7 @@ local options = {
     what = "press within so many places at once, each as large as two contacts; without it, anywhere"},
   {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
     what = "refine until the estimated error is this share, 0.05 for instance, or the mesh becomes too large"},
+  model.length_option,
   model.unit_option,
   model.elements_option,
   model.search_options[1],
