@@ -28,6 +28,9 @@ void bw_drop_result_clear(bw_drop_result *result) {
   bw_free(result->mean_peak);
   bw_free(result->contact);
   bw_free(result->force);
+  bw_free(result->push);
+  bw_free(result->resultant);
+  bw_free(result->nodes);
   bw_free(result->area);
   bw_free(result->peak);
   memset(result, 0, sizeof *result);
@@ -48,7 +51,7 @@ typedef struct drop_test {
   double *block;          /* batch x node_count x 3 */
   bwi_contact_part *part; /* workers x part_count */
   int64_t part_count;
-  double *contact, *force, *area; /* of all drops: 3, 1 and 1 */
+  bw_drop_result *result; /* of all drops: what is known before they are solved is filled in */
   double *stress, *principal;     /* of one drop */
 } drop_test;
 
@@ -221,11 +224,12 @@ static double force_at(const drop_test *test, const contact *hit, const double a
   return 2 * effective * hit->speed / test->options.duration;
 }
 
-/* The force on the nodes, its size and the area of the contact. The resultant is along the push,
- * through the centre of pressure, and its size is that of the impulse there. */
-static void apply(const drop_test *test, const contact *hit, bwi_contact_part *part, double *force,
-                  double *size, double *area) {
+/* The force on the nodes, and what the result has of it. The resultant is along the push, through
+ * the centre of pressure, and its size is that of the impulse there. */
+static void apply(const drop_test *test, int64_t drop, const contact *hit, bwi_contact_part *part,
+                  double *force) {
   const bw_mesh *mesh = test->mesh;
+  double *resultant = test->result->resultant + 3 * drop;
   bwi_contact_patch patch;
   double *share =
       force + 2 * (size_t)mesh->node_count; /* read before it is overwritten: 3 i <= 2 n + i */
@@ -237,12 +241,18 @@ static void apply(const drop_test *test, const contact *hit, bwi_contact_part *p
     share[hit->node[1]] += hit->part;
     memcpy(patch.centre, hit->peg.at, sizeof patch.centre);
   }
-  *size = force_at(test, hit, patch.centre);
-  *area = patch.area;
+  double size = force_at(test, hit, patch.centre);
+  test->result->force[drop] = size;
+  test->result->area[drop] = patch.area;
+  test->result->nodes[drop] = 0;
+  memset(resultant, 0, 3 * sizeof *resultant);
   for (int64_t i = 0; i < mesh->node_count; i++) {
-    double own = *size * share[i];
-    for (int k = 0; k < 3; k++)
+    double own = size * share[i];
+    test->result->nodes[drop] += own != 0;
+    for (int k = 0; k < 3; k++) {
       force[3 * i + k] = own * hit->peg.push[k];
+      resultant[k] += force[3 * i + k];
+    }
   }
 }
 
@@ -251,10 +261,10 @@ static bw_status drop_body(void *data, int64_t begin, int64_t end, int worker) {
   for (int64_t i = begin; i < end; i++) {
     int64_t drop = test->first + i;
     contact hit = find_contact(test, drop);
-    memcpy(test->contact + 3 * drop, hit.peg.at, sizeof hit.peg.at);
-    apply(test, &hit, test->part + worker * test->part_count,
-          test->block + (size_t)i * 3 * (size_t)test->mesh->node_count, &test->force[drop],
-          &test->area[drop]);
+    memcpy(test->result->contact + 3 * drop, hit.peg.at, sizeof hit.peg.at);
+    memcpy(test->result->push + 3 * drop, hit.peg.push, sizeof hit.peg.push);
+    apply(test, drop, &hit, test->part + worker * test->part_count,
+          test->block + (size_t)i * 3 * (size_t)test->mesh->node_count);
   }
   return BW_OK;
 }
@@ -379,20 +389,21 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   result.mean_peak = BW_NEW0(context, double, elements);
   result.contact = BW_NEW(context, double, 3 * drops);
   result.force = BW_NEW(context, double, drops);
+  result.push = BW_NEW(context, double, 3 * drops);
+  result.resultant = BW_NEW(context, double, 3 * drops);
+  result.nodes = BW_NEW(context, int32_t, drops);
   result.area = BW_NEW(context, double, drops);
   test.part_count = bwi_contact_capacity(mesh);
   test.part = BW_NEW(context, bwi_contact_part, test.part_count * bw_threads(context));
   result.peak = BW_NEW(context, double, drops);
   result.drops = test.options.drops;
   if (!test.body || !test.block || !test.stress || !test.principal || !result.exceedance ||
-      !result.mean_peak || !result.contact || !result.force || !result.area || !result.peak ||
+      !result.mean_peak || !result.contact || !result.force || !result.push || !result.resultant || !result.nodes || !result.area || !result.peak ||
       !test.part) {
     status = BW_MEMORY;
     goto done;
   }
-  test.contact = result.contact;
-  test.force = result.force;
-  test.area = result.area;
+  test.result = &result;
   BW_TRY(weigh(context, mesh, system->material->density, test.body));
   if (!(bw_material_strength(system->material, system->material->axes) > 0)) {
     histogram = BW_NEW0(context, double, HISTOGRAM_BINS);

@@ -357,6 +357,13 @@ static void copy_out(lua_State *L, int table, const char *key, int64_t rows, int
   memcpy(to, data, (size_t)(rows * columns) * sizeof *data);
 }
 
+static void copy_counts(lua_State *L, int table, const char *key, int64_t rows,
+                        const int32_t *data) {
+  void *to = lbw_push_array(L, BW_I32, rows, 1)->data;
+  lua_setfield(L, table, key);
+  memcpy(to, data, (size_t)rows * sizeof *data);
+}
+
 typedef struct drop_out {
   const bw_drop_result *result;
   int64_t elements;
@@ -365,11 +372,13 @@ typedef struct drop_out {
 static int push_drops(lua_State *L) {
   const drop_out *out = (const drop_out *)lua_touserdata(L, 1);
   const bw_drop_result *result = out->result;
-  lua_createtable(L, 0, 8);
+  lua_createtable(L, 0, 11);
   copy_out(L, 2, "exceedance", out->elements, 1, result->exceedance);
   copy_out(L, 2, "mean_peak", out->elements, 1, result->mean_peak);
   copy_out(L, 2, "contacts", result->drops, 3, result->contact);
-
+  copy_out(L, 2, "pushes", result->drops, 3, result->push);
+  copy_out(L, 2, "resultants", result->drops, 3, result->resultant);
+  copy_counts(L, 2, "nodes", result->drops, result->nodes);
   copy_out(L, 2, "forces", result->drops, 1, result->force);
   copy_out(L, 2, "areas", result->drops, 1, result->area);
   copy_out(L, 2, "peaks", result->drops, 1, result->peak);

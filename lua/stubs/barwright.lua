@@ -1752,6 +1752,9 @@ function BreakingForce:close() end
 ---@field exceedance bw.Array of every element: fraction of drops beyond the strength
 ---@field mean_peak bw.Array of every element: mean largest principal stress, Pa
 ---@field contacts bw.Array drops x 3, m
+---@field pushes bw.Array drops x 3: unit vectors along the peg's normal, in which the impulse acts on the body
+---@field resultants bw.Array drops x 3, N: sums of the nodal forces
+---@field nodes bw.Array drops: how many nodes carry the contact
 ---@field forces bw.Array N
 ---@field areas bw.Array m2: of the contact of each drop, seen along its force
 ---@field peaks bw.Array largest stress of every drop, Pa

@@ -361,6 +361,9 @@ typedef struct bw_drop_result {
   double *mean_peak;  /* element_count: mean over drops of the max principal stress, Pa */
   double *contact;    /* drops x 3 */
   double *force;      /* drops: N */
+  double *push;       /* drops x 3: unit, of the impulse on the body, along the peg's normal */
+  double *resultant;  /* drops x 3: N, sum of the nodal forces */
+  int32_t *nodes;     /* drops: how many nodes carry the contact */
   double *area;       /* drops: m2, of the contact as seen along the force */
   double *peak;       /* drops: largest stress */
   double threshold;   /* Pa: the 97.5th percentile by volume of the first 200 drops' stresses; 0

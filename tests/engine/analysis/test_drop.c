@@ -124,6 +124,12 @@ static void contact_does_not_depend_on_the_mesh(void **state) {
     assert_true(result[0].area[i] > 0 && result[0].area[i] < 0.04 * 0.06);
     difference = fmax(difference, fabs(log(result[1].area[i] / result[0].area[i])));
     check_near(result[1].force[i], result[0].force[i], 0.02 * result[0].force[i]);
+    for (int k = 0; k < 2; k++) { /* a patch, however coarse the mesh, and nothing sideways */
+      assert_true(result[k].nodes[i] >= 3);
+      for (int c = 0; c < 3; c++)
+        check_near(result[k].resultant[3 * i + c], result[k].force[i] * result[k].push[3 * i + c],
+                   1e-9 * result[k].force[i]);
+    }
   }
   assert_true(difference < 0.1);
   for (int k = 0; k < 2; k++)
