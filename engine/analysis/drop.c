@@ -51,8 +51,8 @@ typedef struct drop_test {
   double *block;          /* batch x node_count x 3 */
   bwi_contact_part *part; /* workers x part_count */
   int64_t part_count;
-  bw_drop_result *result; /* of all drops: what is known before they are solved is filled in */
-  double *stress, *principal;     /* of one drop */
+  bw_drop_result *result;     /* of all drops: what is known before they are solved is filled in */
+  double *stress, *principal; /* of one drop */
 } drop_test;
 
 /* ---- mass ---------------------------------------------------------------------------------- */
@@ -398,8 +398,8 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   result.peak = BW_NEW(context, double, drops);
   result.drops = test.options.drops;
   if (!test.body || !test.block || !test.stress || !test.principal || !result.exceedance ||
-      !result.mean_peak || !result.contact || !result.force || !result.push || !result.resultant || !result.nodes || !result.area || !result.peak ||
-      !test.part) {
+      !result.mean_peak || !result.contact || !result.force || !result.push || !result.resultant ||
+      !result.nodes || !result.area || !result.peak || !test.part) {
     status = BW_MEMORY;
     goto done;
   }
