@@ -5,6 +5,7 @@ import * as THREE from "three";
 import { Arrows } from "./arrows.mjs";
 import { colourMap } from "./colour.mjs";
 import { data } from "./data.mjs";
+import { Edges } from "./edges.mjs";
 import { drawBar, makeBody, makeStage, number, paint } from "./stage.mjs";
 
 function bytes(base64) {
@@ -36,6 +37,7 @@ scene.add(body);
 const size = aim(body.geometry.boundingBox, data.view || [1, -1.4, 0.8]);
 
 const arrows = new Arrows(scene);
+const edges = new Edges(scene, data.lines || [], rest, size);
 
 // ---- state and controls ----------------------------------------------------------------------------
 
@@ -93,6 +95,7 @@ function deform() {
   }
   position.needsUpdate = true;
   arrows.place(position.array);
+  edges.place(position.array);
 }
 
 function showArrows() {
@@ -152,6 +155,7 @@ window.barwright = {
     camera: camera.position.toArray(),
     first: Array.from(position.array.slice(0, 3)),
     arrows: arrows.count,
+    edges: edges.count,
     triangles: triangles.length / 3,
   }),
 };

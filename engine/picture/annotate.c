@@ -77,6 +77,17 @@ void bwi_draw_title(cairo_t *cairo, double x, double y, double width, double siz
   cairo_restore(cairo);
 }
 
+void bwi_draw_line_key(cairo_t *cairo, double x, double y, double u, const char *label) {
+  cairo_set_source_rgb(cairo, BWI_LINE_COLOUR);
+  cairo_set_line_width(cairo, 5 * u);
+  cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
+  cairo_move_to(cairo, x, y - 5 * u);
+  cairo_line_to(cairo, x + 30 * u, y - 5 * u);
+  cairo_stroke(cairo);
+  cairo_set_source_rgb(cairo, 0.30, 0.33, 0.38);
+  bwi_draw_text(cairo, x + 42 * u, y, 0, 14 * u, false, true, label);
+}
+
 /* ---- triad ----------------------------------------------------------------------------------- */
 
 void bwi_draw_triad(cairo_t *cairo, const bwi_view *view, double x, double y, double length,

@@ -63,8 +63,7 @@ static void add_arrow(bwi_solid *solid, const double tail[3], const double direc
   solid->triangle_count += ARROW_TRIANGLES;
 }
 
-/* The point of the body nearest to x, by its undeformed positions. */
-static int32_t nearest_point(const bwi_solid *body, const double *original, const double x[3]) {
+int32_t bwi_solid_nearest(const bwi_solid *body, const double *original, const double x[3]) {
   int32_t best = 0;
   double least = HUGE_VAL;
   for (int32_t i = 0; i < body->point_count; i++) {
@@ -135,7 +134,7 @@ bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow
     return BW_MEMORY;
   }
   for (int i = 0; i < count; i++)
-    near[i] = nearest_point(body, original, arrow[i].at);
+    near[i] = bwi_solid_nearest(body, original, arrow[i].at);
   for (int32_t f = 0; f < body->triangle_count; f++) { /* vector areas around those points */
     const int32_t *t = body->triangle + 3 * (size_t)f;
     for (int i = 0; i < count; i++) {

@@ -31,7 +31,7 @@ void bwi_view_project(const bwi_view *view, const double x[3], double pixel[3]);
 
 /* ---- solid.c: what is drawn ------------------------------------------------------------------ */
 
-typedef enum bwi_finish { BWI_BODY, BWI_ARROW, BWI_GHOST } bwi_finish;
+typedef enum bwi_finish { BWI_BODY, BWI_ARROW, BWI_GHOST, BWI_TUBE } bwi_finish;
 
 typedef struct bwi_solid {
   bwi_finish finish;
@@ -71,6 +71,18 @@ int bwi_solid_crossings(const bwi_solid *solid, const double x[3], const double 
 bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow, double size,
                            const bwi_solid *body, const double *original, bwi_solid *solid,
                            double *end);
+
+/* The point of the body nearest to x, by its undeformed positions. */
+int32_t bwi_solid_nearest(const bwi_solid *body, const double *original, const double x[3]);
+
+/* ---- lines.c --------------------------------------------------------------------------------- */
+
+#define BWI_LINE_COLOUR 0.38, 0.08, 0.84
+/* Lines as one solid of tubes of a radius, which go with the body's nearest points; `original`
+ * is NULL where the body is not deformed. */
+bw_status bwi_lines_solid(bw_context *context, int count, const bw_picture_line *line,
+                          double radius, const bwi_solid *body, const double *original,
+                          bwi_solid *solid);
 
 /* ---- raster.c -------------------------------------------------------------------------------- */
 
@@ -128,6 +140,8 @@ void bwi_draw_title(cairo_t *cairo, double x, double y, double width, double siz
                     const char *text);
 void bwi_draw_triad(cairo_t *cairo, const bwi_view *view, double x, double y, double length,
                     double u);
+/* A piece of a line and what it stands for, x its left end. */
+void bwi_draw_line_key(cairo_t *cairo, double x, double y, double u, const char *label);
 /* A ring with a leader to a label, kept within the frame. */
 void bwi_draw_mark(cairo_t *cairo, const double pixel[3], bool hidden, const double frame[4],
                    double u, const char *label);

@@ -28,7 +28,7 @@ static bw_status look_around(void *data, int64_t begin, int64_t end, int worker)
       const float *n = image->normal + 3 * at;
       const float(*place)[2] = (const float(*)[2])j->place[(y % PATTERN) * PATTERN + x % PATTERN];
       j->shut[at] = 0;
-      if (z == -HUGE_VALF || image->finish[at] == BWI_GHOST)
+      if (z == -HUGE_VALF || image->finish[at] == BWI_GHOST || image->finish[at] == BWI_TUBE)
         continue;
       for (int p = 0; p < PLACES; p++) {
         int px = x + (int)lrintf(place[p][0]), py = (int)y + (int)lrintf(place[p][1]);

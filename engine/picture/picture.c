@@ -13,7 +13,16 @@
 /* The longest arrow, and the largest displacement when the factor is chosen here. */
 #define ARROW_SIZE 0.2
 #define DEFORMATION_SIZE 0.05
-enum { LEAST_PIXELS = 64, MOST_PIXELS = 16384, MOST_ARROWS = 10000, MOST_JUDGED = 6 };
+/* The radius of lines. */
+#define LINE_RADIUS 0.003
+enum {
+  LEAST_PIXELS = 64,
+  MOST_PIXELS = 16384,
+  MOST_ARROWS = 10000,
+  MOST_LINE_POINTS = 1000000,
+  MOST_JUDGED = 6,
+  SOLIDS = 4
+};
 
 void bw_picture_options_default(bw_picture_options *options) {
   memset(options, 0, sizeof *options);
@@ -43,6 +52,12 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
       (options->arrow_count > 0 && !options->arrow))
     return bw_fail(context, BW_INVALID, "%d arrows: 0 to %d can be drawn", options->arrow_count,
                    MOST_ARROWS);
+  int64_t points = 0;
+  for (int i = 0; i < options->line_count; i++)
+    points += options->line[i].count;
+  if (points > MOST_LINE_POINTS)
+    return bw_fail(context, BW_INVALID, "lines of %lld points: at most %d can be drawn",
+                   (long long)points, MOST_LINE_POINTS);
   return BW_OK;
 }
 
@@ -85,7 +100,7 @@ typedef struct stage {
   bwi_view view;
   double diagonal, factor; /* of the box; on the displacement */
   int longest;             /* side of the box */
-  bwi_solid solid[3];      /* body, arrows, ghost; unused ones hold no facet */
+  bwi_solid solid[SOLIDS]; /* body, arrows, lines, ghost; unused ones hold no facet */
   double *arrow_end;
   range range;
   double frame[4], u; /* the body's part of the picture; a pixel of a 1200 x 900 one */
@@ -207,11 +222,13 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
                            bool on_facets, const bw_picture_options *options, stage *s) {
   bw_status status;
   double low[3], high[3], size[3];
-  bwi_solid *body = &s->solid[0], *arrows = &s->solid[1], *ghost = &s->solid[2];
+  bwi_solid *body = &s->solid[0], *arrows = &s->solid[1], *lines = &s->solid[2],
+            *ghost = &s->solid[3];
   s->surface = surface;
   s->options = options;
   body->finish = BWI_BODY;
   arrows->finish = BWI_ARROW;
+  lines->finish = BWI_TUBE;
   ghost->finish = BWI_GHOST;
   body->turned = ghost->turned = bw_surface_volume(surface) < 0;
   bw_surface_box(surface, low, high);
@@ -247,6 +264,8 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
     BW_TRY(bwi_arrows_solid(context, options->arrow_count, options->arrow, ARROW_SIZE * s->diagonal,
                             body, surface->point, arrows, s->arrow_end));
   }
+  BW_TRY(bwi_lines_solid(context, options->line_count, options->line, LINE_RADIUS * s->diagonal,
+                         body, options->displacement ? surface->point : NULL, lines));
   double direction[3];
   memcpy(direction, options->direction, sizeof direction);
   if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0)
@@ -260,19 +279,19 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   s->frame[2] = w - (value && s->range.any ? 190 : 40) * s->u;
   s->frame[3] = h - 50 * s->u;
   double bounds[4] = {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < SOLIDS; i++)
     bwi_view_bound(&s->view, s->solid[i].point_count, s->solid[i].point, bounds);
   bwi_view_fit(&s->view, bounds, s->frame, options->zoom);
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < SOLIDS; i++)
     BW_TRY(bwi_solid_prepare(context, &s->solid[i], &s->view, CREASE, 0));
   if (ghost->point_count > 0)
-    bwi_solid_behind(ghost, 2, s->solid, 1 + 0.5 * w);
+    bwi_solid_behind(ghost, SOLIDS - 1, s->solid, 1 + 0.5 * w);
 done:
   return status;
 }
 
 static void strike_stage(stage *s) {
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < SOLIDS; i++)
     bwi_solid_clear(&s->solid[i]);
   bwi_image_clear(&s->image);
   bw_free(s->arrow_end);
@@ -349,7 +368,8 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
   bw_status status = BW_MEMORY;
   char *title = options->title ? bwi_clean_text(context, options->title) : NULL;
   char *unit = options->unit ? bwi_clean_text(context, options->unit) : NULL;
-  if ((options->title && !title) || (options->unit && !unit))
+  char *lines = options->line_name ? bwi_clean_text(context, options->line_name) : NULL;
+  if ((options->title && !title) || (options->unit && !unit) || (options->line_name && !lines))
     goto done;
   if (title) {
     cairo_set_source_rgb(cairo, 0.10, 0.11, 0.15);
@@ -374,6 +394,8 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
   if (s->arrow_end)
     label_arrows(s, cairo);
   bwi_draw_triad(cairo, &s->view, 58 * u, h - 58 * u, 34 * u, u);
+  if (lines && options->line_count > 0)
+    bwi_draw_line_key(cairo, 124 * u, h - 24 * u, u, lines);
   if (options->displacement && s->factor != 0 && s->factor != 1) {
     char number[64], label[96];
     short_number(number, sizeof number, s->factor);
@@ -385,6 +407,7 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
 done:
   bw_free(title);
   bw_free(unit);
+  bw_free(lines);
   return status;
 }
 
@@ -408,7 +431,7 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
   BW_TRY(set_stage(context, surface, value, on_facets, options, &s));
   s.image.width = options->width;
   s.image.height = options->height;
-  BW_TRY(bwi_render(context, 3, s.solid, &s.image));
+  BW_TRY(bwi_render(context, SOLIDS, s.solid, &s.image));
   BW_TRY(bwi_occlude(context, &s.image, 0.035 * fmin(options->width, options->height)));
   canvas = cairo_image_surface_create(CAIRO_FORMAT_RGB24, options->width, options->height);
   cairo = cairo_create(canvas);

@@ -26,7 +26,7 @@ typedef struct scene {
   int32_t *band_facet;
   size_t band_size;
   float colour[LEVELS + 1][3]; /* linear light of the colour map */
-  float missing[3], plain[3], arrow[3], ghost[3], category[CATEGORIES][3];
+  float missing[3], plain[3], arrow[3], ghost[3], line[3], category[CATEGORIES][3];
   unsigned char tone[TONES + 1]; /* linear light to sRGB bytes */
 } scene;
 
@@ -59,6 +59,7 @@ static void prepare_light(scene *s) {
   set_linear(s->missing, none[0], none[1], none[2]);
   set_linear(s->plain, 188, 198, 210);
   set_linear(s->arrow, 52, 58, 74);
+  set_linear(s->line, 96, 20, 214);
   set_linear(s->ghost, 222, 225, 230);
   for (int i = 0; i <= TONES; i++) {
     double l = (double)i / TONES;
@@ -109,6 +110,8 @@ static const float *colour_at(const scene *s, const bwi_solid *solid, int64_t f,
                               const float w[3]) {
   if (solid->finish == BWI_ARROW)
     return s->arrow;
+  if (solid->finish == BWI_TUBE)
+    return s->line;
   if (solid->finish == BWI_GHOST)
     return s->ghost;
   if (!solid->value && solid->category)
@@ -184,6 +187,10 @@ static void shade(const scene *s, int64_t number, float x, float y, unsigned cha
     lit = 0.80f + 0.20f * lit;
     gloss = 0;
     dark *= 0.5f;
+  }
+  if (solid->finish == BWI_TUBE) { /* bright in corners too */
+    lit = 0.85f + 0.15f * lit;
+    gloss = 0;
   }
   if (inside)
     lit *= 0.72f;

@@ -13,6 +13,9 @@ local rules = {
   manifest = {type = "table"},
   loads = {type = "integer", default = 6, least = 1}, -- how many regions' loads can be shown
   modes = {type = "integer", default = 15, least = 0},
+  lines = {type = "table"}, -- lists of points, drawn over the surface
+  line_name = {type = "string"}, -- what they are
+  view = {type = "table"}, -- from the object to the viewer
 }
 
 -- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
@@ -121,6 +124,12 @@ local function table_of_regions(worst, shown)
     .. "\n</tbody></table></div>"
 end
 
+-- What the lines in the view stand for.
+local function legend_of(wish)
+  if not wish.lines or #wish.lines == 0 or not wish.line_name then return "" end
+  return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(report.escape(wish.line_name))
+end
+
 local function data_of(worst, wish, shown)
   local surface, nodes, details = worst.mesh:surface()
   if not surface then return nil, nodes, details end
@@ -172,13 +181,22 @@ function report.write(worst, path, given)
   local shown = chosen_regions(worst, wish.loads)
   local data, message, details = data_of(worst, wish, shown)
   if not data then return nil, message, details end
+  data.view = wish.view and json.list(wish.view) or data.view
+  if wish.lines then
+    data.lines = json.list {}
+    for i, line in ipairs(wish.lines) do
+      local points = json.list {}
+      for k, point in ipairs(line) do points[k] = json.list {point[1], point[2], point[3]} end
+      data.lines[i] = points
+    end
+  end
   return report.page(path, {
     title = wish.title or "Worst-case analysis",
     answer = tostring(worst),
     manifest = wish.manifest or {version = core.version, options = worst.options},
-    body = table_of_regions(worst, shown),
+    body = legend_of(wish) .. table_of_regions(worst, shown),
     data = data,
-    picture = function(name) return worst:picture(name) end,
+    picture = function(name) return worst:picture(name, {lines = wish.lines, line_name = wish.line_name}) end,
   })
 end
 

@@ -24,6 +24,8 @@ static const lbw_option list[] = {{"width", LBW_INT, offsetof(wish, options.widt
                                   {"values", LBW_OTHER, 0},
                                   {"displacement", LBW_OTHER, 0},
                                   {"arrows", LBW_OTHER, 0},
+                                  {"lines", LBW_OTHER, 0},
+                                  {"line_name", LBW_OTHER, 0},
                                   {NULL, LBW_OTHER, 0}};
 
 static const char *text_option(lua_State *L, const char *key) {
@@ -51,6 +53,27 @@ static bw_arrow *read_arrows(lua_State *L, int *count) {
     lua_pop(L, 1);
   }
   return arrow;
+}
+
+/* A list of lists of points, on top of the stack; what is read stays there. */
+static bw_picture_line *read_lines(lua_State *L, int *count) {
+  if (!lua_istable(L, -1))
+    lbw_option_error(L, "picture", "lines", "a list of lists of points expected");
+  size_t length = lua_rawlen(L, -1);
+  *count = length < 100000 ? (int)length : 100000;
+  int from = lua_gettop(L);
+  bw_picture_line *line =
+      (bw_picture_line *)lua_newuserdatauv(L, ((size_t)*count + 1) * sizeof *line, 0);
+  lua_createtable(L, *count, 0); /* keeps their points */
+  for (int i = 0; i < *count; i++) {
+    int64_t rows;
+    lua_rawgeti(L, from, i + 1);
+    line[i].point = lbw_to_doubles(L, -1, "picture: lines", 3, &rows);
+    line[i].count = (int)rows;
+    lua_rawseti(L, -3, i + 1);
+    lua_pop(L, 1);
+  }
+  return line;
 }
 
 static int picture(lua_State *L) {
@@ -83,6 +106,10 @@ static int picture(lua_State *L) {
   }
   if (lbw_option_get(L, 3, "arrows") != LUA_TNIL)
     w.options.arrow = read_arrows(L, &w.options.arrow_count);
+  if (lbw_option_get(L, 3, "lines") != LUA_TNIL)
+    w.options.line = read_lines(L, &w.options.line_count);
+  if (text_option(L, "line_name"))
+    w.options.line_name = lua_tostring(L, -1);
   lua_pushboolean(L, 1);
   bw_status status = bw_picture_surface(lbw_enter(L), surface, value, on_facets, &w.options, path);
   return lbw_leave(L, status, 1);

@@ -369,6 +369,8 @@ function bw.version() end
 ---@field deformation? number factor on it; 0: chosen
 ---@field ghost? boolean the undeformed outline behind
 ---@field arrows? {at: bw.Vector, force: bw.Vector}[]
+---@field lines? bw.Array[] lists of points, drawn as violet lines over the surface: edges of surface:singular_edges() for instance
+---@field line_name? string what the lines are, for the legend
 ---@field title? string
 ---@field unit? string name and unit of the colour bar: "von Mises stress, MPa"
 ---@field scale? number values are multiplied by it on the bar
@@ -1577,7 +1579,7 @@ function WorstCase:picture(path, options) end
 
 ---One HTML file with a 3D view that turns; needs no network.
 ---@param path string
----@param options? {title: string, manifest: table, loads: integer, modes: integer}
+---@param options? {title: string, manifest: table, loads: integer, modes: integer, lines: bw.Vector[][], line_name: string, view: bw.Vector}
 ---@return true?
 ---@return string? message
 ---@return table? details

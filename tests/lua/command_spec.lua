@@ -5,6 +5,8 @@ local check = require "check"
 local commands = require "barwright.command"
 local arguments = require "barwright.command.arguments"
 local help_text = require "barwright.command.help_text"
+local model = require "barwright.command.model"
+local prism = require "prism"
 local quantity = require "barwright.command.quantity"
 
 local sample = {
@@ -411,6 +413,30 @@ describe("commands that compute", function()
     _, out = check.run("worst --elements 1200 --modes 4 --regions 1 " .. path)
     assert.truthy(out:find("The largest stress has no finite value: it is at a re-entrant edge of 270", 1,
       true), out)
+  end)
+
+  it("check draws the re-entrant edges, and pictures of statics the one that is named", function()
+    local place_of = check.folder()
+    local path, drawn, none = place_of .. "/angle.stl", place_of .. "/edges.png", place_of .. "/none.png"
+    local angle = prism({{0, 0}, {0.04, 0}, {0.04, 0.01}, {0.01, 0.01}, {0.01, 0.04}, {0, 0.04}}, {0.005, 0.005},
+      0.02)
+    assert(angle:write(path))
+    local status, object = answer("check --edges yes --picture " .. drawn .. " " .. path)
+    assert.equal(0, status)
+    assert.same({drawn}, object.files)
+    assert(angle:picture(none, {title = "angle.stl"}))
+    assert.are_not.equal(check.read(none), check.read(drawn))
+    status, object = answer("check --picture " .. drawn .. " " .. path)
+    assert.equal(2, status)
+    assert.truthy(object.error.message:find("give --edges yes as well", 1, true))
+    local place = assert(angle:singular_edges())[1]
+    local given = model.edge_lines {place = place}
+    assert.same({place.points}, given.lines)
+    assert.equal("re-entrant edge, 270 degrees inside the material: no finite stress", given.line_name)
+    assert.same({}, model.edge_lines(nil))
+    assert(angle:picture(none, given))
+    check.raises("option 'lines': a list of lists of points", angle.picture, angle, none, {lines = 1})
+    check.raises("rows of 3 numbers expected, got 2", angle.picture, angle, none, {lines = {{{1, 2}}}})
   end)
 
   it("materials prints fracture toughness and critical distance with scatter", function()

@@ -247,7 +247,7 @@ describe("the stress of a fillet", function()
     part:slide(boundary:below(1, -5 + 1e-9), {1, 0, 0}):slide(boundary:below(2, 1e-9), {0, 1, 0})
     part:load {on = boundary:above(1, 5 - 1e-9), traction = {1, 0, 0}}
     local static, edges = assert(part:solve()), assert(surface:singular_edges())
-    -- D / d = 2, t = d / 2: the polynomial of Peterson's chart for 2 <= t / r <= 20
+    -- D / d = 2, t = d / 2: the polynomial of Peterson's chart in Roark's table 17.1 for 2 <= t / r <= 20
     for _, radius in ipairs {0.1, 0.2} do
       local x = 1 / radius
       local root = sqrt(x)

@@ -10,6 +10,12 @@
 extern "C" {
 #endif
 
+/* A line over the surface: straight pieces between points (count x 3). */
+typedef struct bw_picture_line {
+  int count;
+  const double *point;
+} bw_picture_line;
+
 typedef struct bw_picture_options {
   int width, height;   /* pixels, default 1200 x 900 */
   double direction[3]; /* from the object to the viewer; zero (default): from the front right and
@@ -23,10 +29,14 @@ typedef struct bw_picture_options {
   bool edges;          /* draw facet edges */
   int arrow_count;
   const bw_arrow
-      *arrow;         /* the longest is drawn a fifth of the box's diagonal; its force is written.
-                         One that pushes ends on the body, one that pulls starts there */
-  double deformation; /* factor on the displacement; 0 with a displacement: chosen so that the
-                         largest is a twentieth of the box */
+      *arrow; /* the longest is drawn a fifth of the box's diagonal; its force is written.
+                 One that pushes ends on the body, one that pulls starts there */
+  int line_count;
+  const bw_picture_line
+      *line;             /* in violet, hidden where the body is in front; move with the body */
+  const char *line_name; /* what they are, for the legend; may be NULL */
+  double deformation;    /* factor on the displacement; 0 with a displacement: chosen so that the
+                            largest is a twentieth of the box */
   const double *displacement; /* points x 3, or NULL */
   bool ghost;                 /* draw the undeformed outline behind in grey */
 } bw_picture_options;

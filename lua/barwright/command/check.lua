@@ -2,6 +2,7 @@
 -- barwright check MODEL: what a file holds, what is wrong with it, whether that can be mended.
 local bw = require "barwright"
 local model = require "barwright.command.model"
+local writable = require "barwright.writable"
 
 -- Each kind of defect in words: one, many, what it means.
 local kinds = {
@@ -106,9 +107,12 @@ end
 
 -- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
 local function tell_edges(surface, wish, out)
-  if not wish.edges then return end
+  if not wish.edges then return true end
   local edges, message = surface:singular_edges()
-  if not edges then return out:say("%s.", message) end
+  if not edges then
+    out:say("%s.", message)
+    return true
+  end
   out:say("Re-entrant edges without a fillet: %s", tostring(edges))
   local list = bw.json.list {}
   for i, edge in ipairs(edges) do
@@ -117,6 +121,15 @@ local function tell_edges(surface, wish, out)
     list[i] = {length_m = edge.length, angle_rad = edge.angle, exponent = edge.exponent, points_m = points}
   end
   out:json {singular_edges = list}
+  if not wish.picture then return true end
+  local lines = {}
+  for i, edge in ipairs(edges) do lines[i] = edge.points end
+  local fine, why, details = surface:picture(wish.picture, {title = model.name(wish.model), lines = lines,
+    line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"})
+  if not fine then return nil, why, details end
+  out:json {files = bw.json.list {wish.picture}}
+  out:say("Written: %s.", wish.picture)
+  return true
 end
 
 local function check_surface(read, wish, out)
@@ -133,7 +146,8 @@ local function check_surface(read, wish, out)
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
       model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
     good = tell_thickness(surface, wish, out)
-    tell_edges(surface, wish, out)
+    local fine, message, details = tell_edges(surface, wish, out)
+    if not fine then return nil, message, details end
   else
     local text = {}
     text[#text + 1] = report.closed and "closed" or ("open, with %s"):format(model.count(report.holes, "hole"))
@@ -143,7 +157,8 @@ local function check_surface(read, wish, out)
     local mended = tell_repair(surface, wish, out)
     if mended then
       tell_thickness(mended, wish, out)
-      tell_edges(mended, wish, out)
+      local fine, message, details = tell_edges(mended, wish, out)
+      if not fine then return nil, message, details end
     end
     good = false
   end
@@ -166,7 +181,8 @@ local function check_mesh(read, wish, out)
     quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
     volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
-  tell_edges(mesh:surface(), wish, out)
+  local fine, message, details = tell_edges(mesh:surface(), wish, out)
+  if not fine then return nil, message, details end
   if mesh.component_count > 1 then
     out:say("The bodies do not hang together: what pushes one is not felt by the others.")
   end
@@ -208,21 +224,33 @@ return {
       what = "a fault if more than 1 % of the surface has less material under it than this"},
     {name = "edges", value = "yes|no", one_of = {"yes", "no"}, default = "no",
       what = "list the re-entrant edges without a fillet, where the stress has no finite value"},
+    {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
+      what = "with --edges yes: a picture with these edges as violet lines"},
     {name = "repair", value = "yes|no", one_of = {"yes", "no"}, default = "yes", what = "try a repair"},
     {name = "seconds", value = "TIME", type = "number", unit = "s", default = 120, above = 0,
       what = "how long the repair may take"},
   },
-  examples = {"barwright check hook.stl", {"barwright check --thin 0.8mm hook.stl && echo printable",
+  examples = {"barwright check hook.stl", {"barwright check --edges yes --picture edges.png hook.stl",
+    "where a stress has no finite value"}, {"barwright check --thin 0.8mm hook.stl && echo printable",
     "a wall of 0.8 mm at least, as a condition"}},
   run = function(wish, out)
     wish.repair, wish.edges = wish.repair == "yes", wish.edges == "yes"
-    local read, message, details = model.open(wish.model, wish.unit, out)
+    if wish.picture and not wish.edges then
+      return out:misuse "option --picture: it shows the re-entrant edges: give --edges yes as well"
+    end
+    local fine, message, details = true, nil, nil
+    if wish.picture then fine, message, details = writable(wish.picture) end
+    if not fine then return out:fail(message, details) end
+    local read
+    read, message, details = model.open(wish.model, wish.unit, out)
     if not read then
       out:json {sound = false}
       return out:fail(message, details)
     end
-    local good = by_kind[read.kind](read, wish, out)
+    local good
+    good, message, details = by_kind[read.kind](read, wish, out)
     out:remarks()
+    if good == nil then return out:fail(message, details) end
     out:json {good = good}
     return good and 0 or 1
   end,

@@ -209,6 +209,15 @@ function model.open(path, unit, out)
   return read
 end
 
+--- Options of pictures and reports that draw the edge of a finding (barwright.singular_growth), or none.
+function model.edge_lines(finding)
+  local place = finding and finding.place
+  if not place or place.length == 0 then return {} end
+  return {lines = {place.points}, line_name = place.kind .. (place.angle
+    and (", %.4g degrees inside the material"):format(180 / math.pi * place.angle) or "")
+    .. ": no finite stress"}
+end
+
 --- A mesh of what was read: as it is, or filled. Says what was done to the surface on the way.
 function model.mesh(read, wish, out)
   if read.kind == "outline" then

@@ -236,7 +236,7 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     critical_distance_m = critical and critical.length,
     material = wish.material, energy_j = static.energy,
     solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
-  return verdict
+  return verdict, singular
 end
 
 local function analyse(wish, loads, out)
@@ -261,9 +261,9 @@ local function analyse(wish, loads, out)
   end
   out:remarks()
   if not static then return nil, accuracy, details end
-  local verdict = tell(static, part, read, loads, wish, accuracy, out)
+  local verdict, singular = tell(static, part, read, loads, wish, accuracy, out)
   out:json {seconds = bw.seconds() - start}
-  return static, verdict
+  return static, verdict, singular
 end
 
 local options = {
@@ -307,11 +307,11 @@ return {
   run = function(wish, out)
     local loads, message = read_loads(wish)
     if not loads then return out:misuse(message) end
-    local static, verdict, details = analyse(wish, loads, out)
-    if not static then return model.fail(out, verdict, details) end
+    local static, verdict, singular = analyse(wish, loads, out)
+    if not static then return model.fail(out, verdict, singular) end -- a message and details
     local written = bw.json.list {}
     for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
-      {wish.picture, function() return static:picture(wish.picture) end}} do
+      {wish.picture, function() return static:picture(wish.picture, model.edge_lines(singular)) end}} do
       if how[1] then
         local fine, why, more = how[2]()
         if not fine then return model.fail(out, why, more) end

@@ -161,9 +161,19 @@ local function advise(breaking, verdict, wish, out)
     model.name(wish.model), wish.force)
 end
 
+-- The direction from which the edge of a finding is seen: against its bisector, from above a little.
+local function view_of(singular)
+  local inward = singular and singular.place and singular.place.inward[1]
+  return inward and {-inward[1], -inward[2], 0.5 - inward[3]} or nil
+end
+
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
-local function write_files(breaking, wish, folder, out)
+local function write_files(breaking, singular, wish, folder, out)
   local worst = breaking.worst
+  local function with_edge(given)
+    for key, value in pairs(model.edge_lines(singular)) do given[key] = value end
+    return given
+  end
   local written = {}
   local function leave(path, value, message, details)
     if not value then return nil, message, details end
@@ -179,17 +189,18 @@ local function write_files(breaking, wish, folder, out)
   if picture then
     local title = ("%s breaks at %s (%.3g to %.3g)"):format(model.name(wish.model), newtons(breaking.force),
       breaking.low, breaking.high)
-    fine, message, details = leave(picture, worst:picture(picture, {title = title,
+    fine, message, details = leave(picture, worst:picture(picture, with_edge {title = title,
       arrows = worst:arrows(breaking.region)}))
   end
   if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
   if fine and folder then
     local path = folder:path "worst_load.png"
-    fine, message, details = leave(path, worst:picture(path, {region = breaking.region,
+    fine, message, details = leave(path, worst:picture(path, with_edge {region = breaking.region,
       title = "Under the load that breaks it"}))
   end
   if fine and report then
-    fine, message, details = leave(report, worst:report(report, {manifest = folder and folder.manifest,
+    fine, message, details = leave(report, worst:report(report, with_edge {manifest = folder and folder.manifest,
+      view = view_of(singular),
       title = "Worst case of " .. model.name(wish.model)}))
   end
   if not fine then return nil, message, details end
@@ -236,7 +247,7 @@ local function analyse(wish, out)
   tell_limits(breaking, wish, out)
   advise(breaking, verdict, wish, out)
   local fine
-  fine, message, details = write_files(breaking, wish, folder, out)
+  fine, message, details = write_files(breaking, singular, wish, folder, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then

@@ -284,6 +284,58 @@ static void arrows_ghost_and_deformation_show(void **state) {
   bw_release(surface);
 }
 
+/* A line is seen in its colour in front of the body, hidden behind it, and moves with it. */
+static void lines_show_and_are_hidden(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *surface = sphere(context, 16);
+  double *u = calloc(3 * (size_t)surface->point_count, sizeof *u),
+         point[2][6] = {{-0.3, -1.05, 0, 0.3, -1.05, 0}, {0, 0, -0.5, 0, 0, 0.5}};
+  bw_picture_line line = {2, point[0]};
+  bw_picture_options options;
+  bw_picture_options_default(&options);
+  options.direction[1] = -1;
+  options.zoom = 0.7;
+  char plain[200], changed[200];
+  snprintf(plain, sizeof plain, "%s", path_of("plain"));
+  snprintf(changed, sizeof changed, "%s", path_of("changed"));
+  check_ok(context, bw_picture_surface(context, surface, NULL, false, &options, plain));
+  options.line = &line;
+  options.line_count = 1;
+  check_ok(context, bw_picture_surface(context, surface, NULL, false, &options, changed));
+  int seen = count_different(plain, changed);
+  assert_true(seen > 300 && seen < 6000);
+  options.line_name = "an edge"; /* the legend */
+  check_ok(context, bw_picture_surface(context, surface, NULL, false, &options, plain));
+  int key = count_different(plain, changed);
+  assert_true(key > 100 && key < 3000);
+  line.point = point[1]; /* inside of the body */
+  options.line_name = NULL;
+  check_ok(context, bw_picture_surface(context, surface, NULL, false, &options, changed));
+  options.line_count = 0;
+  check_ok(context, bw_picture_surface(context, surface, NULL, false, &options, plain));
+  assert_int_equal(count_different(plain, changed), 0);
+  /* the deformed body takes it along */
+  bwi_solid body = {.point_count = surface->point_count, .point = u}, solid;
+  for (int32_t i = 0; i < 3 * surface->point_count; i++)
+    u[i] = surface->point[i] + (i % 3 == 2 ? 0.25 : 0);
+  line.point = point[0];
+  check_ok(context, bwi_lines_solid(context, 1, &line, 0.01, &body, surface->point, &solid));
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (int32_t i = 0; i < solid.point_count; i++) {
+    low = fmin(low, solid.point[3 * i + 2]);
+    high = fmax(high, solid.point[3 * i + 2]);
+  }
+  check_near(0.5 * (low + high), 0.25, 1e-12);
+  bwi_solid_clear(&solid);
+  point[0][4] = NAN;
+  check_fails(context, BW_INVALID, "point 2 of line 1 is not finite",
+              bwi_lines_solid(context, 1, &line, 0.01, &body, surface->point, &solid));
+  unlink(plain);
+  unlink(changed);
+  free(u);
+  bw_release(surface);
+}
+
 /* A resultant below the surface: its arrow ends on the surface all the same. */
 static void arrows_end_on_the_surface(void **state) {
   bw_context *context = check_context(state);
@@ -583,6 +635,7 @@ int main(void) {
       check_test(picture_is_a_png_with_bar_and_grey_for_missing),
       check_test(same_bytes_again_and_for_any_number_of_threads),
       check_test(arrows_ghost_and_deformation_show),
+      check_test(lines_show_and_are_hidden),
       check_test(arrows_end_on_the_surface),
       check_test(unusable_requests_are_refused),
       check_test(odd_values_are_drawn),
