@@ -18,7 +18,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { WIDTH = 64, NODES = 32, CLAIMS_PER_TASK = 256, ROUNDED = 128 };
+/* A block has as many nodes as fit into NODES columns, and one at least. */
+enum { WIDTH = BW_MOST_FRICTION_FACETS, NODES = 32, CLAIMS_PER_TASK = 256, ROUNDED = 128 };
 
 typedef struct total {
   double sum, lost; /* compensated */
@@ -212,15 +213,15 @@ static double bound_of(const claims *c, int64_t i, const double *work_size, doub
 }
 
 static bw_status allocate(bw_context *context, const bw_system *system, claims *c, block *b,
-                          double **work_size) {
-  size_t n = 3 * (size_t)system->mesh->node_count;
-  b->force = BW_NEW(context, double, WIDTH *n);
-  b->displacement = BW_NEW(context, double, WIDTH *n);
-  b->work = BW_NEW(context, double, 2 * WIDTH * n);
-  b->stress = BW_NEW(context, double, 6 * WIDTH * (size_t)c->elements);
+                          int32_t step, double **work_size) {
+  size_t width = (size_t)step, n = 3 * (size_t)system->mesh->node_count;
+  b->force = BW_NEW(context, double, width *n);
+  b->displacement = BW_NEW(context, double, width *n);
+  b->work = BW_NEW(context, double, 2 * width * n);
+  b->stress = BW_NEW(context, double, 6 * width * (size_t)c->elements);
   c->stress = b->stress;
-  c->total = BW_NEW0(context, total, 2 * c->stated->count);
-  c->size = BW_NEW0(context, double, c->stated->count);
+  c->total = BW_NEW0(context, total, 2 * c->stated->count + 1);
+  c->size = BW_NEW0(context, double, c->stated->count + 1);
   *work_size = BW_NEW0(context, double, c->stated->motions + 1);
   return b->force && b->displacement && b->work && b->stress && c->total && c->size && *work_size
              ? BW_OK
@@ -251,7 +252,7 @@ bw_status bw_dual_bounds(bw_context *context, bw_system *system, const bw_pressu
   int32_t step = directions * (NODES > directions ? NODES / directions : 1);
   BW_TRY(check_claims(context, system, basis, stated));
   BW_TRY(bw_material_fits(context, system->material, system->mesh->element_count));
-  BW_TRY(allocate(context, system, &c, &b, &work_size));
+  BW_TRY(allocate(context, system, &c, &b, step, &work_size));
   BW_TRY(bwi_solve_error_open(context, system, &error));
   for (c.first = 0; c.first < basis->count; c.first += step) {
     c.width = basis->count - c.first < step ? basis->count - c.first : step;
