@@ -155,17 +155,39 @@ static bw_status check_nodal(bw_context *context, const bw_model *model, const b
   return BW_OK;
 }
 
+/* A copy: an array may be part of an object that retains the model, and change after it was
+ * checked. NULL stays NULL. */
+static bw_status copy_nodal(bw_context *context, const bw_array *array, const bw_array **out) {
+  bw_array *made = NULL;
+  *out = NULL;
+  if (!array)
+    return BW_OK;
+  bw_status status = bw_array_create(context, BW_F64, array->rows, array->columns, &made);
+  if (status != BW_OK)
+    return status;
+  double *value = (double *)made->data;
+  for (int64_t i = 0; i < array->rows; i++)
+    for (int64_t k = 0; k < array->columns; k++)
+      value[i * array->columns + k] = bw_array_get(array, i, k);
+  *out = made;
+  return BW_OK;
+}
+
 /* ---- supports -------------------------------------------------------------------------------- */
 
 bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_support *support) {
+  const bw_array *field;
   bw_support *list = (bw_support *)bw_resize(
       context, model->support, (size_t)model->support_count + 1, sizeof *model->support);
   if (!list)
     return BW_MEMORY;
   model->support = list;
+  bw_status status = copy_nodal(context, support->field, &field);
+  if (status != BW_OK)
+    return status;
   list[model->support_count] = *support;
   list[model->support_count].on = (const bw_selection *)bw_retain(support->on);
-  list[model->support_count].field = (const bw_array *)bw_retain(support->field);
+  list[model->support_count].field = field;
   model->support_count++;
   model->object.revision++;
   return BW_OK;
@@ -246,9 +268,13 @@ bw_status bwi_model_add_load(bw_context *context, bw_model *model, bw_load *load
   if (!list)
     return BW_MEMORY;
   model->load = list;
+  const bw_array *nodal;
+  status = copy_nodal(context, load->nodal, &nodal);
+  if (status != BW_OK)
+    return status;
   list[model->load_count] = *load;
   list[model->load_count].on = (const bw_selection *)bw_retain(load->on);
-  list[model->load_count].nodal = (const bw_array *)bw_retain(load->nodal);
+  list[model->load_count].nodal = nodal;
   model->load_count++;
   model->object.revision++;
   return BW_OK;
