@@ -154,7 +154,7 @@ end
 
 -- ---- at a point ------------------------------------------------------------------------------------
 
-local ends = {{2, 3}, {3, 1}, {1, 2}, {1, 4}, {2, 4}, {3, 4}}
+local ends = {{1, 2}, {2, 3}, {3, 1}, {1, 4}, {2, 4}, {3, 4}}
 
 -- Nodes and weights that interpolate at a point: the node itself where there is one.
 local function at_point(mesh, point)

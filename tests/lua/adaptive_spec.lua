@@ -201,6 +201,21 @@ describe("a dual problem", function()
 end)
 
 describe("solve with an error", function()
+  it("interpolates at a point as the elements do", function()
+    local part = cantilever()
+    local static = assert(part:solve())
+    for _, at in ipairs {{0.31, 0.42, 0.73}, {1.3, 0.2, 0.55}, {0.05, 0, 0}} do
+      for field, column in pairs {xx = 1, xy = 6} do
+        local _, accuracy = assert(part:solve {error = 1e-9, of = {at = at, field = field}, most_elements = 1})
+        local value = part.mesh:sample(static.stress, {at})(1, column)
+        assert.near(value, accuracy.value, 1e-9 * math.abs(value))
+      end
+      local _, accuracy = assert(part:solve {error = 1e-9, of = {at = at, field = "uz"}, most_elements = 1})
+      local value = part.mesh:sample(static.displacement, {at})(1, 3)
+      assert.near(value, accuracy.value, 1e-9 * math.abs(value))
+    end
+  end)
+
   it("reaches the stress at a hole", function()
     local static, accuracy = assert(plate_with_hole(60):solve {error = 0.01, of = {at = {0, 1, 0}, field = "xx"}})
     assert.is_true(accuracy.converged)
