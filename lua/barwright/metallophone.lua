@@ -132,6 +132,7 @@ local tune_rules = {
   ratios = {type = "table"}, -- of the frequencies of the lowest modes of a kind
   kind = {type = "string", default = "bending", one_of = {"bending", "torsion"}},
   room = {type = "number", default = 0.2, above = 0}, -- part of the local width that a point may move by
+  stages = {type = "integer", default = 1, least = 1, most = 100}, -- each with room of its own
 }
 
 local function wanted_frequency(where, target)
@@ -151,6 +152,8 @@ end
 
 -- Farther from the pitch than this (in ln f) the size is changed first.
 local FAR = 0.05
+-- Stages on the way need not be met nearer than this part of a step.
+local PASSED = 0.25
 -- Modes that are computed at most to find those that are tuned.
 local MOST_MODES = 60
 
@@ -192,6 +195,26 @@ local function enough_modes(self, choose)
   return true
 end
 
+-- Goes towards the frequencies wanted by equal steps of their logarithms, all but the last step; each is the least
+-- change of the outline that the one before led to. Returns the rounds.
+local function approach(self, wanted, wish, search)
+  local now, rounds, farthest = {}, 0, 0
+  for k, mode in ipairs(search.choose(self)) do
+    now[k] = self.frequencies[mode]
+    farthest = math.max(farthest, math.abs(math.log(wanted[k] / now[k])))
+  end
+  search.enough = PASSED * farthest / wish.stages
+  for stage = 1, wish.stages - 1 do
+    local aim = {}
+    for k, from in ipairs(now) do aim[k] = from * (wanted[k] / from) ^ (stage / wish.stages) end
+    local met, message, details = tune.search(self, aim, self.outline, search)
+    if not met then return nil, ("stage %d of %d: %s"):format(stage, wish.stages, message), details end
+    rounds = rounds + message
+  end
+  search.enough = nil
+  return rounds
+end
+
 -- What `tune` does; where it fails the bar is at what it tried last.
 local function tuned(self, wanted, wish, keep)
   local first, choose = self.outline, choice(wish)
@@ -203,14 +226,16 @@ local function tuned(self, wanted, wish, keep)
     if scaled then scaled, message, details = self:become(scaled) end
     if not scaled then return nil, message, details end
   end
-  local base = self.outline
-  local box = base.box
+  local box = self.outline.box
   local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
   local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch, choose = choose,
     room = wish.room}
-  local aim, rounds, modes, off = table.move(wanted, 1, #wanted, 1, {}), 0, nil, 0
+  local rounds, message, details = approach(self, wanted, wish, search)
+  if not rounds then return nil, message, details end
+  local base, aim, modes, off = self.outline, table.move(wanted, 1, #wanted, 1, {}), nil, 0
   for _ = 1, 6 do
-    local met, message, details = tune.search(self, aim, base, search)
+    local met
+    met, message, details = tune.search(self, aim, base, search)
     if not met then return nil, message, details end
     rounds = rounds + message
     local fine = self
@@ -249,7 +274,8 @@ end
 --- `watch` is called with the bar after every round; when it returns false, all is as before.
 --- `ratios`: of the frequencies of the lowest modes of a `kind` ("bending" or "torsion"), the first of which gets
 --- the target: {1, 4, 10}. They are followed by kind and number while modes of another kind pass them. `room`:
---- part of the local width that a point may move by (0.2).
+--- part of the local width that a point may move by (0.2). `stages`: the way is divided into so many (1), each
+--- from the outline that the one before led to, with room of its own; ratios far from an even bar's need some.
 --- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents, modes}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)

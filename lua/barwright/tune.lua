@@ -299,8 +299,9 @@ end
 
 --- Moves `bar` (a metallophone bar) until its modes have the frequencies `wanted`, from `outline`. `wish`: keep
 --- (set of points), smooth (length), room (part of the local width that a point may move by), choose (the
---- numbers of the modes on the bar as it is; nil: they are not there), watch (called with the bar after every
---- round; false ends the search). Returns the bar's outline, rounds.
+--- numbers of the modes on the bar as it is; nil: they are not there), enough (how near in ln f is near enough to
+--- stop, or nil), watch (called with the bar after every round; false ends the search). Returns the bar's outline,
+--- rounds.
 function tune.search(bar, wanted, outline, wish)
   local count = outline.points.row_count
   local origin, now = outline.points:totable(), bar.outline.points:totable()
@@ -318,6 +319,7 @@ function tune.search(bar, wanted, outline, wish)
       return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
     end
     local c, most, sum = distances(bar, wanted, modes)
+    if wish.enough and most < wish.enough then return bar.outline, round - 1 end
     local frequencies = frequencies_of(bar, modes)
     if #modes > 1 and most < nearest then best, nearest = p, most end
     local g, z, G = slopes(bar, modes, list, count)

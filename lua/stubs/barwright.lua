@@ -2902,12 +2902,13 @@ function Metallophone:write_tone(path, options) end
 ---square and as evenly as the length `smooth` asks (default: a tenth of the size), no point by more than
 ---the part `room` (0.2) of the width where it is. `ratios`: of the frequencies of the lowest modes of a `kind`
 ---("bending" or "torsion"), the first of which gets the target: {1, 4, 10}; they are followed by kind and number
----while modes of another kind pass them. Ratios that the outline cannot reach fail with status "infeasible" or
+---while modes of another kind pass them. `stages` (1) divides the way into as many searches, each with room of its own
+---from the outline of the one before: {1, 4, 10} is reached from an even bar in 8 with a room of 0.45. Ratios that the outline cannot reach fail with status "infeasible" or
 ---"convergence" and details.frequencies, the nearest found. More than 5 % off, the size is changed first. `keep`: numbers of points
 ---that stay (from there), `pins`: of vertices, as in Outline:pull. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
 ---`watch` is called with the bar after every round; where it returns false, tuning ends as a failure.
 ---@param target number|string
----@param options? {keep?: integer[], pins?: integer[], smooth?: number, finer?: integer, ratios?: number[], kind?: "bending"|"torsion", room?: number, watch?: fun(bar: bw.Metallophone): boolean?}
+---@param options? {keep?: integer[], pins?: integer[], smooth?: number, finer?: integer, ratios?: number[], kind?: "bending"|"torsion", room?: number, stages?: integer, watch?: fun(bar: bw.Metallophone): boolean?}
 ---@return {frequency: number, cents: number, moved: number, rounds: integer, mesh_cents: number, modes: {frequency: number, wanted: number, cents: number, number: integer, kind: string?}[]}?
 ---@return string? message
 ---@return table? details

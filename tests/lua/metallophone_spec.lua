@@ -158,6 +158,30 @@ describe("a metallophone bar", function()
     check.raises("each above the one before", none.tune, none, 350, {ratios = {1, 1}})
   end)
 
+  it("reaches 1 : 4 : 10 in stages, past a mode of another kind", function()
+    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.3, 0.06}})
+    for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
+    for edge = outline.edge_count, 1, -1 do outline = assert(outline:split(edge, 0.5)) end
+    local bar = assert(bw.responsive.metallophone {outline = outline, thickness = 0.004, elements = 150, modes = 5,
+      material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = 0.33, density = 2700}})
+    local function frequencies()
+      local by_name = {}
+      for _, mode in ipairs(assert(bar:spectrum())) do by_name[mode.kind .. mode.number] = mode.frequency end
+      return by_name
+    end
+    local before = frequencies()
+    assert.is_true(before.torsion1 > before.bending2)
+    local found = assert(bar:tune(220, {ratios = {1, 4, 10}, room = 0.45, stages = 8, finer = 1}))
+    for k, ratio in ipairs {1, 4, 10} do
+      assert.is_true(math.abs(found.modes[k].cents) < 0.1)
+      check.near(220 * ratio, found.modes[k].frequency, 1e-4)
+      assert.equal("bending", found.modes[k].kind)
+    end
+    local after = frequencies()
+    assert.is_true(after.torsion1 < after.bending2)
+    check.near(4, after.bending2 / after.bending1, 1e-3)
+  end)
+
   it("moves the outline less than other changes that hit the pitch", function()
     local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.2, 0.03}})
     for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
