@@ -3,6 +3,7 @@
  * Failures may be recorded from pool threads, so the record is guarded by a lock. */
 #include "base/internal.h"
 #include "base/job.h"
+#include "base/remark.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -16,6 +17,8 @@ struct bw_context {
   bwi_failure failure;
   int remark_count;
   char *remark[REMARK_COUNT];
+  const char *remark_format[REMARK_COUNT]; /* of bwi_remark_largest; else NULL */
+  double remark_value[REMARK_COUNT];
   bw_progress_function *progress;
   void *progress_data;
   int cancel; /* accessed with __atomic builtins */
@@ -177,24 +180,52 @@ bw_status bw_check_cancel(bw_context *context) {
   return bw_cancelled(context) ? bw_fail(context, BW_CANCELLED, "cancelled") : BW_OK;
 }
 
+/* What is known already is not said again. A remark is a courtesy: without memory or room it is
+ * left out, and no failure is recorded. */
+static void add_remark(bw_context *context, const char *format, double value, const char *text) {
+  int at = 0;
+  pthread_mutex_lock(&context->lock);
+  while (at < context->remark_count && strcmp(context->remark[at], text) != 0 &&
+         (!format || context->remark_format[at] != format))
+    at++;
+  const bool known = at < context->remark_count;
+  char *copy = at < REMARK_COUNT && (!known || value > context->remark_value[at])
+                   ? BW_NEW(NULL, char, strlen(text) + 1)
+                   : NULL;
+  if (copy) {
+    memcpy(copy, text, strlen(text) + 1);
+    if (known)
+      bw_free(context->remark[at]);
+    context->remark[at] = copy;
+    context->remark_format[at] = format;
+    context->remark_value[at] = value;
+    context->remark_count += !known;
+  }
+  pthread_mutex_unlock(&context->lock);
+}
+
+enum { REMARK_LENGTH = 1024 };
+
 void bw_remark(bw_context *context, const char *format, ...) {
   if (!context)
     return;
-  char text[1024];
+  char text[REMARK_LENGTH];
   va_list arguments;
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
-  pthread_mutex_lock(&context->lock);
-  if (context->remark_count < REMARK_COUNT) {
-    /* A remark is a courtesy: without memory it is left out, and no failure is recorded. */
-    char *copy = BW_NEW(NULL, char, strlen(text) + 1);
-    if (copy) {
-      memcpy(copy, text, strlen(text) + 1);
-      context->remark[context->remark_count++] = copy;
-    }
-  }
-  pthread_mutex_unlock(&context->lock);
+  add_remark(context, NULL, 0, text);
+}
+
+void bwi_remark_largest(bw_context *context, double value, const char *format, ...) {
+  if (!context)
+    return;
+  char text[REMARK_LENGTH];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  add_remark(context, format, value, text);
 }
 
 const char *bw_remark_at(const bw_context *context, int i) {

@@ -2,6 +2,8 @@
 /* Messages and details, memory, arrays, threads, tensors, SHA-256. */
 #include "check.h"
 
+#include "base/remark.h"
+
 #include <sched.h>
 #include <sys/stat.h>
 
@@ -29,6 +31,16 @@ static void test_messages(void **state) {
   bw_remark(context, "one");
   bw_remark(context, "two");
   assert_string_equal(bw_remark_at(context, 1), "two");
+  /* Nothing is said twice, and of remarks alike only that of the largest value. */
+  static const double moved[] = {2, 5, 3};
+  for (int i = 0; i < 3; i++)
+    bwi_remark_largest(context, moved[i], "moved by %g m", moved[i]);
+  bw_remark(context, "two");
+  assert_string_equal(bw_remark_at(context, 2), "moved by 5 m");
+  assert_null(bw_remark_at(context, 3));
+  bw_clear_remarks(context);
+  bw_remark(context, "one");
+  bw_remark(context, "two");
   assert_null(bw_remark_at(context, 2));
   for (int status = BW_BROKEN; status <= BW_INTERNAL; status++)
     assert_string_not_equal(bw_status_word((bw_status)status), "unknown");
