@@ -601,9 +601,13 @@ static void failing_allocations_leave_nothing_behind(void **state) {
   options.height = 64;
   options.arrow = &arrow;
   options.arrow_count = 1;
+  double ends[6] = {-1, -1, 0, 1, -1, 0};
+  bw_picture_line line = {2, ends};
+  options.line = &line;
+  options.line_count = 1;
   options.displacement = u;
   options.ghost = true;
-  options.title = options.unit = "x";
+  options.title = options.unit = options.line_name = "x";
   u[0] = value[0] = 1;
   char *path = path_of("memory");
   /* once before: the context keeps its threads */
