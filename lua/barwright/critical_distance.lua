@@ -266,6 +266,9 @@ end
 
 -- ---- the stress of a fillet ---------------------------------------------------------------------------
 
+-- What the formula of a fillet's stress may be off by (docs/theory/singular.md).
+local FORMULA = 0.1
+
 -- omega~ over the angle inside the material, degrees: Lazzarin and Filippi, Int. J. Solids Struct. 43 (2006).
 local fillets = {{180, 0}, {210, 0.2882}, {225, 0.4320}, {240, 0.5700}, {270, 0.8101}, {300, 0.9701},
   {315, 1.0137}, {330, 1.0345}, {360, 1}}
@@ -300,7 +303,7 @@ function static:fillet_stress(given)
     if one.place.kind == "re-entrant edge" then
       out[#out + 1] = {place = one.place, at = one.at, intensity = one.value, radius = wish.radius,
         value = rounded(one, one.place.angle, wish.radius),
-        estimated_error = one.estimated_error, number = one.number}
+        estimated_error = one.estimated_error + FORMULA, number = one.number}
     end
   end
   table.sort(out, by_value)

@@ -1399,7 +1399,8 @@ function Static:effective_stress(options) end
 function Static:notch_stress_intensity(options) end
 
 ---The largest stress that re-entrant edges would have with a fillet of a radius (m), the largest first, from their
----notch stress intensity factors. For radii that are small beside the notch (docs/theory/singular.md).
+---notch stress intensity factors. For radii that are small beside the notch (docs/theory/singular.md). estimated_error
+---(relative): that of the factor, and 0.1 for the formula.
 ---`print(static:fillet_stress({radius = 1e-3})[1].value)`
 ---@param options {radius: number, places?: bw.SingularPlaces}
 ---@return {place: bw.SingularPlace, number: integer, at: number[], value: number, intensity: number, radius: number, estimated_error: number}[]?

@@ -232,6 +232,7 @@ describe("the stress of a fillet", function()
     assert.equal(0, #assert(its_surface:singular_edges()))
     local largest = round.max_principal:max()
     assert.near(largest, fillet.value, 0.05 * largest)
+    assert.is_true(fillet.estimated_error >= 0.1 and fillet.estimated_error < 0.2) -- the formula's own as well
     -- a smaller radius has a larger stress, like rho^(lambda - 1)
     local smaller = assert(sharp:fillet_stress {places = edges, radius = 0.05})[1]
     assert.near(2 ^ edges[1].growth, smaller.value / fillet.value, 1e-5)
