@@ -35,6 +35,9 @@ local QUICK_MODES, QUICK_REGIONS = 8, 3
 local HALVINGS, DEFECTS, NEAR = 3, 1000, 0.3
 -- Where crossings are taken out, the volume may change by this share of what the bumps add; seconds for it.
 local RESOLVED, TIME_LIMIT = 0.2, 60
+-- The next step aims higher by what the last one fell short of its prediction, at least and at most so much: what
+-- it falls short of the goal alone is less than a new mesh changes.
+local LEAST_MORE, MOST_MORE = 1.05, 1.3
 -- A step that moves nothing by more than this share of the judged patch's radius has no effect.
 local LEAST_OFFSET = 1e-3
 
@@ -151,11 +154,11 @@ end
 
 -- Steps until a full analysis is on the safe side, nothing helps any more, or the steps are used up.
 local function run(self, breaking)
-  local wish, current = self.options, breaking
+  local wish, current, aim = self.options, breaking, 1
   for _ = 1, wish.steps do
     -- The estimate that is needed for the lower end to reach the force, as far as the last full analysis tells.
     local goal = wish.force * breaking.force / breaking.low
-    local moved, step, details = step_on(self, current, goal)
+    local moved, step, details = step_on(self, current, aim * goal)
     if current ~= breaking then current:close() end
     if not moved then
       self.stopped = step
@@ -166,6 +169,9 @@ local function run(self, breaking)
     if not current then return nil, message, details end
     self.surface, step.list = moved, nil
     step.force = current.force
+    if current.force < goal then
+      aim = aim * math.max(LEAST_MORE, math.min(step.predicted / current.force, MOST_MORE))
+    end
     if current.force >= goal or #self.steps + 1 >= wish.steps then
       current:close()
       breaking:close()

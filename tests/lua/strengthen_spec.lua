@@ -190,6 +190,29 @@ describe("strengthening", function()
     assert.truthy(tostring(result):find "is not reached")
   end)
 
+  it("aims higher where new meshes are weaker than predicted", function()
+    -- A part of which every estimate stays 4 % below its prediction.
+    local force, promised = 100, nil
+    local estimate = {length = 0.002, at = {0, 0, 0}, estimated_error = 0.1, close = function() end}
+    estimate.__index = estimate
+    function estimate:advice(given)
+      promised = 1.02 * given.estimate
+      return {force = promised, places = {{at = {0, 0, 0.0025}, radius = 0.006, offset = 1e-5}}}
+    end
+    local function breaking()
+      if promised then force, promised = 0.96 * promised, nil end
+      return setmetatable({force = force, low = 0.9 * force, high = 1.1 * force, worst = {}}, estimate)
+    end
+    local name, known = "barwright.breaking_force", {}
+    for _, module in ipairs {name, "barwright.strengthen"} do known[module] = package.loaded[module] end
+    package.loaded[name], package.loaded["barwright.strengthen"] = breaking, nil
+    local strengthen = require "barwright.strengthen"
+    for module, value in pairs(known) do package.loaded[module] = value end
+    local result = assert(strengthen(bar, with {elements = 200, force = 130}))
+    assert.is_true(result.reached, tostring(result))
+    assert.is_true(#result.steps <= 3, tostring(result))
+  end)
+
   it("thickens a neck by what beam theory asks for", function()
     if not full then return pending "only with BARWRIGHT_FULL=1" end
     local result = assert(bw.strengthen(bar, with {elements = 600, force = 160}))
