@@ -195,7 +195,7 @@ describe("strengthening", function()
     local force, promised = 100, nil
     local estimate = {length = 0.002, at = {0, 0, 0}, estimated_error = 0.1, close = function() end}
     estimate.__index = estimate
-    function estimate:advice(given)
+    function estimate.advice(_, given)
       promised = 1.02 * given.estimate
       return {force = promised, places = {{at = {0, 0, 0.0025}, radius = 0.006, offset = 1e-5}}}
     end
