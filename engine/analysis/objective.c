@@ -5,19 +5,19 @@
  * Stress: J(u) = sum_e w_e integral over e of tr sigma(u). With s = C : I (a symmetric tensor, the
  * stress that a unit volumetric strain's dual asks for), tr sigma = s : grad u because C is
  * symmetric, so the force at node a is sum_e w_e s (integral over e of grad phi_a).
- * Direction: J(u) = sum_e integral over e of T_e : sigma(u); the same with s = C : T_e.
+ * Direction: J(u) = sum_e integral over e of T_e : sigma(u); the same with s = C : T_e. Where the
+ * region names a place in each element, sigma there stands for the mean.
  * Displacement: J(u) = sum_e integral over e of w_e . u; the force is sum_e w_e (integral of
  * phi_a). */
 #include "analysis/weak_internal.h"
+#include "assemble/internal.h"
 
 #include <string.h>
 
 double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3], double *value) {
   int nodes = mesh->nodes_per_element;
-  const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
   double x[10][3];
-  for (int a = 0; a < nodes; a++)
-    memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
+  bwi_element_nodes(mesh, e, x);
   if (mesh->order == 1 || bw_tet_is_straight((const double(*)[3])x)) {
     double corner[4][3];
     double volume = bw_tet_barycentric_gradient(x[0], x[1], x[2], x[3], corner);
@@ -78,6 +78,17 @@ void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]) {
   }
 }
 
+/* As the integrals of the gradients, were they everywhere as at a place. */
+static void gradients_at(const bw_mesh *mesh, int32_t e, const double place[4], double volume,
+                         double (*gradient)[3]) {
+  double x[10][3];
+  bwi_element_nodes(mesh, e, x);
+  bw_tet_gradient(mesh->order, (const double(*)[3])x, place, gradient);
+  for (int a = 0; a < mesh->nodes_per_element; a++)
+    for (int k = 0; k < 3; k++)
+      gradient[a][k] *= volume;
+}
+
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side) {
   const bw_mesh *mesh = regions->mesh;
@@ -103,7 +114,9 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
       s[k] = c[6 * k] + c[6 * k + 1] + c[6 * k + 2];
     if (target == BW_WORST_STRESS)
       w = r->weight[i];
-    bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
+    double volume = bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
+    if (r->place)
+      gradients_at(mesh, e, r->place + 4 * (size_t)i, volume, gradient);
     for (int a = 0; a < nodes; a++) {
       double *to = right_hand_side + 3 * (size_t)node[a];
       if (stress) {

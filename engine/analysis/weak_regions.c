@@ -22,6 +22,7 @@ void bw_weak_options_default(bw_weak_options *options) {
 static void region_clear(bw_weak_region *region) {
   bw_free(region->element);
   bw_free(region->weight);
+  bw_free(region->place);
 }
 
 static void regions_destroy(void *object) {
@@ -218,7 +219,8 @@ static bw_status cut_regions(bw_context *context, const bw_mesh *mesh, const mod
       peak = fmax(peak, fields->measure[stack[i]]);
     }
     bw_weak_region *r = &part[parts];
-    *r = (bw_weak_region){mode, 0, size, NULL, NULL, volume, energy, peak};
+    *r = (bw_weak_region){
+        .mode = mode, .count = size, .volume = volume, .energy = energy, .peak = peak};
     r->element = BW_NEW(context, int32_t, size);
     if (!r->element) {
       status = BW_MEMORY;

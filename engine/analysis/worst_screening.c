@@ -1,16 +1,18 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Screening of all elements with a coarse pressure (docs/theory/worst_case.md, "The search").
+/* Screening of all targets with a coarse pressure (docs/theory/worst_case.md, "The search").
+ * Targets are elements, or patches of the boundary (screening_targets.h).
  *
- * K patches of the boundary, one solve each: then the stress of any element under any pressure that
- * is constant on patches is a product with a 6 x K matrix. Combinations of the balance rows are
+ * K patches of pressure, one solve each: then the stress of any target under any pressure that is
+ * constant on patches is a product with a 6 x K matrix. Combinations of the balance rows are
  * subtracted from the responses (a least-squares fit): no balanced load sees the difference.
- * Without the balance rows the programme is a knapsack, which gives every element a bound. The
- * elements of the largest bounds get exact programmes in the K pressures, followed by an ascent of
+ * Without the balance rows the programme is a knapsack, which gives every target a bound. The
+ * targets of the largest bounds get exact programmes in the K pressures, followed by an ascent of
  * the principal stress.
  *
  * Invariants: `response` holds K numbers for a degree of freedom, its displacement under a unit
- * share of the total force on each patch, less the fit; what follows is by element and does not
+ * share of the total force on each patch, less the fit; what follows is by target and does not
  * depend on the number of threads. */
+#include "analysis/screening_targets.h"
 #include "analysis/weak_internal.h"
 #include "analysis/worst_internal.h"
 
@@ -18,13 +20,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOLVES = 64, ELEMENTS_PER_CHUNK = 64, ROWS_PER_CHUNK = 64, ASCENT_STEPS = 1, HALVINGS = 12 };
+enum { SOLVES = 64, TARGETS_PER_CHUNK = 64, ROWS_PER_CHUNK = 64, ASCENT_STEPS = 3, HALVINGS = 12 };
 /* So many that balance leaves a choice. */
 enum { PATCHES_PER_ROW = 4 };
 
 typedef struct ranked {
   double bound;
-  int32_t element;
+  int32_t target;
 } ranked;
 
 typedef struct screen {
@@ -39,9 +41,11 @@ typedef struct screen {
   double *projector; /* patches x balance rows: the multipliers of the fit of c are projector^T c */
   double *upper;     /* patches */
   double *scratch;   /* threads x 8 x patches, or x rows where these are more */
-  ranked *rank;      /* element_count */
+  bwi_targets targets;
+  int32_t *list; /* targets by descending bound, then those that get programmes */
   int32_t wanted;
-  double *direction; /* element_count x 6: tensor of the first direction, by element */
+  ranked *rank;      /* targets */
+  double *direction; /* targets x 6: tensor of the first direction */
   double *objective; /* wanted x patches */
   double *pressure;  /* wanted x patches */
   double *value;     /* wanted */
@@ -50,7 +54,7 @@ typedef struct screen {
 } screen;
 
 void bw_screening_clear(bw_screening *screening) {
-  bw_free(screening->element);
+  bw_free(screening->target);
   bw_free(screening->stress);
   memset(screening, 0, sizeof *screening);
 }
@@ -87,37 +91,6 @@ done:
   bw_free(block);
   bw_free(unit);
   return status;
-}
-
-/* Mean stress of element e by patch, for a unit share of the total force: out 6 x patches. */
-static void element_response(const screen *s, int32_t e, double *out) {
-  const bw_mesh *mesh = s->system->mesh;
-  size_t k = (size_t)s->patches, nodes = (size_t)mesh->nodes_per_element;
-  const int32_t *node = mesh->element + (size_t)e * nodes;
-  const double *c = bw_material_elasticity(s->system->material, e);
-  double gradient[10][3];
-  double volume = bwi_shape_integrals(mesh, e, gradient, NULL);
-  memset(out, 0, 6 * k * sizeof *out);
-  for (size_t a = 0; a < nodes; a++) {
-    /* Columns of C B for the three components of node a. */
-    double g[3] = {gradient[a][0] / volume, gradient[a][1] / volume, gradient[a][2] / volume};
-    for (int i = 0; i < 3; i++) {
-      double strain[6] = {0};
-      strain[i] = g[i];
-      strain[3] = i == 1 ? g[2] : i == 2 ? g[1] : 0;
-      strain[4] = i == 2 ? g[0] : i == 0 ? g[2] : 0;
-      strain[5] = i == 0 ? g[1] : i == 1 ? g[0] : 0;
-      const double *u = s->response + (3 * (size_t)node[a] + (size_t)i) * k;
-      for (size_t r = 0; r < 6; r++) {
-        double factor = 0;
-        for (size_t l = 0; l < 6; l++)
-          factor += c[6 * r + l] * strain[l];
-        double *to = out + r * k;
-        for (size_t j = 0; j < k; j++)
-          to[j] += factor * u[j];
-      }
-    }
-  }
 }
 
 /* ---- the bound ----------------------------------------------------------------------------- */
@@ -220,7 +193,7 @@ static bw_status rank_body(void *data, int64_t begin, int64_t end, int worker) {
   double *response = s->scratch + (size_t)worker * 8 * k, *d = response + 6 * k, *negative = d + k;
   for (int64_t e = begin; e < end; e++) {
     double *t = s->direction + 6 * e;
-    element_response(s, (int32_t)e, response);
+    bwi_target_stress(&s->targets, (int32_t)e, worker, response);
     first_direction(s, response, t);
     normal_stress(s, response, t, d);
     for (size_t j = 0; j < k; j++)
@@ -238,7 +211,7 @@ static int by_bound(const void *a, const void *b) {
   const ranked *x = (const ranked *)a, *y = (const ranked *)b;
   if (x->bound != y->bound)
     return x->bound > y->bound ? -1 : 1;
-  return (x->element > y->element) - (x->element < y->element);
+  return (x->target > y->target) - (x->target < y->target);
 }
 
 /* ---- programmes in the patches' pressures -------------------------------------------------- */
@@ -250,9 +223,9 @@ static bw_status objective_body(void *data, int64_t begin, int64_t end, int work
   double *response = s->scratch + (size_t)worker * 8 * k;
   for (int64_t i = begin; i < end; i++) {
     double t[6], *f = s->objective + (size_t)i * k;
-    element_response(s, s->rank[i].element, response);
+    bwi_target_stress(&s->targets, s->list[i], worker, response);
     if (s->step == 0)
-      memcpy(t, s->direction + 6 * (size_t)s->rank[i].element, sizeof t);
+      memcpy(t, s->direction + 6 * (size_t)s->list[i], sizeof t);
     else
       bwi_directed_weight(s->stress + 6 * i, 1, t);
     normal_stress(s, response, t, f);
@@ -275,7 +248,7 @@ static bw_status stress_body(void *data, int64_t begin, int64_t end, int worker)
   for (int64_t i = begin; i < end; i++) {
     const double *p = s->pressure + (size_t)i * k;
     double found[6];
-    element_response(s, s->rank[i].element, response);
+    bwi_target_stress(&s->targets, s->list[i], worker, response);
     for (size_t r = 0; r < 6; r++) {
       double sum = 0;
       for (size_t j = 0; j < k; j++)
@@ -318,9 +291,9 @@ static bw_status hand_over(const screen *s, bw_screening *out) {
   bw_context *context = s->context;
   bw_status status = BW_OK;
   ranked *order = BW_NEW(context, ranked, s->wanted);
-  out->element = BW_NEW(context, int32_t, s->wanted);
+  out->target = BW_NEW(context, int32_t, s->wanted);
   out->stress = BW_NEW(context, double, 6 * (size_t)s->wanted);
-  if (!order || !out->element || !out->stress) {
+  if (!order || !out->target || !out->stress) {
     status = BW_MEMORY;
     goto done;
   }
@@ -328,8 +301,8 @@ static bw_status hand_over(const screen *s, bw_screening *out) {
     order[i] = (ranked){largest_principal(s->stress + 6 * (size_t)i), i};
   qsort(order, (size_t)s->wanted, sizeof *order, by_bound);
   for (int32_t i = 0; i < s->wanted && order[i].bound > 0; i++) {
-    int32_t from = order[i].element;
-    out->element[i] = s->rank[from].element;
+    int32_t from = order[i].target, target = s->list[from];
+    out->target[i] = s->targets.node ? s->targets.node[target] : target;
     memcpy(out->stress + 6 * (size_t)i, s->stress + 6 * (size_t)from, 6 * sizeof(double));
     out->count++;
   }
@@ -339,12 +312,11 @@ done:
 }
 
 bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                             const bw_worst_load_options *options, int32_t patches, int32_t wanted,
-                             bw_screening *screening) {
+                             const bw_worst_load_options *options, int32_t patches, double radius,
+                             int32_t wanted, bw_screening *screening) {
   bw_status status = BW_OK;
   bw_worst_load_options limits = *options;
   screen s = {.context = context, .system = system, .options = &limits};
-  int32_t elements = system->mesh->element_count;
   memset(screening, 0, sizeof *screening);
   if (basis->mesh->node_count != system->mesh->node_count)
     return bw_fail(context, BW_INVALID,
@@ -352,28 +324,37 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
                    basis->mesh->node_count, system->mesh->node_count);
   if (patches < 1 || wanted < 1)
     return bw_fail(context, BW_INVALID,
-                   "a screening of %d elements with %d patches is asked for: both must be positive",
+                   "a screening of %d targets with %d patches is asked for: both must be positive",
                    wanted, patches);
-  s.wanted = wanted < elements ? wanted : elements;
   /* Pressures by patch may miss the balance that pressures by node reach. */
   limits.at_most = options->at_most || !basis->complete;
-  limits.hands = 0; /* the screening ranks elements by what pressures anywhere do */
+  limits.hands = 0; /* the screening ranks targets by what pressures anywhere do */
   int32_t fewest = PATCHES_PER_ROW * (system->numbering->motion_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;
   BW_TRY(bwi_programme_create(context, s.coarse, system->numbering, options, &s.programme));
   size_t room = 8 * (size_t)s.patches, rows = (size_t)s.programme->rows;
   s.scratch = BW_NEW(context, double, (size_t)bw_threads(context) * (room > rows ? room : rows));
-  s.rank = BW_NEW(context, ranked, elements);
-  s.direction = BW_NEW(context, double, 6 * (size_t)elements);
-  if (!s.scratch || !s.rank || !s.direction) {
+  if (!s.scratch) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(solve_patches(&s));
   BW_TRY(subtract_fit(&s));
-  BW_TRY(bw_parallel(context, elements, ELEMENTS_PER_CHUNK, rank_body, &s));
-  qsort(s.rank, (size_t)elements, sizeof *s.rank, by_bound);
+  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, s.patches, s.response, radius,
+                           &s.targets));
+  s.rank = BW_NEW(context, ranked, s.targets.count);
+  s.list = BW_NEW(context, int32_t, s.targets.count);
+  s.direction = BW_NEW(context, double, 6 * (size_t)s.targets.count);
+  if (!s.rank || !s.list || !s.direction) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_parallel(context, s.targets.count, TARGETS_PER_CHUNK, rank_body, &s));
+  qsort(s.rank, (size_t)s.targets.count, sizeof *s.rank, by_bound);
+  for (int32_t i = 0; i < s.targets.count; i++)
+    s.list[i] = s.rank[i].target;
+  s.wanted = bwi_targets_apart(&s.targets, wanted, s.list);
   BW_TRY(solve_programmes(&s));
   BW_TRY(hand_over(&s, screening));
 done:
@@ -387,6 +368,8 @@ done:
   bw_free(s.upper);
   bw_free(s.scratch);
   bw_free(s.rank);
+  bw_free(s.list);
+  bwi_targets_clear(&s.targets);
   bw_free(s.direction);
   bw_free(s.objective);
   bw_free(s.pressure);

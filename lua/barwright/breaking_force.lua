@@ -29,9 +29,6 @@ local rules = breaking_loads.rules {
   most_elements = {type = "integer", least = 1, most = 10000000},
   length = {type = "any"},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
-  modes = {type = "integer", default = 15, least = 1, most = 500},
-  regions = {type = "integer", default = 5, least = 1, most = 1000},
-  seed = {type = "integer", default = 1},
 }
 
 -- A contact takes at most this share of the surface; with more, few loads are admissible.
@@ -45,8 +42,9 @@ local SHARES = {0.6, 1}
 local GROWTH, MORE = 2, 4
 -- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
 local MOST_MESHES = 8
--- Places that are refined at once, if they are at least so near to the weakest.
-local REFINED, NEARLY = 6, 0.6
+-- Places that are refined at once. Those that no mesh has refined may be the weakest if their mean stress is so
+-- near to the largest; those that were refined before, if it is CLOSE.
+local REFINED, NEARLY, CLOSE = 8, 0.6, 0.85
 -- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
 -- radius over edge. Edges there are at most this share of the radius.
 local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
@@ -60,10 +58,8 @@ local FOLLOWED = 0.1
 local FOR_FACETS, FOR_VOLUME, EQUILATERAL = 2, 1.6, math.sqrt(3) / 4
 -- The volume of a regular tetrahedron over its cubed edge.
 local REGULAR = 1 / (6 * math.sqrt(2))
--- Places that are listed, and regions whose stresses are judged.
-local PLACES, JUDGED = 6, 12
--- Places whose mean stress ascends at once, steps at most, and the gain below which the ascent ends.
-local ASCENTS, ASCENT_STEPS, GAIN = 4, 4, 0.01
+-- Places that are listed, and those of the mesh before that the search starts from.
+local PLACES, KNOWN = 6, 12
 -- What the search may miss of the largest stress (docs/benchmarks.md).
 local SEARCH = 0.05
 -- The relative error that a displacement of the surface by the radius of the patch stands for.
@@ -75,143 +71,65 @@ local HIGHER = 0.05
 -- Metals whose strength in the library is the yield strength.
 local ductile = {steel = true, aluminium = true}
 
-local function node_at(mesh, node)
-  return {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
-end
-
 -- Stress over strength of rows of tensors.
 local function judge(self, stress)
   if self.failure == "von_mises" then return core.von_mises(stress) * (1 / self.material.strength) end
   return self.material:utilisation(stress)
 end
 
--- At most JUDGED regions: those of largest stress, no two with their peaks in one patch, then the next ones.
-local function candidates(self, worst)
-  local list, chosen, left = {}, {}, {}
-  for i, region in ipairs(worst.regions) do
-    list[i] = {number = i, stress = region.max_principal, at = region.at}
+local function is_near(areas, at)
+  for _, area in ipairs(areas) do
+    if distance(area.at, at) <= area.radius then return true end
   end
-  table.sort(list, function(a, b)
-    if a.stress ~= b.stress then return a.stress > b.stress end
-    return a.number < b.number
-  end)
-  for _, one in ipairs(list) do
-    local apart = true
-    for _, other in ipairs(chosen) do apart = apart and distance(one.at, other.at) > self.length end
-    table.insert(apart and chosen or left, one)
-  end
-  table.move(left, 1, #left, #chosen + 1, chosen)
-  local numbers = {}
-  for i = 1, math.min(#chosen, JUDGED) do numbers[i] = chosen[i].number end
-  return numbers
+  return false
 end
 
-local function weaker(a, b)
-  if a.utilisation ~= b.utilisation then return a.utilisation > b.utilisation end
-  return a.region < b.region
+-- Whether a place has the short edges of this mesh around it, and whether it had those of this or a former one.
+local function mark(self, place)
+  place.refined = is_near(self.near, place.at)
+  place.settled = place.refined
+  for _, level in ipairs(self.history) do place.settled = place.settled or is_near(level.near, place.at) end
 end
 
--- Where the mean stress under a region's load is largest: {utilisation, at, node, stress, region, point};
--- `stress` is the mean tensor, `point` the utilisation by the stress at nodes.
-local function place_of(self, mesh, worst, region)
-  local u, message, details = worst:displacement(region)
-  if not u then return nil, message, details end
-  local stress
-  stress, message, details = core.nodal_stress(mesh, self.material, u)
-  if not stress then return nil, message, details end
-  local mean
-  mean, message, details = core.surface_mean(mesh, stress, self.length)
-  if not mean then return nil, message, details end
-  local used = judge(self, mean)
-  local node = used:argmax()
-  return {utilisation = used:max() / self.reference, at = node_at(mesh, node), node = node, region = region,
-    stress = mean:rows(node, node), point = judge(self, stress):max() / self.reference}
-end
-
--- Adds the places of regions to a list, weakest first.
-local function add_places(self, mesh, worst, regions, list)
-  for _, region in ipairs(regions) do
-    local place, message, details = place_of(self, mesh, worst, region)
-    if not place then return nil, message, details end
-    list[#list + 1] = place
-  end
-  table.sort(list, weaker)
-  return list
-end
-
--- The weakest places that have not ascended, no two of them in one patch.
-local function starts(self, list)
-  local chosen = {}
+-- Appends the first places of a list that are at least so weak and of which no two lie in one patch, up to `count`
+-- in all.
+local function append_apart(self, chosen, list, count, least)
   for _, place in ipairs(list) do
-    local free = not place.tried and #chosen < ASCENTS
+    local free = #chosen < count and place.utilisation >= least
     for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.length end
     if free then chosen[#chosen + 1] = place end
   end
   return chosen
-end
-
--- Loads that maximise the mean stress of the weakest places, again and again: each reaches at least the mean that
--- it starts from, but for the difference between surface and elements behind it.
-local function ascend(self, mesh, worst, list)
-  for _ = 1, ASCENT_STEPS do
-    local chosen, nodes, rows, most = starts(self, list), {}, {}, list[1].utilisation
-    if #chosen == 0 then break end
-    for k, place in ipairs(chosen) do
-      place.tried, nodes[k], rows[k] = true, place.node, place.stress:totable()[1]
-    end
-    local first = #worst.regions
-    local fine, message, details = worst:add_patches(self.length, nodes, core.array.new(rows))
-    if not fine then return nil, message, details end
-    local regions = {}
-    for k = 1, #nodes do regions[k] = first + k end
-    fine, message, details = add_places(self, mesh, worst, regions, list)
-    if not fine then return nil, message, details end
-    if list[1].utilisation < (1 + GAIN) * most then break end
-  end
-  return list
-end
-
--- The places of largest mean stress on a mesh, weakest first.
-local function places_of(self, mesh, worst)
-  local list, message, details = add_places(self, mesh, worst, candidates(self, worst), {})
-  if not list then return nil, message, details end
-  return ascend(self, mesh, worst, list)
-end
-
--- Whether a place has the short edges of this mesh around it.
-local function is_refined(self, at)
-  for _, near in ipairs(self.near or {}) do
-    if distance(near.at, at) <= near.radius then return true end
-  end
-  return false
 end
 
 -- Places of a mesh that may be the weakest once they are refined.
 local function unsettled(level)
   local list = {}
   for _, place in ipairs(level.places) do
-    if not place.refined and place.utilisation >= NEARLY * level.utilisation then list[#list + 1] = place end
+    if not place.settled and place.utilisation >= NEARLY * level.utilisation then list[#list + 1] = place end
   end
   return list
 end
 
--- The places that the next mesh refines: the weakest of the last mesh, its unsettled ones, then the others of the
--- last and of former meshes.
-local function to_refine(self)
-  local levels = self.history
-  local all, chosen = {levels[#levels].places[1]}, {}
-  table.move(unsettled(levels[#levels]), 1, JUDGED, #all + 1, all)
+-- Places of former meshes that were refined there.
+local function settled(levels)
+  local list = {}
   for k = #levels, 1, -1 do
     for _, place in ipairs(levels[k].places) do
-      if place.utilisation >= NEARLY * levels[k].utilisation then all[#all + 1] = place end
+      if place.refined then list[#list + 1] = place end
     end
   end
-  for _, place in ipairs(all) do
-    local free = #chosen < REFINED
-    for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.length end
-    if free then chosen[#chosen + 1] = place end
-  end
-  return chosen
+  return list
+end
+
+-- The places that the next mesh refines: the weakest of the last mesh, those that were refined and are about as
+-- weak, then unsettled ones, then others of the last mesh.
+local function to_refine(self)
+  local last = self.history[#self.history]
+  local chosen = append_apart(self, {}, last.places, 1, 0)
+  append_apart(self, chosen, settled(self.history), REFINED, CLOSE * last.utilisation)
+  append_apart(self, chosen, unsettled(last), REFINED, 0)
+  return append_apart(self, chosen, last.places, REFINED, NEARLY * last.utilisation)
 end
 
 -- Edge lengths near places, of `count` elements in all.
@@ -265,21 +183,23 @@ local function moved_near(self, mesh, at)
   return offsets:max()
 end
 
--- One mesh: its worst case and the places of its largest mean stresses.
+-- One mesh: its worst case, with the places of its largest mean stresses.
 local function analyse_on(self, mesh)
-  local wish = self.options
+  local last = self.history[#self.history]
   local part, limits, details = breaking_loads.part(self, mesh)
   if not part then return nil, limits, details end
-  limits.modes, limits.regions, limits.seed = wish.modes, wish.regions, wish.seed
+  limits.length, limits.failure = self.length, self.failure
+  limits.places = last and append_apart(self, to_refine(self), last.places, KNOWN, NEARLY * last.utilisation)
   local worst, message
   worst, message, details = worst_case(part, limits)
   if not worst then return nil, message, details end
-  local places
-  places, message, details = places_of(self, mesh, worst)
-  if not places then return nil, message, details end
   if self.worst then self.worst:close() end
   self.worst, self.mesh = worst, mesh
-  return places
+  for _, place in ipairs(worst.places) do
+    place.utilisation, place.point = place.utilisation / self.reference, place.point / self.reference
+    mark(self, place)
+  end
+  return worst.places
 end
 
 -- The largest relative change from former meshes that refine their weakest place, back to one of fewer elements;
@@ -319,13 +239,8 @@ end
 
 -- Other places that are as weak within the error, no two of them in one patch.
 local function ties(self, places, change)
-  local list = {places[1]}
-  for _, place in ipairs(places) do
-    local apart = place.utilisation * (1 + change) >= places[1].utilisation
-    for _, other in ipairs(list) do apart = apart and distance(place.at, other.at) > self.length end
-    if apart and #list < PLACES then list[#list + 1] = place end
-  end
-  return table.move(list, 2, #list, 1, {})
+  local list = append_apart(self, {}, places, PLACES, places[1].utilisation / (1 + change))
+  return table.move(list, 2, #list + 1, 1)
 end
 
 -- Finer meshes show larger stresses, so the interval reaches further down than up.
@@ -383,7 +298,7 @@ function breaking_force.analyse(body, given)
   local radius, why, about = averaging_radius("breaking_force", wish.length, wish.material, self.box)
   if not radius then return nil, why, about end
   self.length = radius
-  self.reference, self.history = wish.force, {}
+  self.reference, self.history, self.near = wish.force, {}, {}
   local start = core.seconds()
   local asked = next_count(self) or self.given_mesh.element_count
   while asked do
@@ -394,14 +309,13 @@ function breaking_force.analyse(body, given)
     places, message, details = analyse_on(self, mesh)
     if not places then return nil, message, details end
     local first = places[1]
-    for _, place in ipairs(places) do place.refined = is_refined(self, place.at) end
     moved, message, details = moved_near(self, mesh, first.at)
     if not moved then return nil, message, details end
     self.history[#self.history + 1] = {elements = mesh.element_count, asked = asked,
       utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
       force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined,
       size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
-      edge = self.near and self.near[1] and self.near[1].length, seconds = core.seconds() - start}
+      near = self.near, edge = self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)
   end
   summarise(self)

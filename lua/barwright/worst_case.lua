@@ -7,6 +7,7 @@ local certificate = require "barwright.certificate"
 local core = require "barwright.core"
 local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
+local patch_search = require "barwright.patch_search"
 local worst_search = require "barwright.worst_search"
 local writable = require "barwright.writable"
 
@@ -23,6 +24,9 @@ local rules = load_limits.rules {
   targets = {type = "integer", default = 48, least = 1, most = 100000},
   modes = {type = "integer", default = 15, least = 1, most = 500},
   regions = {type = "integer", default = 5, least = 1, most = 1000},
+  length = {type = "number", above = 0},
+  failure = {type = "string", default = "principal", one_of = {"principal", "von_mises"}},
+  places = {type = "table"},
   fraction = {type = "number", default = 0.025, above = 0, most = 1},
   measure = {type = "string", default = "stress", one_of = {"stress", "energy"}},
   target = {type = "string", default = "stress", one_of = {"stress", "displacement"}},
@@ -54,7 +58,7 @@ local labels = {element = "screening, element %d", ascent = "ascent, element %d"
 -- What a load was found from: a weak region of a mode, an element of the screening, an ascent, the
 -- search of the upper bound, or a patch of the boundary.
 local function source(self, weak, origins, i)
-  if i <= weak.count then
+  if weak and i <= weak.count then
     local region = weak[i]
     return {origin = "mode", mode = region.mode, rank = region.rank, elements = region.count,
       volume = region.volume, energy = region.energy,
@@ -109,6 +113,31 @@ local function summarise(self, loads, origins)
   self.friction_error = load_limits.friction_error(self.options)
 end
 
+-- From rows of stress tensors to stress over strength; without a strength, to stress.
+local function judge_of(material, failure)
+  local scale = type(material.strength) == "number" and 1 / material.strength or 1
+  if failure == "von_mises" then return function(stress) return core.von_mises(stress) * scale end end
+  if material.strength then return function(stress) return material:utilisation(stress) end end
+  return core.max_principal
+end
+
+-- The loads of the largest mean stresses over patches.
+local function search_patches(self, wish)
+  local start = core.seconds()
+  local screening_basis, message, details = load_limits.without_friction(self.mesh, wish, self.basis)
+  if not screening_basis then return nil, message, details end
+  self.limits = load_limits.programme(wish)
+  local found
+  found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
+    basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = wish.length,
+    judge = judge_of(self.material, wish.failure), places = wish.places})
+  if not found then return nil, message, details end
+  self.seconds.search = core.seconds() - start
+  self.places = found.places
+  summarise(self, found.loads, found.origins)
+  return self
+end
+
 --- Where a part breaks, under the worst loads that are found. Returns nil, message, details when it cannot tell.
 --- `view`: its equations, where they are at hand (those that a session follows edits with).
 function worst_case.analyse(part, given, view)
@@ -150,6 +179,8 @@ function worst_case.analyse(part, given, view)
   seconds.assemble = times.graph + times.stiffness
   seconds.factor = times.order + times.factor
   seconds.system = clock() - start
+
+  if wish.length then return search_patches(self, wish) end
 
   start = clock()
   local modes

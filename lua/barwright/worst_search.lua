@@ -21,15 +21,15 @@ local FIRST_RATIO = 1.5
 --- Numbers 1..count of the elements that a screening left as targets, most promising first: no two of
 --- them share a node. `ratio`: what the exact programme is expected to gain.
 local function choose(self, screened, weakness, ratio, count)
-  local order, known = {}, weakness:gather(screened.elements)
-  for i = 1, screened.elements.row_count do
+  local order, known = {}, weakness:gather(screened.targets)
+  for i = 1, screened.targets.row_count do
     local promising = ratio * screened.values[i] > (1 + GROWTH) * known[i]
     if promising and not screened.tried[i] then order[#order + 1] = i end
   end
   local corners, touched, chosen = self.mesh.elements, {}, {}
   for _, i in ipairs(order) do -- the screening is by descending stress
     if #chosen == count then break end
-    local element, free = screened.elements[i], true
+    local element, free = screened.targets[i], true
     for corner = 1, 4 do free = free and not touched[corners(element, corner)] end
     if free then
       for corner = 1, 4 do touched[corners(element, corner)] = true end
@@ -76,7 +76,7 @@ local function explore(self, loads, origins, limits)
   local screened
   screened, message, details = core.worst_screening(self.system, basis, {
     pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,
-    patches = math.floor(math.max(FEWEST_PATCHES, patches)), elements = 2 * self.options.targets + 32})
+    patches = math.floor(math.max(FEWEST_PATCHES, patches)), targets = 2 * self.options.targets + 32})
   if not screened then return nil, message, details end
   screened.values, screened.tried = core.max_principal(screened.stresses), {}
   local ratio, round = FIRST_RATIO, 0
@@ -86,7 +86,7 @@ local function explore(self, loads, origins, limits)
     round = round + 1
     local chosen = choose(self, screened, loads.weakness, ratio, math.max(1, self.options.targets // ROUNDS))
     if #chosen == 0 then break end
-    local elements = elements_of(screened.elements, chosen)
+    local elements = elements_of(screened.targets, chosen)
     local earlier = loads.peaks.row_count
     loads, message, details = extend(self, loads, elements, rows_of(screened.stresses, chosen), limits)
     if not loads then return nil, message, details end

@@ -509,6 +509,37 @@ static int core_surface_mean(lua_State *L) {
   return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)columns, value, out), 1);
 }
 
+/* surface_means(mesh, fields, radius): those of a list of arrays with as many columns, side by
+ * side. Patches are looked for once. */
+static int core_surface_means(lua_State *L) {
+  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  lbw_argument_check(L, lua_istable(L, 2) && lua_rawlen(L, 2) > 0 && lua_rawlen(L, 2) < 10000, 2,
+                     "fields: a list of arrays expected");
+  int64_t count = (int64_t)lua_rawlen(L, 2), width = 0, nodes = mesh->node_count;
+  double radius = lbw_number_or(L, 3, 0), *side = NULL;
+  lua_settop(L, 2);
+  for (int64_t i = 0; i < count; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    const bw_array *array = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
+    lbw_argument_check(L,
+                       array && array->rows == nodes && array->columns < 1000 &&
+                           (i == 0 || array->columns == width),
+                       2, "fields: arrays of a row for every node, of as many columns, expected");
+    if (i == 0) {
+      width = array->columns;
+      side = (double *)lbw_push_array(L, BW_F64, nodes, width * count)->data;
+      lua_insert(L, 3);
+    }
+    for (int64_t n = 0; n < nodes; n++)
+      for (int64_t c = 0; c < width; c++)
+        side[n * width * count + i * width + c] = bw_array_get(array, n, c);
+    lua_pop(L, 1);
+  }
+  double *out = (double *)lbw_push_array(L, BW_F64, nodes, width * count)->data;
+  return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)(width * count), side, out),
+                   1);
+}
+
 static int rows_of(lua_State *L, row_function *function, int64_t columns) {
   int64_t rows;
   double *stress = lbw_to_doubles(L, 1, "stress", 6, &rows);
@@ -527,13 +558,11 @@ static int core_max_principal(lua_State *L) {
 }
 
 void lbw_open_solve(lua_State *L) {
-  static const luaL_Reg functions[] = {{"element_stress", core_element_stress},
-                                       {"nodal_stress", core_nodal_stress},
-                                       {"surface_mean", core_surface_mean},
-                                       {"von_mises", core_von_mises},
-                                       {"principal", core_principal},
-                                       {"max_principal", core_max_principal},
-                                       {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"element_stress", core_element_stress}, {"nodal_stress", core_nodal_stress},
+      {"surface_mean", core_surface_mean},     {"surface_means", core_surface_means},
+      {"von_mises", core_von_mises},           {"principal", core_principal},
+      {"max_principal", core_max_principal},   {NULL, NULL}};
   lbw_class_register(L, &lbw_static_class);
   lbw_class_register(L, &lbw_modes_class);
   lbw_class_register(L, &lbw_system_class);

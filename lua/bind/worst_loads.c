@@ -207,8 +207,8 @@ static int worst_loads(lua_State *L) {
 static int push_screening(lua_State *L) {
   const bw_screening *found = (const bw_screening *)lua_touserdata(L, 1);
   lua_createtable(L, 0, 2);
-  lbw_push_indices(L, found->count, 1, found->element);
-  lua_setfield(L, 2, "elements");
+  lbw_push_indices(L, found->count, 1, found->target);
+  lua_setfield(L, 2, "targets");
   void *to = lbw_push_array(L, BW_F64, found->count, 6)->data;
   if (found->count > 0)
     memcpy(to, found->stress, 6 * (size_t)found->count * sizeof(double));
@@ -216,12 +216,14 @@ static int push_screening(lua_State *L) {
   return 1;
 }
 
-/* worst_screening(system, basis, {pressure, force, at_most, glpk, patches, elements}): {elements,
- * stresses}, largest first */
+/* worst_screening(system, basis, {pressure, force, at_most, glpk, patches, targets, radius}):
+ * {targets, stresses}, largest first. Targets are elements, or with a radius nodes in the middles
+ * of patches. */
 static int worst_screening(lua_State *L) {
   struct wish {
     bw_worst_load_options options;
-    int patches, elements;
+    int patches, targets;
+    double radius;
     bool glpk;
   } wish;
   static const lbw_option list[] = {
@@ -230,14 +232,15 @@ static int worst_screening(lua_State *L) {
       {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
       {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
       {"patches", LBW_INT, offsetof(struct wish, patches)},
-      {"elements", LBW_INT, offsetof(struct wish, elements)},
+      {"targets", LBW_INT, offsetof(struct wish, targets)},
+      {"radius", LBW_REAL, offsetof(struct wish, radius)},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
   memset(&wish, 0, sizeof wish);
   wish.patches = 128;
-  wish.elements = 512;
+  wish.targets = 512;
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_screening", list, &wish);
   wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
@@ -248,7 +251,7 @@ static int worst_screening(lua_State *L) {
   lua_pushcfunction(L, push_screening);
   lua_pushlightuserdata(L, &found);
   bw_status status = bw_worst_screening(lbw_enter(L), system, basis, &wish.options, wish.patches,
-                                        wish.elements, &found);
+                                        wish.radius, wish.targets, &found);
   lbw_state_of(L)->running = 0;
   if (status != BW_OK)
     return lbw_leave(L, status, 0);

@@ -163,6 +163,7 @@ typedef struct bw_weak_region {
   int32_t count; /* elements */
   int32_t *element;
   double *weight; /* count signed weights (stress), count x 3 (displacement) or x 6 (direction) */
+  double *place;  /* count x 4: barycentric coordinates where the stress counts; NULL: its mean */
   double volume, energy, peak;
 } bw_weak_region;
 typedef struct bw_weak_regions {
@@ -186,8 +187,8 @@ bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int
                                    const int32_t *element, const double *stress,
                                    bw_weak_regions **regions);
 /* Patches of the boundary as regions: those of bw_surface_mean around boundary nodes. The objective
- * is the mean, weighted alike, of s n . sigma n over the elements behind the patch, n and s of
- * stress[6 i] as above. */
+ * is s n . m n, m the bw_surface_mean of bw_nodal_stress, n and s of stress[6 i] as above: exactly
+ * on straight elements without a projected dilatation. */
 bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh, double radius,
                                   int64_t count, const int32_t *node, const double *stress,
                                   bw_weak_regions **regions);
@@ -278,20 +279,22 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
                             bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
                             void *data);
 
-/* Screening: which elements a load can stress most, estimated for all elements with pressures that
+/* Screening: which targets a load can stress most, estimated for all of them with pressures that
  * are constant over `patches` patches of the boundary (more where the balance rows need more). Such
- * pressures are admissible, so `stress` (the element's stress under the best of them that was
+ * pressures are admissible, so `stress` (the target's stress under the best of them that was
  * found) is a lower bound; where the basis is not complete, the total force of these pressures may
- * be smaller, and `stress` is an estimate. The programmes are solved for the `wanted` elements of
- * the largest knapsack bound; the results are by descending principal stress. */
+ * be smaller, and `stress` is an estimate. Targets are all elements; with a
+ * `radius` (m) they are the patches of bw_surface_mean around the corners of facets, of which no
+ * two within the radius get programmes. The programmes are solved for the `wanted` targets of the
+ * largest knapsack bound; the results are by descending principal stress. */
 typedef struct bw_screening {
   int32_t count;
-  int32_t *element;
-  double *stress; /* count x 6 */
+  int32_t *target; /* elements, or nodes in the middles of patches */
+  double *stress;  /* count x 6 */
 } bw_screening;
 bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                             const bw_worst_load_options *options, int32_t patches, int32_t wanted,
-                             bw_screening *screening);
+                             const bw_worst_load_options *options, int32_t patches, double radius,
+                             int32_t wanted, bw_screening *screening);
 void bw_screening_clear(bw_screening *screening);
 
 /* An upper bound of the principal stress of largest magnitude (mean over an element) that any

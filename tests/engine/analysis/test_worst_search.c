@@ -77,7 +77,7 @@ static void ascent_never_decreases(void **state) {
               held);
     bw_worst_load_options options = {.pressure = 1e5, .force = 300, .at_most = kind == 3};
     bw_screening found;
-    check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 40, 30, &found));
+    check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 40, 0, 30, &found));
     assert_true(found.count > 0 && found.count <= 30);
     for (int32_t i = 1; i < found.count; i++)
       assert_true(principal(found.stress + 6 * i) <= principal(found.stress + 6 * (i - 1)));
@@ -86,8 +86,8 @@ static void ascent_never_decreases(void **state) {
     double *stress = found.stress, gained = 0;
     for (int step = 0; step < 3; step++) {
       bw_weak_regions *regions = NULL;
-      check_ok(context, bw_weak_regions_directed(context, p.mesh, found.count, found.element,
-                                                 stress, &regions));
+      check_ok(context, bw_weak_regions_directed(context, p.mesh, found.count, found.target, stress,
+                                                 &regions));
       c.regions = regions;
       for (int32_t i = 0; i < found.count; i++) {
         check_near(regions->region[i].peak, principal(stress + 6 * i),
@@ -274,12 +274,12 @@ static void same_bits_for_any_number_of_threads(void **state) {
     bw_screening found;
     part_open(context, &p, make_bar(context, dumbbell_profile, 10, 3, 1), false);
     bw_worst_load_options options = {.pressure = 1e5, .force = 300};
-    check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 32, 24, &found));
+    check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 32, 0, 24, &found));
     if (threads == 1) {
       first = found;
     } else {
       assert_int_equal(found.count, first.count);
-      assert_memory_equal(found.element, first.element, (size_t)found.count * sizeof(int32_t));
+      assert_memory_equal(found.target, first.target, (size_t)found.count * sizeof(int32_t));
       assert_memory_equal(found.stress, first.stress, 6 * (size_t)found.count * sizeof(double));
       bw_screening_clear(&found);
     }
@@ -373,15 +373,15 @@ static void failures(void **state) {
   bw_worst_load_options options = {.pressure = 1e5, .force = 300};
   bw_screening found;
   check_fails(context, BW_INVALID, "both must be positive",
-              bw_worst_screening(context, p.system, p.basis, &options, 0, 5, &found));
+              bw_worst_screening(context, p.system, p.basis, &options, 0, 0, 5, &found));
   check_fails(context, BW_INVALID, "both must be positive",
-              bw_worst_screening(context, p.system, p.basis, &options, 5, 0, &found));
+              bw_worst_screening(context, p.system, p.basis, &options, 5, 0, 0, &found));
   options.force = 1e12;
   check_fails(context, BW_INFEASIBLE, "raise the pressure",
-              bw_worst_screening(context, p.system, p.basis, &options, 5, 5, &found));
+              bw_worst_screening(context, p.system, p.basis, &options, 5, 0, 5, &found));
   options.force = 300;
   /* Fewer patches than balance rows would leave the uniform pressure alone: it takes more. */
-  check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 2, 5, &found));
+  check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 2, 0, 5, &found));
   assert_int_equal(found.count, 5);
   bw_screening_clear(&found);
   bw_weak_regions *regions = NULL;
@@ -401,13 +401,13 @@ static void failures(void **state) {
   check_fails(context, BW_CANCELLED, "",
               bw_worst_bound_find(context, p.system, p.basis, &options, 1, 0.01, &bound, NULL));
   check_fails(context, BW_CANCELLED, "",
-              bw_worst_screening(context, p.system, p.basis, &options, 16, 5, &found));
+              bw_worst_screening(context, p.system, p.basis, &options, 16, 0, 5, &found));
   bw_clear_cancel(context);
   check_ok(context, bw_set_threads(context, 1));
   for (int64_t fail = 1;; fail++) {
     int64_t blocks = bw_live_blocks();
     bw_fail_allocation(fail, true);
-    bw_status status = bw_worst_screening(context, p.system, p.basis, &options, 16, 5, &found);
+    bw_status status = bw_worst_screening(context, p.system, p.basis, &options, 16, 0, 5, &found);
     if (status == BW_OK)
       status = bw_weak_regions_directed(context, p.mesh, 1, element, stress, &regions);
     bw_fail_allocation(0, false);

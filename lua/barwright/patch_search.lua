@@ -1,0 +1,230 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The search for loads that maximise the mean stress over patches of the boundary, on one mesh. A screening with
+-- coarse pressures rates all patches; the best of them get a linear programme each; the largest means ascend.
+-- docs/theory/breaking_force.md has the mathematics.
+local core = require "barwright.core"
+local distance = require("barwright.points").distance
+
+local patch_search = {}
+
+-- A pressed area F / p_max should span so many patches of pressure.
+local PRESSED, FEWEST, MOST = 8, 96, 128
+-- The responses to them take 24 bytes for each node and patch: so many at most, if 64 fit.
+local MOST_BYTES = 2 ^ 29
+-- Patches that the screening ranks. Those that may come near to the largest mean get programmes, in rounds of so
+-- many; patches of one round lie SPREAD radii apart.
+local RANKED, ROUNDS, PER_ROUND, SPREAD = 300, 2, 20, 2
+-- So many where places of another mesh are known.
+local ROUNDS_OF_KNOWN = 1
+local NEARLY, GROWTH, FIRST_RATIO = 0.5, 0.02, 1.5
+-- Places whose mean stress ascends at once if they are so near to the largest, steps at most, and the gain below
+-- which the ascent ends.
+local CLOSE, ASCENTS, STEPS, GAIN = 0.85, 6, 3, 0.01
+-- Peaks of the mean stress that each load adds to the places, and nodes that are looked at for them.
+local PEAKS, LOOKED_AT = 4, 400
+
+local function node_at(mesh, node)
+  return {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
+end
+
+local function weaker(a, b)
+  if a.utilisation ~= b.utilisation then return a.utilisation > b.utilisation end
+  if a.region ~= b.region then return a.region < b.region end
+  return a.node < b.node
+end
+
+-- Adds the largest peaks of the mean stress under a load, no two of them in one patch: {utilisation, at, node,
+-- region, stress, point}; `stress` is the mean tensor, `point` the largest utilisation by the stress at nodes.
+local function add_peaks(self, load, used, mean, point)
+  local order, found = used:order(), {}
+  for k = order.row_count, math.max(1, order.row_count - LOOKED_AT), -1 do
+    local node = order[k]
+    local at, apart = node_at(self.mesh, node), true
+    for _, other in ipairs(found) do apart = apart and distance(at, other.at) > self.radius end
+    if apart then
+      found[#found + 1] = {utilisation = used[node], at = at, node = node, region = load,
+        stress = mean:rows(node, node):copy(), point = point}
+      if #found == PEAKS then break end
+    end
+  end
+  table.move(found, 1, #found, #self.places + 1, self.places)
+end
+
+-- The utilisation of all nodes by mean stresses, a list for loads first to last; its peaks become places.
+local function rate(self, first, last)
+  local stresses, list, message, details = {}, {}, nil, nil
+  for load = first, last do
+    local u
+    u, message, details = self.system:solve(self.basis:force(self.loads.pressures[load]))
+    if not u then return nil, message, details end
+    local stress
+    stress, message, details = core.nodal_stress(self.mesh, self.material, u)
+    if not stress then return nil, message, details end
+    stresses[#stresses + 1] = stress
+  end
+  local means
+  means, message, details = core.surface_means(self.mesh, stresses, self.radius)
+  if not means then return nil, message, details end
+  for k, stress in ipairs(stresses) do
+    local mean = means:columns(6 * k - 5, 6 * k)
+    list[k] = self.judge(mean)
+    add_peaks(self, first + k - 1, list[k], mean, self.judge(stress):max())
+  end
+  return list
+end
+
+-- What a load reaches in its own patch, and in those of the screening.
+local function note(self, used, node, load)
+  self.own[load] = used[node]
+  if not self.screened then return end
+  local values, reached = used:gather(self.screened.targets), self.screened.reached
+  for i = 1, values.row_count do reached[i] = math.max(reached[i] or 0, values[i]) end
+end
+
+-- Loads that maximise the mean stress around nodes in the principal direction of tensors (rows), and their places.
+local function add(self, nodes, rows)
+  local patches, message, details = core.patch_regions(self.mesh, self.radius, nodes, core.array.new(rows))
+  if not patches then return nil, message, details end
+  local wish, first = {one_sign = true, after = self.loads}, self.loads and self.loads.peaks.row_count or 0
+  for key, value in pairs(self.limits) do wish[key] = value end
+  local loads
+  loads, message, details = core.worst_loads(self.system, self.basis, patches, wish)
+  if not loads then return nil, message, details end
+  self.loads = loads
+  for k = 1, patches.count do
+    self.origins[first + k] = {origin = "patch", target = nodes[k], elements = patches[k].count,
+      volume = patches[k].volume}
+  end
+  local list
+  list, message, details = rate(self, first + 1, first + patches.count)
+  if not list then return nil, message, details end
+  for k, used in ipairs(list) do note(self, used, nodes[k], first + k) end
+  table.sort(self.places, weaker)
+  return true
+end
+
+-- Patches that the screening finds: {targets, stresses}, and their utilisation as `values`.
+local function screen(self)
+  local limits = self.limits
+  local patches = math.min(MOST, MOST_BYTES // (24 * self.mesh.node_count),
+    PRESSED * limits.pressure * self.basis.areas:sum() // limits.force)
+  local screened, message, details = core.worst_screening(self.system, self.screening_basis, {
+    pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,
+    radius = self.radius, patches = math.floor(math.max(FEWEST, patches)), targets = RANKED})
+  if not screened then return nil, message, details end
+  screened.values, screened.tried, screened.reached = self.judge(screened.stresses), {}, {}
+  self.screened = screened
+  screened.order, screened.rows = screened.values:order(), screened.stresses:totable()
+  return screened
+end
+
+-- Patches that no load at hand stresses as much as their own may: so many at most, the most stressed first, no two
+-- of them close together. `ratio`: what a programme is expected to gain.
+local function choose(self, screened, ratio)
+  local nodes, rows, chosen = {}, {}, {}
+  local most = self.places[1] and self.places[1].utilisation or 0
+  for k = screened.order.row_count, 1, -1 do
+    local i = screened.order[k]
+    local node, promise = screened.targets[i], ratio * screened.values[i]
+    local free = not screened.tried[i] and #nodes < PER_ROUND and promise >= NEARLY * most
+      and promise > (1 + GROWTH) * (screened.reached[i] or 0)
+    for _, other in ipairs(nodes) do
+      free = free and distance(node_at(self.mesh, other), node_at(self.mesh, node)) > SPREAD * self.radius
+    end
+    if free then
+      screened.tried[i] = true
+      nodes[#nodes + 1], rows[#rows + 1], chosen[#chosen + 1] = node, screened.rows[i], i
+    end
+  end
+  return nodes, rows, chosen
+end
+
+local function median(list)
+  table.sort(list)
+  return list[(#list + 1) // 2]
+end
+
+local function explore(self)
+  local screened, message, details = screen(self)
+  if not screened then return nil, message, details end
+  local ratio = FIRST_RATIO
+  for _ = 1, self.loads and ROUNDS_OF_KNOWN or ROUNDS do
+    local nodes, rows, chosen = choose(self, screened, ratio)
+    if #nodes == 0 then break end
+    local first = self.loads and self.loads.peaks.row_count or 0
+    local fine
+    fine, message, details = add(self, nodes, rows)
+    if not fine then return nil, message, details end
+    local ratios = {}
+    for k, i in ipairs(chosen) do ratios[k] = self.own[first + k] / screened.values[i] end
+    ratio = math.max(1, median(ratios))
+  end
+  return true
+end
+
+-- Nodes and mean stresses of places that are known from another mesh.
+local function carry_over(self, known)
+  local nodes, rows = {}, {}
+  for k, place in ipairs(known) do
+    local least
+    local near, reach = self.mesh.boundary:near(place.at, self.radius).nodes, self.radius
+    while near.row_count == 0 do
+      reach = 2 * reach
+      near = self.mesh.boundary:near(place.at, reach).nodes
+    end
+    for i = 1, near.row_count do
+      local away = distance(node_at(self.mesh, near[i]), place.at)
+      if not least or away < least then least, nodes[k] = away, near[i] end
+    end
+    rows[k] = place.stress:totable()[1]
+  end
+  return nodes, rows
+end
+
+-- Places near the largest mean that have not ascended, no two of them in one patch.
+local function starts(self)
+  local chosen, least = {}, CLOSE * self.places[1].utilisation
+  for _, place in ipairs(self.places) do
+    local free = not place.tried and #chosen < ASCENTS and place.utilisation >= least
+    for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.radius end
+    if free then chosen[#chosen + 1] = place end
+  end
+  return chosen
+end
+
+-- Each step reaches at least the mean that it starts from, but for curved elements. Places where a step gains less
+-- than GAIN do not ascend again.
+local function ascend(self)
+  for _ = 1, STEPS do
+    local chosen, nodes, rows = starts(self), {}, {}
+    if #chosen == 0 then break end
+    for k, place in ipairs(chosen) do
+      place.tried, nodes[k], rows[k] = true, place.node, place.stress:totable()[1]
+    end
+    local first = self.loads.peaks.row_count
+    local fine, message, details = add(self, nodes, rows)
+    if not fine then return nil, message, details end
+    for _, place in ipairs(self.places) do
+      local from = chosen[place.region - first]
+      place.tried = place.tried or from and place.utilisation < (1 + GAIN) * from.utilisation
+    end
+  end
+  return true
+end
+
+--- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of the programmes), radius (m),
+--- judge (from rows of tensors to an array) and places (known from another mesh, or nil). Returns {places, loads,
+--- origins}, places weakest first, or nil, message, details.
+function patch_search.run(problem)
+  local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
+  local fine, message, details = true, nil, nil
+  if problem.places and #problem.places > 0 then
+    fine, message, details = add(self, carry_over(self, problem.places))
+  end
+  if fine then fine, message, details = explore(self) end
+  if fine then fine, message, details = ascend(self) end
+  if not fine then return nil, message, details end
+  return self
+end
+
+return patch_search
