@@ -12,6 +12,9 @@
  * is; a child that only waits ends after this many times as long. */
 enum { WALL_FACTOR = 6 };
 
+/* Seconds after which the last progress is reported again. */
+static const double BETWEEN_REPORTS = 0.25;
+
 struct bwi_child_stream {
   bw_job_stream *out;
 };
@@ -58,7 +61,11 @@ bw_status bwi_child_run(bw_context *context, const char *what, const bwi_child_l
   int which;
   bw_status status;
   BW_TRY(bw_job_start(context, &options, run, &asked, &job));
-  BW_TRY(bw_jobs_wait(context, 1, &job, INFINITY, &which));
+  do { /* the caller can cancel also while the work reports nothing */
+    BW_TRY(bw_jobs_wait(context, 1, &job, BETWEEN_REPORTS, &which));
+    if (which < 0)
+      bwi_progress_again(context);
+  } while (which < 0);
   bw_job_usage usage;
   bw_job_read_usage(job, &usage);
   if (usage.state == BW_JOB_CRASHED) {

@@ -21,6 +21,8 @@ struct bw_context {
   double remark_value[REMARK_COUNT];
   bw_progress_function *progress;
   void *progress_data;
+  bw_name stage; /* of the last report, and how far it was */
+  double fraction;
   int cancel; /* accessed with __atomic builtins */
   bwi_pool *pool;
   int threads;
@@ -160,8 +162,16 @@ void bw_set_progress(bw_context *context, bw_progress_function *function, void *
 
 void bw_progress(bw_context *context, const char *stage, double fraction) {
   /* Pool threads have no business in the caller's callback. */
-  if (context && context->progress && !bwi_on_pool_thread())
-    context->progress(context->progress_data, stage, fraction);
+  if (!context || !context->progress || bwi_on_pool_thread())
+    return;
+  snprintf(context->stage.text, sizeof context->stage.text, "%s", stage);
+  context->fraction = fraction;
+  context->progress(context->progress_data, stage, fraction);
+}
+
+void bwi_progress_again(bw_context *context) {
+  if (context && context->progress && context->stage.text[0] && !bwi_on_pool_thread())
+    context->progress(context->progress_data, context->stage.text, context->fraction);
 }
 
 void bw_cancel(bw_context *context) {

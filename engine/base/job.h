@@ -16,6 +16,9 @@ typedef struct bwi_frame {
   double seconds; /* since the fork */
 } bwi_frame;
 
+/* Reports the last progress again, so that the caller can cancel work that reports nothing. */
+void bwi_progress_again(bw_context *context);
+
 typedef struct bwi_progress_line {
   double fraction;
   char stage[64];

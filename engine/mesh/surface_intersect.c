@@ -17,7 +17,7 @@
 #include "mesh/predicates.h"
 #include "mesh/surface_topology.h"
 
-enum { GRAIN = 256, MOST = 1000 };
+enum { GRAIN = 256, MOST = 1000, REPORTED = 64 };
 
 static const double *at(const bwi_topology *topology, int32_t point) {
   return topology->point + 3 * (int64_t)point;
@@ -110,6 +110,8 @@ static int by_second(const void *a, const void *b) {
 static bw_status search_chunk(void *data, int64_t begin, int64_t end, int worker) {
   search *all = (search *)data;
   (void)worker;
+  if (begin > 0 && begin % (REPORTED * GRAIN) == 0) /* the caller may cancel then */
+    bw_progress(all->context, "intersections", (double)begin / (double)all->topology->facets);
   bw_status status = bw_check_cancel(all->context);
   struct chunk *chunk = &all->chunk[begin / GRAIN];
   for (int64_t t = begin; t < end && status == BW_OK; t++) {

@@ -29,6 +29,9 @@ local rules = breaking_loads.rules {
   most_elements = {type = "integer", least = 1, most = 10000000},
   length = {type = "any"},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
+  modes = {type = "integer", default = 15, least = 1, most = 500},
+  regions = {type = "integer", default = 5, least = 1, most = 1000},
+  seed = {type = "integer", default = 1},
 }
 
 -- A contact takes at most this share of the surface; with more, few loads are admissible.
@@ -188,7 +191,9 @@ local function analyse_on(self, mesh)
   local last = self.history[#self.history]
   local part, limits, details = breaking_loads.part(self, mesh)
   if not part then return nil, limits, details end
+  local wish = self.options
   limits.length, limits.failure = self.length, self.failure
+  limits.modes, limits.regions, limits.seed = wish.modes, wish.regions, wish.seed
   limits.places = last and append_apart(self, to_refine(self), last.places, KNOWN, NEARLY * last.utilisation)
   local worst, message
   worst, message, details = worst_case(part, limits)

@@ -20,6 +20,8 @@ local NEARLY, GROWTH, FIRST_RATIO = 0.5, 0.02, 1.5
 -- Places whose mean stress ascends at once if they are so near to the largest, steps at most, and the gain below
 -- which the ascent ends.
 local CLOSE, ASCENTS, STEPS, GAIN = 0.85, 6, 3, 0.01
+-- Loads at hand that are rated at first.
+local BEGUN = 12
 -- Peaks of the mean stress that each load adds to the places, and nodes that are looked at for them.
 local PEAKS, LOOKED_AT = 4, 400
 
@@ -50,26 +52,25 @@ local function add_peaks(self, load, used, mean, point)
   table.move(found, 1, #found, #self.places + 1, self.places)
 end
 
--- The utilisation of all nodes by mean stresses, a list for loads first to last; its peaks become places.
-local function rate(self, first, last)
-  local stresses, list, message, details = {}, {}, nil, nil
-  for load = first, last do
-    local u
-    u, message, details = self.system:solve(self.basis:force(self.loads.pressures[load]))
+-- The utilisation of all nodes by mean stresses, a list for the loads of these numbers; its peaks become places.
+local function rate(self, numbers)
+  local stresses, list = {}, {}
+  for k, load in ipairs(numbers) do
+    local u, message, details = self.system:solve(self.basis:force(self.loads.pressures[load]))
     if not u then return nil, message, details end
     local stress
     stress, message, details = core.nodal_stress(self.mesh, self.material, u)
     if not stress then return nil, message, details end
-    stresses[#stresses + 1] = stress
+    stresses[k] = stress
   end
-  local means
-  means, message, details = core.surface_means(self.mesh, stresses, self.radius)
+  local means, message, details = core.surface_means(self.mesh, stresses, self.radius)
   if not means then return nil, message, details end
   for k, stress in ipairs(stresses) do
     local mean = means:columns(6 * k - 5, 6 * k)
     list[k] = self.judge(mean)
-    add_peaks(self, first + k - 1, list[k], mean, self.judge(stress):max())
+    add_peaks(self, numbers[k], list[k], mean, self.judge(stress):max())
   end
+  table.sort(self.places, weaker)
   return list
 end
 
@@ -91,15 +92,16 @@ local function add(self, nodes, rows)
   loads, message, details = core.worst_loads(self.system, self.basis, patches, wish)
   if not loads then return nil, message, details end
   self.loads = loads
+  local numbers = {}
   for k = 1, patches.count do
+    numbers[k] = first + k
     self.origins[first + k] = {origin = "patch", target = nodes[k], elements = patches[k].count,
       volume = patches[k].volume}
   end
   local list
-  list, message, details = rate(self, first + 1, first + patches.count)
+  list, message, details = rate(self, numbers)
   if not list then return nil, message, details end
   for k, used in ipairs(list) do note(self, used, nodes[k], first + k) end
-  table.sort(self.places, weaker)
   return true
 end
 
@@ -148,7 +150,7 @@ local function explore(self)
   local screened, message, details = screen(self)
   if not screened then return nil, message, details end
   local ratio = FIRST_RATIO
-  for _ = 1, self.loads and ROUNDS_OF_KNOWN or ROUNDS do
+  for _ = 1, self.known and ROUNDS_OF_KNOWN or ROUNDS do
     local nodes, rows, chosen = choose(self, screened, ratio)
     if #nodes == 0 then break end
     local first = self.loads and self.loads.peaks.row_count or 0
@@ -166,16 +168,7 @@ end
 local function carry_over(self, known)
   local nodes, rows = {}, {}
   for k, place in ipairs(known) do
-    local least
-    local near, reach = self.mesh.boundary:near(place.at, self.radius).nodes, self.radius
-    while near.row_count == 0 do
-      reach = 2 * reach
-      near = self.mesh.boundary:near(place.at, reach).nodes
-    end
-    for i = 1, near.row_count do
-      local away = distance(node_at(self.mesh, near[i]), place.at)
-      if not least or away < least then least, nodes[k] = away, near[i] end
-    end
+    nodes[k] = self.mesh.boundary:nearest(place.at, 1).nodes[1]
     rows[k] = place.stress:totable()[1]
   end
   return nodes, rows
@@ -212,14 +205,31 @@ local function ascend(self)
   return true
 end
 
+-- Places of the loads that stress elements most, no two with their peaks in one patch.
+local function begin(self)
+  local peaks, elements, chosen, ends = self.loads.peaks, self.loads.peak_elements, {}, {}
+  local order = peaks:order()
+  for k = order.row_count, 1, -1 do
+    local at = node_at(self.mesh, self.mesh.elements(elements[order[k]], 1))
+    local apart = #chosen < BEGUN and peaks[order[k]] > 0
+    for _, other in ipairs(ends) do apart = apart and distance(at, other) > self.radius end
+    if apart then chosen[#chosen + 1], ends[#ends + 1] = order[k], at end
+  end
+  if #chosen == 0 then return true end
+  return rate(self, chosen)
+end
+
 --- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of the programmes), radius (m),
---- judge (from rows of tensors to an array) and places (known from another mesh, or nil). Returns {places, loads,
---- origins}, places weakest first, or nil, message, details.
+--- judge (from rows of tensors to an array), and what it begins with: loads (results of core.worst_loads) or
+--- known (places of another mesh). Returns {places, loads, origins}, places weakest first, or nil, message,
+--- details.
 function patch_search.run(problem)
   local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
-  local fine, message, details = true, nil, nil
-  if problem.places and #problem.places > 0 then
-    fine, message, details = add(self, carry_over(self, problem.places))
+  local fine, message, details
+  if problem.known then
+    fine, message, details = add(self, carry_over(self, problem.known))
+  else
+    fine, message, details = begin(self)
   end
   if fine then fine, message, details = explore(self) end
   if fine then fine, message, details = ascend(self) end

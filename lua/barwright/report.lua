@@ -95,7 +95,7 @@ end
 
 local function add_modes(worst, nodes, data, count)
   local modes = worst.modes
-  if modes.components ~= 3 then return end
+  if not modes or modes.components ~= 3 then return end
   local frequencies = modes.frequencies
   for i = 1, math.min(count, modes.count) do
     data.displacements[#data.displacements + 1] = {

@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The worst-case analysis: modes -> weak regions -> worst loads -> stresses (Zhou, Panetta, Zorin 2013),
--- then the search beside the modes (worst_search.lua), from one factorisation.
+-- then the search beside the modes (worst_search.lua), from one factorisation. With a length, patch_search.lua
+-- searches the largest mean over surface patches instead.
 -- docs/theory/worst_case.md tells why.
 local arguments = require "barwright.arguments"
 local certificate = require "barwright.certificate"
@@ -121,8 +122,8 @@ local function judge_of(material, failure)
   return core.max_principal
 end
 
--- The loads of the largest mean stresses over patches.
-local function search_patches(self, wish)
+-- The loads of the largest mean stresses over patches, from loads at hand or places that are known.
+local function search_patches(self, wish, loads)
   local start = core.seconds()
   local screening_basis, message, details = load_limits.without_friction(self.mesh, wish, self.basis)
   if not screening_basis then return nil, message, details end
@@ -130,7 +131,7 @@ local function search_patches(self, wish)
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
     basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = wish.length,
-    judge = judge_of(self.material, wish.failure), places = wish.places})
+    judge = judge_of(self.material, wish.failure), loads = loads, known = wish.places})
   if not found then return nil, message, details end
   self.seconds.search = core.seconds() - start
   self.places = found.places
@@ -157,6 +158,12 @@ function worst_case.analyse(part, given, view)
     fine, message, details = writable(wish.certificate)
     if not fine then return nil, message, details end
   end
+  if wish.length and (wish.method or wish.certify or wish.target == "displacement") then
+    raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
+  end
+  if wish.places and not (wish.length and options.countable(wish.places) and #wish.places > 0) then
+    raise "worst_case: option 'places': places of another worst case of the same 'length' expected"
+  end
   wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
   local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
@@ -180,7 +187,7 @@ function worst_case.analyse(part, given, view)
   seconds.factor = times.order + times.factor
   seconds.system = clock() - start
 
-  if wish.length then return search_patches(self, wish) end
+  if wish.places then return search_patches(self, wish) end
 
   start = clock()
   local modes
@@ -210,6 +217,7 @@ function worst_case.analyse(part, given, view)
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
   seconds.programmes = clock() - start
+  if wish.length then return search_patches(self, wish, loads) end
   local origins = {}
   if wish.method == "search" then
     start = clock()
@@ -235,26 +243,6 @@ function worst_case.analyse(part, given, view)
     if not fine then return nil, message, details end
   end
   return self
-end
-
---- More loads, which maximise the mean stress over patches of the boundary: those of bw.surface_mean with
---- `radius` (m) around `nodes` (a list of node numbers), in the principal direction of the rows of `stresses`
---- (xx yy zz yz zx xy, Pa). They are appended to `regions`. Returns nil, message, details without memory.
-function worst_case:add_patches(radius, nodes, stresses)
-  if not self.regions then raise "add_patches: this worst case is closed" end
-  local patches, message, details = core.patch_regions(self.mesh, radius, nodes, stresses)
-  if not patches then return nil, message, details end
-  local wish, first = {one_sign = true, after = self.loads}, self.loads.peaks.row_count
-  for key, value in pairs(self.limits) do wish[key] = wish[key] == nil and value or wish[key] end
-  local loads
-  loads, message, details = core.worst_loads(self.system, self.basis, patches, wish)
-  if not loads then return nil, message, details end
-  for k = 1, patches.count do
-    self.origins[first + k] = {origin = "patch", target = nodes[k], elements = patches[k].count,
-      volume = patches[k].volume}
-  end
-  summarise(self, loads, self.origins)
-  return true
 end
 
 -- ---- asking -----------------------------------------------------------------------------------------
@@ -408,7 +396,7 @@ arguments.methods("worst case", worst_case, worst_case, {
   pressure = "region?: integer", force = "region?: integer", displacement = "region?: integer",
   stress = "region?: integer", arrows = "region?: integer, radius?: number", surface_weakness = "",
   write = "path: string", picture = "path: string, options?: options", report = "path: string, options?: options",
-  add_patches = "radius: number, nodes: table, stresses: array", close = "",
+  close = "",
 })
 
 return setmetatable({class = worst_case}, {

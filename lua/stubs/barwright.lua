@@ -351,6 +351,9 @@ function bw.version() end
 ---@field targets? integer elements that the search makes targets; default 48, half as many more where the answer still grows
 ---@field certify? number find an upper bound within this share (0.001 to 0.5) of the largest stress, for pressure anywhere where `hands` are given: a fraction of the time of brute force
 ---@field certificate? string with `certify`: a file that proves the bound (docs/formats.md), for `bw.check_certificate`
+---@field length? number radius of surface patches, m: the mean stress over them is searched for (docs/theory/breaking_force.md) instead of the stress of elements; without `method`, `certify`, target "displacement"
+---@field failure? "principal"|"von_mises" with `length`: what is judged; default "principal"
+---@field places? table[] with `length`: `places` of another worst case, which take the place of the modes
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025
@@ -1518,7 +1521,8 @@ function System:close() end
 ---@field loads table of arrays with a row for each region, as the programmes returned them
 ---@field origins table[] of the regions that no mode gave {origin, target, from}
 ---@field limits table of the programmes {pressure, force, at_most, ...}
----@field modes bw.Modes
+---@field places table[]? with `length`: where the mean stress is largest, weakest first: {utilisation, at, node, region, stress, point}
+---@field modes bw.Modes? none where the search began with `places`
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field system bw.System
@@ -1557,16 +1561,6 @@ function WorstCase:arrows(region, radius) end
 ---The weakness of every boundary facet.
 ---@return bw.Array
 function WorstCase:surface_weakness() end
-
----More loads, which maximise the mean stress over patches of the boundary (docs/theory/breaking_force.md). They
----are appended to `regions`.
----@param radius number m: of the patches, as in bw.surface_mean
----@param nodes integer[] boundary nodes in the middle of the patches
----@param stresses bw.Array of every patch a row xx yy zz yz zx xy, Pa, whose principal direction counts
----@return boolean? added
----@return string? message
----@return table? details
-function WorstCase:add_patches(radius, nodes, stresses) end
 
 ---Weakness, and pressure, displacement and stress of the worst load, as .vtu.
 ---@param path string

@@ -365,6 +365,16 @@ describe("a filled ball", function()
     assert.equal("cancelled", message)
     assert.equal(3, calls)
   end)
+
+  it("stops filling with very many elements while TetGen works", function()
+    local box, reports = assert(bw.surface.box {low = {0, 0, 0}, high = {0.1, 0.05, 0.05}}), 0
+    bw.progress(function(stage)
+      if stage == "fill" then reports = reports + 1 end
+      return reports < 4 -- the fourth comes while TetGen works
+    end)
+    check.fails("cancelled", "", bw.mesh.fill(box, {remesh = false, max_volume = 1e-11}))
+    bw.progress(nil)
+  end)
 end)
 
 describe("a selection", function()

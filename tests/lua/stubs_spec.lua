@@ -100,7 +100,7 @@ describe("the stubs", function()
       out.analyse, out.solved = nil, nil
       return out
     end
-    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true, bounded = true}
+    local sometimes = {mode = true, rank = true, upper_bound = true, gap = true, bounded = true, places = true}
     same(inner(worst), "bw.WorstCase", sometimes)
     same(inner(brute), "bw.BruteForce")
     local breaking = assert(bw.breaking_force(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.01}},

@@ -62,7 +62,7 @@ model.contact_option = {name = "contact", value = "AREA", type = "number", unit 
 --- Where weak regions are looked for.
 model.search_options = {
   {name = "modes", value = "N", type = "integer", default = 15, least = 1, most = 500,
-    what = "modes of vibration in which weak regions are looked for"},
+    what = "modes of vibration of the first mesh in which weak regions are looked for"},
   {name = "regions", value = "N", type = "integer", default = 5, least = 1, most = 1000,
     what = "weak regions of each mode"},
 }

@@ -43,7 +43,7 @@ local function keep(breaking, verdict, large, singular, wish, out)
     critical_distance_m = wish.length == "critical" and breaking.material.critical_distance or nil,
     beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
-    material = wish.material, frequencies_hz = worst.modes.frequencies and worst.modes.frequencies:totable(),
+    material = wish.material,
   }
   local history, ties, regions = bw.json.list {}, bw.json.list {}, bw.json.list {}
   for i, level in ipairs(breaking.history) do
