@@ -114,6 +114,71 @@ static void ascent_never_decreases(void **state) {
 }
 
 /* The stress of the screening is that of the element under some pressure by patch. */
+/* s n n^T of the principal stress of largest magnitude, as the derivative by the six components. */
+static void direction_of(const double stress[6], double slope[6]) {
+  double value[3], vector[9];
+  bw_eigen3(stress, value, vector);
+  int largest = fabs(value[0]) >= fabs(value[2]) ? 0 : 2;
+  const double *n = vector + 3 * (size_t)largest;
+  double s = value[largest] < 0 ? -1 : 1;
+  const double all[6] = {n[0] * n[0],     n[1] * n[1],     n[2] * n[2],
+                         2 * n[1] * n[2], 2 * n[2] * n[0], 2 * n[0] * n[1]};
+  for (int k = 0; k < 6; k++)
+    slope[k] = s * all[k];
+}
+
+/* Mean stresses over patches: what the screening finds is reached by the programmes, whose
+ * objective is the mean of bw_nodal_stress over the patch. */
+static void patches_are_screened_and_reached(void **state) {
+  bw_context *context = check_context(state);
+  const double radius = 0.1;
+  for (int order = 1; order <= 2; order++) {
+    part p;
+    part_open(context, &p, make_bar(context, straight_profile, 8, 3, order), false);
+    size_t size = 3 * (size_t)p.mesh->node_count;
+    bw_worst_load_options options = {.pressure = 1e5, .force = 300};
+    bw_screening found;
+    bw_weak_regions *regions = NULL;
+    climb c;
+    double *force = BW_NEW(context, double, size), *region = BW_NEW(context, double, size);
+    check_ok(context,
+             bw_worst_screening(context, p.system, p.basis, &options, 40, radius, 12, &found));
+    assert_true(found.count > 2 && found.count <= 12);
+    for (int32_t i = 0; i < found.count; i++)
+      for (int32_t j = 0; j < i; j++) {
+        const double *a = p.mesh->node + 3 * (size_t)found.target[i],
+                     *b = p.mesh->node + 3 * (size_t)found.target[j];
+        double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+        assert_true(bw_norm(d) > radius);
+      }
+    check_ok(context, bw_weak_regions_patches(context, p.mesh, radius, found.count, found.target,
+                                              found.stress, &regions));
+    for (int32_t i = 0; i < found.count; i++) {
+      double slope[6], largest = 0, difference = 0;
+      direction_of(found.stress + 6 * (size_t)i, slope);
+      check_ok(context, bw_region_objective(context, regions, i, p.material, region));
+      check_ok(context, bw_patch_functional(context, p.mesh, p.material, radius, found.target[i],
+                                            slope, force));
+      for (size_t k = 0; k < size; k++) {
+        largest = fmax(largest, fabs(force[k]));
+        difference = fmax(difference, fabs(force[k] - region[k]));
+      }
+      assert_true(largest > 0 && difference < 1e-11 * largest);
+    }
+    c.regions = regions;
+    options.one_sign = true;
+    check_ok(context,
+             bw_worst_case_run(context, p.system, p.basis, regions, &options, 7, keep_own, &c));
+    for (int32_t i = 0; i < found.count; i++)
+      assert_true(c.objective[i] >= principal(found.stress + 6 * (size_t)i) * (1 - 1e-7));
+    bw_free(force);
+    bw_free(region);
+    bw_screening_clear(&found);
+    bw_release(regions);
+    part_close(&p);
+  }
+}
+
 static void patches_divide_the_boundary(void **state) {
   bw_context *context = check_context(state);
   part p;
@@ -444,6 +509,7 @@ static void failures(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(ascent_never_decreases),
+      check_test(patches_are_screened_and_reached),
       check_test(patches_divide_the_boundary),
       check_test(knapsack_bounds),
       check_test(faces_cover_the_half_sphere),
