@@ -13,7 +13,7 @@ static const double facet_share = 1.7, volume_share = 1.6;
 /* ... per point that bends a border of faces, where those are kept. */
 static const double bend_share = 12;
 /* Faces are kept whatever number is wanted where that takes no more elements. */
-static const double most_for_faces = 40000;
+static const double most_for_faces = 10000;
 /* The edge length, in shares of the diagonal, where the faces alone take more than wanted. */
 static const double longest_length = 0.3;
 /* The volume bound that goes with an edge length, in cubes of it: the edges inside may be about

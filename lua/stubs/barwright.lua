@@ -804,7 +804,7 @@ function mesh_module.fill(surface, options) end
 ---@field radius_edge? number quality bound; default 1.4
 ---@field dihedral? number smallest dihedral angle asked for
 ---@field keep_surface? boolean no points added on the surface
----@field keep_faces? boolean planes keep their areas to 1e-6 and round faces to 0.5 %, also where that takes more elements than asked for (up to about 40,000); default true
+---@field keep_faces? boolean planes keep their areas to 1e-6 and round faces to 0.5 %, also where that takes more elements than asked for (up to an estimate of 10,000); default true
 ---@field remesh? boolean remesh first; default true
 ---@field repair? boolean repair what is not sound; default true
 ---@field sharp_angle? number for remeshing; default 40 degrees

@@ -169,10 +169,12 @@ static void transferred_to_a_refilled_mesh(void **state) {
   bw_release(b);
   bw_release(moved);
   /* what cannot be said on the new nodes */
-  ((double *)warm->data)[3] = 21;
+  double *own_warm = (double *)model->load[2].nodal->data; /* models keep copies */
+  double *own_force = (double *)model->load[1].nodal->data;
+  own_warm[3] = 21;
   check_fails(context, BW_UNSUPPORTED, "temperature that varies",
               bw_model_transferred(context, model, refilled, node_from, &moved));
-  ((double *)warm->data)[3] = 20;
+  own_warm[3] = 20;
   uint8_t *there = (uint8_t *)calloc((size_t)mesh->node_count, 1);
   for (int32_t i = 0; i < refilled->node_count; i++)
     if (node_from[i] >= 0)
@@ -181,10 +183,10 @@ static void transferred_to_a_refilled_mesh(void **state) {
   while (gone < mesh->node_count && there[gone])
     gone++;
   assert_true(gone < mesh->node_count);
-  ((double *)force->data)[3 * gone] = 1;
+  own_force[3 * gone] = 1;
   check_fails(context, BW_UNSUPPORTED, "inside the part",
               bw_model_transferred(context, model, refilled, node_from, &moved));
-  ((double *)force->data)[3 * gone] = 0;
+  own_force[3 * gone] = 0;
   check_fails(context, BW_INVALID, "boundary",
               bw_model_transferred(context, model, mesh, node_from, &moved));
   free(there);
