@@ -331,10 +331,6 @@ static bw_status finish(bwi_face_finder *f, bw_faces *faces) {
     bw_face *face = &faces->face[place[f->face_of[f->label[t]]]];
     faces->of_triangle[t] = (int32_t)(face - faces->face);
     face->triangle_count++;
-    face->primitive_area +=
-        bwi_face_area_over(face, f->top->point + 3 * (size_t)f->top->corner[3 * (size_t)t],
-                           f->top->point + 3 * (size_t)f->top->corner[3 * (size_t)t + 1],
-                           f->top->point + 3 * (size_t)f->top->corner[3 * (size_t)t + 2]);
     for (int k = 0; k < 3; k++)
       face->normal[k] += f->area[t] * f->normal[3 * (size_t)t + (size_t)k];
     for (int k = 0; k < 9; k++)

@@ -102,35 +102,6 @@ double bw_face_distance(const bw_face *face, const double x[3], double gradient[
   return value;
 }
 
-/* An area element of the facet, turned against the primitive by the angle between the normals and
- * at the distance d outside of it, covers dA cos r / (r + d) of a cylinder or cone and dA cos (r /
- * (r + d))^2 of a sphere: the mean over the middles of small triangles. */
-double bwi_face_area_over(const bw_face *face, const double a[3], const double b[3],
-                          const double c[3]) {
-  enum { PARTS = 6 };
-  double u[3], v[3], n[3], sum = 0;
-  for (int k = 0; k < 3; k++) {
-    u[k] = b[k] - a[k];
-    v[k] = c[k] - a[k];
-  }
-  bw_cross(u, v, n);
-  if (face->kind == BW_FACE_FREE || face->kind == BW_FACE_PLANE)
-    return bw_norm(n) / 2;
-  for (int i = 0; i < PARTS; i++)
-    for (int j = 0; j < 2 * (PARTS - i) - 1; j++) { /* upright and inverted ones in turn */
-      double x[3], g[3], s = (i + (j % 2 ? 2 : 1) / 3.0) / PARTS,
-                         t = (j / 2 + (j % 2 ? 2 : 1) / 3.0) / PARTS, radius = face->radius;
-      for (int k = 0; k < 3; k++) {
-        x[k] = a[k] + s * u[k] + t * v[k];
-        radius += face->slope * face->axis[k] * (x[k] - face->point[k]);
-      }
-      radius = fabs(radius) * sqrt(1 + face->slope * face->slope);
-      double share = radius / (radius + bw_face_distance(face, x, g));
-      sum += fabs(bw_dot(n, g)) / 2 * share * (face->kind == BW_FACE_SPHERE ? share : 1);
-    }
-  return sum / (PARTS * PARTS);
-}
-
 static bool fit_plane(const bwi_cloud *cloud, bw_face *face) {
   double mean[3] = {0}, spread[6] = {0}, value[3], vector[9], size, out[3] = {0};
   middle_of(cloud, mean, &size);

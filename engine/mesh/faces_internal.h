@@ -55,12 +55,6 @@ bw_status bwi_link_regions(bwi_face_finder *f);
  * none. Fills kind, point, axis, radius, slope, residual. */
 bool bwi_face_fit(const bwi_cloud *cloud, bw_face_kind kind, bw_face *face);
 
-/* The area of a face's primitive over a facet: the facet's projection along the primitive's
- * normals.
- */
-double bwi_face_area_over(const bw_face *face, const double a[3], const double b[3],
-                          const double c[3]);
-
 /* faces_project.c: the faces that meet at a point, planes first; free forms are left out. */
 enum { BWI_AROUND = 8 };
 typedef struct bwi_faces_around {

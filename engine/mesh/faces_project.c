@@ -77,61 +77,27 @@ static double apart(const double *a, const double *b) {
   return bw_norm(d);
 }
 
-typedef struct likeness {
-  const bw_surface *base;
-  double at[3], normal[3]; /* of the facet that is labelled */
-  double far;              /* squared: how far from `at` a facet may be */
-  double best;             /* cosine */
-  int32_t facet;
-} likeness;
-
-static bool compare(void *data, int32_t facet) {
-  likeness *l = data;
-  const int32_t *corner = l->base->triangle + 3 * (size_t)facet;
-  const double *a = l->base->point + 3 * (size_t)corner[0],
-               *b = l->base->point + 3 * (size_t)corner[1],
-               *c = l->base->point + 3 * (size_t)corner[2];
-  double place[3], n[3];
-  if (bwi_nearest_on_triangle(l->at, a, b, c, place) > l->far)
-    return true;
-  bwi_facet_normal(l->base->point, corner, n);
-  double cosine = fabs(bw_dot(n, l->normal)) / fmax(bw_norm(n) * bw_norm(l->normal), 1e-300);
-  if (cosine > l->best) {
-    l->best = cosine;
-    l->facet = facet;
-  }
-  return true;
-}
-
-/* Of the facets of the base that are nearest, to rounding, the one of the likest normal. */
 bw_status bwi_faces_label(bw_context *context, const bw_surface *base, const bw_faces *faces,
                           const bw_surface *surface, int32_t *label) {
   bw_status status;
   bwi_tree *tree = NULL;
   int32_t nearest = -1;
-  const double rounding = of_rounding * bwi_surface_diagonal(base);
   BW_TRY(bwi_tree_create(context, base->point, base->triangle_count, base->triangle, NULL, &tree));
   for (int32_t t = 0; t < surface->triangle_count; t++) {
     const int32_t *corner = surface->triangle + 3 * (size_t)t;
-    likeness l = {.base = base, .best = 0.7, .facet = -1};
-    double place[3], low[3], high[3];
+    double middle[3] = {0}, place[3], n[3], m[3];
     label[t] = -1;
     if (t % 4096 == 0)
       BW_TRY(bw_check_cancel(context));
     for (int k = 0; k < 9; k++)
-      l.at[k % 3] += surface->point[3 * (size_t)corner[k / 3] + (size_t)(k % 3)] / 3;
-    double far = sqrt(bwi_tree_nearest(tree, l.at, nearest, 0, place, &nearest)) + rounding;
+      middle[k % 3] += surface->point[3 * (size_t)corner[k / 3] + (size_t)(k % 3)] / 3;
+    bwi_tree_nearest(tree, middle, nearest, 0, place, &nearest);
     if (nearest < 0)
       continue;
-    bwi_facet_normal(surface->point, corner, l.normal);
-    l.far = far * far;
-    for (int k = 0; k < 3; k++) {
-      low[k] = place[k] - rounding;
-      high[k] = place[k] + rounding;
-    }
-    bwi_tree_in_box(tree, low, high, compare, &l);
-    if (l.facet >= 0)
-      label[t] = faces->of_triangle[l.facet];
+    bwi_facet_normal(surface->point, corner, n);
+    bwi_facet_normal(base->point, base->triangle + 3 * (size_t)nearest, m);
+    if (fabs(bw_dot(n, m)) > 0.7 * bw_norm(n) * bw_norm(m))
+      label[t] = faces->of_triangle[nearest];
   }
 done:
   bwi_tree_free(tree);
@@ -201,10 +167,17 @@ typedef struct projection {
   uint8_t *moved;       /* in this round */
 } projection;
 
-/* A point of the border of a plane: it stays on the border that the surface has, a polygon, by
- * which the plane keeps its area. */
-static bool is_outline(const bw_faces *faces, const bwi_faces_around *at) {
-  return at->count > 1 && faces->face[at->face[0]].kind == BW_FACE_PLANE;
+/* A point of the border of a plane that is as near to all its faces as those of the base are moves
+ * by roundings only: the outline of the plane, and its area, are those of the base. */
+static bool is_outline(const bw_faces *faces, const bwi_faces_around *at, const double x[3]) {
+  bool planes = false;
+  for (int i = 0; i < at->count; i++) {
+    const bw_face *face = &faces->face[at->face[i]];
+    planes = planes || face->kind == BW_FACE_PLANE;
+    if (fabs(bw_face_distance(face, x, NULL)) > 1.01 * face->residual)
+      return false;
+  }
+  return planes && at->count > 1;
 }
 
 /* One round: onto primitives up to a kind. */
@@ -213,14 +186,14 @@ static bw_status move_onto(bw_context *context, projection *p, bw_face_kind last
   memcpy(p->from, p->point, 3 * (size_t)surface->point_count * sizeof *p->from);
   for (int32_t i = 0; i < surface->point_count; i++) {
     double x[3];
-    const bool outline = p->surface->group && is_outline(p->faces, &p->at[i]);
+    const bool outline =
+        p->surface->group && is_outline(p->faces, &p->at[i], p->from + 3 * (size_t)i);
     const double longest = outline ? of_rounding * p->diagonal : fmin(p->room[i], p->longest);
     memcpy(x, p->from + 3 * (size_t)i, sizeof x);
-    p->moved[i] =
-        p->at[i].count > 0 &&
-        bwi_around_project(p->faces, &p->at[i], outline ? BW_FACE_PLANE : last, p->diagonal, x) &&
-        apart(surface->point + 3 * (size_t)i, x) <= longest &&
-        memcmp(x, p->from + 3 * (size_t)i, sizeof x) != 0;
+    p->moved[i] = p->at[i].count > 0 &&
+                  bwi_around_project(p->faces, &p->at[i], last, p->diagonal, x) &&
+                  apart(surface->point + 3 * (size_t)i, x) <= longest &&
+                  memcmp(x, p->from + 3 * (size_t)i, sizeof x) != 0;
     if (p->moved[i])
       memcpy(p->point + 3 * (size_t)i, x, sizeof x);
   }

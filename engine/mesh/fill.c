@@ -6,8 +6,6 @@
  * While it runs, `base` is the sound surface everything starts from, `surface` the one made from it
  * for TetGen, `best` the mesh that came closest to the wanted number so far. */
 #include "mesh/fill_internal.h"
-
-#include "base/remark.h"
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
@@ -24,7 +22,6 @@ void bw_fill_options_default(bw_fill_options *options) {
   *options = (bw_fill_options){.order = 1,
                                .radius_edge = 1.4,
                                .remesh = true,
-                               .keep_faces = true,
                                .repair = true,
                                .sharp_angle = 40 * 0.017453292519943295,
                                .time_limit = 300,
@@ -186,21 +183,13 @@ static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
     if (status != BW_OK)
       return status;
     moved = fmin(moved, f->best_log.moved);
-    bwi_remark_largest(
-        f->context, moved,
-        "the surface was remeshed to an edge length of about %.3g m, which moved it by up to "
-        "%.3g m (%.2g of its size)",
-        f->best_length, moved, moved / f->diagonal);
+    bw_remark(f->context,
+              "the surface was remeshed to an edge length of about %.3g m, which moved it by up to "
+              "%.3g m (%.2g of its size)",
+              f->best_length, moved, moved / f->diagonal);
   }
   whole.surface_moved = f->base_log.moved + moved;
-  const bool missed = f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance);
-  if (missed && f->options->keep_faces && f->best_how == WAY_FACES &&
-      mesh->element_count > f->options->elements)
-    bw_remark(f->context,
-              "%lld elements were asked for; it takes %d to keep the areas of planes and round "
-              "faces, which give way with keep_faces = false",
-              (long long)f->options->elements, mesh->element_count);
-  else if (missed)
+  if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
     bw_remark(
         f->context,
         "%lld elements were asked for; %d is the nearest number that %d run%s of TetGen came to%s",

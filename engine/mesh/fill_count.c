@@ -12,10 +12,6 @@
 static const double facet_share = 1.7, volume_share = 1.6;
 /* ... per point that bends a border of faces, where those are kept. */
 static const double bend_share = 12;
-/* Faces are kept whatever number is wanted where that takes no more elements. */
-static const double most_for_faces = 10000;
-/* The edge length, in shares of the diagonal, where the faces alone take more than wanted. */
-static const double longest_length = 0.3;
 /* The volume bound that goes with an edge length, in cubes of it: the edges inside may be about
  * half as long again as those on the surface. */
 static const double volume_of_length = 0.5;
@@ -93,17 +89,6 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
   return BW_OK;
 }
 
-/* Elements that the faces take at any edge length. */
-static double least_count(const bwi_filler *f, bwi_fill_way how) {
-  return (how <= WAY_BORDERS ? bend_share * (double)f->bends : 0) +
-         (how <= WAY_FACES ? facet_share * f->round_facets : 0);
-}
-
-/* Whether the areas of faces come before the wanted number. */
-static bool faces_first(const bwi_filler *f) {
-  return f->options->keep_faces && f->has_faces && least_count(f, WAY_FACES) <= most_for_faces;
-}
-
 /* Make the surface for an edge length and fill it, by the mildest way from *how on that works. */
 static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double max_volume,
                          int64_t *count) {
@@ -111,18 +96,15 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
   char why[300] = "";
   for (; *how < WAYS; ++*how) {
     /* What TetGen stumbles over is often an accident of this very surface: one of slightly other
-     * edges is tried before the next way; where faces come first, one of the longest edges. */
+     * edges is tried before the next way. */
     bool filled = false;
-    const bool coarse = *how == WAY_FACES && faces_first(f) && f->options->elements > 0;
-    const double other = coarse ? longest_length * f->diagonal : 0.96 * length;
     for (int try = 0; try < (*how == WAY_AS_IS ? 1 : 2); try++) {
-      status = bwi_fill_make_surface(f, *how, try == 0 ? length : other);
-      if (status == BW_OK) {
-        filled = true;
-        status = attempt(f, max_volume, count);
-      } else if (!coarse)
+      status = bwi_fill_make_surface(f, *how, try ? 0.96 * length : length);
+      if (status != BW_OK)
         break;
-      if (status == BW_OK || (status == BW_LIMIT && !coarse) || !bwi_fill_may_cure(status))
+      filled = true;
+      status = attempt(f, max_volume, count);
+      if (status == BW_OK || status == BW_LIMIT || !bwi_fill_may_cure(status))
         break;
     }
     if (status == BW_OK || !bwi_fill_may_cure(status))
@@ -141,6 +123,12 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
 }
 
 /* ---- the wanted number ---------------------------------------------------------------------- */
+
+/* Elements that the faces take at any edge length. */
+static double least_count(const bwi_filler *f, bwi_fill_way how) {
+  return (how <= WAY_BORDERS ? bend_share * (double)f->bends : 0) +
+         (how <= WAY_FACES ? facet_share * f->round_facets : 0);
+}
 
 static double expected_count(const bwi_filler *f, double length) {
   double facets = f->area / (0.4330127 * length * length) * 1.15;
@@ -200,8 +188,7 @@ static int64_t tunnels_of(const bw_surface *surface, int64_t bodies) {
 static bwi_fill_way way_from(const bwi_filler *f, bwi_fill_way first, double length, double count) {
   double own = sqrt(f->area / (0.4330127 * f->base->triangle_count));
   for (bwi_fill_way how = first; how < WAY_REMESH; how++)
-    if (f->has_faces && f->field.point_count == 0 && !f->field.size &&
-        (least_count(f, how) <= count || (how == WAY_FACES && faces_first(f))))
+    if (f->has_faces && f->field.point_count == 0 && !f->field.size && least_count(f, how) <= count)
       return how;
   return own < 0.6 * length && f->field.point_count == 0 ? WAY_COARSEN : WAY_REMESH;
 }
@@ -212,9 +199,7 @@ static bwi_fill_way way_from(const bwi_filler *f, bwi_fill_way first, double len
 static bw_status search_length(bwi_filler *f, bwi_fill_way *how) {
   double wanted = (double)f->options->elements, tolerance = log1p(f->options->tolerance) * 0.999;
   bw_status status = BW_OK;
-  double length = least_count(f, *how) > wanted
-                      ? longest_length * f->diagonal
-                      : first_length(f, fmax(wanted - least_count(f, *how), 0.3 * wanted));
+  double length = first_length(f, fmax(wanted - least_count(f, *how), 0.3 * wanted));
   double slope = -2.4, last_length = 0, last_count = 0;
   bool flat = false;
   double low = 0, high = INFINITY; /* lengths known to give too many, too few */
@@ -229,19 +214,9 @@ static bw_status search_length(bwi_filler *f, bwi_fill_way *how) {
       }
       goto done;
     }
-    double ratio = (double)count / wanted;
     if (f->best_miss <= tolerance)
       break;
-    if (ratio > 1 && *how == WAY_FACES && faces_first(f) && high == INFINITY &&
-        (i > 0 || least_count(f, *how) > 0.5 * wanted)) {
-      if (f->length >= longest_length * f->diagonal)
-        break; /* so many does it take to keep the faces */
-      low = fmax(low, length);
-      length = longest_length * f->diagonal;
-      last_count = (double)count;
-      last_length = low;
-      continue;
-    }
+    double ratio = (double)count / wanted;
     int64_t tunnels = tunnels_of(f->surface, 1);
     if (ratio > 1 && *how < WAY_WRAP && 40.0 * (double)tunnels > wanted) {
       /* A wrap would close them, but it also fills the walls' surroundings: not the user's body. */
@@ -309,8 +284,7 @@ bw_status bwi_fill_meet_count(bwi_filler *f) {
     how = way_from(f, how, length, wanted);
     faces = how < WAY_REMESH;
     BW_TRY(search_length(f, &how));
-    faces = faces && f->best_miss > tolerance && how < WAY_REMESH &&
-            !(how == WAY_FACES && faces_first(f));
+    faces = faces && f->best_miss > tolerance && how < WAY_REMESH;
   }
 done:
   return status;

@@ -16,7 +16,7 @@ static const double nearly_straight = 0.03;
 static const double share_of_area = 0.5, least_area = 1e-3;
 /* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the square.
  */
-static const double round_angle = 0.32;
+static const double round_angle = 0.25;
 
 /* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles
  * keep it busy for minutes, and there is another way for those. */

@@ -127,7 +127,7 @@ static double round_size(const bw_face *face, const double x[3], double angle) {
   for (int i = 0; i < 3; i++)
     along += face->axis[i] * (x[i] - face->point[i]);
   if (face->kind == BW_FACE_SPHERE)
-    angle *= 0.5;
+    angle *= 0.7;
   return angle * fabs(face->radius + (face->kind == BW_FACE_CONE ? face->slope * along : 0));
 }
 
@@ -137,7 +137,7 @@ static void bound_sizes(bwi_remesher *r, int32_t facet, double angle) {
   for (int k = 0; k < 3 && is_round(face); k++) {
     int32_t p = r->mesh->corner[3 * (size_t)facet + (size_t)k];
     double size = round_size(face, bwi_at(r->mesh, p), angle);
-    r->mesh->size[p] = fmin(r->mesh->size[p], size);
+    r->mesh->size[p] = fmin(r->mesh->size[p], fmax(size, r->finest * r->length));
   }
 }
 

@@ -165,7 +165,7 @@ local function make_mesh(self, elements)
   if self.given_mesh then return self.given_mesh end
   local ask = {order = 2}
   if #self.history == 0 then
-    ask.elements, ask.keep_faces = elements, false -- a start: what counts is refined below
+    ask.elements = elements
   else
     ask.near = sizes_near(self, to_refine(self), (1 - BACKGROUND) * elements)
     ask.surface_tolerance = FOLLOWED * self.length

@@ -41,8 +41,6 @@ static void push_face(lua_State *L, const bw_faces *faces, int32_t i) {
     lua_setfield(L, -2, "axis");
   }
   if (face->kind != BW_FACE_PLANE) {
-    lua_pushnumber(L, face->primitive_area);
-    lua_setfield(L, -2, "primitive_area");
     lua_pushnumber(L, face->radius);
     lua_setfield(L, -2, "radius");
   }

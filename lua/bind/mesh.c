@@ -68,7 +68,6 @@ static int mesh_fill(lua_State *L) {
       {"radius_edge", LBW_REAL, offsetof(bw_fill_options, radius_edge)},
       {"dihedral", LBW_REAL, offsetof(bw_fill_options, dihedral)},
       {"keep_surface", LBW_BOOLEAN, offsetof(bw_fill_options, keep_surface)},
-      {"keep_faces", LBW_BOOLEAN, offsetof(bw_fill_options, keep_faces)},
       {"remesh", LBW_BOOLEAN, offsetof(bw_fill_options, remesh)},
       {"repair", LBW_BOOLEAN, offsetof(bw_fill_options, repair)},
       {"sharp_angle", LBW_REAL, offsetof(bw_fill_options, sharp_angle)},

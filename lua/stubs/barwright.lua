@@ -319,8 +319,7 @@ function bw.progress(f) end
 ---@return integer
 function bw.threads(n) end
 
----What the engine remarked since the last call ("the surface was repaired: ..."), oldest first; each
----once, and of remarks on remeshing that of the longest move.
+---What the engine remarked since the last call ("the surface was repaired: ..."), oldest first.
 ---@return string[]
 function bw.remarks() end
 
@@ -723,7 +722,6 @@ function Surface:distance(other) end
 ---@field point? number[] of the plane or the axis; the centre of the sphere
 ---@field axis? number[] unit; the plane's outward normal
 ---@field radius? number of the cone: at the point
----@field primitive_area? number of a round face: the area of the primitive over the facets, which are chords of it
 ---@field slope? number of the cone: growth of the radius per length along the axis
 ---@field residual? number largest distance of a corner from the primitive
 
@@ -804,7 +802,6 @@ function mesh_module.fill(surface, options) end
 ---@field radius_edge? number quality bound; default 1.4
 ---@field dihedral? number smallest dihedral angle asked for
 ---@field keep_surface? boolean no points added on the surface
----@field keep_faces? boolean planes keep their areas to 1e-6 and round faces to 0.5 %, also where that takes more elements than asked for (up to an estimate of 10,000); default true
 ---@field remesh? boolean remesh first; default true
 ---@field repair? boolean repair what is not sound; default true
 ---@field sharp_angle? number for remeshing; default 40 degrees

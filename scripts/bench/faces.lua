@@ -3,8 +3,7 @@
 --   build/barwright scripts/bench/faces.lua [--models DIR] [--only NAME] [--elements N,N,N] [--order 2]
 -- The bodies are solids by formula and, with --models, the surfaces of a folder named below. Prints a Markdown
 -- table: the largest and the mean relative difference over the planes and over the round faces (cylinders,
--- cones, spheres) that hold at least 0.1 % of the area; seconds are processor seconds. Facets of a round face
--- are chords: its area may lie anywhere between that of the surface's facets and that of the primitive.
+-- cones, spheres) that hold at least 0.1 % of the area; seconds are processor seconds.
 local bw = require "barwright"
 
 -- Chosen before any was measured.
@@ -104,9 +103,7 @@ local function measure(name, surface, elements)
   for k, face in ipairs(mesh:faces(surface)) do
     local group = face.kind == "plane" and groups.plane or face.kind ~= "free form" and groups.round
     if group and own[k].area >= 1e-3 * total then
-      local whole = own[k].primitive_area or own[k].area
-      local least, most = math.min(own[k].area, whole), math.max(own[k].area, whole)
-      local off = math.max(least - face.area, face.area - most, 0) / own[k].area
+      local off = math.abs(face.area / own[k].area - 1)
       group.n, group.sum, group.most = group.n + 1, group.sum + off, math.max(group.most or 0, off)
     elseif group then
       lost = lost + 1

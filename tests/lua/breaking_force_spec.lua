@@ -62,7 +62,7 @@ describe("the breaking force", function()
 
   it("decides nothing on a handful of elements", function()
     local ball = assert(bw.surface.sphere {centre = {0, 0, 0}, radius = 0.02, subdivisions = 4})
-    local few = assert(bw.mesh.fill(ball, {elements = 4, keep_faces = false}))
+    local few = assert(bw.mesh.fill(ball, {elements = 4}))
     local found = assert(breaking(few))
     assert.is_true(found.estimated_error >= 1, tostring(found))
     assert.equal("unsure", found:verdict(1e-3 * found.force))

@@ -289,15 +289,11 @@ describe("a mesh", function()
 
   it("is filled from a surface", function()
     local surface = bw.surface.sphere {radius = 0.05, subdivisions = 3}
-    local ball, log = assert(bw.mesh.fill(surface, {elements = 4000}))
-    check.near(4000, ball.element_count, 0.2)
+    local ball, log = assert(bw.mesh.fill(surface, {elements = 2000}))
+    check.near(2000, ball.element_count, 0.2)
     check.near(surface.volume, ball.volume, 0.03)
     assert.is_false(log.repaired)
     assert.truthy(log.attempts >= 1)
-    -- Few elements: the number or the area gives way.
-    assert.is_true(bw.mesh.fill(surface, {elements = 500}).element_count > 1000)
-    check.near(500, bw.mesh.fill(surface, {elements = 500, keep_faces = false}).element_count, 0.2)
-    bw.remarks()
     local near = assert(bw.mesh.fill(surface, {size = "where(x > 0, 0.01, 0.03)"}))
     assert.truthy(near.element_count > 100)
     local by_function, message = bw.mesh.fill(surface, {size = function(x)

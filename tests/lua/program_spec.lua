@@ -215,7 +215,7 @@ describe("scripts/worst_case/run.lua", function()
     end
     assert.is_false(result.repaired)
     assert.is_true(result.finished)
-    assert.truthy(result.elements >= 1200 and result.elements <= 4500, result.elements) -- the round face is kept
+    assert.truthy(result.elements >= 1200 and result.elements <= 4500, result.elements)
     assert.equal(3, #result.max_principal_at_m)
     for _, region in ipairs(result.regions) do
       assert.truthy((region.origin == "mode" and region.mode and region.rank) or region.target)

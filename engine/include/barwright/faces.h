@@ -22,7 +22,6 @@ typedef struct bw_face {
   bw_face_kind kind;
   int32_t triangle_count;
   double area, centre[3]; /* of area */
-  double primitive_area;  /* of the primitive over the facets; that of the facets for free ones */
   double normal[3];       /* mean outward, unit; 0 where it closes on itself */
   double point[3];        /* of the plane, of the axis, the centre of the sphere */
   double axis[3];         /* unit: the plane's outward normal; of cylinder and cone */

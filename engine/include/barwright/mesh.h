@@ -285,8 +285,6 @@ typedef struct bw_fill_options {
   double radius_edge;       /* quality bound, circumradius over shortest edge; default 1.4 */
   double dihedral;          /* smallest dihedral angle asked for, radians; default 0 (none) */
   bool keep_surface;        /* no points added on the surface; default false */
-  bool keep_faces;          /* planes and round faces keep their areas, also where that takes more
-                               elements than wanted (up to 40,000); default true */
   bool remesh;              /* remesh the surface to a fitting size first; default true */
   bool repair;              /* repair when the surface is not sound; default true */
   double sharp_angle;       /* for remeshing; default 40 degrees */

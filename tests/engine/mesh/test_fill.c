@@ -336,7 +336,6 @@ static void test_marching(void **state) {
     bw_fill_options options;
     bw_fill_options_default(&options);
     options.elements = 2000;
-    options.keep_faces = false; /* the number comes first */
     bw_mesh *mesh;
     check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
     assert_true(abs(mesh->element_count - 2000) <= 300);
@@ -495,7 +494,6 @@ static void test_models(void **state) {
       bw_fill_options options;
       bw_fill_options_default(&options);
       options.elements = target[t];
-      options.keep_faces = false;
       bw_mesh *mesh;
       bw_fill_log log;
       bw_mesh_quality q;
