@@ -216,26 +216,27 @@ static void add_remark(bw_context *context, const char *format, double value, co
 
 enum { REMARK_LENGTH = 1024 };
 
-void bw_remark(bw_context *context, const char *format, ...) {
+static void write_remark(bw_context *context, const char *key, double value, const char *format,
+                         va_list arguments) {
   if (!context)
     return;
   char text[REMARK_LENGTH];
+  vsnprintf(text, sizeof text, format, arguments);
+  add_remark(context, key, value, text);
+}
+
+void bw_remark(bw_context *context, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
+  write_remark(context, NULL, 0, format, arguments);
   va_end(arguments);
-  add_remark(context, NULL, 0, text);
 }
 
 void bwi_remark_largest(bw_context *context, double value, const char *format, ...) {
-  if (!context)
-    return;
-  char text[REMARK_LENGTH];
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
+  write_remark(context, format, value, format, arguments);
   va_end(arguments);
-  add_remark(context, format, value, text);
 }
 
 const char *bw_remark_at(const bw_context *context, int i) {

@@ -22,6 +22,20 @@ double bw_norm(const double a[3]) {
   return sqrt(bw_dot(a, a));
 }
 
+void bw_across(const double unit[3], double a[3], double b[3]) {
+  int least =
+      0; /* the axis most across; the margin keeps rounding from choosing between equal ones */
+  for (int k = 1; k < 3; k++)
+    if (fabs(unit[k]) < fabs(unit[least]) - 1e-9)
+      least = k;
+  double axis[3] = {least == 0, least == 1, least == 2};
+  bw_cross(unit, axis, a);
+  double size = bw_norm(a);
+  for (int k = 0; k < 3; k++)
+    a[k] /= size;
+  bw_cross(unit, a, b);
+}
+
 double bw_inverse3(const double a[9], double inverse[9]) {
   double c0 = a[4] * a[8] - a[5] * a[7];
   double c1 = a[5] * a[6] - a[3] * a[8];

@@ -47,18 +47,10 @@ static bool flatten(const double *point, const int32_t *corner, size_t count, co
   double length = bw_norm(normal);
   if (!(length > 1e-14 * size) || !isfinite(length))
     return false;
-  int least = 0; /* the axis most across the normal starts the frame */
-  for (int k = 1; k < 3; k++)
-    if (fabs(normal[k]) < fabs(normal[least]))
-      least = k;
-  double axis[3] = {least == 0, least == 1, least == 2}, u[3], v[3];
+  double u[3], v[3];
   for (int k = 0; k < 3; k++)
     normal[k] /= length;
-  bw_cross(axis, normal, u);
-  double along = bw_norm(u);
-  for (int k = 0; k < 3; k++)
-    u[k] /= along;
-  bw_cross(normal, u, v);
+  bw_across(normal, u, v);
   for (size_t i = 0; i < count; i++) {
     for (int k = 0; k < 3; k++)
       a[k] = point[3 * (size_t)corner[i] + (size_t)k] - origin[k];

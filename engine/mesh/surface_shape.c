@@ -106,19 +106,10 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
     goto done;
   }
   /* u, v: across the axis, u x v along it */
-  double along[3], u[3], v[3], other[3] = {0, 0, 0};
-  int least = 0;
-  for (int k = 0; k < 3; k++) {
-    along[k] = axis[k] / height;
-    if (fabs(along[k]) < fabs(along[least]) || k == 0)
-      least = k;
-  }
-  other[least] = 1;
-  bw_cross(other, along, u);
-  double length = bw_norm(u);
+  double along[3], u[3], v[3];
   for (int k = 0; k < 3; k++)
-    u[k] /= length;
-  bw_cross(along, u, v);
+    along[k] = axis[k] / height;
+  bw_across(along, u, v);
   int32_t low = 2 * segments, high = low + 1; /* the middles of the caps */
   for (int i = 0; i < segments; i++) {
     double turn = 2 * 3.14159265358979323846 * i / segments;

@@ -22,17 +22,7 @@ static void add_arrow(bwi_solid *solid, const double tail[3], const double direc
   double radius[3] = {SHAFT_RADIUS * size * thick, SHAFT_RADIUS * size * thick,
                       HEAD_RADIUS * size * thick};
   double along[3] = {0, length - head, length - head}, a[3], b[3];
-  double axis[3] = {0, 0, 0};
-  int least = 0;
-  for (int k = 1; k < 3; k++)
-    if (fabs(direction[k]) < fabs(direction[least]))
-      least = k;
-  axis[least] = 1;
-  bw_cross(direction, axis, a);
-  double norm = bw_norm(a);
-  for (int k = 0; k < 3; k++)
-    a[k] /= norm;
-  bw_cross(direction, a, b);
+  bw_across(direction, a, b);
   int32_t first = solid->point_count;
   double *x = solid->point + 3 * (size_t)first;
   for (int ring = 0; ring < 3; ring++)

@@ -8,21 +8,6 @@
 
 enum { SIDES = 8 };
 
-/* Rows a and b at right angles to a unit vector and to each other. */
-static void across(const double along[3], double a[3], double b[3]) {
-  double axis[3] = {0, 0, 0};
-  int least = 0;
-  for (int k = 1; k < 3; k++)
-    if (fabs(along[k]) < fabs(along[least]))
-      least = k;
-  axis[least] = 1;
-  bw_cross(along, axis, a);
-  double size = bw_norm(a);
-  for (int k = 0; k < 3; k++)
-    a[k] /= size;
-  bw_cross(along, a, b);
-}
-
 static void add_piece(bwi_solid *solid, const double from[3], const double to[3], double radius) {
   double along[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]}, a[3], b[3];
   double length = bw_norm(along);
@@ -30,7 +15,7 @@ static void add_piece(bwi_solid *solid, const double from[3], const double to[3]
     return;
   for (int k = 0; k < 3; k++)
     along[k] /= length;
-  across(along, a, b);
+  bw_across(along, a, b);
   int32_t first = solid->point_count;
   double *x = solid->point + 3 * (size_t)first;
   int32_t *t = solid->triangle + 3 * (size_t)solid->triangle_count;

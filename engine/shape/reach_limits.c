@@ -133,14 +133,8 @@ void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], cons
   }
   bw_cross(direction, turned, around);
   if (limit->swing < no_room) { /* both directions across are barred */
-    double across[3] = {0, 0, 0}, other[3];
-    int least = 0;
-    for (int k = 1; k < 3; k++)
-      if (fabs(direction[k]) < fabs(direction[least]))
-        least = k;
-    across[least] = 1;
-    bw_cross(direction, across, other);
-    bw_cross(direction, other, across);
+    double across[3], other[3];
+    bw_across(direction, across, other);
     bar(bars, across, 0, 0);
     bar(bars, other, 0, 0);
   } else if (limit->swing < pi && bw_norm(around) > 1e-9) {

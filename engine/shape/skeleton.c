@@ -411,16 +411,8 @@ void bw_skeleton_frames(const bw_skeleton *skeleton, double *frame) {
     double length = hypot(hypot(tail[0] - head[0], tail[1] - head[1]), tail[2] - head[2]);
     for (int k = 0; k < 3; k++)
       x[k] = (tail[k] - head[k]) / length;
-    int least = 0; /* with a margin, so that rounding does not choose between equal ones */
-    for (int k = 1; k < 3; k++)
-      if (fabs(x[k]) < fabs(x[least]) - 1e-9)
-        least = k;
-    double axis[3] = {0, 0, 0};
-    axis[least] = 1;
-    bw_cross(x, axis, z);
-    double across = bw_norm(z);
+    bw_across(x, z, y);
     for (int k = 0; k < 3; k++)
-      z[k] /= across;
-    bw_cross(z, x, y);
+      y[k] = -y[k];
   }
 }

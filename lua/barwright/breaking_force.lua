@@ -10,7 +10,8 @@ local breaking_loads = require "barwright.breaking_loads"
 local core = require "barwright.core"
 local growth = require "barwright.singular_growth"
 local options = require "barwright.options"
-local distance = require("barwright.points").distance
+local points = require "barwright.points"
+local distance = points.distance
 local worst_case = require "barwright.worst_case"
 
 local breaking_force = {}
@@ -97,12 +98,7 @@ end
 -- Appends the first places of a list that are at least so weak and of which no two lie in one patch, up to `count`
 -- in all.
 local function append_apart(self, chosen, list, count, least)
-  for _, place in ipairs(list) do
-    local free = #chosen < count and place.utilisation >= least
-    for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.length end
-    if free then chosen[#chosen + 1] = place end
-  end
-  return chosen
+  return points.append_apart(chosen, list, count, self.length, function(place) return place.utilisation >= least end)
 end
 
 -- Places of a mesh that may be the weakest once they are refined.

@@ -3,7 +3,8 @@
 -- coarse pressures rates all patches; the best of them get a linear programme each; the largest means ascend.
 -- docs/theory/breaking_force.md has the mathematics.
 local core = require "barwright.core"
-local distance = require("barwright.points").distance
+local points = require "barwright.points"
+local distance, append_apart = points.distance, points.append_apart
 
 local patch_search = {}
 
@@ -176,13 +177,10 @@ end
 
 -- Places near the largest mean that have not ascended, no two of them in one patch.
 local function starts(self)
-  local chosen, least = {}, CLOSE * self.places[1].utilisation
-  for _, place in ipairs(self.places) do
-    local free = not place.tried and #chosen < ASCENTS and place.utilisation >= least
-    for _, other in ipairs(chosen) do free = free and distance(place.at, other.at) > self.radius end
-    if free then chosen[#chosen + 1] = place end
-  end
-  return chosen
+  local least = CLOSE * self.places[1].utilisation
+  return append_apart({}, self.places, ASCENTS, self.radius, function(place)
+    return not place.tried and place.utilisation >= least
+  end)
 end
 
 -- Each step reaches at least the mean that it starts from, but for curved elements. Places where a step gains less

@@ -3,22 +3,32 @@
 -- slip of the pen does not start a long run.
 local suggestion = require "barwright.core".suggestion
 
---- {name = value} of `arg`: `known` has true for a flag and "value" for an option with one.
+--- {name = value} of `arg`: `known` has true for a flag, "value" for an option with a text, and a number for an
+--- option with a number (an integer where it is one) and this default.
 return function(known)
   local names, wish, i = {}, {}, 1
-  for name in pairs(known) do names[#names + 1] = "--" .. name end
+  for name, kind in pairs(known) do
+    names[#names + 1] = "--" .. name
+    if type(kind) == "number" then wish[name] = kind end
+  end
   while arg[i] do
     local name = arg[i]:match "^%-%-(.+)$"
     local kind = name and known[name]
+    local value = kind == true or arg[i + 1]
+    if math.type(kind) == "integer" then
+      value = math.tointeger(tonumber(value))
+    elseif kind and kind ~= true and kind ~= "value" then
+      value = tonumber(value)
+    end
     local fault = not kind and ("'%s' is not known: %s"):format(arg[i],
-      suggestion(arg[i], names)) or kind == "value" and not arg[i + 1]
-      and ("option --%s: a value expected"):format(name)
+      suggestion(arg[i], names)) or not value and ("option --%s: %s expected"):format(name,
+      kind == "value" and "a value" or math.type(kind) == "integer" and "an integer" or "a number")
     if fault then
       io.stderr:write(arg[0], ": ", fault, "\n")
       os.exit(2, true)
     end
-    wish[name] = kind == "value" and arg[i + 1] or true
-    i = i + (kind == "value" and 2 or 1)
+    wish[name] = value
+    i = i + (kind == true and 1 or 2)
   end
   return wish
 end

@@ -6,8 +6,9 @@
 -- folder named below, scaled to a box diagonal of 100 mm.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
-package.path = folder .. "/../worst_case/?.lua;" .. package.path
+package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local parts = require "machine_parts"
+local distance = require "barwright.points".distance
 
 -- Chosen before any was measured.
 local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_round.stl", "cat.obj", "chair.ply",
@@ -15,21 +16,10 @@ local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_roun
   "screwdriver.ply", "tray_bottom.stl", "triceratops.off"}
 local DIAGONAL = 0.1
 
-local wish, i = {elements = "2500,5000,10000"}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if not (name == "models" or name == "only" or name == "elements") or not value then
-    io.stderr:write(("breaking_force: '%s %s' is not known (--models DIR, --elements N,N,..., --only NAME)\n")
-      :format(arg[i], tostring(value)))
-    os.exit(2, true)
-  end
-  wish[name], i = value, i + 2
-end
+local wish = require "arguments" {models = "value", only = "value", elements = "value"}
 local starts = {}
-for number in wish.elements:gmatch "%d+" do starts[#starts + 1] = math.tointeger(tonumber(number)) end
-
-local function distance(a, b)
-  return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
+for number in (wish.elements or "2500,5000,10000"):gmatch "%d+" do
+  starts[#starts + 1] = math.tointeger(tonumber(number))
 end
 
 local function scaled(surface)

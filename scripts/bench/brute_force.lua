@@ -5,27 +5,14 @@
 -- --bodies: the N smallest alone; --elements: this share of the paper's numbers of elements.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
-package.path = folder .. "/../worst_case/?.lua;" .. package.path
+package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies_by_formula"
 
 -- worst-case, table 1 (elements, brute force, seconds)
 local paper = {[2723] = 681.367, [2869] = 793.362, [2904] = 894.610, [5332] = 2120.361,
   [11020] = 11029.721, [12853] = 11334.362, [14163] = 27775.900, [16008] = 19917.838}
 
-local wish, i = {bodies = #bodies.list, elements = 1}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if name == "out" and value then
-    wish.out = value
-  elseif (name == "bodies" or name == "elements") and tonumber(value) then
-    wish[name] = tonumber(value)
-  else
-    io.stderr:write(("brute_force: '%s %s' is not known (--out DIR, --bodies N, --elements SHARE)\n"):format(
-      arg[i], tostring(value)))
-    os.exit(2, true)
-  end
-  i = i + 2
-end
+local wish = require "arguments" {out = "value", bodies = #bodies.list, elements = 1.0}
 
 local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/brute_force.lua",
   options = {bodies = wish.bodies, elements = wish.elements}}))

@@ -7,29 +7,15 @@
 -- --brute: the processor seconds of brute force on the same mesh, too.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
-package.path = folder .. "/../worst_case/?.lua;" .. package.path
+package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 
 -- Chosen before the bound was computed on any of them.
 local developed = {"gear", "housing", "clip", "angle bracket", "flange"}
 local unseen = {"pillow block", "motor bracket", "bell crank"}
 local FORCE, PRESSURE = 20, 2e5
 
-local wish, i = {elements = 40000, share = 0.05}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if name == "check" or name == "brute" or name == "unseen" then
-    wish[name], i = true, i - 1
-  elseif (name == "out" or name == "only") and value then
-    wish[name] = value
-  elseif (name == "elements" or name == "share") and tonumber(value) then
-    wish[name] = tonumber(value)
-  else
-    io.stderr:write(("certified: '%s %s' is not known (--out DIR, --elements N, --share SHARE, --only NAME, "
-      .. "--unseen, --check, --brute)\n"):format(arg[i], tostring(value)))
-    os.exit(2, true)
-  end
-  i = i + 2
-end
+local wish = require "arguments" {out = "value", only = "value", elements = 40000, share = 0.05, unseen = true,
+  check = true, brute = true}
 
 local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/certified.lua",
   options = wish}))

@@ -5,23 +5,10 @@
 --   nice build/barwright scripts/bench/drops.lua [--out DIR] [--elements 5000] [--drops 500] [--only NAME]
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
-package.path = folder .. "/../worst_case/?.lua;" .. package.path
+package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local parts = require "machine_parts"
 
-local wish, i = {elements = 5000, drops = 500}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if (name == "out" or name == "only") and value then
-    wish[name] = value
-  elseif (name == "elements" or name == "drops") and math.tointeger(tonumber(value)) then
-    wish[name] = math.tointeger(tonumber(value))
-  else
-    io.stderr:write(("drops: '%s %s' is not known (--out DIR, --elements N, --drops N, --only NAME)\n"):format(
-      arg[i], tostring(value)))
-    os.exit(2, true)
-  end
-  i = i + 2
-end
+local wish = require "arguments" {out = "value", only = "value", elements = 5000, drops = 500}
 
 local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/drops.lua",
   options = wish}))

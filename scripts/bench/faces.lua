@@ -10,16 +10,8 @@ local bw = require "barwright"
 local surfaces = {"gear_spur.stl", "tray_bottom.stl", "bottle_opener_round.stl", "anchor.off", "fandisk.obj",
   "engine_bracket.obj", "fan_blade.stl", "rocker_arm.obj", "screwdriver.ply", "triceratops.off"}
 
-local wish, i = {elements = "5000,20000,80000"}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if not ((name == "models" or name == "only" or name == "elements" or name == "order") and value) then
-    io.stderr:write(("faces: '%s %s' is not known (--models DIR, --only NAME, --elements N,N,N, --order 2)\n")
-      :format(arg[i], tostring(value)))
-    os.exit(2, true)
-  end
-  wish[name], i = value, i + 2
-end
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
+local wish = require "arguments" {models = "value", only = "value", elements = "value", order = 1}
 
 local pi, cos, sin = math.pi, math.cos, math.sin
 
@@ -90,13 +82,13 @@ local function share(value) return value and ("%.1e"):format(value) or "" end
 
 local function measure(name, surface, elements)
   local seconds = processor()
-  local mesh, log = bw.mesh.fill(surface, {elements = elements, order = tonumber(wish.order or 1)})
+  local mesh, log = bw.mesh.fill(surface, {elements = elements, order = wish.order})
   if not mesh then
     print(("| %s | %d | %s |"):format(name, elements, log))
     return
   end
   seconds = processor() - seconds
-  if wish.order == "2" then mesh = assert(mesh:curved(surface)) end
+  if wish.order == 2 then mesh = assert(mesh:curved(surface)) end
   local total, lost = surface.area, 0
   local groups = {plane = {n = 0, sum = 0}, round = {n = 0, sum = 0}}
   local own = surface:faces()
@@ -119,7 +111,9 @@ print("| body | asked | elements | planes | largest | mean | round | largest | m
   .. "| s |")
 print "|---|---|---|---|---|---|---|---|---|---|---|---|"
 local function all(name, surface)
-  for elements in wish.elements:gmatch "%d+" do measure(name, surface, tonumber(elements)) end
+  for elements in (wish.elements or "5000,20000,80000"):gmatch "%d+" do
+    measure(name, surface, math.tointeger(tonumber(elements)))
+  end
 end
 for _, solid in ipairs(solids) do
   if not wish.only or solid[1]:find(wish.only, 1, true) then all(solid[1], solid[2]()) end

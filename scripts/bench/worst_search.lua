@@ -10,7 +10,7 @@
 -- bound within that share, how much of it the search reaches, and its seconds.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
-package.path = folder .. "/../worst_case/?.lua;" .. package.path
+package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 
 -- Chosen before any was measured.
 local surfaces = {"engine_bracket.obj", "gear_spur.stl", "tray_bottom.stl", "rocker_arm.obj", "fandisk.obj",
@@ -18,22 +18,8 @@ local surfaces = {"engine_bracket.obj", "gear_spur.stl", "tray_bottom.stl", "roc
   "triceratops.off", "cat.obj"}
 local DIAGONAL, PRESSURE, MOST_OF_PRESSURE = 0.1, 2e5, 0.05
 
-local wish, i = {elements = 3000}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if name == "principal" or name == "unseen" then
-    wish[name], i = true, i - 1
-  elseif (name == "out" or name == "models" or name == "only") and value then
-    wish[name] = value
-  elseif (name == "elements" or name == "certify") and tonumber(value) then
-    wish[name] = tonumber(value)
-  else
-    io.stderr:write(("worst_search: '%s %s' is not known (--out DIR, --models DIR, --elements N, --only NAME, "
-      .. "--unseen, --principal, --certify SHARE)\n"):format(arg[i], tostring(value)))
-    os.exit(2, true)
-  end
-  i = i + 2
-end
+local wish = require "arguments" {out = "value", models = "value", only = "value", elements = 3000,
+  certify = 0.0, principal = true, unseen = true}
 
 local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/worst_search.lua",
   options = wish}))
@@ -86,7 +72,7 @@ local function measure(body)
     row.principal = quantile(mesh, best.weakness) / q
     row.principal_peak = best.max_principal / peak
   end
-  if wish.certify then
+  if wish.certify > 0 then
     local certified, seconds = timed(function()
       return assert(bw.worst_case(part, with("certify", wish.certify)))
     end)

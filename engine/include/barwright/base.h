@@ -194,6 +194,8 @@ bw_status bw_parallel(bw_context *context, int64_t count, int64_t grain, bw_body
 double bw_dot(const double a[3], const double b[3]);
 void bw_cross(const double a[3], const double b[3], double c[3]);
 double bw_norm(const double a[3]);
+/* Two unit vectors at right angles to a unit vector and to each other: unit x a = b. */
+void bw_across(const double unit[3], double a[3], double b[3]);
 /* Inverse of a 3x3 matrix; returns the determinant (inverse untouched when it is 0). */
 double bw_inverse3(const double a[9], double inverse[9]);
 /* Eigenvalues in descending order and, when vectors is not NULL, unit eigenvectors as rows. */
