@@ -98,7 +98,9 @@ end
 -- Appends the first places of a list that are at least so weak and of which no two lie in one patch, up to `count`
 -- in all.
 local function append_apart(self, chosen, list, count, least)
-  return points.append_apart(chosen, list, count, self.length, function(place) return place.utilisation >= least end)
+  return points.append_apart(chosen, list, count, self.length, function(place)
+    return place.utilisation >= least
+  end)
 end
 
 -- Places of a mesh that may be the weakest once they are refined.
