@@ -1,16 +1,18 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Pressure with friction: Coulomb's cone at every node by the pyramid of m edges inscribed in it
- * (docs/theory/worst_case.md, section 15).
+/* Pressure with friction: Coulomb's cone at every pressure by the pyramid of m edges inscribed in
+ * it (docs/theory/worst_case.md, section 15).
  *
- * Column k of a node with the pressure p has the traction p (-n + friction d_k), d_k the unit
- * tangent at the angle 2 pi k / m. Tangents are given once for each node, orthogonal to the mean
- * normal of its facets, and turned onto each facet by the shortest rotation from the mean normal to
- * the facet's: so they are unit tangents at every point of every facet, and neighbouring points
- * have neighbouring tangents.
+ * Column k of a node, or a cell, with the pressure p has the traction p (-n + friction d_k), d_k
+ * the unit tangent at the angle 2 pi k / m. Tangents are given once for each node, orthogonal to
+ * the mean normal of its facets, and turned onto each facet by the shortest rotation from the mean
+ * normal to the facet's: so they are unit tangents at every point of every facet, and neighbouring
+ * points have neighbouring tangents.
  *
- * Invariants: columns of a node are consecutive and have the rows of the column without friction;
- * for every node the columns' mean is that column. */
+ * Invariants: columns of a pressure are consecutive and have the rows of the column without
+ * friction; for every pressure the columns' mean is that column. */
+#include "analysis/pressure.h"
 #include "analysis/programme.h"
+#include "barwright/element.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,7 +21,7 @@ static const double pi = 3.14159265358979323846;
 
 typedef struct friction_work {
   const bw_pressure_basis *plain;
-  int32_t *column; /* by mesh node: of the plain basis, or -1 */
+  bwi_pressure_rules rules;
   double *normal;  /* plain count x 3: mean, unit */
   double *tangent; /* plain entries x 6: integrals of L phi e1 dA and L phi e2 dA */
 } friction_work;
@@ -70,11 +72,12 @@ static int64_t find_entry(const bw_pressure_basis *plain, int32_t j, int32_t nod
 }
 
 static void add_facet(friction_work *w, int32_t f) {
-  const bw_mesh *mesh = w->plain->mesh;
+  const bw_pressure_basis *plain = w->plain;
+  const bw_mesh *mesh = plain->mesh;
+  const bwi_pressure_rule *rule = bwi_facet_rule(&w->rules, plain, f);
   int nodes = mesh->nodes_per_facet;
   const int32_t *node = mesh->facet + (size_t)f * (size_t)nodes;
-  double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS], x[6][3];
-  int points = bw_triangle_quadrature(6, point, weight);
+  double x[6][3];
   for (int a = 0; a < 6; a++) {
     for (int k = 0; k < 3; k++) {
       const double *p = mesh->node + k;
@@ -85,25 +88,25 @@ static void add_facet(friction_work *w, int32_t f) {
               : 0.5 * (p[3 * (size_t)node[c < 0 ? 0 : c]] + p[3 * (size_t)node[d < 0 ? 0 : d]]);
     }
   }
-  for (int i = 0; i < 3; i++) {
-    int32_t j = w->column[node[i]];
-    if (j < 0)
-      continue;
-    const double *mean = w->normal + 3 * (size_t)j;
-    double e1[3], e2[3];
-    frame_of(mean, e1, e2);
-    for (int q = 0; q < points; q++) {
-      double n[3], shape[6], t1[3], t2[3];
-      bwi_area_vector((const double(*)[3])x, point[q], n);
-      double size = bw_norm(n);
+  for (int q = 0; q < rule->points; q++) {
+    double n[3], shape[6];
+    bwi_area_vector((const double(*)[3])x, rule->barycentric[q], n);
+    double size = bw_norm(n);
+    bw_facet_shape(nodes == 6 ? 2 : 1, rule->barycentric[q], shape);
+    for (int i = rule->per_point * q; i < rule->per_point * (q + 1); i++) {
+      int32_t j = plain->facet_column[plain->facet_start[f] + rule->which[i]];
+      if (j < 0)
+        continue;
+      const double *mean = w->normal + 3 * (size_t)j;
+      double e1[3], e2[3], t1[3], t2[3], unit[3];
       for (int k = 0; k < 3; k++)
-        n[k] = size > 0 ? n[k] / size : mean[k];
-      rotate(mean, n, e1, e1, t1);
-      rotate(mean, n, e1, e2, t2);
-      bw_facet_shape(nodes == 6 ? 2 : 1, point[q], shape);
+        unit[k] = size > 0 ? n[k] / size : mean[k];
+      frame_of(mean, e1, e2);
+      rotate(mean, unit, e1, e1, t1);
+      rotate(mean, unit, e1, e2, t2);
       for (int a = 0; a < nodes; a++) {
-        double *to = w->tangent + 6 * find_entry(w->plain, j, node[a]);
-        double share = 0.5 * weight[q] * size * point[q][i] * shape[a];
+        double *to = w->tangent + 6 * find_entry(plain, j, node[a]);
+        double share = 0.5 * rule->weight[q] * size * rule->value[i] * shape[a];
         for (int k = 0; k < 3; k++) {
           to[k] += share * t1[k];
           to[3 + k] += share * t2[k];
@@ -157,25 +160,21 @@ bw_status bwi_pressure_with_friction(bw_context *context, const bw_pressure_basi
   bw_pressure_basis *basis = NULL;
   friction_work w = {.plain = plain};
   bw_status status = BW_OK;
-  w.column = BW_NEW(context, int32_t, mesh->node_count);
   w.normal = BW_NEW(context, double, 3 * (size_t)plain->count);
   w.tangent = BW_NEW0(context, double, 6 * plain->start[plain->count]);
-  if (!w.column || !w.normal || !w.tangent) {
+  if (!w.normal || !w.tangent) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t i = 0; i < mesh->node_count; i++)
-    w.column[i] = -1;
-  for (int32_t j = 0; j < plain->count; j++) {
-    w.column[plain->node[j]] = j;
+  BW_TRY(bwi_pressure_rules_create(context, plain, &w.rules));
+  for (int32_t j = 0; j < plain->count; j++)
     mean_normal(plain, j, w.normal + 3 * (size_t)j);
-  }
   for (int32_t f = 0; f < mesh->facet_count; f++)
     add_facet(&w, f);
   BW_TRY(bwi_pressure_basis_empty(context, mesh, &basis));
   BW_TRY(expand(context, &w, options, basis));
 done:
-  bw_free(w.column);
+  bwi_pressure_rules_clear(&w.rules);
   bw_free(w.normal);
   bw_free(w.tangent);
   if (status == BW_OK)

@@ -4,6 +4,7 @@
  * Middle nodes are variables of their own: inside an element, curved or not, the shape changes by
  * V(x) = sum_a dx_a N_a(x), so with nodal values held d(grad u) = -(grad u)(grad V) and
  * d(volume) = tr(grad V) volume at every point of quadrature. */
+#include "analysis/pressure.h"
 #include "analysis/strain.h"
 #include "analysis/surface_patch.h"
 
@@ -12,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ELEMENTS_PER_CHUNK = 128, NODES_PER_CHUNK = 1024, PRESSURE_DEGREE = 6 };
+enum { ELEMENTS_PER_CHUNK = 128, NODES_PER_CHUNK = 1024 };
 
 /* ---- small pieces ---------------------------------------------------------------------------- */
 
@@ -295,26 +296,31 @@ static bw_status gather_pass(void *data, int64_t begin, int64_t end, int worker)
   return BW_OK;
 }
 
-/* gradient += d of - integral of p (adjoint . n + price) dA, by the six or three nodes of a facet.
- * With s = x_u x x_v, n dA is s/2 times the weight. */
-static void add_pressure(const bw_mesh *mesh, const int32_t *node, const double *pressure,
-                         const double *adjoint, double price, double *gradient) {
-  double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
-  int points = bw_triangle_quadrature(PRESSURE_DEGREE, point, weight);
-  for (int q = 0; q < points; q++) {
+/* gradient += d of - integral of p (adjoint . n + price) dA over a facet. With s = x_u x x_v, n dA
+ * is s/2 times the weight. */
+static void add_pressure(const bw_patch_state *state, const bwi_pressure_rule *rule, int32_t facet,
+                         double *gradient) {
+  const bw_mesh *mesh = state->basis->mesh;
+  const int32_t *node = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+  const int32_t *column = state->basis->facet_column + state->basis->facet_start[facet];
+  for (int q = 0; q < rule->points; q++) {
     double by[6][3], shape[6], xu[3] = {0}, xv[3] = {0}, s[3], v[3] = {0}, p = 0;
-    bw_facet_shape(mesh->order, point[q], shape);
-    bw_triangle_shape_gradient(mesh->order, point[q], by);
-    for (int i = 0; i < 3; i++)
-      p += point[q][i] * pressure[node[i]];
+    for (int i = rule->per_point * q; i < rule->per_point * (q + 1); i++) {
+      int32_t j = column[rule->which[i]];
+      p += j < 0 ? 0 : rule->value[i] * state->pressure[j];
+    }
+    if (p == 0)
+      continue;
+    bw_facet_shape(mesh->order, rule->barycentric[q], shape);
+    bw_triangle_shape_gradient(mesh->order, rule->barycentric[q], by);
     for (int a = 0; a < mesh->nodes_per_facet; a++) {
       add(xu, by[a][1] - by[a][0], mesh->node + 3 * (size_t)node[a]);
       add(xv, by[a][2] - by[a][0], mesh->node + 3 * (size_t)node[a]);
-      add(v, shape[a], adjoint + 3 * (size_t)node[a]);
+      add(v, shape[a], state->adjoint + 3 * (size_t)node[a]);
     }
     bw_cross(xu, xv, s);
-    add(v, price / bw_norm(s), s);
-    double factor = -0.5 * weight[q] * p, by_u[3], by_v[3];
+    add(v, state->price / bw_norm(s), s);
+    double factor = -0.5 * rule->weight[q] * p, by_u[3], by_v[3];
     bw_cross(xv, v, by_u);
     bw_cross(v, xu, by_v);
     for (int a = 0; a < mesh->nodes_per_facet; a++) {
@@ -329,13 +335,18 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
                                   double *value, double *gradient) {
   bw_status status;
   patch p = {.mesh = NULL};
+  bwi_pressure_rules rules;
   double *nodal = NULL, mean = 0;
   work_data d = {.mesh = mesh,
                  .material = material,
                  .u = state->displacement,
                  .adjoint = state->adjoint,
                  .gradient = gradient};
+  memset(&rules, 0, sizeof rules);
   BW_TRY(bwi_check_stress_input(context, mesh, material, state->displacement, "a shape gradient"));
+  if (state->basis->mesh != mesh || state->basis->directions > 1 || !state->basis->parts)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "the shape gradient is for pressures without friction on the same mesh");
   if (bwi_projected_bulk(mesh, material) > 0)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the shape gradient is not implemented for the B-bar formulation");
@@ -360,14 +371,12 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
     mean += p.weight[i] * nodal[i];
   }
   add_weights(&p, nodal, mean, gradient);
-  for (int32_t f = 0; f < mesh->facet_count; f++) {
-    const int32_t *node = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
-    if (state->pressure[node[0]] != 0 || state->pressure[node[1]] != 0 ||
-        state->pressure[node[2]] != 0)
-      add_pressure(mesh, node, state->pressure, state->adjoint, state->price, gradient);
-  }
+  BW_TRY(bwi_pressure_rules_create(context, state->basis, &rules));
+  for (int32_t f = 0; f < mesh->facet_count; f++)
+    add_pressure(state, bwi_facet_rule(&rules, state->basis, f), f, gradient);
   *value = mean;
 done:
+  bwi_pressure_rules_clear(&rules);
   patch_clear(&p);
   bwi_incidence_clear(&d.around);
   bw_free(d.part);

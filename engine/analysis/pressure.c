@@ -1,17 +1,20 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The pressure basis: nodal forces of a pressure that is linear over every boundary facet.
+/* The pressure basis: nodal forces of a pressure that is linear over every boundary facet, or
+ * constant on cells of facets.
  *
- * Pressure pushes inwards: the traction is -p n. With p = sum_i p_i L_i over a facet (L_i its
- * barycentric coordinates) and displacement shape functions phi_a, the consistent force on node a
- * is -sum_i p_i integral of L_i phi_a n dA. Flat facets have closed forms; curved ones are
- * integrated exactly (the integrand is a polynomial of degree 5 at most).
+ * Pressure pushes inwards: the traction is -p n. With p = sum_i p_i L_i over a facet (L_i a
+ * barycentric coordinate, or one on a cell) and displacement shape functions phi_a, the consistent
+ * force on node a is -sum_i p_i integral of L_i phi_a n dA. It is integrated exactly. On flat
+ * facets the means of L_i phi_a are the same for all that are divided alike.
  *
- * Invariant: columns are by ascending mesh node, the rows within a column ascend too, and every
- * row of a column belongs to the same body. Since the shape functions add up to one and reproduce
- * rigid motions, a uniform pressure over a closed boundary has no resultant and no moment.
+ * Invariant: columns are by ascending mesh node, or facet, the rows within a column ascend too, and
+ * every row of a column belongs to the same body. Since the shape functions add up to one and
+ * reproduce rigid motions, a uniform pressure over a closed boundary has no resultant and no
+ * moment.
  *
- * Nodes of forbidden facets have no column: the pressures that are left are those of the whole
- * boundary that are zero there, so that forbidding more never admits another load. */
+ * Nodes of forbidden facets, or their cells, have no column: the pressures that are left are those
+ * of the whole boundary that are zero there, so that forbidding more never admits another load. */
+#include "analysis/pressure.h"
 #include "analysis/programme.h"
 
 #include <math.h>
@@ -25,13 +28,18 @@ static void basis_destroy(void *object) {
   bw_free(basis->start);
   bw_free(basis->row);
   bw_free(basis->coefficient);
+  bw_free(basis->parts);
+  bw_free(basis->facet_start);
+  bw_free(basis->facet_column);
   bw_free(basis);
 }
 
 static size_t basis_bytes(const void *object) {
   const bw_pressure_basis *basis = (const bw_pressure_basis *)object;
   size_t entries = basis->start ? (size_t)basis->start[basis->count] : 0;
-  return sizeof *basis + (size_t)basis->count * 20 + 8 + entries * 28;
+  size_t facets = basis->facet_start ? (size_t)basis->mesh->facet_count : 0;
+  size_t pressures = facets > 0 ? (size_t)basis->facet_start[facets] : 0;
+  return sizeof *basis + (size_t)basis->count * 20 + 8 + entries * 28 + facets * 9 + pressures * 4;
 }
 
 static const bw_kind basis_kind = {"pressure basis", basis_destroy, basis_bytes};
@@ -61,13 +69,9 @@ static bool is_straight(const double (*x)[3]) {
   return true;
 }
 
-/* force[i][a]: on facet node a by a unit pressure at corner i; area[i] the integral of L_i. */
-static void flat_facet(int nodes, const double (*x)[3], double force[3][6][3], double area[3]) {
-  /* Times the area: integrals of L_i phi_a; first index equal to or unlike a corner, on or off the
-   * edge of a middle node. */
-  static const double linear[2] = {1.0 / 6, 1.0 / 12};
-  static const double corner[2] = {1.0 / 30, -1.0 / 60};
-  static const double middle[2] = {2.0 / 15, 1.0 / 15};
+/* force[i][a]: on facet node a by a unit of pressure i; area[i] the integral of its function. */
+static void flat_facet(const bwi_pressure_rule *rule, int nodes, const double (*x)[3],
+                       double (*force)[6][3], double *area) {
   double ab[3], ac[3], s[3];
   for (int i = 0; i < 3; i++) {
     ab[i] = x[1][i] - x[0][i];
@@ -75,19 +79,11 @@ static void flat_facet(int nodes, const double (*x)[3], double force[3][6][3], d
   }
   bw_cross(ab, ac, s);
   double size = 0.5 * bw_norm(s);
-  for (int i = 0; i < 3; i++) {
-    area[i] = size / 3;
-    for (int a = 0; a < nodes; a++) {
-      double share;
-      if (nodes == 3)
-        share = linear[a != i];
-      else if (a < 3)
-        share = corner[a != i];
-      else
-        share = middle[i != a - 3 && i != (a - 2) % 3];
+  for (int i = 0; i < rule->pressures; i++) {
+    area[i] = size * rule->area[i];
+    for (int a = 0; a < nodes; a++)
       for (int k = 0; k < 3; k++)
-        force[i][a][k] = -0.5 * s[k] * share;
-    }
+        force[i][a][k] = -0.5 * s[k] * rule->force[i][a];
   }
 }
 
@@ -105,18 +101,17 @@ void bwi_area_vector(const double (*x)[3], const double l[3], double normal[3]) 
   bw_cross(u, v, normal);
 }
 
-static void curved_facet(const double (*x)[3], double force[3][6][3], double area[3]) {
-  double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
-  int points = bw_triangle_quadrature(6, point, weight);
-  memset(force, 0, 3 * sizeof *force);
-  memset(area, 0, 3 * sizeof *area);
-  for (int q = 0; q < points; q++) {
-    const double *l = point[q];
+static void curved_facet(const bwi_pressure_rule *rule, const double (*x)[3], double (*force)[6][3],
+                         double *area) {
+  memset(force, 0, (size_t)rule->pressures * sizeof *force);
+  memset(area, 0, (size_t)rule->pressures * sizeof *area);
+  for (int q = 0; q < rule->points; q++) {
     double s[3], shape[6];
-    bwi_area_vector(x, l, s); /* n dA is half of it times the weight */
-    bw_facet_shape(2, l, shape);
-    for (int i = 0; i < 3; i++) {
-      double w = 0.5 * weight[q] * l[i];
+    bwi_area_vector(x, rule->barycentric[q], s); /* n dA is half of it times the weight */
+    bw_facet_shape(2, rule->barycentric[q], shape);
+    for (int j = rule->per_point * q; j < rule->per_point * (q + 1); j++) {
+      int i = rule->which[j];
+      double w = 0.5 * rule->weight[q] * rule->value[j];
       area[i] += w * bw_norm(s);
       for (int a = 0; a < 6; a++)
         for (int k = 0; k < 3; k++)
@@ -125,17 +120,17 @@ static void curved_facet(const double (*x)[3], double force[3][6][3], double are
   }
 }
 
-static void facet_forces(const bw_mesh *mesh, int32_t facet, double force[3][6][3],
-                         double area[3]) {
+static void facet_forces(const bwi_pressure_rule *rule, const bw_mesh *mesh, int32_t facet,
+                         double (*force)[6][3], double *area) {
   int nodes = mesh->nodes_per_facet;
   double x[6][3] = {{0}};
   const int32_t *node = mesh->facet + (size_t)facet * (size_t)nodes;
   for (int a = 0; a < nodes; a++)
     memcpy(x[a], mesh->node + 3 * (size_t)node[a], sizeof x[a]);
   if (nodes == 6 && !is_straight((const double(*)[3])x))
-    curved_facet((const double(*)[3])x, force, area);
+    curved_facet(rule, (const double(*)[3])x, force, area);
   else
-    flat_facet(nodes, (const double(*)[3])x, force, area);
+    flat_facet(rule, nodes, (const double(*)[3])x, force, area);
 }
 
 /* Where row `node` stands in the column that begins at `begin` and has `*count` rows so far: rows
@@ -155,15 +150,122 @@ static int64_t find_row(bw_pressure_basis *basis, int64_t begin, int32_t *count,
   return at;
 }
 
-/* The boundary facets of each corner node that may be pressed, 0 for all other nodes. */
-static void count_facets(const bw_mesh *mesh, const bw_selection *forbidden, int32_t *facets) {
-  size_t nodes = (size_t)mesh->nodes_per_facet;
-  memset(facets, 0, (size_t)mesh->node_count * sizeof *facets);
+/* How many parts the edges of each facet are divided into. */
+static void divide_facets(const bw_mesh *mesh, double spacing, uint8_t *parts) {
+  for (int32_t f = 0; f < mesh->facet_count; f++) {
+    const int32_t *node = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
+    double longest = 0;
+    for (int i = 0; i < 3; i++) {
+      double edge[3];
+      for (int k = 0; k < 3; k++)
+        edge[k] = mesh->node[3 * (size_t)node[i] + (size_t)k] -
+                  mesh->node[3 * (size_t)node[(i + 1) % 3] + (size_t)k];
+      longest = fmax(longest, bw_norm(edge));
+    }
+    parts[f] = spacing > 0 ? (uint8_t)fmin(BWI_MOST_PARTS, fmax(1, ceil(longest / spacing))) : 0;
+  }
+}
+
+/* Corner nodes that may be pressed, ascending: their numbers into node_column. */
+static bw_status number_nodes(bw_context *context, const bw_selection *forbidden,
+                              bw_pressure_basis *basis) {
+  bw_status status = BW_OK;
+  const bw_mesh *mesh = basis->mesh;
+  size_t nodes = (size_t)mesh->nodes_per_facet, count = 0;
+  int32_t *facets = BW_NEW0(context, int32_t, mesh->node_count);
+  if (!facets) {
+    status = BW_MEMORY;
+    goto done;
+  }
   for (size_t f = 0; f < (size_t)mesh->facet_count; f++)
     for (size_t i = 0; i < 3; i++)
       facets[mesh->facet[f * nodes + i]]++;
   for (int32_t k = 0; forbidden && k < forbidden->node_count; k++)
     facets[forbidden->node[k]] = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    count += facets[i] > 0;
+  basis->node = BW_NEW(context, int32_t, count);
+  basis->start = BW_NEW(context, int64_t, count + 1);
+  if (!basis->node || !basis->start) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  /* Room for every row as if no two facets shared one, tightened later. */
+  basis->start[0] = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    int32_t here = facets[i];
+    facets[i] = -1;
+    if (here == 0)
+      continue;
+    facets[i] = basis->count;
+    basis->node[basis->count++] = i;
+    basis->start[basis->count] = basis->start[basis->count - 1] + (int64_t)here * (int64_t)nodes;
+  }
+  for (size_t f = 0; f < (size_t)mesh->facet_count; f++)
+    for (size_t i = 0; i < 3; i++)
+      basis->facet_column[3 * f + i] = facets[mesh->facet[f * nodes + i]];
+done:
+  bw_free(facets);
+  return status;
+}
+
+/* Cells of the facets that may be pressed, facet after facet. */
+static bw_status number_cells(bw_context *context, const bw_selection *forbidden,
+                              const bwi_pressure_rules *rules, bw_pressure_basis *basis) {
+  const bw_mesh *mesh = basis->mesh;
+  size_t nodes = (size_t)mesh->nodes_per_facet;
+  int64_t count = basis->facet_start[mesh->facet_count];
+  memset(basis->facet_column, 0, (size_t)count * sizeof *basis->facet_column);
+  for (int32_t k = 0; forbidden && k < forbidden->facet_count; k++) {
+    int64_t f = forbidden->facet[k];
+    for (int64_t i = basis->facet_start[f]; i < basis->facet_start[f + 1]; i++)
+      basis->facet_column[i] = -1;
+  }
+  basis->node = BW_NEW(context, int32_t, count);
+  basis->start = BW_NEW(context, int64_t, (size_t)count + 1);
+  if (!basis->node || !basis->start)
+    return BW_MEMORY;
+  basis->start[0] = 0;
+  for (int32_t f = 0; f < mesh->facet_count; f++)
+    for (int64_t i = basis->facet_start[f]; i < basis->facet_start[f + 1]; i++) {
+      if (basis->facet_column[i] < 0)
+        continue;
+      const bwi_pressure_rule *rule = bwi_facet_rule(rules, basis, f);
+      int nearest = rule->nearest[i - basis->facet_start[f]];
+      basis->facet_column[i] = basis->count;
+      basis->node[basis->count++] = mesh->facet[(size_t)f * nodes + (size_t)nearest];
+      basis->start[basis->count] = basis->start[basis->count - 1] + (int64_t)nodes;
+    }
+  return BW_OK;
+}
+
+/* Facets, their pressures and the columns of these. */
+static bw_status number_columns(bw_context *context, const bw_pressure_options *options,
+                                bwi_pressure_rules *rules, bw_pressure_basis *basis) {
+  const bw_mesh *mesh = basis->mesh;
+  int64_t pressures = 0;
+  basis->parts = BW_NEW(context, uint8_t, mesh->facet_count);
+  basis->facet_start = BW_NEW(context, int64_t, (size_t)mesh->facet_count + 1);
+  if (!basis->parts || !basis->facet_start)
+    return BW_MEMORY;
+  divide_facets(mesh, options->spacing, basis->parts);
+  bw_status status = bwi_pressure_rules_create(context, basis, rules);
+  if (status != BW_OK)
+    return status;
+  for (int32_t f = 0; f < mesh->facet_count; f++) {
+    basis->facet_start[f] = pressures;
+    pressures += bwi_facet_rule(rules, basis, f)->pressures;
+  }
+  basis->facet_start[mesh->facet_count] = pressures;
+  if (options->spacing > 0 && pressures >= INT32_MAX)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "a spacing of %g m divides the boundary into %.3g cells: give a larger one",
+                   options->spacing, (double)pressures);
+  basis->facet_column = BW_NEW(context, int32_t, pressures);
+  if (!basis->facet_column)
+    return BW_MEMORY;
+  return options->spacing > 0 ? number_cells(context, options->forbidden, rules, basis)
+                              : number_nodes(context, options->forbidden, basis);
 }
 
 static bw_status check_options(bw_context *context, const bw_mesh *mesh,
@@ -175,6 +277,10 @@ static bw_status check_options(bw_context *context, const bw_mesh *mesh,
   if (forbidden && forbidden->facet_count == 0)
     return bw_fail(context, BW_EMPTY,
                    "the forbidden surface covers no facet: give a selection of facets");
+  if (!(options->spacing >= 0 && isfinite(options->spacing)))
+    return bw_fail(context, BW_INVALID,
+                   "pressures with a spacing of %g m: give a length, or 0 for pressures at corners",
+                   options->spacing);
   if (!(options->friction >= 0 && options->friction <= 100))
     return bw_fail(context, BW_INVALID, "the coefficient of friction is %g: give from 0 to 100",
                    options->friction);
@@ -186,69 +292,44 @@ static bw_status check_options(bw_context *context, const bw_mesh *mesh,
 }
 
 bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
-                                   const bw_pressure_options *options, bw_pressure_basis **result) {
+                                   const bw_pressure_options *given, bw_pressure_basis **result) {
   bw_pressure_basis *basis;
-  int32_t *column = NULL, *filled = NULL;
+  bwi_pressure_rules rules;
+  int32_t *filled = NULL;
   int nodes = mesh->nodes_per_facet;
-  const bw_selection *forbidden = options ? options->forbidden : NULL;
-  bw_status status = options ? check_options(context, mesh, options) : BW_OK;
+  const bw_pressure_options plainest = {.friction = 0}, *options = given ? given : &plainest;
+  memset(&rules, 0, sizeof rules);
+  bw_status status = check_options(context, mesh, options);
   if (status == BW_OK)
     status = bwi_pressure_basis_empty(context, mesh, &basis);
   if (status != BW_OK)
     return status;
-  basis->complete = !forbidden;
+  basis->complete = !options->forbidden;
   basis->directions = 1;
-
-  /* Columns: corners of boundary facets, ascending. */
-  column = BW_NEW(context, int32_t, mesh->node_count);
-  if (!column) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  count_facets(mesh, forbidden, column);
-  int32_t count = 0;
-  for (int32_t i = 0; i < mesh->node_count; i++)
-    count += column[i] > 0;
+  BW_TRY(number_columns(context, options, &rules, basis));
+  int32_t count = basis->count;
   if (count == 0) {
     status = bw_fail(context, BW_EMPTY,
                      "the forbidden surface holds every node of the boundary: no surface is left "
                      "on which pressure may act");
     goto done;
   }
-  basis->node = BW_NEW(context, int32_t, count);
   basis->area = BW_NEW0(context, double, count);
-  basis->start = BW_NEW0(context, int64_t, (size_t)count + 1);
+  basis->row = BW_NEW(context, int32_t, basis->start[count]);
+  basis->coefficient = BW_NEW(context, double, 3 * basis->start[count]);
   filled = BW_NEW0(context, int32_t, count);
-  if (!basis->node || !basis->area || !basis->start || !filled) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  /* Room for every row as if no two facets shared one, tightened below. */
-  int64_t room = 0;
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    int32_t facets = column[i];
-    column[i] = -1;
-    if (facets == 0)
-      continue;
-    column[i] = basis->count;
-    basis->node[basis->count] = i;
-    basis->start[basis->count++] = room;
-    room += (int64_t)facets * nodes;
-  }
-  basis->start[count] = room;
-  basis->row = BW_NEW(context, int32_t, room);
-  basis->coefficient = BW_NEW(context, double, 3 * room);
-  if (!basis->row || !basis->coefficient) {
+  if (!basis->area || !basis->row || !basis->coefficient || !filled) {
     status = BW_MEMORY;
     goto done;
   }
 
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *node = mesh->facet + (size_t)f * (size_t)nodes;
-    double force[3][6][3], area[3];
-    facet_forces(mesh, f, force, area);
-    for (int i = 0; i < 3; i++) {
-      int32_t j = column[node[i]];
+    const bwi_pressure_rule *rule = bwi_facet_rule(&rules, basis, f);
+    double force[BWI_MOST_PRESSURES][6][3], area[BWI_MOST_PRESSURES];
+    facet_forces(rule, mesh, f, force, area);
+    for (int i = 0; i < rule->pressures; i++) {
+      int32_t j = basis->facet_column[basis->facet_start[f] + i];
       if (j < 0)
         continue;
       basis->area[j] += area[i];
@@ -270,14 +351,14 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
     end += filled[j];
   }
   basis->start[count] = end;
-  if (options && options->friction > 0) {
+  if (options->friction > 0) {
     bw_pressure_basis *plain = basis;
     basis = NULL;
     status = bwi_pressure_with_friction(context, plain, options, &basis);
     bw_release(plain);
   }
 done:
-  bw_free(column);
+  bwi_pressure_rules_clear(&rules);
   bw_free(filled);
   if (status == BW_OK)
     *result = basis;

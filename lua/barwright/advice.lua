@@ -150,8 +150,8 @@ local function gradient_of(breaking, judge, place, mean)
   u, message, details = worst.system:solve(worst.basis:force(pressure))
   if not u then return nil, message, details end
   local gradient
-  gradient, message, details = core.patch_gradient(mesh, material, {radius = breaking.length, node = place.node,
-    slope = slope, displacement = u, adjoint = adjoint - motion, pressure = worst.basis:nodal(pressure),
+  gradient, message, details = core.patch_gradient(worst.basis, material, {radius = breaking.length,
+    node = place.node, slope = slope, displacement = u, adjoint = adjoint - motion, pressure = pressure,
     price = price})
   if not gradient then return nil, message, details end
   gradient, message, details = core.boundary_gather(mesh, gradient)

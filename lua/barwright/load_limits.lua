@@ -9,6 +9,8 @@ local raise = core.raise
 local load_limits = {}
 
 local PRESSURE = 2e5 -- Pa
+-- The edges of cells of constant pressure, by the root of the area that the largest pressure takes.
+local SPACING = 0.2
 
 --- Adds the options of admissible loads to the rules of an analysis.
 function load_limits.rules(rules)
@@ -44,6 +46,11 @@ local function selection_of(where, given, mesh)
   return whole
 end
 
+-- Pressures are constant on cells where the mean over a patch is judged; else they stand at nodes (the paper).
+local function spacing_of(wish)
+  return wish.length and SPACING * math.sqrt(wish.force / wish.pressure) or 0
+end
+
 --- The basis of the pressures that may act on a mesh; sets the largest pressure of `wish`. Returns nil,
 --- message, details where no surface is left.
 function load_limits.basis(where, mesh, wish)
@@ -56,14 +63,14 @@ function load_limits.basis(where, mesh, wish)
   end
   wish.hand = wish.hands and (wish.hand or wish.force / wish.pressure)
   wish.forbidden = wish.forbidden and selection_of(where, wish.forbidden, mesh)
-  return core.pressure_basis(mesh, {forbidden = wish.forbidden, friction = wish.friction,
-    friction_facets = wish.friction_facets})
+  return core.pressure_basis(mesh, {forbidden = wish.forbidden, spacing = spacing_of(wish),
+    friction = wish.friction, friction_facets = wish.friction_facets})
 end
 
 --- The same without friction, for the screening.
 function load_limits.without_friction(mesh, wish, basis)
   if basis.directions == 1 then return basis end
-  return core.pressure_basis(mesh, {forbidden = wish.forbidden})
+  return core.pressure_basis(mesh, {forbidden = wish.forbidden, spacing = spacing_of(wish)})
 end
 
 --- By how much the pyramid in Coulomb's cone may be narrower than the cone, as a share.

@@ -25,7 +25,7 @@ static int patch_functional(lua_State *L) {
       L, bw_patch_functional(lbw_enter(L), mesh, material, radius, (int32_t)node, slope, out), 1);
 }
 
-/* patch_gradient(mesh, material, {radius, node, slope, displacement, adjoint, pressure, price}):
+/* patch_gradient(basis, material, {radius, node, slope, displacement, adjoint, pressure, price}):
  * a row for every node, the value */
 static int patch_gradient(lua_State *L) {
   bw_patch_state state;
@@ -37,10 +37,13 @@ static int patch_gradient(lua_State *L) {
                                     {"adjoint", LBW_OTHER, 0},
                                     {"pressure", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
-  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_pressure_basis *basis =
+      (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
   const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  const bw_mesh *mesh = basis->mesh;
   double value = 0;
   memset(&state, 0, sizeof state);
+  state.basis = basis;
   lua_settop(L, 3);
   lbw_options(L, 3, "patch_gradient", list, &state);
   lbw_option_get(L, 3, "node"); /* 4 */
@@ -54,7 +57,7 @@ static int patch_gradient(lua_State *L) {
   lbw_option_get(L, 3, "pressure");
   state.displacement = check_rows(L, 6, "displacement", 3, mesh->node_count);
   state.adjoint = check_rows(L, 7, "adjoint", 3, mesh->node_count);
-  state.pressure = check_rows(L, 8, "pressure", 1, mesh->node_count);
+  state.pressure = check_rows(L, 8, "pressure", 1, basis->count);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
   bw_status status = bw_patch_shape_gradient(lbw_enter(L), mesh, material, &state, &value, out);
   lua_pushnumber(L, value);

@@ -177,10 +177,11 @@ static const bw_pressure_basis *basis_self(lua_State *L) {
   return (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
 }
 
-/* pressure_basis(mesh, {forbidden, friction, friction_facets}) */
+/* pressure_basis(mesh, {forbidden, spacing, friction, friction_facets}) */
 static int pressure_basis(lua_State *L) {
   static const lbw_option list[] = {
       {"forbidden", LBW_OTHER, 0},
+      {"spacing", LBW_REAL, offsetof(bw_pressure_options, spacing)},
       {"friction", LBW_REAL, offsetof(bw_pressure_options, friction)},
       {"friction_facets", LBW_INT, offsetof(bw_pressure_options, friction_facets)},
       {NULL, LBW_OTHER, 0}};
@@ -219,14 +220,22 @@ static int basis_force(lua_State *L) {
   return 1;
 }
 
-/* basis:nodal(pressure): at every mesh node, the sum of its columns */
+/* basis:nodal(pressure): at every mesh node, that of its columns; of several cells the mean */
 static int basis_nodal(lua_State *L) {
   const bw_pressure_basis *basis = basis_self(L);
   const double *pressure = check_pressure(L, basis);
+  size_t count = (size_t)basis->mesh->node_count;
   double *out = (double *)lbw_push_array(L, BW_F64, basis->mesh->node_count, 1)->data;
-  memset(out, 0, (size_t)basis->mesh->node_count * sizeof *out);
-  for (int32_t j = 0; j < basis->count; j++)
-    out[basis->node[j]] += pressure[j];
+  double *area = (double *)lua_newuserdatauv(L, count * sizeof *area, 0);
+  memset(out, 0, count * sizeof *out);
+  memset(area, 0, count * sizeof *area);
+  for (int32_t j = 0; j < basis->count; j++) {
+    out[basis->node[j]] += basis->area[j] * pressure[j];
+    area[basis->node[j]] += basis->area[j] / basis->directions;
+  }
+  for (size_t i = 0; i < count; i++)
+    out[i] = area[i] > 0 ? out[i] / area[i] : 0;
+  lua_pop(L, 1);
   return 1;
 }
 
@@ -311,8 +320,7 @@ static int basis_maximise(lua_State *L) {
 static int basis_tostring(lua_State *L) {
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
-  lua_pushfstring(L, "pressure basis of %d boundary nodes",
-                  (int)(basis->count / basis->directions));
+  lua_pushfstring(L, "pressure basis of %d pressures", (int)(basis->count / basis->directions));
   return 1;
 }
 

@@ -213,11 +213,12 @@ function bw.weak_regions(mesh, material, modes, options) end
 ---@return bw.WeakRegions?
 function bw.single_regions(mesh, elements, sign) end
 
----Pressures at the boundary nodes of a mesh, linear over its facets. `forbidden`: no pressure at the nodes of these
----facets; raises where no node is left. With `friction` (default 0) a node has `friction_facets` (default 8) columns,
+---Pressures at the boundary corner nodes of a mesh, linear over its facets. With a `spacing` (m) they are constant on
+---cells of facets instead, whose edges are at most so long, but not shorter than a sixteenth of the facet's.
+---`forbidden`: no pressure on these facets; that at corner nodes falls to zero around. Raises where no surface is left. With `friction` (default 0) a node has `friction_facets` (default 8) columns,
 ---which pull the surface along in so many directions; its pressure is their sum.
 ---@param mesh bw.Mesh
----@param options? {forbidden?: bw.Selection, friction?: number, friction_facets?: integer}
+---@param options? {forbidden?: bw.Selection, spacing?: number, friction?: number, friction_facets?: integer}
 ---@return bw.PressureBasis?
 function bw.pressure_basis(mesh, options) end
 
@@ -1514,7 +1515,7 @@ function System:close() end
 ---@field regions table[] {origin, label, mode, rank (of a mode's region), target, from (element aimed at and, of an ascent, the region it starts from), elements, volume, volume_fraction, energy, max_principal, at, element, utilisation, utilised_at, displacement, objective, seconds, flipped}
 ---@field weakness bw.Array of every element: the largest stress over all worst loads, Pa
 ---@field worst_region bw.Array of every element: which region's load causes it
----@field pressures bw.Array regions x columns of the basis: one for each node, several with friction
+---@field pressures bw.Array regions x columns of the basis: one for each node or cell, several with friction
 ---@field loads table of arrays with a row for each region, as the programmes returned them
 ---@field origins table[] of the regions that no mode gave {origin, target, from}
 ---@field limits table of the programmes {pressure, force, at_most, ...}

@@ -105,19 +105,20 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
 bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                               double radius, int32_t node, const double slope[6], double *force);
 typedef struct bw_patch_state {
-  int32_t node;               /* in the middle of the patch */
-  double radius, slope[6];    /* m; by the six components of the mean stress */
-  const double *displacement; /* u: node_count x 3 */
-  const double *adjoint;      /* lambda: node_count x 3 */
-  const double *pressure;     /* p at corner nodes: node_count */
-  double price;               /* of the total of the pressure: its multiplier */
+  int32_t node;                          /* in the middle of the patch */
+  double radius, slope[6];               /* m; by the six components of the mean stress */
+  const double *displacement;            /* u: node_count x 3 */
+  const double *adjoint;                 /* lambda: node_count x 3 */
+  const struct bw_pressure_basis *basis; /* without friction */
+  const double *pressure;                /* p: basis->count */
+  double price;                          /* of the total of the pressure: its multiplier */
 } bw_patch_state;
 /* The derivative, node_count x 3, of
  *     slope . m + lambda . (G p - K u) - price * integral of p
- * by the position of every node, middle ones too, with nodal values of u, lambda and p held. With
- * K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's multipliers, it
- * is the derivative of the largest value over admissible p. *value: slope . m. Curved elements
- * count as they are. BW_UNSUPPORTED for the B-bar formulation. */
+ * by the position of every node, middle ones too, with nodal values of u and lambda and all p held.
+ * With K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's
+ * multipliers, it is the derivative of the largest value over admissible p. *value: slope . m.
+ * Curved elements count as they are. BW_UNSUPPORTED for the B-bar formulation. */
 bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
                                   const bw_material *material, const bw_patch_state *state,
                                   double *value, double *gradient);
@@ -198,27 +199,35 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
 
 /* ---- worst loads (worst-case, eq. 14) ------------------------------------------------------ */
 
-/* Pressures at boundary corner nodes, linear over facets. force = G p (N A of eq. 10, consistent
- * also for tet10). With friction every node has one column for each facet of its cone: the pressure
- * at the node is their sum, and column k pulls the surface along with it by friction times the
- * pressure, in the k-th of so many directions around the circle. */
+/* Pressures at boundary corner nodes, linear over facets, or constant on cells of facets.
+ * force = G p (N A of eq. 10, consistent also for tet10). With friction every pressure has one
+ * column for each facet of its cone: the pressure is their sum, and column k pulls the surface
+ * along with it by friction times the pressure, in the k-th of so many directions around the
+ * circle. */
 typedef struct bw_pressure_basis {
   bw_object object;
   const bw_mesh *mesh; /* retained */
   int32_t count;       /* n_b: columns */
-  int32_t directions;  /* columns of a node, one after the other: 1 without friction */
-  int32_t *node;       /* mesh node of each pressure */
-  double *area;        /* A: integral of the pressure's hat function */
+  int32_t directions;  /* columns of a pressure, one after the other: 1 without friction */
+  int32_t *node;       /* mesh node of each pressure; of a cell, that in or next to its middle */
+  double *area;        /* A: integral of the pressure's function: hat, or one on a cell */
   int64_t *start;      /* count + 1: columns of G */
   int32_t *row;        /* node numbers */
   double *coefficient; /* 3 per entry */
-  bool complete; /* every boundary corner node has its pressure: uniform pressure is possible */
+  bool complete;       /* no surface is forbidden: uniform pressure is possible */
+  /* Pressures of facets; NULL with friction, and where the basis is not of a whole boundary. */
+  uint8_t *parts;        /* facets: 0, or its edges are divided by so many: parts^2 cells */
+  int64_t *facet_start;  /* facets + 1 */
+  int32_t *facet_column; /* -1: forbidden */
 } bw_pressure_basis;
 enum { BW_MOST_FRICTION_FACETS = 64 };
 typedef struct bw_pressure_options {
-  /* No pressure at the nodes of these facets (NULL: none are forbidden): it falls to zero over the
-   * facets around. BW_EMPTY when no node is left. */
+  /* No pressure on these facets (NULL: none are forbidden). That at corner nodes falls to zero over
+   * the facets around. BW_EMPTY when no surface is left. */
   const bw_selection *forbidden;
+  /* 0: pressures at corner nodes; m: constant on cells of facets whose edges are at most so long,
+   * but not shorter than a sixteenth of the facet's. */
+  double spacing;
   double friction;     /* Coulomb's coefficient; 0: none */
   int friction_facets; /* m >= 3 of the pyramid in the cone: it holds the cone of friction cos(pi/m)
                         */

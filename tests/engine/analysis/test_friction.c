@@ -223,7 +223,10 @@ static void bad_options_are_refused(void **state) {
   bw_mesh *mesh = make_box(context, 1, 1, 1, 1, 1, 1, 1);
   bw_pressure_basis *basis = NULL;
   const bw_pressure_options bad[] = {
-      {NULL, -1, 8}, {NULL, NAN, 8}, {NULL, 0.3, 2}, {NULL, 0.3, BW_MOST_FRICTION_FACETS + 1}};
+      {.friction = -1, .friction_facets = 8},
+      {.friction = NAN, .friction_facets = 8},
+      {.friction = 0.3, .friction_facets = 2},
+      {.friction = 0.3, .friction_facets = BW_MOST_FRICTION_FACETS + 1}};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
     assert_int_equal(bw_pressure_basis_create(context, mesh, &bad[i], &basis), BW_INVALID);
   assert_null(basis);

@@ -69,15 +69,17 @@ static void bulge(void *data, const double unit[3], double out[3]) {
 
 static void uniform_pressure_is_balanced(void **state) {
   bw_context *context = check_context(state);
-  for (int kind = 0; kind < 4; kind++) {
+  for (int kind = 0; kind < 8; kind++) {
     bw_mesh *mesh = NULL;
     const int cells[3] = {3, 4, 2};
-    if (kind < 2)
-      mesh = make_box(context, 1, 2, 0.5, 3, 4, 2, 1 + kind);
+    bool box = kind % 4 < 2;
+    if (box)
+      mesh = make_box(context, 1, 2, 0.5, 3, 4, 2, 1 + kind % 4);
     else
-      check_ok(context, bw_mesh_mapped_box(context, cells, kind - 1, bulge, NULL, &mesh));
+      check_ok(context, bw_mesh_mapped_box(context, cells, kind % 4 - 1, bulge, NULL, &mesh));
     bw_pressure_basis *basis = NULL;
-    check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
+    const bw_pressure_options options = {.spacing = kind < 4 ? 0 : 0.17};
+    check_ok(context, bw_pressure_basis_create(context, mesh, &options, &basis));
     free_body body;
     free_all(&body, mesh);
     double *p = BW_NEW(context, double, basis->count), area = 0;
@@ -86,12 +88,79 @@ static void uniform_pressure_is_balanced(void **state) {
       area += basis->area[j];
     }
     check_near(imbalance(context, &body, basis, p), 0, 3 * area * 1e-14);
-    if (kind < 2)
+    if (box)
       check_near(area, 2 * (1 * 2 + 1 * 0.5 + 2 * 0.5), 1e-13);
     bw_free(p);
     bw_release(basis);
     bw_release(mesh);
   }
+}
+
+static void nodal_force(const bw_pressure_basis *basis, int32_t column, double force[3]) {
+  memset(force, 0, 3 * sizeof *force);
+  for (int64_t k = basis->start[column]; k < basis->start[column + 1]; k++)
+    for (int c = 0; c < 3; c++)
+      force[c] += basis->coefficient[3 * k + c];
+}
+
+/* Over all cells of a face the work on a field of the order of the elements is its integral. */
+static void cells_integrate_over_their_facets(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++) {
+    bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 3, 2, order);
+    const bw_pressure_options options = {.spacing = 0.2}; /* diagonals: 0.60 to 0.71 */
+    bw_pressure_basis *basis = NULL;
+    check_ok(context, bw_pressure_basis_create(context, mesh, &options, &basis));
+    double *q = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+    double *f = BW_NEW(context, double, basis->count), work = 0;
+    int64_t parts = 0;
+    for (int32_t i = 0; i < mesh->facet_count; i++)
+      parts += basis->parts[i] * basis->parts[i];
+    assert_int_equal(parts, basis->count);
+    assert_true(basis->parts[0] >= 3 && basis->parts[0] <= 4);
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+      const double *x = mesh->node + 3 * i;
+      q[3 * i] = order == 1 ? x[1] + 2 * x[2] : x[1] * x[1] + x[2] * x[1];
+      q[3 * i + 1] = q[3 * i + 2] = 0;
+    }
+    bw_pressure_gradient(basis, q, f);
+    for (int32_t j = 0; j < basis->count; j++) {
+      double force[3];
+      nodal_force(basis, j, force);
+      check_near(bw_norm(force), basis->area[j], 1e-15);
+      work += force[0] < -0.5 * basis->area[j] ? f[j] : 0; /* on the face x = 1 */
+    }
+    check_near(work, order == 1 ? -1.5 : -(1.0 / 3 + 1.0 / 4), 1e-13);
+    bw_free(q);
+    bw_free(f);
+    bw_release(basis);
+    bw_release(mesh);
+  }
+}
+
+/* The forces of all cells of a curved facet are those of one cell that covers it. */
+static void divided_cells_add_up(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[3] = {3, 4, 2};
+  bw_mesh *mesh = NULL;
+  check_ok(context, bw_mesh_mapped_box(context, cells, 2, bulge, NULL, &mesh));
+  const bw_pressure_options options = {.spacing = 1e-9}, whole = {.spacing = 100};
+  bw_pressure_basis *fine = NULL, *coarse = NULL;
+  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &fine));
+  check_ok(context, bw_pressure_basis_create(context, mesh, &whole, &coarse));
+  assert_int_equal(coarse->count, mesh->facet_count);
+  assert_int_equal(fine->count, 256 * (int64_t)mesh->facet_count);
+  for (int32_t facet = 0; facet < coarse->count; facet++)
+    for (int64_t k = coarse->start[facet]; k < coarse->start[facet + 1]; k++)
+      for (int c = 0; c < 3; c++) {
+        double sum = 0;
+        for (int64_t j = 256 * (int64_t)facet; j < 256 * ((int64_t)facet + 1); j++)
+          sum += fine->coefficient[3 * (fine->start[j] + k - coarse->start[facet]) + c];
+        check_near(sum, coarse->coefficient[3 * k + c], 1e-14);
+      }
+  bw_release(fine);
+  bw_release(coarse);
+  bw_release(mesh);
 }
 
 /* Pressure x on the end faces x = 0 and 1 only, so to speak: work of the pressure's forces on a
@@ -598,6 +667,8 @@ static void allocation_failures(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(uniform_pressure_is_balanced),
+      check_test(cells_integrate_over_their_facets),
+      check_test(divided_cells_add_up),
       check_test(work_on_a_linear_field),
       check_test(agrees_with_a_sorted_fill),
       check_test(agrees_with_enumeration),
