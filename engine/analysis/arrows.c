@@ -84,7 +84,7 @@ static int32_t list_loaded(const bw_pressure_basis *basis, const double *pressur
     }
     if (l->area == 0)
       continue;
-    memcpy(l->at, basis->mesh->node + 3 * (size_t)basis->node[first], sizeof l->at);
+    memcpy(l->at, basis->at + 3 * (size_t)first, sizeof l->at);
     l->size = bw_norm(l->force);
     count++;
   }

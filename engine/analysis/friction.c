@@ -123,20 +123,24 @@ static bw_status expand(bw_context *context, const friction_work *w,
   int64_t entries = m * plain->start[plain->count], at = 0;
   if (columns >= INT32_MAX)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "%d nodes with a friction cone of %d facets: fewer facets or a coarser mesh",
+                   "%d pressures with a friction cone of %d facets: fewer facets or a coarser mesh",
                    plain->count, options->friction_facets);
   basis->node = BW_NEW(context, int32_t, columns);
+  basis->at = BW_NEW(context, double, 3 * columns);
   basis->area = BW_NEW(context, double, columns);
   basis->start = BW_NEW(context, int64_t, columns + 1);
   basis->row = BW_NEW(context, int32_t, entries);
   basis->coefficient = BW_NEW(context, double, 3 * entries);
-  if (!basis->node || !basis->area || !basis->start || !basis->row || !basis->coefficient)
+  if (!basis->node || !basis->at || !basis->area || !basis->start || !basis->row ||
+      !basis->coefficient)
     return BW_MEMORY;
   for (int32_t j = 0; j < plain->count; j++)
     for (int64_t k = 0; k < m; k++) {
       double angle = 2 * pi * (double)k / (double)m;
       double c = options->friction * cos(angle), s = options->friction * sin(angle);
       basis->node[basis->count] = plain->node[j];
+      memcpy(basis->at + 3 * (size_t)basis->count, plain->at + 3 * (size_t)j,
+             3 * sizeof *basis->at);
       basis->area[basis->count] = plain->area[j];
       basis->start[basis->count++] = at;
       for (int64_t e = plain->start[j]; e < plain->start[j + 1]; e++, at++) {

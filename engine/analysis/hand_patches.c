@@ -10,7 +10,7 @@
 static const double same_way = 0.5; /* cosine between a node's normal and the centre's */
 
 static const double *place_of(const bw_pressure_basis *basis, int32_t node) {
-  return basis->mesh->node + 3 * (size_t)basis->node[node * basis->directions];
+  return basis->at + 3 * (size_t)(node * basis->directions);
 }
 
 static int32_t body_of(const bw_pressure_basis *basis, int32_t node) {

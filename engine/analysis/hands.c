@@ -118,11 +118,12 @@ static bw_status part_of(bw_context *context, const bw_pressure_basis *basis, co
   BW_TRY(bwi_pressure_basis_empty(context, basis->mesh, &part));
   part->directions = basis->directions;
   part->node = BW_NEW(context, int32_t, columns);
+  part->at = BW_NEW(context, double, 3 * columns);
   part->area = BW_NEW(context, double, columns);
   part->start = BW_NEW0(context, int64_t, columns + 1);
   part->row = BW_NEW(context, int32_t, entries);
   part->coefficient = BW_NEW(context, double, 3 * entries);
-  if (!part->node || !part->area || !part->start || !part->row || !part->coefficient) {
+  if (!part->node || !part->at || !part->area || !part->start || !part->row || !part->coefficient) {
     status = BW_MEMORY;
     goto done;
   }
@@ -131,6 +132,7 @@ static bw_status part_of(bw_context *context, const bw_pressure_basis *basis, co
       continue;
     size_t size = (size_t)(basis->start[j + 1] - basis->start[j]);
     part->node[part->count] = basis->node[j];
+    memcpy(part->at + 3 * (size_t)part->count, basis->at + 3 * (size_t)j, 3 * sizeof *part->at);
     part->area[part->count] = basis->area[j];
     part->start[part->count++] = (int64_t)at;
     memcpy(part->row + at, basis->row + basis->start[j], size * sizeof *part->row);

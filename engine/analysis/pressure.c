@@ -24,6 +24,7 @@ static void basis_destroy(void *object) {
   bw_pressure_basis *basis = (bw_pressure_basis *)object;
   bw_release(basis->mesh);
   bw_free(basis->node);
+  bw_free(basis->at);
   bw_free(basis->area);
   bw_free(basis->start);
   bw_free(basis->row);
@@ -39,7 +40,7 @@ static size_t basis_bytes(const void *object) {
   size_t entries = basis->start ? (size_t)basis->start[basis->count] : 0;
   size_t facets = basis->facet_start ? (size_t)basis->mesh->facet_count : 0;
   size_t pressures = facets > 0 ? (size_t)basis->facet_start[facets] : 0;
-  return sizeof *basis + (size_t)basis->count * 20 + 8 + entries * 28 + facets * 9 + pressures * 4;
+  return sizeof *basis + (size_t)basis->count * 44 + 8 + entries * 28 + facets * 9 + pressures * 4;
 }
 
 static const bw_kind basis_kind = {"pressure basis", basis_destroy, basis_bytes};
@@ -291,6 +292,12 @@ static bw_status check_options(bw_context *context, const bw_mesh *mesh,
   return BW_OK;
 }
 
+static void set_place(const bw_mesh *mesh, const int32_t *node, const double l[3], double at[3]) {
+  for (size_t k = 0; k < 3; k++)
+    at[k] = l[0] * mesh->node[3 * (size_t)node[0] + k] +
+            l[1] * mesh->node[3 * (size_t)node[1] + k] + l[2] * mesh->node[3 * (size_t)node[2] + k];
+}
+
 bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
                                    const bw_pressure_options *given, bw_pressure_basis **result) {
   bw_pressure_basis *basis;
@@ -314,11 +321,12 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
                      "on which pressure may act");
     goto done;
   }
+  basis->at = BW_NEW0(context, double, 3 * (size_t)count);
   basis->area = BW_NEW0(context, double, count);
   basis->row = BW_NEW(context, int32_t, basis->start[count]);
   basis->coefficient = BW_NEW(context, double, 3 * basis->start[count]);
   filled = BW_NEW0(context, int32_t, count);
-  if (!basis->area || !basis->row || !basis->coefficient || !filled) {
+  if (!basis->at || !basis->area || !basis->row || !basis->coefficient || !filled) {
     status = BW_MEMORY;
     goto done;
   }
@@ -333,6 +341,7 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
       if (j < 0)
         continue;
       basis->area[j] += area[i];
+      set_place(mesh, node, rule->middle[i], basis->at + 3 * (size_t)j);
       for (int a = 0; a < nodes; a++) {
         double *to = basis->coefficient + 3 * find_row(basis, basis->start[j], &filled[j], node[a]);
         for (int k = 0; k < 3; k++)

@@ -15,6 +15,7 @@ typedef struct bwi_pressure_rule {
   double *weight;                   /* points; their sum is one */
   int *which;                       /* points x per_point: numbers of pressures */
   double *value;                    /* points x per_point: of their functions */
+  double (*middle)[3];              /* pressures: barycentric coordinates of their place */
   int *nearest;                     /* pressures: the node of the facet in or next to its middle */
   double (*force)[6], *area;        /* pressures: means of function x shape function, of function */
 } bwi_pressure_rule;

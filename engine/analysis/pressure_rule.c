@@ -17,11 +17,12 @@ static bw_status allocate(bw_context *context, int pressures, int points, int pe
   rule->weight = BW_NEW(context, double, points);
   rule->which = BW_NEW(context, int, points *per_point);
   rule->value = BW_NEW(context, double, points *per_point);
+  rule->middle = (double(*)[3])BW_NEW0(context, double, 3 * pressures);
   rule->nearest = BW_NEW(context, int, pressures);
   rule->force = (double(*)[6])BW_NEW0(context, double, 6 * pressures);
   rule->area = BW_NEW0(context, double, pressures);
-  return rule->barycentric && rule->weight && rule->which && rule->value && rule->nearest &&
-                 rule->force && rule->area
+  return rule->barycentric && rule->weight && rule->which && rule->value && rule->middle &&
+                 rule->nearest && rule->force && rule->area
              ? BW_OK
              : BW_MEMORY;
 }
@@ -40,8 +41,10 @@ static bw_status make_hats(bw_context *context, bwi_pressure_rule *rule) {
       rule->value[3 * q + i] = point[q][i];
     }
   }
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < 3; i++) {
     rule->nearest[i] = i;
+    rule->middle[i][i] = 1;
+  }
   return BW_OK;
 }
 
@@ -64,7 +67,7 @@ static int nearest_node(const double l[3], int nodes) {
 }
 
 /* Cell (i, j) has its corners at (i, j), (i + 1, j), (i, j + 1) of a grid of so many steps along
- * both edges from the last corner; the cells between them stand on their heads. */
+ * both edges from the last corner; the cells between them are turned by 180 degrees. */
 static bw_status make_cells(bw_context *context, int parts, int nodes, bwi_pressure_rule *rule) {
   double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
   int per_cell = bw_triangle_quadrature(CELL_DEGREE, point, weight), cell = 0;
@@ -76,7 +79,6 @@ static bw_status make_cells(bw_context *context, int parts, int nodes, bwi_press
       for (int j = 0; i + j < parts - turned; j++, cell++) {
         const int corner[2][3][2] = {{{i, j}, {i + 1, j}, {i, j + 1}},
                                      {{i + 1, j + 1}, {i, j + 1}, {i + 1, j}}};
-        double centre[3] = {0, 0, 0};
         for (int q = 0; q < per_cell; q++) {
           int at = cell * per_cell + q;
           double *l = rule->barycentric[at];
@@ -89,9 +91,9 @@ static bw_status make_cells(bw_context *context, int parts, int nodes, bwi_press
           rule->which[at] = cell;
           rule->value[at] = 1;
           for (int k = 0; k < 3; k++)
-            centre[k] += weight[q] * l[k];
+            rule->middle[cell][k] += weight[q] * l[k];
         }
-        rule->nearest[cell] = nearest_node(centre, nodes);
+        rule->nearest[cell] = nearest_node(rule->middle[cell], nodes);
       }
   return BW_OK;
 }
@@ -136,6 +138,7 @@ void bwi_pressure_rules_clear(bwi_pressure_rules *rules) {
     bw_free(rule->weight);
     bw_free(rule->which);
     bw_free(rule->value);
+    bw_free(rule->middle);
     bw_free(rule->nearest);
     bw_free(rule->force);
     bw_free(rule->area);

@@ -23,22 +23,29 @@ static const double LOWEST_SHARE = 0.99;
 static const double BALANCE_ROUNDING = 512 * DBL_EPSILON;
 
 /* theta: M_e - theta D_e is positive definite for every element, and so for the sum. */
-static double share_of_diagonal(const bw_mesh *mesh) {
+static bw_status share_of_diagonal(bw_context *context, const bw_mesh *mesh, double *theta) {
   int n = mesh->nodes_per_element;
-  double theta = 0.25, mass[100], rest[100], x[10][3];
+  double mass[100], rest[100], x[10][3];
+  *theta = 0.25;
   for (int64_t e = 0; e < mesh->element_count; e++) {
     for (int a = 0; a < n; a++)
       memcpy(x[a], mesh->node + 3 * (int64_t)mesh->element[e * n + a], sizeof x[a]);
     bw_element_mass(mesh->order, (const double(*)[3])x, mass);
-    for (bool fits = false; !fits && theta > 1e-6;) {
+    bool fits = false;
+    while (!fits && *theta > 1e-6) {
       memcpy(rest, mass, sizeof(double) * (size_t)(n * n));
       for (int a = 0; a < n; a++)
-        rest[a * n + a] -= theta * mass[a * n + a];
+        rest[a * n + a] -= *theta * mass[a * n + a];
       fits = bwi_cholesky(n, rest, 1e-12);
-      theta = fits ? theta : theta / 2;
+      *theta = fits ? *theta : *theta / 2;
     }
+    if (!fits)
+      return bw_fail(context, BW_CONVERGENCE,
+                     "the mass matrix of element %lld is nearly singular, so the error of the "
+                     "linear solves is not known",
+                     (long long)e + 1);
   }
-  return theta;
+  return BW_OK;
 }
 
 bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve_error *error) {
@@ -64,7 +71,9 @@ bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve
                      "the linear solves is not known");
     goto done;
   }
-  double scale = LOWEST_SHARE * modes->eigenvalue[0] * share_of_diagonal(system->mesh);
+  double theta;
+  BW_TRY(share_of_diagonal(context, system->mesh, &theta));
+  double scale = LOWEST_SHARE * modes->eigenvalue[0] * theta;
   for (int32_t i = 0; i < graph->node_count; i++)
     error->compliance[i] = 1 / (scale * system->mass[graph->start[i + 1] - 1]);
 done:
@@ -130,7 +139,7 @@ double bwi_stress_per_energy(const bw_system *system, int64_t element) {
   for (int i = 0; i < 6; i++) {
     double sum = 0;
     for (int j = 0; j < 6; j++)
-      sum += fabs(c[6 * i + j]) * (i < 3 ? 1 : M_SQRT2) * (j < 3 ? 1 : M_SQRT2);
+      sum += fabs(c[6 * i + j]) * (i < 3 ? 1 : sqrt(2)) * (j < 3 ? 1 : sqrt(2));
     most = fmax(most, sum);
   }
   for (int a = 0; a < n; a++)

@@ -32,13 +32,13 @@ static void mean_normals(const bw_pressure_basis *basis, double *normal, double 
 }
 
 static double distance2(const patch_work *w, int32_t i, int32_t j) {
-  const bw_mesh *mesh = w->basis->mesh;
-  int32_t a = w->basis->node[i], b = w->basis->node[j];
-  if (mesh->component[a] != mesh->component[b])
+  const bw_pressure_basis *basis = w->basis;
+  const int32_t *body = basis->mesh->component;
+  if (body[basis->node[i]] != body[basis->node[j]])
     return INFINITY;
   double sum = 0;
   for (size_t k = 0; k < 3; k++) {
-    double d = mesh->node[3 * (size_t)a + k] - mesh->node[3 * (size_t)b + k];
+    double d = basis->at[3 * (size_t)i + k] - basis->at[3 * (size_t)j + k];
     double n = w->normal[3 * (size_t)i + k] - w->normal[3 * (size_t)j + k];
     sum += d * d + w->length2 * n * n;
   }
@@ -82,12 +82,13 @@ static bw_status sum_columns(bw_context *context, const patch_work *w, int32_t p
   int32_t *next = BW_NEW(context, int32_t, n);
   int64_t *place = BW_NEW(context, int64_t, basis->mesh->node_count);
   coarse->node = BW_NEW(context, int32_t, patches);
+  coarse->at = BW_NEW(context, double, 3 * patches);
   coarse->area = BW_NEW0(context, double, patches);
   coarse->start = BW_NEW0(context, int64_t, (size_t)patches + 1);
   coarse->row = BW_NEW(context, int32_t, entries);
   coarse->coefficient = BW_NEW0(context, double, 3 * entries);
-  if (!first || !next || !place || !coarse->node || !coarse->area || !coarse->start ||
-      !coarse->row || !coarse->coefficient) {
+  if (!first || !next || !place || !coarse->node || !coarse->at || !coarse->area ||
+      !coarse->start || !coarse->row || !coarse->coefficient) {
     status = BW_MEMORY;
     goto done;
   }
@@ -102,6 +103,7 @@ static bw_status sum_columns(bw_context *context, const patch_work *w, int32_t p
   coarse->count = patches;
   for (int32_t k = 0; k < patches; k++) {
     coarse->node[k] = basis->node[w->seed[k]];
+    memcpy(coarse->at + 3 * (size_t)k, basis->at + 3 * (size_t)w->seed[k], 3 * sizeof *coarse->at);
     coarse->start[k] = at;
     for (int32_t j = first[k]; j >= 0; j = next[j]) {
       coarse->area[k] += basis->area[j];

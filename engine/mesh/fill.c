@@ -6,6 +6,8 @@
  * While it runs, `base` is the sound surface everything starts from, `surface` the one made from it
  * for TetGen, `best` the mesh that came closest to the wanted number so far. */
 #include "mesh/fill_internal.h"
+
+#include "base/remark.h"
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
@@ -183,10 +185,11 @@ static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
     if (status != BW_OK)
       return status;
     moved = fmin(moved, f->best_log.moved);
-    bw_remark(f->context,
-              "the surface was remeshed to an edge length of about %.3g m, which moved it by up to "
-              "%.3g m (%.2g of its size)",
-              f->best_length, moved, moved / f->diagonal);
+    bwi_remark_largest(
+        f->context, moved,
+        "the surface was remeshed to an edge length of about %.3g m, which moved it by up to "
+        "%.3g m (%.2g of its size)",
+        f->best_length, moved, moved / f->diagonal);
   }
   whole.surface_moved = f->base_log.moved + moved;
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))

@@ -23,9 +23,10 @@ static double difference(const double *a, const double *b, int64_t count) {
 static bw_status residual_share(bw_context *context, const bw_system *system, double tolerance,
                                 int64_t size, const double *force, const double *u, double *share) {
   bw_status status = BW_OK;
-  double left = 0, load = 0, *field = BW_NEW(context, double, 2 * size), *f = field + size;
+  double left = 0, load = 0, *field = BW_NEW(context, double, 2 * size);
   if (!field)
     return BW_MEMORY;
+  double *f = field + size;
   memcpy(f, force, (size_t)size * sizeof *f);
   BW_TRY(bwi_balance_fields(context, system->numbering, 1, f));
   BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, field));

@@ -199,7 +199,12 @@ end
 -- change of the outline that the one before led to. Returns the rounds.
 local function approach(self, wanted, wish, search)
   local now, rounds, farthest = {}, 0, 0
-  for k, mode in ipairs(search.choose(self)) do
+  if wish.stages == 1 then return 0 end
+  local modes = search.choose(self)
+  if not modes then
+    return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
+  end
+  for k, mode in ipairs(modes) do
     now[k] = self.frequencies[mode]
     farthest = math.max(farthest, math.abs(math.log(wanted[k] / now[k])))
   end

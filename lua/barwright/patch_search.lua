@@ -10,7 +10,8 @@ local patch_search = {}
 
 -- A pressed area F / p_max should span so many patches of pressure.
 local PRESSED, FEWEST, MOST = 8, 96, 128
--- The responses to them take 24 bytes for each node and patch: so many at most, if 64 fit.
+-- For each patch the responses take 24 bytes for each node, and nodal stresses 48 for each boundary node: so many
+-- at most, but FEWEST patches always.
 local MOST_BYTES = 2 ^ 29
 -- Patches that the screening ranks. Those that may come near to the largest mean get programmes, in rounds of so
 -- many; patches of one round lie SPREAD radii apart.
@@ -109,7 +110,8 @@ end
 -- Patches that the screening finds: {targets, stresses}, and their utilisation as `values`.
 local function screen(self)
   local limits = self.limits
-  local patches = math.min(MOST, MOST_BYTES // (24 * self.mesh.node_count),
+  local bytes = 24 * self.mesh.node_count + 48 * self.mesh.boundary.nodes.row_count
+  local patches = math.min(MOST, MOST_BYTES // bytes,
     PRESSED * limits.pressure * self.basis.areas:sum() // limits.force)
   local screened, message, details = core.worst_screening(self.system, self.screening_basis, {
     pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,

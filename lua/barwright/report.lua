@@ -175,25 +175,49 @@ function report.page(path, page)
   return core.write_file(path, text)
 end
 
+local function vector_of(name, given)
+  local list = json.list {}
+  for k = 1, 3 do
+    local x = type(given) == "table" and given[k]
+    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then
+      core.raise(("report: option '%s': three finite numbers expected"):format(name))
+    end
+    list[k] = x
+  end
+  return list
+end
+
+-- Options that JSON can hold: selections and places of other meshes are left out.
+local function plain(given)
+  local out = {}
+  for key, value in pairs(given) do
+    local kind = type(value)
+    if kind == "number" or kind == "string" or kind == "boolean" then out[key] = value end
+  end
+  return out
+end
+
 --- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
 function report.write(worst, path, given)
   local wish = options.read("report", given, rules)
   local shown = chosen_regions(worst, wish.loads)
   local data, message, details = data_of(worst, wish, shown)
   if not data then return nil, message, details end
-  data.view = wish.view and json.list(wish.view) or data.view
+  data.view = wish.view and vector_of("view", wish.view) or data.view
   if wish.lines then
     data.lines = json.list {}
     for i, line in ipairs(wish.lines) do
       local points = json.list {}
-      for k, point in ipairs(line) do points[k] = json.list {point[1], point[2], point[3]} end
+      for k, point in ipairs(core.class_name(line) == "array" and line:totable() or line) do
+        points[k] = vector_of("lines", point)
+      end
       data.lines[i] = points
     end
   end
   return report.page(path, {
     title = wish.title or "Worst-case analysis",
     answer = tostring(worst),
-    manifest = wish.manifest or {version = core.version, options = worst.options},
+    manifest = wish.manifest or {version = core.version, options = plain(worst.options)},
     body = legend_of(wish) .. table_of_regions(worst, shown),
     data = data,
     picture = function(name) return worst:picture(name, {lines = wish.lines, line_name = wish.line_name}) end,

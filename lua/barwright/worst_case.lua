@@ -26,7 +26,7 @@ local rules = load_limits.rules {
   modes = {type = "integer", default = 15, least = 1, most = 500},
   regions = {type = "integer", default = 5, least = 1, most = 1000},
   length = {type = "number", above = 0},
-  failure = {type = "string", default = "principal", one_of = {"principal", "von_mises"}},
+  failure = {type = "string", one_of = {"principal", "von_mises"}},
   places = {type = "table"},
   fraction = {type = "number", default = 0.025, above = 0, most = 1},
   measure = {type = "string", default = "stress", one_of = {"stress", "energy"}},
@@ -128,6 +128,7 @@ local function search_patches(self, wish, loads)
   local screening_basis, message, details = load_limits.without_friction(self.mesh, wish, self.basis)
   if not screening_basis then return nil, message, details end
   self.limits = load_limits.programme(wish)
+  self.limits.batch = wish.batch
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
     basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = wish.length,
@@ -137,6 +138,16 @@ local function search_patches(self, wish, loads)
   self.places = found.places
   summarise(self, found.loads, found.origins)
   return self
+end
+
+local function are_places(given)
+  if not options.countable(given) or #given == 0 then return false end
+  for _, place in ipairs(given) do
+    if type(place) ~= "table" or type(place.at) ~= "table" or core.class_name(place.stress) ~= "array" then
+      return false
+    end
+  end
+  return true
 end
 
 --- Where a part breaks, under the worst loads that are found. Returns nil, message, details when it cannot tell.
@@ -161,7 +172,13 @@ function worst_case.analyse(part, given, view)
   if wish.length and (wish.method or wish.certify or wish.target == "displacement") then
     raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
   end
-  if wish.places and not (wish.length and options.countable(wish.places) and #wish.places > 0) then
+  if wish.failure and not wish.length then
+    raise "worst_case: option 'failure' judges the mean stress over patches: give 'length' as well"
+  end
+  if wish.failure == "von_mises" and part.material.strength and type(part.material.strength) ~= "number" then
+    raise "worst_case: failure 'von_mises' needs one strength; the material's differs with the direction"
+  end
+  if wish.places and not (wish.length and are_places(wish.places)) then
     raise "worst_case: option 'places': places of another worst case of the same 'length' expected"
   end
   wish.method = wish.method or (wish.target == "stress" and "search" or "paper")

@@ -60,7 +60,9 @@ static bw_picture_line *read_lines(lua_State *L, int *count) {
   if (!lua_istable(L, -1))
     lbw_option_error(L, "picture", "lines", "a list of lists of points expected");
   size_t length = lua_rawlen(L, -1);
-  *count = length < 100000 ? (int)length : 100000;
+  if (length > 100000)
+    lbw_option_error(L, "picture", "lines", "at most 100000 lines expected");
+  *count = (int)length;
   int from = lua_gettop(L);
   bw_picture_line *line =
       (bw_picture_line *)lua_newuserdatauv(L, ((size_t)*count + 1) * sizeof *line, 0);

@@ -207,7 +207,7 @@ static double *check_pressure(lua_State *L, const bw_pressure_basis *basis) {
   int64_t rows;
   double *pressure = lbw_to_doubles(L, 2, "pressure", 1, &rows);
   lbw_argument_check(L, rows == basis->count, 2,
-                     "pressure: one for every node of the basis expected");
+                     "pressure: one for every column of the basis expected");
   return pressure;
 }
 
@@ -309,7 +309,7 @@ static int basis_maximise(lua_State *L) {
   int64_t rows;
   double *objective = lbw_to_doubles(L, 3, "objective", 1, &rows), value = 0;
   lbw_argument_check(L, rows == basis->count, 3,
-                     "objective: one for every node of the basis expected");
+                     "objective: one for every column of the basis expected");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   bw_status status = bw_worst_loads(lbw_enter(L), basis, system->numbering, &options, 1, objective,
                                     out, &value, NULL);

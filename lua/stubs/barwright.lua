@@ -224,7 +224,7 @@ function bw.pressure_basis(mesh, options) end
 
 ---The worst load of every region and the stresses under it: arrays peaks, peak_elements,
 ---utilisations, utilised_elements, displacements, objectives, seconds, flipped (of regions), weakness,
----worst_region (of elements), pressures (regions x nodes of the basis); peak_stresses and own_stresses: of
+---worst_region (of elements), pressures (regions x columns of the basis); peak_stresses and own_stresses: of
 ---every region six components of the stress where it is largest, and in the region's first element.
 ---`after`: results of an earlier call on the same mesh, whose regions come first in those returned.
 ---@param system bw.System
@@ -1524,7 +1524,7 @@ function System:close() end
 ---@field mesh bw.Mesh
 ---@field material bw.Material
 ---@field system bw.System
----@field weak_regions bw.WeakRegions
+---@field weak_regions bw.WeakRegions? nil with `places`
 ---@field basis bw.PressureBasis
 ---@field options table as given, with defaults
 ---@field seconds table by stage: system, assemble, factor, modes, regions, programmes, search, bound
@@ -1607,9 +1607,9 @@ function WeakRegions:objective(i, material) end
 ---Lets go at once.
 function WeakRegions:close() end
 
----Pressures at boundary nodes, linear over facets.
+---Pressures at boundary corner nodes, linear over facets, or constant on cells of facets.
 ---@class bw.PressureBasis
----@field nodes bw.Array mesh node of each pressure
+---@field nodes bw.Array mesh node of each pressure; of a cell, the node of its facet nearest to its middle
 ---@field areas bw.Array m2
 ---@field count integer columns
 ---@field directions integer columns of a node, one after the other: 1 without friction
@@ -1635,7 +1635,8 @@ function PressureBasis:gradient(q) end
 ---@return table? details
 function PressureBasis:maximise(system, objective, options) end
 
----The pressure at every mesh node: the sum of its columns, 0 where it has none.
+---The pressure at every mesh node: the sum of its columns; where it stands for several cells, their mean by area; 0
+---where it has none.
 ---@param pressure bw.Array
 ---@return bw.Array
 function PressureBasis:nodal(pressure) end

@@ -2,6 +2,10 @@
 -- Breaking forces from coarse, middle and fine starts: largest over smallest force, whether each interval contains
 -- the force of the finest start, how far the places lie apart in radii of the patch, and processor seconds.
 --   build/barwright scripts/bench/breaking_force.lua [--models DIR] [--elements 2500,5000,10000] [--only NAME]
+--     [--overkill 1000000]
+-- With --overkill the answers are compared with the force on one mesh of about so many unknowns, finer around all
+-- places that were found: whether each interval contains it, and the estimated error over the real one (the
+-- effectivity).
 -- The bodies are the machine parts of scripts/worst_case/machine_parts.lua and, with --models, the surfaces of a
 -- folder named below, scaled to a box diagonal of 100 mm.
 local bw = require "barwright"
@@ -16,7 +20,7 @@ local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_roun
   "screwdriver.ply", "tray_bottom.stl", "triceratops.off"}
 local DIAGONAL = 0.1
 
-local wish = require "arguments" {models = "value", only = "value", elements = "value"}
+local wish = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0}
 local starts = {}
 for number in (wish.elements or "2500,5000,10000"):gmatch "%d+" do
   starts[#starts + 1] = math.tointeger(tonumber(number))
@@ -44,6 +48,31 @@ local function same_place(found, other)
   return least / found.length
 end
 
+-- Elements around a place have edges of this share of the radius; the surface is followed to that share.
+local EDGE, FOLLOWED = 0.2, 0.02
+
+-- The force on a mesh of about wish.overkill unknowns: the background is made finer until there are as many.
+local function overkill(surface, found)
+  local near, length = {}, found[1].length
+  for _, one in ipairs(found) do
+    local apart = true
+    for _, area in ipairs(near) do apart = apart and distance(area.at, one.at) > length end
+    if apart then near[#near + 1] = {at = one.at, radius = length, length = EDGE * length} end
+  end
+  local edge, mesh = length, nil
+  for _ = 1, 8 do
+    mesh = assert(bw.mesh.fill(surface, {edge_length = edge, order = 2, near = near,
+      surface_tolerance = FOLLOWED * length}))
+    local share = 3 * mesh.node_count / wish.overkill
+    if share > 0.95 then break end
+    edge = edge * math.max(0.5, share ^ (1 / 2.5))
+  end
+  local one = assert(bw.breaking_force(mesh, {material = bw.material.pla, modes = 2, length = length}))
+  print(("%-22s overkill: %.4g N with %d unknowns"):format("", one.force, 3 * mesh.node_count))
+  one:close()
+  return one
+end
+
 print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (interval)", "elements", "apart, r",
   "CPU, s"))
 local most, covered, all = 1, 0, 0
@@ -64,9 +93,16 @@ for _, body in ipairs(bodies) do
       if k == #starts and #found > 0 then most = math.max(most, high / low) end
     end
     local finest = found[#found]
+    local truth = wish.overkill > 0 and finest and overkill(body.surface(), found)
     for k, one in ipairs(found) do
       local inside = one.low <= finest.force and finest.force <= one.high
-      if k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
+      if truth then
+        inside = one.low <= truth.force and truth.force <= one.high
+        local real = math.abs(one.force / truth.force - 1)
+        print(("%-22s start %d: estimated %.3f, real %.3f, effectivity %.1f%s"):format("", one.start,
+          one.estimated_error, real, one.estimated_error / real, inside and "" or ", misses"))
+      end
+      if truth or k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
       local interval = ("%.4g (%.4g to %.4g)%s"):format(one.force, one.low, one.high, inside and "" or " misses")
       print(("%-22s %-8s %-30s %-8d %-8.1f %.0f"):format(k == 1 and body.name or "",
         k == 1 and ("%.3f"):format(high / low) or "", interval, one.count, same_place(one, finest), one.cpu))
@@ -74,5 +110,5 @@ for _, body in ipairs(bodies) do
     io.stdout:flush()
   end
 end
-print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the finest start"):format(most,
-  covered, all))
+print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the %s"):format(most, covered,
+  all, wish.overkill > 0 and "overkill mesh" or "finest start"))

@@ -39,7 +39,7 @@ for _, part in ipairs(parts.list) do
   if not wish.only or wish.only == part.name then
     local row = measure(part)
     rows[#rows + 1] = row
-    print(("%-15s %5d elements: %.1f %% on two nodes or fewer, nodes %d least, %d median; sideways %.1e at most; "
+    print(("%-15s %5d elements: %.1f %% on two nodes or fewer, nodes %d least, %g median; sideways %.1e at most; "
       .. "area %.3f of a facet, %.2f of that with %d elements; force %.2f"):format(row.part, row.elements,
       100 * row.on_two_nodes, row.nodes_least, row.nodes_median, row.sideways_most, row.area_m2 / row.facet_m2,
       row.area_m2 / row.finer_area_m2, row.finer_elements, row.force_n / row.finer_force_n))

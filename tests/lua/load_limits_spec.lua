@@ -88,6 +88,13 @@ describe("a forbidden surface", function()
   end)
 
   it("is a selection of facets of the part's mesh", function()
+    local worst <close> = assert(bw.worst_case(bar(), with(base, {forbidden = top})))
+    local path = os.tmpname()
+    assert(worst:report(path)) -- its options hold a selection, which JSON cannot
+    check.raises("report: option 'view': three finite numbers", worst.report, worst, path, {view = {"a"}})
+    check.raises("report: option 'lines': three finite", worst.report, worst, path, {lines = {{1, 2}}})
+    assert(worst:report(path, {view = {1, 0, 0}, lines = {{{0, 0, 0}, {1, 0, 0}}, bw.array {{0, 0, 0}, {0, 1, 0}}}}))
+    os.remove(path)
     check.raises("option 'forbidden': a selection or a list of selections expected, got integer", bw.worst_case,
       bar(), {forbidden = 3})
     check.raises("option 'forbidden': a selection or a list", bw.brute_force, bar(), {forbidden = {}})

@@ -115,8 +115,8 @@ typedef struct bw_patch_state {
 } bw_patch_state;
 /* The derivative, node_count x 3, of
  *     slope . m + lambda . (G p - K u) - price * integral of p
- * by the position of every node, middle ones too, with nodal values of u and lambda and all p held.
- * With K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's
+ * by the position of every node, middle ones too, with nodal values of u and lambda and all p
+ * constant. With K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's
  * multipliers, it is the derivative of the largest value over admissible p. *value: slope . m.
  * Curved elements count as they are. BW_UNSUPPORTED for the B-bar formulation. */
 bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
@@ -210,6 +210,7 @@ typedef struct bw_pressure_basis {
   int32_t count;       /* n_b: columns */
   int32_t directions;  /* columns of a pressure, one after the other: 1 without friction */
   int32_t *node;       /* mesh node of each pressure; of a cell, that in or next to its middle */
+  double *at;          /* count x 3: that node's place, or the middle of the cell */
   double *area;        /* A: integral of the pressure's function: hat, or one on a cell */
   int64_t *start;      /* count + 1: columns of G */
   int32_t *row;        /* node numbers */

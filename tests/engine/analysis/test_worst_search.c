@@ -113,7 +113,6 @@ static void ascent_never_decreases(void **state) {
   }
 }
 
-/* The stress of the screening is that of the element under some pressure by patch. */
 /* s n n^T of the principal stress of largest magnitude, as the derivative by the six components. */
 static void direction_of(const double stress[6], double slope[6]) {
   double value[3], vector[9];
