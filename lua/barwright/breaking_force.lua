@@ -11,6 +11,7 @@ local core = require "barwright.core"
 local growth = require "barwright.singular_growth"
 local options = require "barwright.options"
 local points = require "barwright.points"
+local weak_places = require "barwright.weak_places"
 local distance = points.distance
 local worst_case = require "barwright.worst_case"
 
@@ -46,12 +47,9 @@ local SHARES = {0.6, 1}
 local GROWTH, MORE = 2, 4
 -- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
 local MOST_MESHES = 8
--- Places that are refined at once. Those that no mesh has refined may be the weakest if their mean stress is so
--- near to the largest; those that were refined before, if it is CLOSE.
-local REFINED, NEARLY, CLOSE = 8, 0.6, 0.85
--- Once the growth of the mean stress was seen at so many places that a mesh refined, the largest one counts
--- instead of 1 / NEARLY, but at least this.
-local GROWN, LEAST_GROWTH = 3, 1.15
+-- Places that are refined at once. Those that were refined before may be the weakest if their mean stress is so
+-- near to the largest; others if it is NEARLY.
+local REFINED, CLOSE, NEARLY = 8, 0.85, weak_places.NEARLY
 -- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
 -- radius over edge. Edges there are at most this share of the radius.
 local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
@@ -106,57 +104,13 @@ local function append_apart(self, chosen, list, count, least)
   end)
 end
 
--- The weakest place of a list near a point that no mesh had refined.
-local function unrefined_near(self, list, at)
-  for _, place in ipairs(list) do
-    if not place.settled and distance(place.at, at) <= self.length then return place end
-  end
-end
-
--- By which factor the mean stress of a place may grow when it is refined: what was seen between meshes of the
--- same kind, which the first one is not.
-local function growth_by_refining(self)
-  local most, seen, count = LEAST_GROWTH, {}, 0
-  for k = 2, #self.history - 1 do
-    for _, place in ipairs(self.history[k + 1].places) do
-      local former = place.refined and unrefined_near(self, self.history[k].places, place.at)
-      if former and not seen[former] then
-        seen[former], count = true, count + 1
-        most = math.max(most, place.utilisation / former.utilisation)
-      end
-    end
-  end
-  return count < GROWN and 1 / NEARLY or math.min(most, 1 / NEARLY)
-end
-
--- Places of the last mesh that may be the weakest once they are refined, and by which factor their stress may
--- grow.
-local function unsettled(self)
-  local last, factor, list = self.history[#self.history], growth_by_refining(self), {}
-  for _, place in ipairs(last.places) do
-    if not place.settled and factor * place.utilisation >= last.utilisation then list[#list + 1] = place end
-  end
-  return list, factor
-end
-
--- Places of former meshes that were refined there.
-local function settled(levels)
-  local list = {}
-  for k = #levels, 1, -1 do
-    for _, place in ipairs(levels[k].places) do
-      if place.refined then list[#list + 1] = place end
-    end
-  end
-  return list
-end
-
 -- The places that the next mesh refines: the weakest of the last mesh, those that were refined and are about as
 -- weak, then unsettled ones, then others of the last mesh.
 local function to_refine(self)
   local last = self.history[#self.history]
   local chosen = append_apart(self, {}, last.places, 1, 0)
-  append_apart(self, chosen, settled(self.history), REFINED, CLOSE * last.utilisation)
-  append_apart(self, chosen, unsettled(self), REFINED, 0)
+  append_apart(self, chosen, weak_places.settled(self.history), REFINED, CLOSE * last.utilisation)
+  append_apart(self, chosen, weak_places.unsettled(self.history, self.length), REFINED, 0)
   return append_apart(self, chosen, last.places, REFINED, NEARLY * last.utilisation)
 end
 
@@ -282,7 +236,7 @@ local function summarise(self)
   self.force = 1 / last.utilisation
   local higher = math.max(change / 2, MOVED * last.moved / self.length, HIGHER)
   self.high = 1 / (last.utilisation * (1 - math.min(higher, 0.5)))
-  local hidden, factor = unsettled(self)
+  local hidden, factor = weak_places.unsettled(self.history, self.length)
   local hidden_use = hidden[1] and factor * hidden[1].utilisation or 0
   self.low = 1 / math.max(most * (1 + change + SEARCH), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
@@ -298,7 +252,8 @@ local function next_count(self)
   if levels == 0 then return math.min(wish.elements, math.max(FEWEST, math.ceil(FIRST * wish.elements))) end
   if SHARES[levels] then return SHARES[levels] * wish.elements end
   local last = self.history[levels]
-  if #unsettled(self) > 0 and levels < #SHARES + 3 then return last.asked end
+  local open = weak_places.unsettled(self.history, self.length)
+  if #open > 0 and levels < #SHARES + 3 then return last.asked end
   local next = last.asked * GROWTH
   local most = wish.most_elements or math.max(wish.elements, math.min(MORE * wish.elements, ELEMENTS))
   if estimate(self) <= wish.error or next > most then return nil end

@@ -60,6 +60,27 @@ describe("the breaking force", function()
       tostring(coarse) .. "\n" .. tostring(fine))
   end)
 
+  it("bounds places that no mesh has refined by the growth that was measured", function()
+    local weak_places = require "barwright.weak_places"
+    local function place(x, utilisation, refined, settled)
+      return {at = {x, 0, 0}, utilisation = utilisation, refined = refined, settled = settled or refined}
+    end
+    -- The first mesh does not count; from the second to the third, three places are refined and grow.
+    local levels = {{utilisation = 1, places = {place(1, 1), place(2, 0.1)}},
+      {utilisation = 1, places = {place(0, 1, true), place(1, 0.8), place(2, 0.7), place(3, 0.7), place(4, 0.7)}},
+      {utilisation = 1, places = {place(0, 1, true), place(1.01, 0.88, true), place(2, 0.84, true),
+        place(3, 0.7, true), place(4, 0.9), place(5, 0.8)}}}
+    check.near(1.2, weak_places.growth(levels, 0.1), 1e-12)
+    local open, factor = weak_places.unsettled(levels, 0.1)
+    check.near(1.2, factor, 1e-12)
+    assert.same({levels[3].places[5]}, open) -- 1.2 * 0.8 is less than the largest
+    levels[3].places[3].refined = false -- two places are too few
+    check.near(1 / 0.6, weak_places.growth(levels, 0.1), 1e-12)
+    levels[3].places[3].refined, levels[3].places[3].utilisation = true, 0.7 -- 1.1 is taken for 1.15
+    check.near(1.15, weak_places.growth(levels, 0.1), 1e-12)
+    assert.equal(4, #weak_places.settled(levels) - 1)
+  end)
+
   it("decides nothing on a handful of elements", function()
     local ball = assert(bw.surface.sphere {centre = {0, 0, 0}, radius = 0.02, subdivisions = 4})
     local few = assert(bw.mesh.fill(ball, {elements = 4}))

@@ -93,7 +93,8 @@ describe("a forbidden surface", function()
     assert(worst:report(path)) -- its options hold a selection, which JSON cannot
     check.raises("report: option 'view': three finite numbers", worst.report, worst, path, {view = {"a"}})
     check.raises("report: option 'lines': three finite", worst.report, worst, path, {lines = {{1, 2}}})
-    assert(worst:report(path, {view = {1, 0, 0}, lines = {{{0, 0, 0}, {1, 0, 0}}, bw.array {{0, 0, 0}, {0, 1, 0}}}}))
+    local lines = {{{0, 0, 0}, {1, 0, 0}}, bw.array {{0, 0, 0}, {0, 1, 0}}}
+    assert(worst:report(path, {view = {1, 0, 0}, lines = lines}))
     os.remove(path)
     check.raises("option 'forbidden': a selection or a list of selections expected, got integer", bw.worst_case,
       bar(), {forbidden = 3})
