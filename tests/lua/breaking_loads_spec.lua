@@ -34,7 +34,8 @@ describe("the breaking force of a held bar", function()
     -- Where nothing presses on the outer half, the arm is half as long.
     local near <close> = breaking {hold = root, forbidden = function(of) return {outer_half(of)} end}
     assert.is_true(near.force > 1.7 * found.force and near.force < 2.7 * found.force, near.force / found.force)
-    assert.equal(0, near.worst:pressure():gather(outer_half(found.mesh).nodes):max())
+    local beyond = found.mesh.boundary:above(1, 0.051) -- cells beside the border share its nodes
+    assert.equal(0, near.worst:pressure():gather(beyond.nodes):max())
     check.near(outer_half(mesh).area, near.forbidden_area, 1e-9)
   end)
 
