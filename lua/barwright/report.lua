@@ -16,6 +16,7 @@ local rules = {
   lines = {type = "table"}, -- lists of points, drawn over the surface
   line_name = {type = "string"}, -- what they are
   view = {type = "table"}, -- from the object to the viewer
+  answer = {type = "string"}, -- a sentence above that of the largest stress
 }
 
 -- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
@@ -216,7 +217,8 @@ function report.write(worst, path, given)
   end
   return report.page(path, {
     title = wish.title or "Worst-case analysis",
-    answer = tostring(worst),
+    answer = wish.answer and ("%s.\nUnder %.4g N in all: %s"):format(wish.answer, worst.options.force,
+      tostring(worst)) or tostring(worst),
     manifest = wish.manifest or {version = core.version, options = plain(worst.options)},
     body = legend_of(wish) .. table_of_regions(worst, shown),
     data = data,

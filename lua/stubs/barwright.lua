@@ -1575,7 +1575,7 @@ function WorstCase:picture(path, options) end
 
 ---One HTML file with a 3D view that turns; needs no network.
 ---@param path string
----@param options? {title: string, manifest: table, loads: integer, modes: integer, lines: bw.Vector[][], line_name: string, view: bw.Vector}
+---@param options? {title: string, manifest: table, loads: integer, modes: integer, lines: (bw.Array|bw.Vector[])[], line_name: string, view: bw.Vector, answer: string}
 ---@return true?
 ---@return string? message
 ---@return table? details

@@ -58,7 +58,7 @@ describe("the words behind a command", function()
   it("become a wish", function()
     local wish = assert(arguments.parse(sample, {"a.stl"}))
     assert.same({model = "a.stl", rest = {}, force = 20, kind = "stress", hold = {}, no_open = false, json = false,
-      quiet = false, help = false}, wish)
+      quiet = false, help = false, given = {}}, wish)
     wish = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--hold", "x:0", "b",
       "--hold=y", "--no-open", "--json", "--", "--kind"}))
     assert.equal(1000, wish.force)
@@ -67,6 +67,8 @@ describe("the words behind a command", function()
     assert.same({"b", "--kind"}, wish.rest)
     assert.is_true(wish.no_open)
     assert.is_true(wish.json)
+    assert.same({["--force"] = "1kN", ["--count"] = "3", ["--hold"] = "y", ["--no-open"] = true,
+      ["--json"] = true}, wish.given)
     assert.equal("-", arguments.parse(sample, {"-"}).model)
     assert.equal("-5", arguments.parse(sample, {"a", "--hold", "-5"}).hold[1]) -- a value, whatever it looks like
     assert.is_true(arguments.parse(sample, {"--help", "--nonsense"}).help)
@@ -306,7 +308,10 @@ describe("commands that compute", function()
       .. folder .. "r.html")
     assert.truthy(out:find("it breaks", 1, true), out)
     assert.truthy(out:find("r.html", 1, true), out)
-    assert.truthy(#check.read(folder .. "r.html") > 1000)
+    -- The page has the answer of the terminal, and the advised command computes the same part.
+    assert.truthy(check.read(folder .. "r.html"):find('<p class="answer">breaks at [^<]+; 2e%+06 N: it breaks%.'))
+    local advised = "--force 2e+06N --young 1GPa --strength 10MPa --elements 600 --modes 3 --regions 1 --out"
+    assert.truthy(out:find(advised, 1, true), out)
     -- What cannot be written is told before anything is computed.
     local code, said, fault = check.run("worst " .. folder .. "sound.stl --report " .. folder
       .. "no/such/folder/r.html")
@@ -471,6 +476,12 @@ describe("commands that compute", function()
     status, object = answer(words .. "criticl")
     assert.equal(2, status)
     assert.truthy(object.error.message:find("option --length: 'critical' or a number", 1, true))
+  end)
+
+  it("statics refuses a support without a facet", function()
+    local status, _, fault = check.run("statics " .. beam .. " --hold near:0,0,0:1mm --gravity 0,0,-1")
+    assert.equal(2, status)
+    assert.truthy(fault:find("near:0,0,0:1mm: a fixed support acts on area", 1, true), fault)
   end)
 
   it("statics gives the beam's deflection and stress", function()

@@ -150,6 +150,7 @@ local function read_option(known, names, words, i, wish, given)
   end
   local value, message = arguments.value(rule, text)
   if value == nil then return nil, ("option %s: %s"):format(name, message) end
+  given[name] = text
   keep(wish, rule, value)
   return joined and 1 or 2
 end
@@ -201,7 +202,8 @@ local function fill_in(command, wish)
   return true
 end
 
---- The wish that the words stand for, or nil and one sentence. Where --help is among them, no more is read.
+--- The wish that the words stand for, or nil and one sentence. Where --help is among them, no more is read. Its
+--- `given` has the last text of every option that was given, by "--name"; true for flags.
 function arguments.parse(command, words)
   local known, names = by_name(command)
   local wish, places, given, i = {}, {}, {}, 1
@@ -223,6 +225,7 @@ function arguments.parse(command, words)
   local fine, message = read_places(command, places, wish)
   if fine then fine, message = fill_in(command, wish) end
   if not fine then return nil, message end
+  wish.given = given
   return wish
 end
 

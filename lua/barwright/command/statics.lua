@@ -54,7 +54,9 @@ local function set_up(part, wish, loads, out)
   for _, place in ipairs(wish.hold) do
     local selection, message, details = model.select(mesh, place)
     if not selection then return nil, message, details end
-    part:fix(selection)
+    local fine
+    fine, message = model.try(part.fix, part, selection)
+    if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
     area = area + selection.area
     out:say("Held at %s (%.4g cm2).", place, selection.area * 1e4)
   end

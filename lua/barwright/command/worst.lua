@@ -136,6 +136,10 @@ local function tell_limits(breaking, wish, out)
   out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = wish.friction, hands = wish.hands}
 end
 
+-- Options of the advised command that must be those of this one.
+local SAME_PART = {"--unit", "--material", "--young", "--poisson", "--strength", "--density", "--toughness",
+  "--contact", "--length", "--elements", "--modes", "--regions"}
+
 -- What to thicken where the force is not held for certain. Advice that fails is told; the command does not fail.
 local function advise(breaking, verdict, wish, out)
   if verdict == "holds" then return end
@@ -157,8 +161,13 @@ local function advise(breaking, verdict, wish, out)
     model.count(#places, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
     model.place(first.at), newtons(advice.force), advice.low, newtons(advice.high))
   if #wish.hold + #wish.forbid > 0 then return end -- strengthening takes free parts only
-  out:say("  `barwright strengthen %s --force %gN --out FILE.stl` does it, and computes the breaking force again.",
-    model.name(wish.model), wish.force)
+  local same = {}
+  for _, name in ipairs(SAME_PART) do
+    local text = wish.given[name]
+    if text then same[#same + 1] = (" %s %s"):format(name, text) end
+  end
+  out:say("  `barwright strengthen %s --force %gN%s --out FILE.stl` does it and computes the force again.",
+    model.name(wish.model), wish.force, table.concat(same))
 end
 
 -- The direction from which the edge of a finding is seen: against its bisector, from above a little.
@@ -167,8 +176,10 @@ local function view_of(singular)
   return inward and {-inward[1], -inward[2], 0.5 - inward[3]} or nil
 end
 
+local VERDICTS = {holds = "it holds", breaks = "it breaks", unsure = "too close to decide"}
+
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
-local function write_files(breaking, singular, wish, folder, out)
+local function write_files(breaking, verdict, singular, wish, folder, out)
   local worst = breaking.worst
   local function with_edge(given)
     for key, value in pairs(model.edge_lines(singular)) do given[key] = value end
@@ -200,7 +211,7 @@ local function write_files(breaking, singular, wish, folder, out)
   end
   if fine and report then
     fine, message, details = leave(report, worst:report(report, with_edge {manifest = folder and folder.manifest,
-      view = view_of(singular),
+      view = view_of(singular), answer = ("%s; %.4g N: %s"):format(breaking, wish.force, VERDICTS[verdict]),
       title = "Worst case of " .. model.name(wish.model)}))
   end
   if not fine then return nil, message, details end
@@ -247,7 +258,7 @@ local function analyse(wish, out)
   tell_limits(breaking, wish, out)
   advise(breaking, verdict, wish, out)
   local fine
-  fine, message, details = write_files(breaking, singular, wish, folder, out)
+  fine, message, details = write_files(breaking, verdict, singular, wish, folder, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then
