@@ -167,7 +167,7 @@ static void divide_facets(const bw_mesh *mesh, double spacing, uint8_t *parts) {
   }
 }
 
-/* Corner nodes that may be pressed, ascending: their numbers into node_column. */
+/* Corner nodes that may be pressed, ascending: their columns into facet_column. */
 static bw_status number_nodes(bw_context *context, const bw_selection *forbidden,
                               bw_pressure_basis *basis) {
   bw_status status = BW_OK;
@@ -317,8 +317,8 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
   int32_t count = basis->count;
   if (count == 0) {
     status = bw_fail(context, BW_EMPTY,
-                     "the forbidden surface holds every node of the boundary: no surface is left "
-                     "on which pressure may act");
+                     "the forbidden surface takes up the boundary: no surface is left on which "
+                     "pressure may act");
     goto done;
   }
   basis->at = BW_NEW0(context, double, 3 * (size_t)count);

@@ -56,18 +56,6 @@ static void add_row(int n, const double *row, double right, double a[MOST][MOST]
   }
 }
 
-static void across(const double axis[3], double u[3], double v[3]) {
-  int least = fabs(axis[0]) < fabs(axis[1]) ? 0 : 1;
-  if (fabs(axis[2]) < fabs(axis[least]))
-    least = 2;
-  double unit[3] = {least == 0, least == 1, least == 2};
-  bw_cross(axis, unit, u);
-  double size = bw_norm(u);
-  for (int k = 0; k < 3; k++)
-    u[k] /= size;
-  bw_cross(axis, u, v);
-}
-
 static void middle_of(const bwi_cloud *cloud, double middle[3], double *size) {
   memset(middle, 0, 3 * sizeof *middle);
   for (int64_t i = 0; i < 3 * cloud->points; i++)
@@ -174,7 +162,7 @@ static bool start_round(const bwi_cloud *cloud, bw_face *face, double slope) {
   double a[MOST][MOST] = {{0}}, b[MOST] = {0}, mean[3], size, u[3], v[3];
   int n = slope == 0 ? 3 : 4;
   middle_of(cloud, mean, &size);
-  across(face->axis, u, v);
+  bw_across(face->axis, u, v);
   for (int64_t i = 0; i < cloud->points; i++) {
     double y[3];
     for (int k = 0; k < 3; k++)
@@ -200,7 +188,7 @@ static bool refine_round(const bwi_cloud *cloud, bw_face *face) {
   for (int step = 0; step < STEPS; step++) {
     double a[MOST][MOST] = {{0}}, b[MOST] = {0}, u[3], v[3], largest = 0;
     double steep = sqrt(1 + face->slope * face->slope), unit = face->radius;
-    across(face->axis, u, v);
+    bw_across(face->axis, u, v);
     for (int64_t i = 0; i < cloud->points; i++) {
       double g[3], d[3], out[3];
       double value = bw_face_distance(face, cloud->point + 3 * i, g);

@@ -217,8 +217,8 @@ function report.write(worst, path, given)
   end
   return report.page(path, {
     title = wish.title or "Worst-case analysis",
-    answer = wish.answer and ("%s.\nUnder %.4g N in all: %s"):format(wish.answer, worst.options.force,
-      tostring(worst)) or tostring(worst),
+    answer = wish.answer and ("%s.\nShown: stresses of elements under %.4g N in all, without an estimate of their "
+      .. "error. The largest is %s"):format(wish.answer, worst.options.force, tostring(worst)) or tostring(worst),
     manifest = wish.manifest or {version = core.version, options = plain(worst.options)},
     body = legend_of(wish) .. table_of_regions(worst, shown),
     data = data,

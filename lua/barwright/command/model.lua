@@ -102,6 +102,17 @@ function model.name(path)
   return path:match "[^/]+$" or path
 end
 
+--- A word as a shell takes it.
+function model.shell(word)
+  if word:find "^[%w%._/+-]+$" then return word end
+  return "'" .. word:gsub("'", "'\\''") .. "'"
+end
+
+--- A share in percent: two digits, or whole percents.
+function model.percent(share)
+  return (share < 0.1 and "%.2g" or "%.0f"):format(100 * share)
+end
+
 --- The length of a box's diagonal.
 function model.diagonal(box)
   local low, high = box.low, box.high

@@ -202,15 +202,15 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   end
   out:say("")
   out:say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
-    .. "%.2g %%%s).", model.mm(most), model.place(at), stress / 1e6, 100 * estimated,
+    .. "%s %%%s).", model.mm(most), model.place(at), stress / 1e6, model.percent(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
   if singular then
     out:say("%s. The mean over a surface patch of radius %s mm is judged.",
       (tostring(singular):gsub("^%l", string.upper)), model.mm(radius))
     if critical then
       out:say("The effective stress of the theory of critical distances, the mean over %s mm from the edge, is "
-        .. "%.4g MPa (estimated error %.2g %%): %.3g %% of the strength.", model.mm(2 * critical.length),
-        critical.value / 1e6, 100 * critical.estimated_error, 100 * critical.utilisation)
+        .. "%.4g MPa (estimated error %s %%): %.3g %% of the strength.", model.mm(2 * critical.length),
+        critical.value / 1e6, model.percent(critical.estimated_error), 100 * critical.utilisation)
     end
   end
   if not used then

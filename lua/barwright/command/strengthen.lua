@@ -49,7 +49,7 @@ local function picture(result, path)
   if not moved then return nil, message, details end
   local before, after = result.before, result.after
   return bw.picture(result.surface, path, {values = moved, scale = 1e3, unit = "thickened by, mm",
-    title = ("breaks at %.3g N (%.3g to %.3g), before: %.3g N (%.3g to %.3g)"):format(after.force, after.low,
+    title = ("breaks at %.3g N (%.3g to %.3g N), before: %.3g N (%.3g to %.3g N)"):format(after.force, after.low,
       after.high, before.force, before.low, before.high)})
 end
 

@@ -164,10 +164,10 @@ local function advise(breaking, verdict, wish, out)
   local same = {}
   for _, name in ipairs(SAME_PART) do
     local text = wish.given[name]
-    if text then same[#same + 1] = (" %s %s"):format(name, text) end
+    if text then same[#same + 1] = (" %s %s"):format(name, model.shell(text)) end
   end
   out:say("  `barwright strengthen %s --force %gN%s --out FILE.stl` does it and computes the force again.",
-    model.name(wish.model), wish.force, table.concat(same))
+    model.shell(wish.model), wish.force, table.concat(same))
 end
 
 -- The direction from which the edge of a finding is seen: against its bisector, from above a little.
@@ -198,8 +198,8 @@ local function write_files(breaking, verdict, singular, wish, folder, out)
     file("report.html", wish.report)
   local fine, message, details = true, nil, nil
   if picture then
-    local title = ("%s breaks at %s (%.3g to %.3g)"):format(model.name(wish.model), newtons(breaking.force),
-      breaking.low, breaking.high)
+    local title = ("%s breaks at %s (%.3g to %s); shown under %s"):format(model.name(wish.model),
+      newtons(breaking.force), breaking.low, newtons(breaking.high), newtons(wish.force))
     fine, message, details = leave(picture, worst:picture(picture, with_edge {title = title,
       arrows = worst:arrows(breaking.region)}))
   end
