@@ -12,7 +12,7 @@
 -- tetrahedra (.msh .vtu .mesh .inp .node), which is taken as it is. Exit status 0: answered. 2: the
 -- input was refused, one sentence on standard error. 3: the computation could not finish.
 local bw = require "barwright"
-local places = require "barwright.command.model"
+local places = require "barwright.command.places"
 
 local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
 
@@ -63,7 +63,7 @@ local function value_of(name, text)
   if text == nil then usage(("option --%s: a value expected, got nothing"):format(name)) end
   if kind == "string" then return text end
   if kind == "places" then
-    local fine, message = places.check_place(text)
+    local fine, message = places.check(text)
     if not fine then usage(("option --%s: %s"):format(name, message)) end
     return text
   end

@@ -98,7 +98,7 @@ describe("barwright worst", function()
     for options, what in pairs {
       ["--hold nowhere"] = "option --hold: 'nowhere' is no place",
       ["--forbid near:1"] = "option --forbid: 'near:1'",
-      ["--hold near:1,1,1:1mm"] = "holds no boundary node",
+      ["--hold near:1,1,1m:1mm"] = "holds no boundary node",
       ["--hold all"] = "the whole surface is held",
       ["--forbid all"] = "no surface is left on which pressure may act",
       ["--hands 1"] = "option --hands: one hand pushes a part away",

@@ -6,6 +6,7 @@ local commands = require "barwright.command"
 local arguments = require "barwright.command.arguments"
 local help_text = require "barwright.command.help_text"
 local model = require "barwright.command.model"
+local places = require "barwright.command.places"
 local prism = require "prism"
 local quantity = require "barwright.command.quantity"
 
@@ -62,6 +63,46 @@ describe("numbers and words in sentences", function()
     assert.equal("parts/hook-2.stl", model.shell "parts/hook-2.stl")
     assert.equal("'2 mm'", model.shell "2 mm")
     assert.equal("'it'\\''s.stl'", model.shell "it's.stl")
+  end)
+end)
+
+describe("a place on the command line", function()
+  local box = {low = {0, 0, 0}, high = {0.1, 0.1, 0.1}}
+
+  it("has one unit for the point before it, and means what it says", function()
+    for text, points in pairs {
+      ["near:49,-2,20mm:8mm"] = {{0.049, -0.002, 0.02}, {0.049, 0.005, 0.02}},
+      ["near:4.9,-2mm,2cm:8mm"] = {{0.049, -0.002, 0.02}},
+      ["near:0,0,0:1mm"] = {{0, 0, 0.0009}},
+      ["below:z:1mm"] = {{0.5, 0.5, 0.001}},
+      ["below:x:0"] = {{0, 1, 1}},
+      ["above:y:0.05m"] = {{0, 0.05, 0}},
+      ["low:z"] = {{9, 9, 0.0019}},
+    } do
+      local inside = assert(places.test({text}, box))
+      for _, p in ipairs(points) do assert.is_true(inside(table.unpack(p)), text) end
+      assert.is_false(inside(0.03, 0.03, 0.03), text)
+    end
+    assert.same({0, 0, -1e4}, places.vector("0,0,-10kN", "N"))
+    assert.same({1e3, 2, 3e3}, places.vector("1,2N,3kN", "N"))
+    assert.same({1, 2, 3}, places.vector("1,2,3", "N"))
+  end)
+
+  it("is refused where a length has no unit", function()
+    for text, what in pairs {
+      ["below:z:1"] = "'below:z:1': '1' has no unit: write 1mm or 1m",
+      ["near:49,-2,20:8mm"] = "'49,-2,20' has no unit: write 49,-2,20mm or 49,-2,20m",
+      ["near:49mm,-2,20:8mm"] = "has no unit",
+      ["near:1,0,0:8mm"] = "has no unit",
+      ["near:49,-2,20mm:8"] = "'8' has no unit: write 8mm or 8m",
+      ["above:x:-0.2e1"] = "'-0.2e1' has no unit",
+      ["below:z:1kg"] = "a number with one of the units",
+      ["near:x,0,0:1mm"] = "got 'x'",
+    } do
+      local fine, message = places.check(text)
+      assert.is_nil(fine, text)
+      assert.truthy(message:find(what, 1, true), message)
+    end
   end)
 end)
 
@@ -497,7 +538,7 @@ describe("commands that compute", function()
 
   it("statics gives the beam's deflection and stress", function()
     local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
-      .. "above:x:1=0,0,-100N")
+      .. "above:x:1m=0,0,-100N")
     assert.equal(0, status)
     local moment = 0.1 ^ 4 / 12 -- second moment of area
     check.near(100 * 1 / (3 * 210e9 * moment), object.max_displacement_m, 0.03)
@@ -553,7 +594,7 @@ describe("commands that compute", function()
       ["statics --hold low:x --force low:y=3 " .. beam] = "three numbers such as",
       ["statics --hold low:x --force low:y " .. beam] = "PLACE=VALUE expected",
       ["statics --hold low:x --pressure low:y=3N " .. beam] = "a number with one of the units",
-      ["modes --hold near:0,0:1 " .. beam] = "three numbers such as",
+      ["modes --hold near:0,0:1mm " .. beam] = "three numbers such as",
       ["modes --hold below:x:1kg " .. beam] = "a number with one of the units",
       ["worst --material plaa " .. beam] = "did you mean 'pla'",
       ["worst --force -3 " .. beam] = "above 0 expected",
@@ -565,7 +606,7 @@ describe("commands that compute", function()
       ["strengthen --force 5 --keep lwo:z --out x.stl " .. beam] = "'lwo:z' is no place",
       ["strengthen --force 5 --out x.stl " .. folder .. "plate.svg"] = "a drawing is flat",
       ["worst " .. folder .. "plate.svg"] = "a drawing is flat",
-      ["statics --hold near:9,9,9:1mm --gravity 0,0,1 " .. beam] = "holds no boundary node",
+      ["statics --hold near:9,9,9m:1mm --gravity 0,0,1 " .. beam] = "holds no boundary node",
       ["worst --material zp150 --young 1GPa " .. beam] = "differs with the direction",
     } do
       local status, _, err = answer(words)
@@ -581,7 +622,7 @@ describe("commands that compute", function()
       assert.truthy(err:find(text, 1, true), words .. ": " .. err)
     end
     for words, text in pairs {
-      ["modes --hold near:9,9,9:1mm " .. beam] = "holds no boundary node",
+      ["modes --hold near:9,9,9m:1mm " .. beam] = "holds no boundary node",
       ["convert " .. folder .. "sound.stl " .. folder .. "x.dxf"] = "not as a drawing",
       ["convert " .. folder .. "sound.stl " .. folder .. "x.xyz"] = "ending .xyz is not known",
       ["convert " .. folder .. "plate.svg " .. folder .. "x.stl"] = "a drawing can be written as",

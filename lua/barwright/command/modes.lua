@@ -2,6 +2,7 @@
 -- barwright modes MODEL: at what frequencies it rings, free or held.
 local bw = require "barwright"
 local model = require "barwright.command.model"
+local places = require "barwright.command.places"
 local pitch = require "barwright.pitch"
 
 local function analyse(wish, out)
@@ -13,7 +14,7 @@ local function analyse(wish, out)
   local held = 0
   for _, place in ipairs(wish.hold) do
     local selection
-    selection, message, details = model.select(mesh, place)
+    selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
     held = held + selection.area
     part:fix(selection)
@@ -55,7 +56,7 @@ end
 return {
   summary = "at what frequencies a part rings",
   about = "The lowest modes of vibration of a part, free or held somewhere, with the nearest note to each. A "
-    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. model.place_help,
+    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help,
   arguments = {model.body_argument},
   options = {
     model.material_option,
@@ -77,7 +78,7 @@ return {
       "held at its foot and at a point"}},
   run = function(wish, out)
     for _, place in ipairs(wish.hold) do
-      local fine, message = model.check_place(place)
+      local fine, message = places.check(place)
       if not fine then return out:misuse("option --hold: " .. message) end
     end
     local modes, held, errors = analyse(wish, out)

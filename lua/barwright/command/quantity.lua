@@ -40,6 +40,12 @@ local function split(text)
   return tonumber((mantissa:gsub("^%+", ""))), rest:match "^%s*(.-)%s*$"
 end
 
+--- What stands behind the number of a text: "mm" of "30mm", "" of "30"; nil where it begins with no number.
+function quantity.name_in(text)
+  local _, name = split(text)
+  return name
+end
+
 --- The number of a text in the unit (nil: a bare number), or nil and what was expected.
 function quantity.read(text, unit)
   local value, name = split(text)

@@ -3,13 +3,14 @@
 local bw = require "barwright"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local places = require "barwright.command.places"
 local singular_places = require "barwright.singular"
 
 -- "PLACE=VALUE": what stands before and behind the last "=".
 local function split(text)
   local place, value = text:match "^(.*)=([^=]*)$"
   if not place then return nil, ("PLACE=VALUE expected, got '%s'"):format(text) end
-  local fine, message = model.check_place(place)
+  local fine, message = places.check(place)
   if not fine then return nil, message end
   return place, value
 end
@@ -22,7 +23,7 @@ local function read_loads(wish)
   for _, text in ipairs(wish.force) do
     local place, value = split(text)
     if not place then return nil, "option --force: " .. value end
-    local force, message = model.vector(value, "N")
+    local force, message = places.vector(value, "N")
     if not force then return nil, "option --force: " .. message end
     loads[#loads + 1] = {place = place, force = force}
   end
@@ -34,12 +35,12 @@ local function read_loads(wish)
     loads[#loads + 1] = {place = place, pressure = pressure}
   end
   if wish.gravity then
-    local gravity, message = model.vector(wish.gravity, "m/s2")
+    local gravity, message = places.vector(wish.gravity, "m/s2")
     if not gravity then return nil, "option --gravity: " .. message end
     loads.gravity = gravity
   end
   for _, place in ipairs(wish.hold) do
-    local fine, message = model.check_place(place)
+    local fine, message = places.check(place)
     if not fine then return nil, "option --hold: " .. message end
   end
   if #wish.hold == 0 then return nil, "option --hold PLACE is missing: a part that nothing holds flies off" end
@@ -52,7 +53,7 @@ end
 local function set_up(part, wish, loads, out)
   local mesh, area = part.mesh, 0
   for _, place in ipairs(wish.hold) do
-    local selection, message, details = model.select(mesh, place)
+    local selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
     local fine
     fine, message = model.try(part.fix, part, selection)
@@ -61,7 +62,7 @@ local function set_up(part, wish, loads, out)
     out:say("Held at %s (%.4g cm2).", place, selection.area * 1e4)
   end
   for _, load in ipairs(loads) do
-    local selection, message, details = model.select(mesh, load.place)
+    local selection, message, details = places.select(mesh, load.place)
     if not selection then return nil, message, details end
     local fine
     fine, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
@@ -127,8 +128,8 @@ end
 -- The finding that there is no finite stress at a point of the solution, or nil.
 local function find_singular(static, part, read, at, found)
   local sound = read.surface and read.surface:check({limit = 1}).sound
-  local places = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
-  return growth.judge(places, at, growth.radius(growth.edge_length(static.mesh, at)),
+  local found_places = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
+  return growth.judge(found_places, at, growth.radius(growth.edge_length(static.mesh, at)),
     growth.exponent(sized(found.coarse), sized(found.fine)))
 end
 
@@ -299,7 +300,7 @@ table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 return {
   summary = "whether a part bears a load that is known",
   about = "Holds a part in places, loads it in others, and tells how far it gives and whether it breaks. A "
-    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. model.place_help
+    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help
     .. "\n\nExit status: 0 it holds; 1 it breaks, or the estimated error leaves it open; 2 misuse or refused; "
     .. "3 it could not be computed.",
   arguments = {model.body_argument},

@@ -2,6 +2,7 @@
 -- barwright strengthen MODEL: thicken it around its weak places until it bears a force.
 local bw = require "barwright"
 local model = require "barwright.command.model"
+local places = require "barwright.command.places"
 local writable = require "barwright.writable"
 
 -- Fields of the object for one of before and after.
@@ -72,7 +73,7 @@ local function strengthen(wish, out)
   local fine, message, details = writable(wish.out)
   if not fine then return nil, message, details end
   for _, place in ipairs(wish.keep) do
-    fine, message = model.check_place(place)
+    fine, message = places.check(place)
     if not fine then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
   local read, material
@@ -87,7 +88,7 @@ local function strengthen(wish, out)
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = wish.force,
     contact = wish.contact, elements = wish.elements, length = wish.length,
     modes = wish.modes, regions = wish.regions,
-    steps = wish.steps, keep = #wish.keep > 0 and model.place_test(wish.keep, read.box) or nil,
+    steps = wish.steps, keep = #wish.keep > 0 and places.test(wish.keep, read.box) or nil,
     progress = function(step)
       out:say("  %s thickened, most by %.2g mm: breaks at %.3g N%s", model.count(step.places, "place"),
         step.offset * 1e3, step.force, step.low and (" (%.3g to %.3g N)"):format(step.low, step.high)
@@ -131,7 +132,7 @@ return {
     .. "too weak for the force asked for, computes again, and repeats this until the force lies below the whole "
     .. "interval. Where and by how much follows from the shape gradients of the judged stresses. The surface is "
     .. "moved outwards by smooth bumps; holes and gaps become narrower where they are not kept.\n\n"
-    .. model.place_help .. "\n\n"
+    .. places.help .. "\n\n"
     .. "Exit status: 0 the force is reached; 1 it is not, the best that was found is written; 2 misuse, or a size "
     .. "that is implausible; 3 it could not be computed.",
   arguments = {{name = "model", type = "file", what = "surface (STL OBJ OFF PLY)"}},

@@ -3,6 +3,7 @@
 local bw = require "barwright"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local places = require "barwright.command.places"
 local singular_places = require "barwright.singular"
 
 -- With --error the last mesh may have so many.
@@ -98,16 +99,16 @@ end
 local function read_limits(wish)
   local limits = {friction = wish.friction, hands = wish.hands}
   for name, option in pairs {hold = "hold", forbid = "forbidden"} do
-    local places = wish[name]
-    for _, place in ipairs(places) do
-      local fine, message = model.check_place(place)
+    local texts = wish[name]
+    for _, place in ipairs(texts) do
+      local fine, message = places.check(place)
       if not fine then return nil, ("option --%s: %s"):format(name, message) end
     end
-    limits[option] = #places > 0 and function(mesh)
+    limits[option] = #texts > 0 and function(mesh)
       local list = {}
-      for i, place in ipairs(places) do
+      for i, place in ipairs(texts) do
         local message, details
-        list[i], message, details = model.select(mesh, place)
+        list[i], message, details = places.select(mesh, place)
         if not list[i] then return nil, message, details end
       end
       return list
@@ -149,16 +150,16 @@ local function advise(breaking, verdict, wish, out)
     out:say("No advice: %s.", message)
     return
   end
-  local places, first = bw.json.list {}, advice.places[1]
+  local thickened, first = bw.json.list {}, advice.places[1]
   for i, place in ipairs(advice.places) do
-    places[i] = {at_m = place.at, radius_m = place.radius, offset_m = place.offset}
+    thickened[i] = {at_m = place.at, radius_m = place.radius, offset_m = place.offset}
     if place.offset > first.offset then first = place end
   end
-  out:json {advice = {force_n = wish.force, places = places, predicted_breaking_force_n = advice.force,
+  out:json {advice = {force_n = wish.force, places = thickened, predicted_breaking_force_n = advice.force,
     predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
   if not first then return out:say("Advice: no thickening was found that helps.") end
   out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s (%.3g to %s).",
-    model.count(#places, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
+    model.count(#thickened, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
     model.place(first.at), newtons(advice.force), advice.low, newtons(advice.high))
   if #wish.hold + #wish.forbid > 0 then return end -- strengthening takes free parts only
   local same = {}
@@ -304,7 +305,7 @@ return {
   about = "Finds the least force that breaks a part when it is pushed in the worst way, without known loads "
     .. "(Zhou, Panetta, Zorin 2013). The answer is an interval, estimated from a sequence of meshes of quadratic "
     .. "tetrahedra. A surface is repaired where it must be and filled; a mesh is taken as it is.\n\n"
-    .. model.place_help .. "\n\n"
+    .. places.help .. "\n\n"
     .. "Exit status: 0 it holds the force asked for; 1 it breaks, or the interval contains the force; 2 misuse, "
     .. "or a size that is implausible; 3 it could not be computed.",
   arguments = {model.body_argument},

@@ -1,0 +1,169 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Places on a part as a command line names them, and vectors: "below:z:1mm", "near:0,0,30mm:5mm", "0,0,-10N".
+-- One unit behind the last number of a vector or point holds for the numbers before it that have none. A length of
+-- a place has a unit, so that nobody is understood in metres who meant millimetres; 0 needs none.
+local model = require "barwright.command.model"
+local quantity = require "barwright.command.quantity"
+
+local places = {}
+
+--- For the help of commands that take places.
+places.help = "A PLACE on the surface is low:AXIS or high:AXIS (the lowest or highest fiftieth of the part "
+  .. "along x, y or z), below:AXIS:COORDINATE, above:AXIS:COORDINATE, near:X,Y,Z:RADIUS, or all. Coordinates and "
+  .. "radii have a unit; behind a point, one stands for all three: near:0,0,30mm:5mm."
+
+-- ---- numbers ---------------------------------------------------------------------------------------
+
+local function split(text)
+  local words = {}
+  for word in (text .. ","):gmatch "([^,]*)," do words[#words + 1] = word end
+  return words
+end
+
+--- Three numbers with commas between, in a unit: "0,0,-10N".
+function places.vector(text, unit)
+  local words, list = split(text), {}
+  local last = quantity.name_in(words[#words]) or ""
+  for i, word in ipairs(words) do
+    local value, expected = quantity.read(quantity.name_in(word) == "" and word .. last or word, unit)
+    if not value then return nil, ("%s expected, got '%s'"):format(expected, word) end
+    list[i] = value
+  end
+  if #list ~= 3 then return nil, ("three numbers such as 0,0,-10 expected, got '%s'"):format(text) end
+  return list
+end
+
+-- A sentence where a number other than 0 among the words has no unit, and the last word has none for it.
+local function missing_unit(text)
+  local words = split(text)
+  if quantity.name_in(words[#words]) ~= "" then return nil end
+  for _, word in ipairs(words) do
+    if quantity.name_in(word) == "" and quantity.read(word) ~= 0 then
+      return ("'%s' has no unit: write %smm or %sm"):format(text, text, text)
+    end
+  end
+end
+
+local function length_of(text)
+  local message = missing_unit(text)
+  if message then return nil, message end
+  local value, expected = quantity.read(text, "m")
+  if not value then return nil, ("%s expected, got '%s'"):format(expected, text) end
+  return value
+end
+
+local function point_of(text)
+  local point, message = places.vector(text, "m")
+  if not point then return nil, message end
+  message = missing_unit(text)
+  if message then return nil, message end
+  return point
+end
+
+local number_of = {x = 1, y = 2, z = 3}
+
+local function axis_of(text)
+  local axis = number_of[text]
+  if not axis then return nil, ("an axis x, y or z expected, got '%s'"):format(text) end
+  return axis
+end
+
+-- ---- kinds -----------------------------------------------------------------------------------------
+
+local SHARE = 0.02 -- of the part, that "low" and "high" take
+
+local function low_end(box, axis)
+  return box.low[axis] + SHARE * (box.high[axis] - box.low[axis])
+end
+
+local function high_end(box, axis)
+  return box.high[axis] - SHARE * (box.high[axis] - box.low[axis])
+end
+
+-- Of each kind: how its parts are read, what it selects of a boundary, and whether a point lies in it.
+local kinds = {
+  all = {parts = {},
+    select = function(boundary) return boundary end,
+    test = function() return true end},
+  low = {parts = {axis_of},
+    select = function(boundary, box, axis) return boundary:below(axis, low_end(box, axis)) end,
+    test = function(p, box, axis) return p[axis] <= low_end(box, axis) end},
+  high = {parts = {axis_of},
+    select = function(boundary, box, axis) return boundary:above(axis, high_end(box, axis)) end,
+    test = function(p, box, axis) return p[axis] >= high_end(box, axis) end},
+  below = {parts = {axis_of, length_of},
+    select = function(boundary, _, axis, at) return boundary:below(axis, at) end,
+    test = function(p, _, axis, at) return p[axis] <= at end},
+  above = {parts = {axis_of, length_of},
+    select = function(boundary, _, axis, at) return boundary:above(axis, at) end,
+    test = function(p, _, axis, at) return p[axis] >= at end},
+  near = {parts = {point_of, length_of},
+    select = function(boundary, _, point, radius) return boundary:near(point, radius) end,
+    test = function(p, _, point, radius)
+      return (p[1] - point[1]) ^ 2 + (p[2] - point[2]) ^ 2 + (p[3] - point[3]) ^ 2 <= radius ^ 2
+    end},
+}
+
+-- The kind of a place and its values, or nil and a sentence.
+local function read(text)
+  local name, rest = text:match "^(%l+):?(.*)$"
+  local kind = kinds[name]
+  if not kind then
+    return nil, ("'%s' is no place: all, low:z, high:z, below:z:1mm, above:z:20mm or near:0,0,30mm:5mm "
+      .. "expected"):format(text)
+  end
+  local words, values = {}, {}
+  if rest ~= "" then
+    for word in (rest .. ":"):gmatch "([^:]*):" do words[#words + 1] = word end
+  end
+  if #words ~= #kind.parts then
+    return nil, ("'%s': %s expected behind %s, got %d"):format(text, model.count(#kind.parts, "part"), name,
+      #words)
+  end
+  for i, word in ipairs(words) do
+    local message
+    values[i], message = kind.parts[i](word)
+    if not values[i] then return nil, ("'%s': %s"):format(text, message) end
+  end
+  return kind, values
+end
+
+-- ---- what commands ask -----------------------------------------------------------------------------
+
+--- Checks the text of a place without a mesh: nil and a sentence where it is none.
+function places.check(text)
+  local kind, message = read(text)
+  if not kind then return nil, message end
+  return true
+end
+
+--- Whether a point (x, y, z) lies in one of several places of a body of this box: a function; or nil and a
+--- sentence.
+function places.test(texts, box)
+  local list = {}
+  for i, text in ipairs(texts) do
+    local kind, values = read(text)
+    if not kind then return nil, values end
+    list[i] = function(p) return kind.test(p, box, values[1], values[2]) end
+  end
+  return function(x, y, z)
+    for _, test in ipairs(list) do
+      if test {x, y, z} then return true end
+    end
+    return false
+  end
+end
+
+--- The selection on a mesh, or nil and a sentence.
+function places.select(mesh, text)
+  local kind, values = read(text)
+  if not kind then return nil, values, {status = "misuse"} end
+  local selection, message = model.try(kind.select, mesh.boundary, mesh.box, values[1], values[2])
+  if not selection then
+    return nil, ("%s: %s (the part reaches from %s to %s)"):format(text, message, model.place(mesh.box.low),
+      model.place(mesh.box.high)), {status = "empty"}
+  end
+  return selection
+end
+
+return places
