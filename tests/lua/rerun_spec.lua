@@ -83,7 +83,7 @@ describe("a run", function()
     local folder = experiment "--out FOLDER/result"
     check.write(folder .. "/input.txt", "6\n")
     local status, out, err = check.run(("rerun %s/result/manifest.json"):format(folder))
-    assert.equal(1, status)
+    assert.equal(2, status)
     has(err, "1 of 1 inputs are missing or changed")
     has(out .. err, "/input.txt: is not the file it was")
     status, out = check.run(("rerun %s/result/manifest.json --anyway"):format(folder))
@@ -92,10 +92,10 @@ describe("a run", function()
     os.remove(folder .. "/input.txt")
     local _
     status, _, err = check.run(("rerun %s/result/manifest.json"):format(folder))
-    assert.equal(1, status)
+    assert.equal(2, status)
     has(err, "/input.txt: cannot be read")
     status, _, err = check.run(("rerun %s/result/ --anyway"):format(folder)) -- the folder will do
-    assert.equal(1, status)
+    assert.equal(3, status)
     has(err, "without a result")
   end)
 

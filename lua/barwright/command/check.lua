@@ -1,7 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright check MODEL: what a file holds, what is wrong with it, whether that can be mended.
 local bw = require "barwright"
+local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
+local output = require "barwright.command.output"
 local writable = require "barwright.writable"
 
 -- Each kind of defect in words: one, many, what it means.
@@ -96,7 +98,7 @@ local function tell_repair(surface, wish, out)
   out:say("Repair mends it (what computes does so by itself; `barwright convert IN OUT --repair` keeps it):")
   for i, step in ipairs(log.steps) do
     steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
-    out:say("  %s: %s", step.name, step.text)
+    out:say("  %s: %s", step.name, lengths(step.text))
   end
   out:say("  Then it holds %.4g cm3%s.", mended.volume * 1e6, log.moved > 0
     and (", and lies at most %s mm from where it was"):format(model.mm(log.moved)) or ", and lies where it was")
@@ -216,7 +218,7 @@ return {
   about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU MEDIT INP TetGen) or a drawing (SVG "
     .. "DXF) and tells what is in it: size, and whether the unit can be right; whether the surface is closed, "
     .. "faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
-    .. "Exit status: 0 sound; 1 it has faults (also where they can be mended) or cannot be read.",
+    .. output.codes("sound", "it has faults (also where they can be mended)"),
   arguments = {{name = "model", type = "file", what = "the file"}},
   options = {
     model.unit_option,

@@ -1,6 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright convert IN OUT: from one format into another, mended or filled on the way.
+local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
+local output = require "barwright.command.output"
 
 local surface_endings = {stl = true, obj = true, ply = true, off = true}
 local mesh_endings = {msh = true, mesh = true, inp = true, node = true, ele = true}
@@ -23,7 +25,7 @@ local function changed(surface, wish, out)
       local mended, log, details = model.try(surface.repair, surface)
       out:remarks()
       if not mended then return nil, "repair: " .. log, details end
-      for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, step.text) end
+      for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, lengths(step.text)) end
       out:json {repaired = true, repair_moved_m = log.moved}
       surface = mended
     else
@@ -33,7 +35,7 @@ local function changed(surface, wish, out)
   if wish.edge then
     local even, log, details = model.try(surface.remesh, surface, {edge_length = wish.edge})
     if not even then return nil, "remesh: " .. log, details end
-    for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, step.text) end
+    for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, lengths(step.text)) end
     surface = even
   end
   return surface
@@ -45,7 +47,8 @@ local function converted(read, wish, out)
   local factor = wish.scale
   if read.kind == "outline" then
     if not drawing_endings[ending] then
-      return nil, ("%s: a drawing can be written as %s"):format(wish.out, list {drawing_endings})
+      return nil, ("%s: a drawing can be written as %s"):format(wish.out, list {drawing_endings}),
+        {status = "misuse"}
     end
     if factor then
       local points = read.outline.points * factor
@@ -57,11 +60,11 @@ local function converted(read, wish, out)
   end
   if drawing_endings[ending] then
     return nil, ("%s: a body can be written as %s .vtu, not as a drawing"):format(wish.out,
-      list {surface_endings, mesh_endings})
+      list {surface_endings, mesh_endings}), {status = "misuse"}
   end
   if not (surface_endings[ending] or mesh_endings[ending] or ending == "vtu") then
     return nil, ("%s: the ending .%s is not known: %s .vtu for bodies, %s for drawings"):format(wish.out, ending,
-      list {surface_endings, mesh_endings}, list {drawing_endings})
+      list {surface_endings, mesh_endings}, list {drawing_endings}), {status = "misuse"}
   end
   local filled = wish.elements or mesh_endings[ending] and ending ~= "msh" and read.kind == "surface"
   if read.kind == "surface" then
@@ -111,7 +114,8 @@ return {
   about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF VTU MSH, meshes of tetrahedra MSH VTU MESH "
     .. "INP NODE, drawings SVG DXF. A mesh that is written as STL, OBJ, PLY or OFF gives its boundary; a surface "
     .. "that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces are "
-    .. "written in millimetres and meshes in metres unless --out-unit says otherwise.",
+    .. "written in millimetres and meshes in metres unless --out-unit says otherwise.\n\n"
+    .. output.codes "it was written",
   arguments = {{name = "in", type = "file", what = "the file to read"},
     {name = "out", type = "file", what = "the file to write"}},
   options = {

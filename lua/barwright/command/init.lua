@@ -87,8 +87,9 @@ function commands.help()
     "Without a script or a command: a prompt. A script sees its arguments in the table arg;",
     "one whose file is named like a command is run as ./NAME.",
     "Environment: BARWRIGHT_THREADS (number of threads), BARWRIGHT_QUIET=1 (no progress).",
-    "Exit status: 0 yes or done; 1 the answer is no, or an error; 2 misuse; 130 after Ctrl-C; of a",
-    "script what it gives os.exit."} do
+    "Exit status of a command: 0 yes, it holds, or done; 1 the answer is no, it breaks, or the error",
+    "leaves it open; 2 misuse or refused; 3 it could not be computed, or a file could not be read or",
+    "written; 130 after Ctrl-C. Of a script: what it gives os.exit, 1 after an error."} do
     lines[#lines + 1] = line
   end
   return table.concat(lines, "\n")
@@ -155,7 +156,7 @@ function commands.run(name, ...)
   elseif code == nil or code == true then
     code = output.DONE
   elseif code == false then
-    code = output.FAILED
+    code = output.NO
   end
   if core.interrupted() then code = output.INTERRUPTED end -- what the program ends with in any case
   return out:finish(code)

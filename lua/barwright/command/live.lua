@@ -20,10 +20,10 @@ local function read(path)
   local refusal = script_file.refusal(path)
   if refusal then fail(refusal) end
   local file, why = io.open(path, "rb")
-  if not file then fail(why) end
+  if not file then fail(why, "io") end
   local text = file:read "a"
   file:close()
-  return text or fail(path .. ": cannot be read")
+  return text or fail(path .. ": cannot be read", "io")
 end
 
 local function exists(path)
@@ -178,8 +178,7 @@ local function run(wish, out)
   end, wish, out)
   if fine then return end
   if type(problem) ~= "table" then error(problem, 0) end
-  out:fail(problem.text, {status = problem.status})
-  return 2
+  return out:fail(problem.text, {status = problem.status or "misuse"})
 end
 
 return {

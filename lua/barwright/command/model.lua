@@ -2,7 +2,7 @@
 -- What the commands share: reading a MODEL, whatever it is, making a mesh of it, and telling in sentences how
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
-local output = require "barwright.command.output"
+local lengths = require "barwright.command.lengths"
 local writable = require "barwright.writable"
 
 local model = {}
@@ -248,7 +248,7 @@ function model.mesh(read, wish, out)
   local steps = bw.json.list {}
   for i, step in ipairs(log.steps) do
     steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
-    out:say("  %s: %s", step.name, step.text)
+    out:say("  %s: %s", step.name, lengths(step.text))
   end
   if log.repaired then
     out:say("  The surface was repaired, and lies at most %s mm from where it was.", model.mm(log.surface_moved))
@@ -334,15 +334,6 @@ function model.unit_of(read, wish)
     if math.abs(metres / length - 1) < 1e-9 then return name end
   end
   return ("%g m"):format(metres)
-end
-
-local refused = {misuse = true, invalid = true, unsupported = true, empty = true}
-
---- Exit codes of commands that judge: 0 holds, 1 breaks or unsure, 2 misuse or refused, 3 not computed.
-function model.fail(out, message, details)
-  local code = out:fail(message, details)
-  if code ~= output.FAILED then return code end
-  return type(details) == "table" and refused[details.status] and output.MISUSED or 3
 end
 
 return model

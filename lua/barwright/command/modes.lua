@@ -2,6 +2,7 @@
 -- barwright modes MODEL: at what frequencies it rings, free or held.
 local bw = require "barwright"
 local model = require "barwright.command.model"
+local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local pitch = require "barwright.pitch"
 
@@ -17,7 +18,9 @@ local function analyse(wish, out)
     selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
     held = held + selection.area
-    part:fix(selection)
+    local fine
+    fine, message = model.try(part.fix, part, selection)
+    if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
   end
   local modes
   modes, message, details = model.try(part.modes, part, {count = wish.count, sturm = wish.sure})
@@ -56,7 +59,8 @@ end
 return {
   summary = "at what frequencies a part rings",
   about = "The lowest modes of vibration of a part, free or held somewhere, with the nearest note to each. A "
-    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help,
+    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help .. "\n\n"
+    .. output.codes "done",
   arguments = {model.body_argument},
   options = {
     model.material_option,

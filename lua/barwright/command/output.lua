@@ -3,13 +3,25 @@
 -- else there; errors on standard error either way.
 local core = require "barwright.core"
 local json = require "barwright.json"
+local lengths = require "barwright.command.lengths"
 
 local output = {}
 output.__index = output
 output.__name = "output"
 
---- Exit codes.
-output.DONE, output.FAILED, output.MISUSED, output.INTERRUPTED = 0, 1, 2, 130
+--- Exit codes, the same of every command: yes or done; no; misuse or refused; not computed, which includes files
+--- that cannot be read or written; Ctrl-C.
+output.DONE, output.NO, output.MISUSED, output.FAILED, output.INTERRUPTED = 0, 1, 2, 3, 130
+
+--- What the exit codes mean, for the help of commands: `yes` and `no` are what 0 and 1 say; `no` is left out where
+--- nothing is judged.
+function output.codes(yes, no)
+  return ("Exit status: 0 %s; %s2 misuse or refused; 3 it could not be computed, or a file could not be read or "
+    .. "written."):format(yes, no and ("1 %s; "):format(no) or "")
+end
+
+-- Statuses of failures that say that the input or the request is refused.
+local refused = {misuse = true, invalid = true, unsupported = true, empty = true, different = true}
 
 --- For the command `name`; wish.json and wish.quiet count.
 function output.create(name, wish)
@@ -46,28 +58,31 @@ local function plain(value, depth)
   return out
 end
 
---- An error: one sentence on standard error, and in the object. Returns the exit code: 1, or 130 where the
---- failure is that somebody pressed Ctrl-C.
+--- An error: one sentence on standard error, and in the object. Returns the exit code, by the status in the
+--- details.
 function output:fail(message, details)
   message = tostring(message)
+  if details then message = lengths(message) end -- the engine's, not those of somebody's script
   self.object.error = plain(details or {}, 0) or {}
   self.object.error.message = message
   io.stdout:flush()
   io.stderr:write("barwright ", self.name, ": ", message, "\n")
-  local cancelled = core.interrupted() or type(details) == "table" and details.status == "cancelled"
-  return cancelled and output.INTERRUPTED or output.FAILED
+  local status = type(details) == "table" and details.status
+  if core.interrupted() or status == "cancelled" then return output.INTERRUPTED end
+  return refused[status] and output.MISUSED or output.FAILED
 end
 
---- The same for a wrong use of the command. Returns the exit code 2.
+--- The same for a wrong use of the command.
 function output:misuse(message)
-  self:fail(message .. (" (barwright %s --help tells more)"):format(self.name), {status = "misuse"})
-  return output.MISUSED
+  return self:fail(message .. (" (barwright %s --help tells more)"):format(self.name), {status = "misuse"})
 end
 
 --- What the engine remarked meanwhile ("the surface was repaired: ..."), said and kept in the object.
 function output:remarks()
   local list = core.remarks()
-  for _, remark in ipairs(list) do
+  for i, remark in ipairs(list) do
+    remark = lengths(remark)
+    list[i] = remark
     self:say("  " .. remark)
     self.object.remarks = self.object.remarks or json.list {}
     table.insert(self.object.remarks, remark)

@@ -146,20 +146,20 @@ end
 local function prepared(wish, out)
   if files.kind(wish.manifest) == "folder" then wish.manifest = trimmed(wish.manifest) .. "/manifest.json" end
   local manifest, message = read_json(wish.manifest)
-  if not manifest then return nil, out:misuse(message) end
+  if not manifest then return nil, out:fail(message) end
   if type(manifest.started_by) ~= "table" or not manifest.started_by[1] or type(manifest.folder) ~= "string" then
     return nil, out:misuse(wish.manifest .. ": does not say what was run: no manifest, or of an earlier version")
   end
   local before
   before, message = read_json(files.split(wish.manifest) .. "/result.json")
-  if not before then return nil, out:misuse(message) end
+  if not before then return nil, out:fail(message) end
   local faults = check_inputs(manifest)
   if #faults > 0 then
     for i = wish.anyway and 1 or 2, #faults do out:say(faults[i]) end -- the first is in what follows
     out:json {inputs = json.list(faults)}
     if not wish.anyway then
       return nil, out:fail(("%d of %d inputs are missing or changed: %s (--anyway runs it with what is there)")
-        :format(#faults, #manifest.inputs, faults[1]))
+        :format(#faults, #manifest.inputs, faults[1]), {status = "invalid"})
     end
   end
   return manifest, before
@@ -205,7 +205,7 @@ local function work(wish, out)
   out:say(#found.differences == 0 and "the same" or "not the same")
   out:json {same = #found.differences == 0, compared = found.count, folder = folder, exit_status = status,
     differences = plain(found.differences), timings = plain(found.timings), surroundings = json.list(changed)}
-  return #found.differences == 0 and output.DONE or output.FAILED
+  return #found.differences == 0 and output.DONE or output.NO
 end
 
 return {

@@ -3,6 +3,7 @@
 local bw = require "barwright"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local singular_places = require "barwright.singular"
 
@@ -301,8 +302,7 @@ return {
   summary = "whether a part bears a load that is known",
   about = "Holds a part in places, loads it in others, and tells how far it gives and whether it breaks. A "
     .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help
-    .. "\n\nExit status: 0 it holds; 1 it breaks, or the estimated error leaves it open; 2 misuse or refused; "
-    .. "3 it could not be computed.",
+    .. "\n\n" .. output.codes("it holds", "it breaks, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
   examples = {"barwright statics hook.stl --hold low:z --force high:z=0,0,-50",
@@ -311,13 +311,13 @@ return {
     local loads, message = read_loads(wish)
     if not loads then return out:misuse(message) end
     local static, verdict, singular = analyse(wish, loads, out)
-    if not static then return model.fail(out, verdict, singular) end -- a message and details
+    if not static then return out:fail(verdict, singular) end -- a message and details
     local written = bw.json.list {}
     for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
       {wish.picture, function() return static:picture(wish.picture, model.edge_lines(singular)) end}} do
       if how[1] then
         local fine, why, more = how[2]()
-        if not fine then return model.fail(out, why, more) end
+        if not fine then return out:fail(why, more) end
         written[#written + 1] = how[1]
       end
     end

@@ -2,6 +2,7 @@
 -- barwright strengthen MODEL: thicken it around its weak places until it bears a force.
 local bw = require "barwright"
 local model = require "barwright.command.model"
+local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local writable = require "barwright.writable"
 
@@ -133,8 +134,7 @@ return {
     .. "interval. Where and by how much follows from the shape gradients of the judged stresses. The surface is "
     .. "moved outwards by smooth bumps; holes and gaps become narrower where they are not kept.\n\n"
     .. places.help .. "\n\n"
-    .. "Exit status: 0 the force is reached; 1 it is not, the best that was found is written; 2 misuse, or a size "
-    .. "that is implausible; 3 it could not be computed.",
+    .. output.codes("the force is reached", "it is not, the best that was found is written"),
   arguments = {{name = "model", type = "file", what = "surface (STL OBJ OFF PLY)"}},
   options = options,
   examples = {"barwright strengthen hook.stl --force 50N --out stronger.stl",
@@ -142,7 +142,7 @@ return {
       "the face that it stands on stays"}},
   run = function(wish, out)
     local result, message, details = strengthen(wish, out)
-    if not result then return model.fail(out, message, details) end
+    if not result then return out:fail(message, details) end
     return result.reached and 0 or 1
   end,
 }

@@ -49,6 +49,7 @@ local function load_study(path, wish, out)
   if refusal then return nil, out:misuse(refusal) end
   local chunk, message = loadfile(path, "t")
   if not chunk then
+    if message:find("^cannot open") then return nil, out:fail(message) end
     return nil, out:misuse(message)
   end
   local before = rawget(_G, "arg")
@@ -141,7 +142,7 @@ function actions.run(study, wish, out)
       end
     end
   end
-  return counts.done == 0 and #trials > 0 and output.FAILED or output.DONE
+  return counts.done == 0 and #trials > 0 and output.NO or output.DONE
 end
 
 function actions.status(study, wish, out)
@@ -201,8 +202,9 @@ function actions.merge(study, wish, out)
   out:json {file = study.file, taken = merged.taken, duplicates = merged.duplicates,
     conflicts = json.list(merged.conflicts)}
   if #merged.conflicts > 0 then
-    return out:fail(("%d trials have different numbers in two files; the ones that were there first are kept")
+    out:fail(("%d trials have different numbers in two files; the ones that were there first are kept")
       :format(#merged.conflicts))
+    return output.NO
   end
   return output.DONE
 end
@@ -227,7 +229,7 @@ function actions.trial(study, wish, out)
   out:say("%s", tostring(again))
   out:json {trial = plain(again.trial), same = again.same, differences = json.list(again.differences),
     before = again.before and plain(again.before)}
-  return (again.same or not again.before) and output.DONE or output.FAILED
+  return (again.same or not again.before) and output.DONE or output.NO
 end
 
 function actions.plot(study, wish, out)

@@ -212,7 +212,7 @@ local function work(wish, out, scratch)
   if not fine then return out:fail(message) end
   out:say(("# %d passed, %d failed, %d skipped%s"):format(summary.passed, summary.failed, summary.skipped,
     opened and (": " .. opened:path "index.html") or ""))
-  return summary.failed > 0 and output.FAILED or output.DONE
+  return summary.failed > 0 and output.NO or output.DONE
 end
 
 return {

@@ -3,6 +3,7 @@
 local bw = require "barwright"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
+local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local singular_places = require "barwright.singular"
 
@@ -306,8 +307,7 @@ return {
     .. "(Zhou, Panetta, Zorin 2013). The answer is an interval, estimated from a sequence of meshes of quadratic "
     .. "tetrahedra. A surface is repaired where it must be and filled; a mesh is taken as it is.\n\n"
     .. places.help .. "\n\n"
-    .. "Exit status: 0 it holds the force asked for; 1 it breaks, or the interval contains the force; 2 misuse, "
-    .. "or a size that is implausible; 3 it could not be computed.",
+    .. output.codes("it holds the force asked for", "it breaks, or the interval contains the force"),
   arguments = {model.body_argument},
   options = options,
   examples = {{"barwright worst hook.stl --material pla --report hook.html",
@@ -316,7 +316,7 @@ return {
     {"barwright worst hook.stl --force 50N --json | jq .breaking_force_n", "as one number"}},
   run = function(wish, out)
     local verdict, message, details = analyse(wish, out)
-    if not verdict then return model.fail(out, message, details) end
+    if not verdict then return out:fail(message, details) end
     return verdict == "holds" and 0 or 1
   end,
 }

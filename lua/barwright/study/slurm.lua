@@ -118,7 +118,7 @@ function slurm.command(study, wish, out)
   if not points then
     return out:fail(("study %s: which points the design '%s' asks for depends on results, so it cannot be cut "
       .. "into an array of jobs. Run it in one job: `mpirun barwright study run %s --mpi`"):format(study.name,
-      study.design.name, wish.files[1]))
+      study.design.name, wish.files[1]), {status = "unsupported"})
   end
   local jobs = math.min(wish.jobs or 10, #points)
   local path = wish.out or base_of(study.file) .. ".sbatch"
