@@ -100,7 +100,8 @@ local function page(commands)
   for _, row in ipairs {{"0", "done; the answer is yes"},
     {"1", "the answer is no (not sound, breaks), or the error leaves it open"},
     {"2", "misuse or refused"},
-    {"3", "it could not be computed, or a file could not be read or written"}, {"124", "the time that `--seconds` allows was over"},
+    {"3", "it could not be computed, or a file could not be read or written"},
+    {"124", "the time that `--seconds` allows was over"},
     {"130", "interrupted by Ctrl-C"}} do
     entry("\\fB" .. row[1] .. "\\fR", row[2], lines)
   end
