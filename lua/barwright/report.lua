@@ -4,6 +4,7 @@
 local beside = require "barwright.beside"
 local core = require "barwright.core"
 local json = require "barwright.json"
+local judged_stress = require "barwright.judged_stress"
 local options = require "barwright.options"
 
 local report = {}
@@ -76,7 +77,7 @@ local function chosen_regions(worst, count)
 end
 
 local function add_loads(worst, nodes, data, shown)
-  local mesh = worst.mesh
+  local mesh, judged = worst.mesh, judged_stress(worst.options.failure)
   for k, region in ipairs(shown) do
     local u, message, details = worst:displacement(region)
     if not u then return nil, message, details end
@@ -85,8 +86,8 @@ local function add_loads(worst, nodes, data, shown)
     if not stress then return nil, message, details end
     local about = worst.regions[region]
     local name = about.label
-    data.fields[#data.fields + 1] = {name = "stress under the load of " .. name, unit = "MPa",
-      values = floats(mesh:to_nodes(core.max_principal(stress), "max"):gather(nodes) * 1e-6)}
+    data.fields[#data.fields + 1] = {name = judged.name .. " under the load of " .. name, unit = "MPa",
+      values = floats(mesh:to_nodes(judged.of(stress), "max"):gather(nodes) * 1e-6)}
     data.displacements[k] = {name = "worst load of " .. name, kind = "load",
       values = floats(u:gather(nodes)), field = #data.fields - 1,
       arrows = json.list(worst:arrows(region))}

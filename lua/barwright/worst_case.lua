@@ -6,6 +6,7 @@
 local arguments = require "barwright.arguments"
 local certificate = require "barwright.certificate"
 local core = require "barwright.core"
+local judged_stress = require "barwright.judged_stress"
 local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local patch_search = require "barwright.patch_search"
@@ -362,7 +363,7 @@ function worst_case:write(path)
   }})
 end
 
---- A picture: the weakness map with the arrows of the worst load, or with {region = i} the stress
+--- A picture: the weakness map with the arrows of the worst load, or with {region = i} the judged stress
 --- under that region's load on the deformed shape. Further options: those of bw.picture.
 function worst_case:picture(path, given)
   local wish = {}
@@ -376,9 +377,10 @@ function worst_case:picture(path, given)
     local stress, message
     stress, message, details = self:stress(region)
     if not stress then return nil, message, details end
-    values = core.max_principal(stress)
+    local judged = judged_stress(self.options.failure)
+    values = judged.of(stress)
     wish.displacement = self:displacement(region):gather(nodes)
-    wish.unit = wish.unit or "largest principal stress, MPa"
+    wish.unit = wish.unit or judged.name .. " under this load, MPa"
     wish.title = wish.title or "Under the worst load of " .. self.regions[region].label
   else
     values = self.weakness

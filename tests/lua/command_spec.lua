@@ -2,6 +2,7 @@
 -- Commands: how their words are read, what help is made, what each answers, with which exit code.
 local bw = require "barwright"
 local check = require "check"
+local core = require "barwright.core"
 local commands = require "barwright.command"
 local arguments = require "barwright.command.arguments"
 local help_text = require "barwright.command.help_text"
@@ -61,6 +62,9 @@ describe("numbers and words in sentences", function()
     assert.equal("0.53", model.percent(0.00527))
     assert.equal("8.2", model.percent(0.0823))
     assert.equal("110", model.percent(1.1))
+    assert.same({"3560", "25.8", "0.00123", "1.2e-07", "-2000000"}, {model.digits(3555.5), model.digits(25.83),
+      model.digits(0.001234), model.digits(1.23e-7, 2), model.digits(-2e6)})
+    assert.equal("25.8 N (21.3 to 1310 N)", model.interval(25.83, 21.34, 1306))
     assert.equal("parts/hook-2.stl", model.shell "parts/hook-2.stl")
     assert.equal("'2 mm'", model.shell "2 mm")
     assert.equal("'it'\\''s.stl'", model.shell "it's.stl")
@@ -378,8 +382,9 @@ describe("commands that compute", function()
     assert.truthy(out:find("it breaks", 1, true), out)
     assert.truthy(out:find("r.html", 1, true), out)
     -- The page has the answer of the terminal, and the advised command computes the same part.
-    assert.truthy(check.read(folder .. "r.html"):find('<p class="answer">breaks at [^<]+; 2e%+06 N: it breaks%.'))
-    local advised = "--force 2e+06N --young 1GPa --strength 10MPa --elements 600 --modes 3 --regions 1 --out"
+    assert.truthy(check.read(folder .. "r.html"):find(
+      '<p class="answer">breaks at [%d.]+ N %([%d.]+ to [%d.]+ N%) at [^<]+; pushed by 2000000 N: it breaks%.'))
+    local advised = "--force 2000000N --young 1GPa --strength 10MPa --elements 600 --modes 3 --regions 1 --out"
     assert.truthy(out:find(advised, 1, true), out)
     -- What cannot be written is told before anything is computed.
     local code, said, fault = check.run("worst " .. folder .. "sound.stl --report " .. folder
@@ -528,6 +533,39 @@ describe("commands that compute", function()
     assert.is_nil(object.materials[1].critical_distance_m)
   end)
 
+  it("worst names and draws the stress that is judged", function()
+    local path = check.folder() .. "/plate.vtu"
+    local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}, order = 2})
+    assert(mesh:write(path))
+    local pictures = {}
+    for material, name in pairs {steel = "von Mises stress", abs = "largest principal stress"} do
+      local page = ("%s.%s.html"):format(path, material)
+      pictures[material] = ("%s.%s.png"):format(path, material)
+      local status, out = check.run(("worst %s --material %s --modes 2 --regions 1 --report %s --picture %s")
+        :format(path, material, page, pictures[material]))
+      assert.is_true(status <= 1)
+      assert.truthy(out:find(material == "steel" and "judged by von Mises" or "judged by the largest principal", 1,
+        true), out)
+      assert.truthy(check.read(page):find(name .. " under the load of", 1, true))
+    end
+    -- The picture of a worst case says the same.
+    local given
+    local before = core.picture
+    core.picture = function(_, _, wish) given = wish return true end -- luacheck: ignore
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    for failure, unit in pairs {von_mises = "von Mises stress under this load, MPa",
+      principal = "largest principal stress under this load, MPa"} do
+      local worst = assert(bw.worst_case(part, {modes = 2, regions = 1, length = 2e-3, failure = failure}))
+      assert(worst:picture("x.png", {region = 1}))
+      assert.equal(unit, given.unit)
+      local stress = assert(worst:stress(1))
+      local values = failure == "von_mises" and core.von_mises(stress) or core.max_principal(stress)
+      local _, nodes = mesh:surface()
+      assert.equal(mesh:to_nodes(values, "max"):gather(nodes):max(), given.values:max())
+    end
+    core.picture = before -- luacheck: ignore
+  end)
+
   it("worst averages over half the critical distance where that is asked for", function()
     local path = check.folder() .. "/plate.vtu"
     assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(path))
@@ -542,6 +580,8 @@ describe("commands that compute", function()
     status, object = answer(words .. "critical")
     assert.equal(2, status)
     assert.truthy(object.error.message:find("the fracture toughness of pla is not known", 1, true))
+    assert.truthy(object.error.message:find("give it by --toughness, or take a material that has one (steel, "
+      .. "aluminium, abs)", 1, true))
     status, object = answer(words .. "criticl")
     assert.equal(2, status)
     assert.truthy(object.error.message:find("option --length: 'critical' or a number", 1, true))

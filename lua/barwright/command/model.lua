@@ -78,6 +78,18 @@ function model.mm(length)
   return ("%.4g"):format(length * 1e3)
 end
 
+--- A number with so many digits that matter (3), without an exponent where it is neither tiny nor huge: "3560".
+function model.digits(value, count)
+  local text = ("%%.%dg"):format(count or 3):format(value)
+  if text:find("e+", 1, true) and math.abs(value) < 1e9 then text = ("%.0f"):format(tonumber(text)) end
+  return text
+end
+
+--- "25.8 N (21.3 to 30.9 N)" of a breaking force with its interval.
+function model.interval(force, low, high)
+  return ("%s N (%s to %s N)"):format(model.digits(force), model.digits(low), model.digits(high))
+end
+
 --- "(1.5, 0, 30) mm"
 function model.place(at)
   local texts = {}
@@ -271,6 +283,18 @@ function model.tell_mesh(mesh, material, out)
     mass_kg = material and material.density and material.density * mesh.volume or nil}
 end
 
+-- With --length critical the material needs a toughness: a sentence where it has none.
+local function missing_toughness(wish, material)
+  if wish.length ~= "critical" or material.critical_distance then return nil end
+  local known = {}
+  for _, name in ipairs(bw.material.names()) do
+    if bw.material.named(name).critical_distance then known[#known + 1] = name end
+  end
+  return ("option --length critical: the fracture toughness of %s is not known: give it by --toughness, or take a "
+    .. "material that has one (%s), or give a length such as --length 1mm"):format(wish.material,
+    table.concat(known, ", "))
+end
+
 -- What the command is to write, told to be impossible before the work and not after it.
 local function check_outputs(wish)
   for _, name in ipairs {"report", "picture", "vtu"} do
@@ -293,6 +317,8 @@ function model.start(wish, out)
   local read, material
   material, message, details = material_of(wish)
   if not material then return nil, message, details end
+  message = missing_toughness(wish, material)
+  if message then return nil, message, {status = "misuse"} end
   read, message, details = model.open(wish.model, wish.unit, out)
   if not read then return nil, message, details end
   out:say("%s: %s.", model.name(wish.model), read.format)

@@ -43,8 +43,9 @@ local function tell(modes, held, errors, wish, out)
   for i, frequency in ipairs(modes.frequencies:totable()) do
     local note, cents = pitch.note(frequency)
     list[i] = frequency
-    out:say(frequency < 10 and "  %2d  %10.4f Hz   %-4s %+3.0f cents, about %.2g too high"
-      or "  %2d  %10.1f Hz   %-4s %+3.0f cents, about %.2g too high", i, frequency, note, cents, errors[i])
+    out:say(frequency < 10 and "  %2d  %10.4f Hz   %-4s %+3.0f cents, about %s too high"
+      or "  %2d  %10.1f Hz   %-4s %+3.0f cents, about %s too high", i, frequency, note, cents,
+      model.digits(errors[i], 2))
   end
   out:say("The mesh makes frequencies too high; the estimate is in cents, a hundredth of a semitone.")
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,

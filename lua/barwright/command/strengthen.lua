@@ -14,11 +14,12 @@ local function fields_of(one)
 end
 
 local function row(name, one, out)
-  out:say("  %-8s%9.3g N%10.3g to%9.3g N%14s   %s", name, one.force, one.low, one.high,
-    one.mass and model.mass_text(one.mass) or ("%.4g cm3"):format(one.volume * 1e6), model.place(one.at))
+  out:say("  %-8s%9s N%10s to%9s N%14s   %s", name, model.digits(one.force), model.digits(one.low),
+    model.digits(one.high), one.mass
+    and model.mass_text(one.mass) or ("%.4g cm3"):format(one.volume * 1e6), model.place(one.at))
 end
 
-local function tell(result, wish, out)
+local function tell(result, moved, wish, out)
   out:say("")
   out:say("  %-8s%11s%24s%14s   weakest place", "", "breaks at", "interval",
     result.before.mass and "mass" or "volume")
@@ -26,12 +27,17 @@ local function tell(result, wish, out)
   row("after", result.after, out)
   local share = result.added_volume / result.before.volume
   local density = result.options.material.density
-  out:say("Added: %s, %.3g %%, in %s.", density and model.mass_text(density * result.added_volume)
-    or ("%.4g cm3"):format(result.added_volume * 1e6), 100 * share, model.count(#result.steps, "step"))
-  if result.reached then
-    out:say("%.3g N is reached: the whole interval lies above.", wish.force)
+  if #result.steps == 0 then
+    out:say "Nothing was added."
   else
-    out:say("%.3g N is not reached: the interval begins below%s.", wish.force, result.stopped
+    out:say("Added: %s, %.3g %%, in %s: in all, the surface was moved out by up to %s mm.", density
+      and model.mass_text(density * result.added_volume) or ("%.4g cm3"):format(result.added_volume * 1e6),
+      100 * share, model.count(#result.steps, "step"), model.digits(moved:max() * 1e3))
+  end
+  if result.reached then
+    out:say("%s N is reached: the whole interval lies above.", model.digits(wish.force))
+  else
+    out:say("%s N is not reached: the interval begins below%s.", model.digits(wish.force), result.stopped
       and "; " .. result.stopped or ("; --steps allows %d"):format(wish.steps))
   end
   local steps = bw.json.list {}
@@ -42,25 +48,23 @@ local function tell(result, wish, out)
   out:json {verdict = result.reached and "reached" or "not reached", force_n = wish.force,
     before = fields_of(result.before), after = fields_of(result.after), steps = steps, stopped = result.stopped,
     added_volume_m3 = result.added_volume, added_mass_kg = density and density * result.added_volume or nil,
-    added_share = share, repaired = result.repaired or false}
+    added_share = share, largest_thickness_m = moved:max(), repaired = result.repaired or false}
 end
 
 -- How far the surface moved, on the surface.
-local function picture(result, path)
-  local moved, message, details = result.original:distance(result.surface.points)
-  if not moved then return nil, message, details end
+local function picture(result, moved, path)
   local before, after = result.before, result.after
   return bw.picture(result.surface, path, {values = moved, scale = 1e3, unit = "thickened by, mm",
-    title = ("breaks at %.3g N (%.3g to %.3g N), before: %.3g N (%.3g to %.3g N)"):format(after.force, after.low,
-      after.high, before.force, before.low, before.high)})
+    title = ("breaks at %s, before: %s"):format(model.interval(after.force, after.low, after.high),
+      model.interval(before.force, before.low, before.high))})
 end
 
-local function write_files(result, read, wish, out)
+local function write_files(result, moved, read, wish, out)
   local files = bw.json.list {wish.out}
   local fine, message, details = result.surface:write(wish.out, {unit = model.unit_of(read, wish)})
   if fine and wish.picture then
     files[2] = wish.picture
-    fine, message, details = picture(result, wish.picture)
+    fine, message, details = picture(result, moved, wish.picture)
   end
   if not fine then return nil, message, details end
   out:json {files = files}
@@ -86,20 +90,26 @@ local function strengthen(wish, out)
       {status = "unsupported"}
   end
   local result
+  local steps = 0
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = wish.force,
     contact = wish.contact, elements = wish.elements, length = wish.length,
     modes = wish.modes, regions = wish.regions,
     steps = wish.steps, keep = #wish.keep > 0 and places.test(wish.keep, read.box) or nil,
     progress = function(step)
-      out:say("  %s thickened, most by %.2g mm: breaks at %.3g N%s", model.count(step.places, "place"),
-        step.offset * 1e3, step.force, step.low and (" (%.3g to %.3g N)"):format(step.low, step.high)
-          or ", by one mesh")
+      steps = steps + 1
+      out:say("  step %d: %s thickened by up to %s mm in this step; now it breaks at %s", steps,
+        model.count(step.places, "place"), model.digits(step.offset * 1e3, 2),
+        step.low and model.interval(step.force, step.low, step.high)
+          or model.digits(step.force) .. " N, estimated from one mesh")
     end})
   out:remarks()
   if not result then return nil, wish.model .. ": " .. message, details end
   out:json {unit = model.unit_of(read, wish), material = wish.material}
-  tell(result, wish, out)
-  fine, message, details = write_files(result, read, wish, out)
+  local moved
+  moved, message, details = result.original:distance(result.surface.points)
+  if not moved then return nil, message, details end
+  tell(result, moved, wish, out)
+  fine, message, details = write_files(result, moved, read, wish, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   return result

@@ -11,7 +11,7 @@ local singular_places = require "barwright.singular"
 local MOST_ELEMENTS = 200000
 
 local function newtons(force)
-  return ("%.3g N"):format(force)
+  return model.digits(force) .. " N"
 end
 
 -- Deflections above this share of the longest side are beyond the range of linear theory.
@@ -72,12 +72,16 @@ local sentences = {
 -- The answer, in sentences.
 local function tell(breaking, verdict, large, singular, mass, wish, out)
   out:say("")
-  out:say("%s breaks at %s (%.3g to %s), pushed in the worst way over at least %.3g cm2, at %s; %s%s.",
-    model.name(wish.model), newtons(breaking.force), breaking.low, newtons(breaking.high), breaking.contact * 1e4,
+  out:say("%s breaks at %s, pushed in the worst way over at least %.3g cm2, at %s; %s%s.",
+    model.name(wish.model), model.interval(breaking.force, breaking.low, breaking.high), breaking.contact * 1e4,
     model.place(breaking.at), wish.material, mass and ", " .. model.mass_text(mass) or "")
   out:say(sentences[verdict], newtons(wish.force))
-  for _, place in ipairs(breaking.ties) do
-    out:say("  Within the error as weak: %s, at %s.", newtons(1 / place.utilisation), model.place(place.at))
+  local others = {}
+  for i, place in ipairs(breaking.ties) do
+    others[i] = ("%s at %s"):format(newtons(1 / place.utilisation), model.place(place.at))
+  end
+  if #others > 0 then
+    out:say("  Other places whose breaking force is within the error: %s.", table.concat(others, "; "))
   end
   if singular then
     out:say("  %s. The mean over the patch has one.", (tostring(singular):gsub("^%l", string.upper)))
@@ -159,16 +163,16 @@ local function advise(breaking, verdict, wish, out)
   out:json {advice = {force_n = wish.force, places = thickened, predicted_breaking_force_n = advice.force,
     predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
   if not first then return out:say("Advice: no thickening was found that helps.") end
-  out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s (%.3g to %s).",
+  out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s.",
     model.count(#thickened, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
-    model.place(first.at), newtons(advice.force), advice.low, newtons(advice.high))
+    model.place(first.at), model.interval(advice.force, advice.low, advice.high))
   if #wish.hold + #wish.forbid > 0 then return end -- strengthening takes free parts only
   local same = {}
   for _, name in ipairs(SAME_PART) do
     local text = wish.given[name]
     if text then same[#same + 1] = (" %s %s"):format(name, model.shell(text)) end
   end
-  out:say("  `barwright strengthen %s --force %gN%s --out FILE.stl` does it and computes the force again.",
+  out:say("  `barwright strengthen %s --force %.14gN%s --out FILE.stl` does it and computes the force again.",
     model.shell(wish.model), wish.force, table.concat(same))
 end
 
@@ -180,11 +184,25 @@ end
 
 local VERDICTS = {holds = "it holds", breaks = "it breaks", unsure = "too close to decide"}
 
+-- What pictures draw: a cross where it breaks, as large as the patch that is judged, and the edge of a finding.
+local function marks(breaking, singular)
+  local lines = {}
+  for k = 1, 3 do
+    local from, to = {table.unpack(breaking.at)}, {table.unpack(breaking.at)}
+    from[k], to[k] = from[k] - breaking.length, to[k] + breaking.length
+    lines[k] = {from, to}
+  end
+  local edge = model.edge_lines(singular)
+  table.move(edge.lines or {}, 1, #(edge.lines or {}), #lines + 1, lines)
+  return lines, "cross: it breaks here" .. (edge.lines and "; line: " .. edge.line_name or "")
+end
+
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
 local function write_files(breaking, verdict, singular, wish, folder, out)
   local worst = breaking.worst
-  local function with_edge(given)
-    for key, value in pairs(model.edge_lines(singular)) do given[key] = value end
+  local lines, line_name = marks(breaking, singular)
+  local function marked(given)
+    given.lines, given.line_name = lines, line_name
     return given
   end
   local written = {}
@@ -200,21 +218,24 @@ local function write_files(breaking, verdict, singular, wish, folder, out)
     file("report.html", wish.report)
   local fine, message, details = true, nil, nil
   if picture then
-    local title = ("%s breaks at %s (%.3g to %s); shown under %s"):format(model.name(wish.model),
-      newtons(breaking.force), breaking.low, newtons(breaking.high), newtons(wish.force))
-    fine, message, details = leave(picture, worst:picture(picture, with_edge {title = title,
-      arrows = worst:arrows(breaking.region)}))
+    local von_mises = breaking.failure == "von_mises"
+    local title = ("%s breaks at %s; shown under %s"):format(model.name(wish.model),
+      model.interval(breaking.force, breaking.low, breaking.high), newtons(wish.force))
+    fine, message, details = leave(picture, worst:picture(picture, marked {title = title,
+      arrows = worst:arrows(breaking.region), region = von_mises and breaking.region or nil}))
   end
   if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
   if fine and folder then
     local path = folder:path "worst_load.png"
-    fine, message, details = leave(path, worst:picture(path, with_edge {region = breaking.region,
-      title = "Under the load that breaks it"}))
+    fine, message, details = leave(path, worst:picture(path, marked {region = breaking.region,
+      title = "Under the worst load of " .. newtons(wish.force)}))
   end
   if fine and report then
-    fine, message, details = leave(report, worst:report(report, with_edge {manifest = folder and folder.manifest,
-      view = view_of(singular), answer = ("%s; %.4g N: %s"):format(breaking, wish.force, VERDICTS[verdict]),
-      title = "Worst case of " .. model.name(wish.model)}))
+    local answer = ("breaks at %s at %s, pushed over at least %.3g cm2; pushed by %s: %s"):format(
+      model.interval(breaking.force, breaking.low, breaking.high), model.place(breaking.at),
+      breaking.contact * 1e4, newtons(wish.force), VERDICTS[verdict])
+    fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
+      view = view_of(singular), answer = answer, title = "Worst case of " .. model.name(wish.model)}))
   end
   if not fine then return nil, message, details end
   out:json {files = bw.json.list(written)}
