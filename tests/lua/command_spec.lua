@@ -9,6 +9,7 @@ local help_text = require "barwright.command.help_text"
 local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
+local static_picture = require "barwright.command.static_picture"
 local prism = require "prism"
 local quantity = require "barwright.command.quantity"
 
@@ -65,6 +66,12 @@ describe("numbers and words in sentences", function()
     assert.same({"3560", "25.8", "0.00123", "1.2e-07", "-2000000"}, {model.digits(3555.5), model.digits(25.83),
       model.digits(0.001234), model.digits(1.23e-7, 2), model.digits(-2e6)})
     assert.equal("25.8 N (21.3 to 1310 N)", model.interval(25.83, 21.34, 1306))
+    for verdict, pair in pairs {holds = {0.5, 0.9}, breaks = {4, 0.5}, unsure = {0.5, 1.1}} do
+      assert.equal(verdict, (model.verdict(table.unpack(pair))))
+    end
+    assert.equal("unsure", (model.verdict(1e-3, 1))) -- an error as large as the value decides nothing
+    assert.equal("unsure", (model.verdict(0.9, 0.2)))
+    assert.equal("unsure", (model.verdict(nil, 0.2)))
     assert.equal("parts/hook-2.stl", model.shell "parts/hook-2.stl")
     assert.equal("'2 mm'", model.shell "2 mm")
     assert.equal("'it'\\''s.stl'", model.shell "it's.stl")
@@ -585,6 +592,45 @@ describe("commands that compute", function()
     status, object = answer(words .. "criticl")
     assert.equal(2, status)
     assert.truthy(object.error.message:find("option --length: 'critical' or a number", 1, true))
+  end)
+
+  it("statics draws loads, supports and the value that it prints", function()
+    local mesh = check.beam({8, 2, 2}, 2)
+    local border, length = static_picture.border(mesh.boundary:below("x", 0)), 0
+    for _, line in ipairs(border) do
+      assert.equal(0, line[1][1] + line[2][1])
+      length = length + math.abs(line[1][2] - line[2][2]) + math.abs(line[1][3] - line[2][3])
+    end
+    check.near(0.4, length, 1e-9)
+    local arrows = static_picture.arrows(mesh, {{place = "high:x", force = {0, 0, -3}}, {place = "low:z",
+      pressure = 200}, gravity = {0, 0, -10}}, 2)
+    assert.same({at = {1, 0.05, 0.05}, force = {0, 0, -3}}, arrows[1])
+    local up = 0
+    for i = 2, #arrows - 1 do
+      check.near(1, 1 + arrows[i].at[3], 1e-12)
+      up = up + arrows[i].force[3]
+    end
+    check.near(200 * 0.1, up, 1e-9) -- towards the body
+    assert.same({0, 0, -20}, arrows[#arrows].force)
+    -- All nodes are on the picture, the middles of edges too.
+    local part = bw.model {mesh = mesh, material = bw.material.steel}
+    part:fix(mesh.boundary:below("x", 0))
+    part:load {on = mesh.boundary:above("x", 1), force = {0, 0, -100}}
+    local static, before, given, drawn = assert(part:solve()), core.picture, nil, nil
+    core.picture = function(surface, _, wish) drawn, given = surface, wish return true end -- luacheck: ignore
+    assert(static:picture("x.png", static_picture.options(static, "title", {{place = "high:x",
+      force = {0, 0, -100}}}, {"below:x:0"})))
+    core.picture = before -- luacheck: ignore
+    assert.equal(static.von_mises:max(), given.values:max())
+    check.near(0.42, drawn.area, 1e-6)
+    assert.equal("title", given.title)
+    assert.equal("border of what is held", given.line_name)
+    assert.same({#border, 1}, {#given.lines, #given.arrows})
+    local path = folder .. "statics.png"
+    local _, out = check.run("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g --picture "
+      .. path)
+    assert.truthy(out:find("%% of the strength of steel %(estimated error %d+ %%%): it holds%."), out)
+    assert.truthy(#check.read(path) > 1000)
   end)
 
   it("statics refuses a support without a facet", function()

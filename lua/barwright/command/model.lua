@@ -125,6 +125,16 @@ function model.percent(share)
   return (share < 0.1 and "%.2g" or "%.0f"):format(100 * share)
 end
 
+--- The verdict on a stress that is `used` of the strength, within a relative error, and its words. An error as
+--- large as the value decides nothing; without a strength nothing is known.
+function model.verdict(used, estimated)
+  if not used then return "unsure" end
+  if estimated >= 1 then return "unsure", "the error is too large to decide" end
+  if used * (1 + estimated) < 1 then return "holds", "it holds" end
+  if used * (1 - estimated) > 1 then return "breaks", "it breaks" end
+  return "unsure", "too close to decide"
+end
+
 --- The length of a box's diagonal.
 function model.diagonal(box)
   local low, high = box.low, box.high

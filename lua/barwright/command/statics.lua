@@ -6,6 +6,7 @@ local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local singular_places = require "barwright.singular"
+local static_picture = require "barwright.command.static_picture"
 
 -- "PLACE=VALUE": what stands before and behind the last "=".
 local function split(text)
@@ -142,12 +143,6 @@ local function effective(static, finding)
   return list and list[1]
 end
 
-local function verdict_of(used, estimated)
-  if not used then return "unsure" end
-  if used * (1 + estimated) < 1 then return "holds" end
-  return used * (1 - estimated) > 1 and "breaks" or "unsure"
-end
-
 -- Solves with the error asked for, from a first mesh of a share of the elements: static, accuracy.
 local function solve_to_error(part, read, wish)
   local surface = read.surface and read.surface:check {limit = 1}
@@ -197,11 +192,12 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
   local critical = effective(static, singular)
   if accuracy then tell_accuracy(accuracy, out) end
-  local verdict = verdict_of(used, estimated)
+  local judged_error = estimated
   if singular and used then
     used = fine.used_mean
-    verdict = verdict_of(used, error_of(used, coarse and coarse.used_mean, mean))
+    judged_error = error_of(used, coarse and coarse.used_mean, mean)
   end
+  local verdict, words = model.verdict(used, judged_error)
   out:say("")
   out:say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
     .. "%s %%%s).", model.mm(most), model.place(at), stress / 1e6, model.percent(estimated),
@@ -218,8 +214,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   if not used then
     out:say("The strength of %s is not known.", wish.material)
   else
-    out:say("The judged stress is %.3g %% of the strength of %s: %s.", 100 * used, wish.material,
-      verdict == "unsure" and "too close to decide" or "it " .. verdict)
+    out:say("The judged stress is %s %% of the strength of %s (estimated error %s %%): %s.",
+      model.digits(100 * used), wish.material, model.percent(judged_error), words)
   end
   local solver = static.solver
   if solver.with == "levels" then
@@ -230,7 +226,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
     averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, wish),
     max_von_mises_pa = stress, max_von_mises_at_m = at,
-    max_displacement_m = most, utilisation = used, strength_pa = material.strength, mean_error = mean,
+    max_displacement_m = most, utilisation = used, utilisation_error = used and judged_error,
+    strength_pa = material.strength, mean_error = mean,
     coarse_value = coarse and coarse.stress, coarse_elements = coarse and coarse.elements,
     singular_by = singular and singular.by, singular_place = singular and singular.place and {
       kind = singular.place.kind, angle_rad = singular.place.angle, at_m = singular.at},
@@ -240,7 +237,9 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     critical_distance_m = critical and critical.length,
     material = wish.material, energy_j = static.energy,
     solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
-  return verdict, singular
+  local title = ("%s: largest von Mises stress %.4g MPa ± %s %%%s"):format(model.name(wish.model), stress / 1e6,
+    model.percent(estimated), words and "; " .. words or "")
+  return {verdict = verdict, singular = singular, title = title}
 end
 
 local function analyse(wish, loads, out)
@@ -265,9 +264,9 @@ local function analyse(wish, loads, out)
   end
   out:remarks()
   if not static then return nil, accuracy, details end
-  local verdict, singular = tell(static, part, read, loads, wish, accuracy, out)
+  local answer = tell(static, part, read, loads, wish, accuracy, out)
   out:json {seconds = bw.seconds() - start}
-  return static, verdict, singular
+  return static, answer
 end
 
 local options = {
@@ -310,11 +309,14 @@ return {
   run = function(wish, out)
     local loads, message = read_loads(wish)
     if not loads then return out:misuse(message) end
-    local static, verdict, singular = analyse(wish, loads, out)
-    if not static then return out:fail(verdict, singular) end -- a message and details
+    local static, answer, details = analyse(wish, loads, out)
+    if not static then return out:fail(answer, details) end -- a message
     local written = bw.json.list {}
     for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
-      {wish.picture, function() return static:picture(wish.picture, model.edge_lines(singular)) end}} do
+      {wish.picture, function()
+        return static:picture(wish.picture,
+          static_picture.options(static, answer.title, loads, wish.hold, answer.singular))
+      end}} do
       if how[1] then
         local fine, why, more = how[2]()
         if not fine then return out:fail(why, more) end
@@ -323,6 +325,6 @@ return {
     end
     if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
     out:json {files = written}
-    return verdict == "holds" and 0 or 1
+    return answer.verdict == "holds" and 0 or 1
   end,
 }
