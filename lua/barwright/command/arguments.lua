@@ -125,15 +125,21 @@ local function keep(wish, rule, value)
   end
 end
 
+-- The option that a name resembles, or all of them, however many these are.
+local function meant(name, names)
+  local text = core.suggestion(name, names)
+  if text:find("^did you mean") then return text end
+  table.sort(names)
+  return "known are " .. table.concat(names, ", ")
+end
+
 -- One option at word i: the number of words taken, or nil and a sentence.
 local function read_option(known, names, words, i, wish, given)
   local name, joined = words[i]:match "^(%-%-[^=]+)=(.*)$"
   name = name or words[i]
   if name == "-h" then name = "--help" end
   local rule = known[name]
-  if not rule then
-    return nil, ("unknown option %s: %s"):format(name, core.suggestion(name, names))
-  end
+  if not rule then return nil, ("unknown option %s: %s"):format(name, meant(name, names)) end
   if given[name] and not rule.many and rule.type ~= "flag" then
     return nil, ("option %s is given twice"):format(name)
   end

@@ -127,6 +127,7 @@ local function tell_edges(surface, wish, out)
   local lines = {}
   for i, edge in ipairs(edges) do lines[i] = edge.points end
   local fine, why, details = surface:picture(wish.picture, {title = model.name(wish.model), lines = lines,
+    direction = model.view_of(edges),
     line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"})
   if not fine then return nil, why, details end
   out:json {files = bw.json.list {wish.picture}}

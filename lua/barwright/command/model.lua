@@ -251,6 +251,28 @@ function model.edge_lines(finding)
     .. ": no finite stress"}
 end
 
+-- Edges on opposite sides cancel out: then the longest one is shown.
+local ALIGNED = 0.3
+
+--- The direction from the body to the viewer in which re-entrant edges ({length, inward} each) are seen: against
+--- their bisectors, from above a little; nil where there is none.
+function model.view_of(edges)
+  local sum, total, longest = {0, 0, 0}, 0, nil
+  for _, edge in ipairs(edges) do
+    local inward = edge.inward[#edge.inward // 2 + 1]
+    for k = 1, 3 do sum[k] = sum[k] - edge.length * inward[k] end
+    total = total + edge.length
+    if not longest or edge.length > longest.length then longest = edge end
+  end
+  if not longest then return nil end
+  local size = math.sqrt(sum[1] ^ 2 + sum[2] ^ 2 + sum[3] ^ 2)
+  if size < ALIGNED * total or size == 0 then
+    if #edges == 1 then return nil end
+    return model.view_of {longest}
+  end
+  return {sum[1] / size, sum[2] / size, sum[3] / size + 0.5}
+end
+
 --- A mesh of what was read: as it is, or filled. Says what was done to the surface on the way.
 function model.mesh(read, wish, out)
   if read.kind == "outline" then

@@ -176,12 +176,6 @@ local function advise(breaking, verdict, wish, out)
     model.shell(wish.model), wish.force, table.concat(same))
 end
 
--- The direction from which the edge of a finding is seen: against its bisector, from above a little.
-local function view_of(singular)
-  local inward = singular and singular.place and singular.place.inward[1]
-  return inward and {-inward[1], -inward[2], 0.5 - inward[3]} or nil
-end
-
 local VERDICTS = {holds = "it holds", breaks = "it breaks", unsure = "too close to decide"}
 
 -- What pictures draw: a cross where it breaks, as large as the patch that is judged, and the edge of a finding.
@@ -235,7 +229,8 @@ local function write_files(breaking, verdict, singular, wish, folder, out)
       model.interval(breaking.force, breaking.low, breaking.high), model.place(breaking.at),
       breaking.contact * 1e4, newtons(wish.force), VERDICTS[verdict])
     fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
-      view = view_of(singular), answer = answer, title = "Worst case of " .. model.name(wish.model)}))
+      view = singular and singular.place and model.view_of {singular.place}, answer = answer,
+      title = "Worst case of " .. model.name(wish.model)}))
   end
   if not fine then return nil, message, details end
   out:json {files = bw.json.list(written)}
