@@ -17,7 +17,8 @@ local rules = {
   lines = {type = "table"}, -- lists of points, drawn over the surface
   line_name = {type = "string"}, -- what they are
   view = {type = "table"}, -- from the object to the viewer
-  answer = {type = "string"}, -- a sentence above that of the largest stress
+  answer = {type = "string"}, -- sentences in place of that of the largest stress
+  region = {type = "integer", least = 1}, -- the one whose load is shown first; the worst one if left out
 }
 
 -- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
@@ -61,12 +62,12 @@ function report.data(surface)
   }
 end
 
--- The regions whose loads are shown: the worst, then the others by how much stress they cause.
-local function chosen_regions(worst, count)
+-- The regions whose loads are shown: one first, then the others by how much stress they cause.
+local function chosen_regions(worst, count, first)
   local order = {}
   for i = 1, #worst.regions do order[i] = i end
   table.sort(order, function(a, b)
-    if (a == worst.region) ~= (b == worst.region) then return a == worst.region end
+    if (a == first) ~= (b == first) then return a == first end
     local p, q = worst.regions[a].max_principal, worst.regions[b].max_principal
     if p ~= q then return p > q end
     return a < b
@@ -202,7 +203,10 @@ end
 --- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
 function report.write(worst, path, given)
   local wish = options.read("report", given, rules)
-  local shown = chosen_regions(worst, wish.loads)
+  if wish.region and wish.region > #worst.regions then
+    core.raise(("report: option 'region': 1 to %d expected, got %d"):format(#worst.regions, wish.region))
+  end
+  local shown = chosen_regions(worst, wish.loads, wish.region or worst.region)
   local data, message, details = data_of(worst, wish, shown)
   if not data then return nil, message, details end
   data.view = wish.view and vector_of("view", wish.view) or data.view
@@ -218,8 +222,7 @@ function report.write(worst, path, given)
   end
   return report.page(path, {
     title = wish.title or "Worst-case analysis",
-    answer = wish.answer and ("%s.\nShown: stresses of elements under %.4g N in all, without an estimate of their "
-      .. "error. The largest is %s"):format(wish.answer, worst.options.force, tostring(worst)) or tostring(worst),
+    answer = wish.answer or tostring(worst),
     manifest = wish.manifest or {version = core.version, options = plain(worst.options)},
     body = legend_of(wish) .. table_of_regions(worst, shown),
     data = data,

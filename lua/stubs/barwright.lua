@@ -1573,9 +1573,10 @@ function WorstCase:write(path) end
 ---@return true?
 function WorstCase:picture(path, options) end
 
----One HTML file with a 3D view that turns; needs no network.
+---One HTML file with a 3D view that turns; needs no network. The load of `region` is shown first (default: that of
+---the largest stress); `answer` replaces the sentence above the view.
 ---@param path string
----@param options? {title: string, manifest: table, loads: integer, modes: integer, lines: (bw.Array|bw.Vector[])[], line_name: string, view: bw.Vector, answer: string}
+---@param options? {title: string, manifest: table, loads: integer, modes: integer, lines: (bw.Array|bw.Vector[])[], line_name: string, view: bw.Vector, answer: string, region: integer}
 ---@return true?
 ---@return string? message
 ---@return table? details

@@ -8,6 +8,7 @@ local gallery = {}
 -- docs/images: what made it, what it shows.
 local kept = {
   ["foal.png"] = {"scripts/demo", "A toy foal, coloured by how highly each place can be stressed"},
+  ["worst_foal.png"] = {"scripts/demo", "The foal, with a cross where it breaks and arrows for the push"},
   ["edit.png"] = {"scripts/docs/edit_picture.lua", "A horse as drawn, and grazing on legs made strong enough"},
   ["metallophone.svg"] = {"scripts/docs/metallophone_picture.lua", "Bars tuned to C, E and G, with their modes"},
   ["coarse.png"] = {"scripts/docs/coarse_picture.lua", "A layered bar, bent: fine, looked up, and without"},

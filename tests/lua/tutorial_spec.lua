@@ -5,6 +5,9 @@ local check = require "check"
 local bw = require "barwright"
 
 local small = 3000
+-- What commands get beside, on a mesh in place of the surface. Strengthening takes half a minute.
+local small_options = {check = "", worst = "--modes 2 --regions 1", statics = "", modes = "",
+  strengthen = os.getenv "BARWRIGHT_FULL" == "1" and "--elements 300 --modes 2 --regions 1" or nil}
 
 local function describe_page(page, least_blocks, prepare)
   describe("docs/" .. page, function()
@@ -18,8 +21,27 @@ local function describe_page(page, least_blocks, prepare)
 
     setup(function() if prepare then prepare(folder) end end)
 
+    -- In the folder of the test, and small: words of a command line.
+    local function command(line)
+      line = line:gsub("%s+#.*", ""):gsub("foal%.stl", "part.stl"):gsub("%S+", function(word)
+        local name = word:match "([%l_]+%.%l+)$"
+        if name == "part.stl" and not line:find "^strengthen" then name = "part.vtu" end
+        return name and folder .. "/" .. name or word:find "^out/" and folder or nil
+      end)
+      return line .. " " .. small_options[line:match "^%l+"]
+    end
+
     it("has commands that run", function()
       local count = 0
+      for block in text:gmatch "```sh\n(.-)```" do
+        for line in block:gmatch "build/barwright (%l+ [^\n]*)" do
+          if small_options[line:match "^%l+"] then
+            local code, out, complaint = check.run(command(line))
+            assert.message(line .. "\n" .. out .. complaint).is_true(code <= 1) -- 1: it breaks, or is unsure
+            count = count + 1
+          end
+        end
+      end
       for line in text:gmatch "build/barwright ([se]%l+/[^\n`]*)" do
         line = line:gsub("part%.stl", folder .. "/part.stl"):gsub("out/", folder .. "/")
           :gsub("whale%.svg", folder .. "/whale.svg")
@@ -49,9 +71,49 @@ local function describe_page(page, least_blocks, prepare)
   end)
 end
 
+describe("docs/tutorial.md", function()
+  it("shows what the command and the demonstration print", function()
+    local text, folder = check.read(check.root .. "/docs/tutorial.md"), check.folder()
+    local part = folder .. "/part.vtu"
+    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(part))
+    local status, out = check.run(("worst %s %s --material zp150"):format(part, small_options.worst))
+    assert.is_true(status <= 1, out)
+    -- Sentences without their numbers, names and what only some answers have.
+    local flat = text:gsub("\n *", " ")
+    for sentence in out:match("(.-)\nAdvice"):gsub("%b()", "("):gmatch "%a[%a ]+%a" do
+      assert.truthy(#sentence < 18 or sentence == "too close to decide" or flat:find(sentence, 1, true), sentence)
+    end
+    -- The demonstration: its set-up and the program only write down that they were called.
+    assert(os.execute(("mkdir -p %s/build %s/scripts && cp %s/scripts/demo %s/scripts/"):format(folder, folder,
+      check.root, folder)))
+    check.write(folder .. "/scripts/setup", "#!/bin/bash\n")
+    check.write(folder .. "/build/barwright",
+      '#!/bin/bash\necho "$0 $*" >>called\n[ "$1" != worst ] || exit $CODE\n')
+    assert(os.execute(("chmod +x %s/scripts/setup %s/build/barwright"):format(folder, folder)))
+    local function demo(code)
+      local _, _, ended = os.execute(("cd %s && CODE=%d scripts/demo >said 2>&1"):format(folder, code))
+      return ended, check.read(folder .. "/said")
+    end
+    local said
+    status, said = demo(0)
+    assert.equal(0, status)
+    local command = text:match "build/barwright worst out/demo[^\n]*"
+    assert.truthy(said:find(command, 1, true), said)
+    assert.truthy(check.read(folder .. "/called"):find(command, 1, true))
+    for _, name in ipairs {"report.html", "picture.png"} do
+      assert.truthy(said:match("Open:.*out/demo/" .. name), said)
+    end
+    status, said = demo(1) -- it breaks, or is unsure: an answer as well
+    assert.equal(0, status)
+    assert.truthy(said:find("exit status 1", 1, true), said)
+    assert.equal(3, (demo(3)))
+  end)
+end)
+
 describe_page("tutorial.md", 3, function(folder)
-  local part = assert(bw.mesh.box {low = {-0.01, -0.01, 0}, high = {0.052, 0.01, 0.022},
-    cells = {31, 10, 11}})
+  local low, high = {-0.01, -0.01, 0}, {0.052, 0.01, 0.022}
+  assert(assert(bw.mesh.box {low = low, high = high, cells = {12, 4, 4}}):write(folder .. "/part.vtu"))
+  local part = assert(bw.mesh.box {low = low, high = high, cells = {31, 10, 11}})
   assert(part:surface():write(folder .. "/part.stl", {unit = "mm"}))
 end)
 

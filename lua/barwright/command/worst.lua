@@ -191,6 +191,13 @@ local function marks(breaking, singular)
   return lines, "cross: it breaks here" .. (edge.lines and "; line: " .. edge.line_name or "")
 end
 
+-- From where the place that breaks is seen: the edge of a finding, or the surface there, from above a little.
+local function view_of(breaking, singular)
+  if singular and singular.place then return model.view_of {singular.place} end
+  local normal = breaking.mesh.boundary:near(breaking.at, breaking.length).normal
+  return {normal[1], normal[2], normal[3] + 0.5}
+end
+
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
 local function write_files(breaking, verdict, singular, wish, folder, out)
   local worst = breaking.worst
@@ -225,11 +232,12 @@ local function write_files(breaking, verdict, singular, wish, folder, out)
       title = "Under the worst load of " .. newtons(wish.force)}))
   end
   if fine and report then
-    local answer = ("breaks at %s at %s, pushed over at least %.3g cm2; pushed by %s: %s"):format(
-      model.interval(breaking.force, breaking.low, breaking.high), model.place(breaking.at),
-      breaking.contact * 1e4, newtons(wish.force), VERDICTS[verdict])
+    local answer = ("breaks at %s at %s, pushed over at least %.3g cm2; pushed by %s: %s.\nShown first: the push "
+      .. "that breaks it, with %s on one side. The colours are stresses of elements, without an estimate of their "
+      .. "error."):format(model.interval(breaking.force, breaking.low, breaking.high), model.place(breaking.at),
+      breaking.contact * 1e4, newtons(wish.force), VERDICTS[verdict], newtons(wish.force))
     fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
-      view = singular and singular.place and model.view_of {singular.place}, answer = answer,
+      view = view_of(breaking, singular), answer = answer, region = breaking.region,
       title = "Worst case of " .. model.name(wish.model)}))
   end
   if not fine then return nil, message, details end
