@@ -9,6 +9,7 @@ local averaging_radius = require "barwright.averaging_radius"
 local breaking_loads = require "barwright.breaking_loads"
 local core = require "barwright.core"
 local growth = require "barwright.singular_growth"
+local mesh_progress = require "barwright.mesh_progress"
 local options = require "barwright.options"
 local points = require "barwright.points"
 local weak_places = require "barwright.weak_places"
@@ -260,6 +261,14 @@ local function next_count(self)
   return next
 end
 
+-- Elements of the meshes that follow the next one for sure.
+local function to_follow(self)
+  local list = {}
+  if self.given_mesh then return list end
+  for k = #self.history + 1, #SHARES do list[#list + 1] = SHARES[k] * self.options.elements end
+  return list
+end
+
 local function start_with(body)
   local kind = core.class_name(body)
   if kind == "surface" then return {surface = body, box = body.box} end
@@ -288,7 +297,9 @@ function breaking_force.analyse(body, given)
   self.reference, self.history, self.near = wish.force, {}, {}
   local start = core.seconds()
   local asked = next_count(self) or self.given_mesh.element_count
+  local progress <close> = mesh_progress.open "breaking force"
   while asked do
+    progress:mesh(asked, to_follow(self), not self.given_mesh)
     local mesh, message, details = make_mesh(self, asked)
     if not mesh then return nil, message, details end
     self.contact = self.contact or math.min(wish.contact, MOST_OF_SURFACE * mesh.boundary.area)

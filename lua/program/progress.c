@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Progress of long work on standard error: stage, percent, time to go. Stages that end within a
- * second do not show. The time to go is that of the stage: time so far * what is left / done. */
+/* Progress of long work on standard error: stage, percent, time so far and to go. Stages that end
+ * within a second do not show. The time to go is that of the stage: time so far * what is left /
+ * done. What follows a semicolon in the name of a stage is a part of it: the times go on. */
 #include "program.h"
 
 #include <math.h>
@@ -11,7 +12,7 @@
 static const double first_after = 1, again_after = 0.2, line_every = 60;
 
 static struct {
-  char stage[64];
+  char stage[64]; /* without what follows a semicolon */
   double began, shown;
   bool open; /* the cursor stands behind a line that is to be written over */
 } line;
@@ -22,27 +23,31 @@ void program_progress_clear(void) {
   line.open = false;
 }
 
-static void time_to_go(double seconds, char text[32]) {
+static void duration(double seconds, const char *what, char text[32]) {
   if (!isfinite(seconds) || seconds > 360000)
     text[0] = 0;
   else if (seconds >= 3600)
-    snprintf(text, 32, ", %d h %02d min to go", (int)seconds / 3600, (int)seconds / 60 % 60);
+    snprintf(text, 32, ", %d h %02d min %s", (int)seconds / 3600, (int)seconds / 60 % 60, what);
   else if (seconds >= 90)
-    snprintf(text, 32, ", %d min to go", (int)(seconds / 60 + 0.5));
+    snprintf(text, 32, ", %d min %s", (int)(seconds / 60 + 0.5), what);
   else
-    snprintf(text, 32, ", %d s to go", (int)ceil(seconds));
+    snprintf(text, 32, ", %d s %s", (int)ceil(seconds), what);
 }
 
 void program_progress(void *data, const char *stage, double fraction) {
   (void)data;
   double now = bw_seconds();
   bool terminal = isatty(STDERR_FILENO);
-  if (strncmp(stage, line.stage, sizeof line.stage - 1) != 0) {
-    snprintf(line.stage, sizeof line.stage, "%s", stage);
+  size_t length = strcspn(stage, ";");
+  if (length >= sizeof line.stage)
+    length = sizeof line.stage - 1;
+  bool part = stage[strcspn(stage, ";")] != 0; /* a part may end without the stage */
+  if (strncmp(stage, line.stage, length) != 0 || line.stage[length]) {
+    snprintf(line.stage, sizeof line.stage, "%.*s", (int)length, stage);
     line.began = now;
     line.shown = terminal ? now + first_after - again_after : now;
   }
-  if (terminal && fraction >= 1) {
+  if (terminal && fraction >= 1 && !part) {
     program_progress_clear();
     return;
   }
@@ -50,11 +55,12 @@ void program_progress(void *data, const char *stage, double fraction) {
     return;
   line.shown = now;
   fraction = fraction < 0 ? 0 : fraction > 1 ? 1 : fraction;
-  char to_go[32] = "";
+  char so_far[32], to_go[32] = "";
+  duration(now - line.began, "so far", so_far);
   if (fraction > 0.01)
-    time_to_go((now - line.began) * (1 - fraction) / fraction, to_go);
-  fprintf(stderr, "%s%s: %d %%%s%s", terminal ? "\r" : "", line.stage, (int)(100 * fraction), to_go,
-          terminal ? "\033[K" : "\n");
+    duration((now - line.began) * (1 - fraction) / fraction, "to go", to_go);
+  fprintf(stderr, "%s%s: %d %%%s%s%s", terminal ? "\r" : "", stage, (int)(100 * fraction), so_far,
+          to_go, terminal ? "\033[K" : "\n");
   fflush(stderr);
   line.open = terminal;
 }

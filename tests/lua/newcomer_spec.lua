@@ -3,6 +3,8 @@
 -- is closed. Each ends with one sentence and the right exit status, and before the work rather than after it.
 local bw = require "barwright"
 local check = require "check"
+local core = require "barwright.core"
+local mesh_progress = require "barwright.mesh_progress"
 
 local folder = check.folder()
 local ball = folder .. "/ball.stl"
@@ -22,6 +24,40 @@ local function says(status, text, words, before)
 end
 
 describe("a newcomer is told", function()
+  it("how far work over several meshes is, as one progress that never goes back", function()
+    local seen = {}
+    local before = bw.progress(function(stage, fraction) seen[#seen + 1] = {stage, fraction} end)
+    do
+      local progress <close> = mesh_progress.open "work"
+      progress:mesh(100, {200, 300}, true)
+      core.report_progress("fill", 0.9)
+      local start = bw.seconds()
+      while bw.seconds() < start + 0.02 do end
+      progress:mesh(200, {300}, true)
+      core.report_progress("fill", 0.1)
+      core.report_progress("factor", 0)
+      progress:mesh(300, {}, false)
+      core.report_progress("fill", 0)
+    end
+    core.report_progress("other", 0.5)
+    local stages, last = {}, 0
+    for i, one in ipairs(seen) do
+      stages[i] = one[1]
+      assert.is_true(i == #seen or one[2] >= last and one[2] < 1)
+      last = one[2]
+    end
+    assert.same({"work; mesh 1 of at least 3, fill", "work; mesh 2 of at least 3, fill",
+      "work; mesh 2 of at least 3, factor", "work; mesh 3 of 3, fill", "other"}, stages)
+    assert.is_true(seen[1][2] == 0 and seen[2][2] > 0)
+    -- The breaking force is such work.
+    seen = {}
+    local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}})
+    assert(bw.breaking_force(mesh, {material = bw.material.pla, modes = 2, regions = 1}))
+    bw.progress(before)
+    assert.is_true(#seen > 3)
+    for _, one in ipairs(seen) do assert.truthy(one[1]:find("breaking force; mesh 1 of 1, ", 1, true), one[1]) end
+  end)
+
   it("what a file is that is no model, no script and no folder", function()
     for _, command in ipairs {"check @", "worst @", "modes @", "convert @ x.obj",
       "strengthen @ --force 5 --out x.stl", "statics @ --hold low:z --gravity 0,0,-1"} do
