@@ -42,6 +42,28 @@ describe("scripts/setup", function()
     assert.is_false(exists(folder .. "/build/web/live.js"))
   end)
 
+  it("shows how far the build is, and what a build that fails said", function()
+    local folder = check.folder()
+    local steps = 'echo "[1/2] Building a"; echo "warning: odd"; echo "[2/2] Linking b"'
+    local status = set_up(folder, {cmake = steps})
+    assert.equal(0, status)
+    assert.equal("[1/2] Building a\nwarning: odd\n[2/2] Linking b\n", check.read(folder .. "/build/build.log"))
+    local out
+    status, out = set_up(folder, {cmake = steps
+      .. '; [ "$1" != --build ] || { echo "no space left"; exit 1; }'})
+    assert.equal(1, status)
+    assert.truthy(out:find("no space left", 1, true), out)
+    -- On a terminal, in one line that is removed at the end.
+    if not os.execute "command -v script >/dev/null" then return end
+    set_up(folder, {cmake = steps})
+    local pipe = io.popen(("cd %s && PATH=%s/bin:$PATH script -qec 'scripts/setup --no-install' /dev/null </dev/null")
+      :format(folder, folder))
+    local shown = pipe:read "a"
+    pipe:close()
+    assert.truthy(shown:find("\r   [1/2] 0 s", 1, true) and shown:find("\r   [2/2] ", 1, true), shown)
+    assert.truthy(shown:find("\r\27[K== built", 1, true), shown)
+  end)
+
   it("bundles the pages where there is, and again only when they changed", function()
     local folder = check.folder()
     local programs = {cmake = cmake, node = "true", npm = "mkdir -p node_modules",
