@@ -47,7 +47,8 @@ describe("scripts/setup", function()
     local steps = 'echo "[1/2] Building a"; echo "warning: odd"; echo "[2/2] Linking b"'
     local status = set_up(folder, {cmake = steps})
     assert.equal(0, status)
-    assert.equal("[1/2] Building a\nwarning: odd\n[2/2] Linking b\n", check.read(folder .. "/build/build.log"))
+    local kept = check.read(folder .. "/build/build.log")
+    assert.equal("[1/2] Building a\nwarning: odd\n[2/2] Linking b\n", kept)
     local out
     status, out = set_up(folder, {cmake = steps
       .. '; [ "$1" != --build ] || { echo "no space left"; exit 1; }'})
@@ -56,8 +57,8 @@ describe("scripts/setup", function()
     -- On a terminal, in one line that is removed at the end.
     if not os.execute "command -v script >/dev/null" then return end
     set_up(folder, {cmake = steps})
-    local pipe = io.popen(("cd %s && PATH=%s/bin:$PATH script -qec 'scripts/setup --no-install' /dev/null </dev/null")
-      :format(folder, folder))
+    local pipe = io.popen(("cd %s && terminal=$(command -v script) && "
+      .. "PATH=%s/bin $terminal -qec 'scripts/setup --no-install' /dev/null </dev/null"):format(folder, folder))
     local shown = pipe:read "a"
     pipe:close()
     assert.truthy(shown:find("\r   [1/2] 0 s", 1, true) and shown:find("\r   [2/2] ", 1, true), shown)
