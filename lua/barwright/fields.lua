@@ -2,6 +2,7 @@
 -- Methods of static results, modes and surfaces that put engine calls together: files and pictures.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local fine_boundary = require "barwright.fine_boundary"
 local options = require "barwright.options"
 
 local raise = core.raise
@@ -40,31 +41,6 @@ function static:write(path, given)
   return self.mesh:write(path, wish)
 end
 
--- The corners of four triangles in the nodes of a facet with middles.
-local QUARTERS = {{1, 4, 6}, {4, 2, 5}, {6, 5, 3}, {4, 5, 6}}
-
--- The boundary of a mesh with all of its nodes, and which these are: the largest value may lie in the middle of an
--- edge.
-local function boundary_of(mesh)
-  if mesh.order == 1 then return mesh:surface() end
-  local number, nodes, triangles = {}, {}, {}
-  for _, facet in ipairs(mesh.facets:totable()) do
-    for i, node in ipairs(facet) do
-      if not number[node] then
-        nodes[#nodes + 1] = node
-        number[node] = #nodes
-      end
-      facet[i] = number[node]
-    end
-    for _, corners in ipairs(QUARTERS) do
-      triangles[#triangles + 1] = {facet[corners[1]], facet[corners[2]], facet[corners[3]]}
-    end
-  end
-  local found, message, details = core.surface.new {points = mesh.nodes:gather(nodes), triangles = triangles}
-  if not found then return nil, message, details end
-  return found, core.array.new(nodes)
-end
-
 --- The deformed shape coloured by {field = "von_mises"} or {field = an array over nodes or elements}.
 function static:picture(path, given)
   local wish = copied(given)
@@ -84,7 +60,7 @@ function static:picture(path, given)
   end
   options.object("picture", "option 'field'", values, "array")
   local mesh = self.mesh
-  local surface, nodes, details = boundary_of(mesh)
+  local surface, nodes, details = fine_boundary(mesh)
   if not surface then return nil, nodes, details end
   if #values ~= mesh.node_count then values = mesh:to_nodes(values) end
   if values.column_count > 1 then values = core.array.map("norm(a)", {a = values}) end

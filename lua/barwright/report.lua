@@ -127,8 +127,8 @@ local function table_of_regions(worst, shown)
     .. "\n</tbody></table></div>"
 end
 
--- What the lines in the view stand for.
-local function legend_of(wish)
+--- What the lines in the view stand for, as HTML.
+function report.legend(wish)
   if not wish.lines or #wish.lines == 0 or not wish.line_name then return "" end
   return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(report.escape(wish.line_name))
 end
@@ -148,6 +148,32 @@ local function data_of(worst, wish, shown)
   local most = math.max(3, math.floor(1.5e6 / surface.point_count))
   add_modes(worst, nodes, data, math.min(wish.modes, most))
   return data
+end
+
+local function vector_of(name, given)
+  local list = json.list {}
+  for k = 1, 3 do
+    local x = type(given) == "table" and given[k]
+    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then
+      core.raise(("report: option '%s': three finite numbers expected"):format(name))
+    end
+    list[k] = x
+  end
+  return list
+end
+
+--- Lines that the view draws, lists of points each, as the page takes them; nil where there are none.
+function report.lines(lines)
+  if not lines then return nil end
+  local list = json.list {}
+  for i, line in ipairs(lines) do
+    local points = json.list {}
+    for k, point in ipairs(core.class_name(line) == "array" and line:totable() or line) do
+      points[k] = vector_of("lines", point)
+    end
+    list[i] = points
+  end
+  return list
 end
 
 -- The picture that `draw(path)` makes, as a data URI, for a page whose bundle was not built.
@@ -178,18 +204,6 @@ function report.page(path, page)
   return core.write_file(path, text)
 end
 
-local function vector_of(name, given)
-  local list = json.list {}
-  for k = 1, 3 do
-    local x = type(given) == "table" and given[k]
-    if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then
-      core.raise(("report: option '%s': three finite numbers expected"):format(name))
-    end
-    list[k] = x
-  end
-  return list
-end
-
 -- Options that JSON can hold: selections and places of other meshes are left out.
 local function plain(given)
   local out = {}
@@ -210,21 +224,12 @@ function report.write(worst, path, given)
   local data, message, details = data_of(worst, wish, shown)
   if not data then return nil, message, details end
   data.view = wish.view and vector_of("view", wish.view) or data.view
-  if wish.lines then
-    data.lines = json.list {}
-    for i, line in ipairs(wish.lines) do
-      local points = json.list {}
-      for k, point in ipairs(core.class_name(line) == "array" and line:totable() or line) do
-        points[k] = vector_of("lines", point)
-      end
-      data.lines[i] = points
-    end
-  end
+  data.lines = report.lines(wish.lines)
   return report.page(path, {
     title = wish.title or "Worst-case analysis",
     answer = wish.answer or tostring(worst),
     manifest = wish.manifest or {version = core.version, options = plain(worst.options)},
-    body = legend_of(wish) .. table_of_regions(worst, shown),
+    body = report.legend(wish) .. table_of_regions(worst, shown),
     data = data,
     picture = function(name) return worst:picture(name, {lines = wish.lines, line_name = wish.line_name}) end,
   })

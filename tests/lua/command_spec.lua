@@ -637,8 +637,17 @@ describe("commands that compute", function()
     assert.equal("border of what is held", given.line_name)
     assert.same({#border, 1}, {#given.lines, #given.arrows})
     local path = folder .. "statics.png"
-    local _, out = check.run("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g --picture "
-      .. path)
+    local page = folder .. "statics.html"
+    local _, out = check.run(("statics %s --material steel --hold low:x --gravity 0,0,-1g --picture %s "
+      .. "--report %s"):format(beam, path, page))
+    local html = check.read(page)
+    for _, sentence in ipairs {out:match "The largest displacement[^\n]*", out:match "The judged stress[^\n]*",
+      "border of what is held", "MPa ±"} do
+      assert.truthy(html:find(sentence, 1, true), sentence)
+    end
+    local data = assert(bw.json.decode(html:match 'id="data">(.-)</script>'))
+    assert.same({1, 2}, {#data.displacements[1].arrows, #data.fields})
+    assert.is_true(#data.lines > 0)
     assert.truthy(out:find("%% of the strength of steel %(estimated error %d+ %%%): it holds%."), out)
     assert.truthy(#check.read(path) > 1000)
   end)

@@ -38,6 +38,7 @@ local function describe_page(page, least_blocks, prepare)
           if small_options[line:match "^%l+"] then
             local code, out, complaint = check.run(command(line))
             assert.message(line .. "\n" .. out .. complaint).is_true(code <= 1) -- 1: it breaks, or is unsure
+            assert.equal("", complaint)
             count = count + 1
           end
         end

@@ -1,9 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The picture of `barwright statics`: arrows for the loads, the borders of what is held as lines, the edge of a
--- finding, and a title with the answer.
+-- The picture and the page of `barwright statics`: arrows for the loads, the borders of what is held as lines, the
+-- edge of a finding, and a title with the answer.
+local bw = require "barwright"
+local fine_boundary = require "barwright.fine_boundary"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
 local distance = require("barwright.points").distance
+local report = require "barwright.report"
 
 local static_picture = {}
 
@@ -100,6 +103,25 @@ function static_picture.options(static, title, loads, held, singular)
   local arrows = static_picture.arrows(mesh, loads, density and density * mesh.volume)
   return {title = title, lines = lines, arrows = arrows, line_name = "border of what is held"
     .. (edge.lines and "; " .. edge.line_name or "")}
+end
+
+--- Writes the page: options as of static:picture (title, lines, line_name, arrows), sentences above the view, and
+--- a finding, whose edge is seen.
+function static_picture.report(static, path, options, answer, singular)
+  local surface, nodes, details = fine_boundary(static.mesh)
+  if not surface then return nil, nodes, details end
+  local data, moved = report.data(surface), static.displacement:gather(nodes)
+  data.fields[1] = {name = "von Mises stress", unit = "MPa",
+    values = report.floats(static.von_mises:gather(nodes) * 1e-6)}
+  data.fields[2] = {name = "displacement", unit = "mm", values = report.floats(moved:map "norm(a)" * 1e3)}
+  data.displacements[1] = {name = "under its loads", kind = "load", values = report.floats(moved), field = 0,
+    arrows = bw.json.list(options.arrows)}
+  data.lines = report.lines(options.lines)
+  local edge = model.edge_lines(singular).lines and singular.place
+  data.view = edge and edge.inward and edge.inward[1] and model.view_of {edge} or data.view
+  return report.page(path, {title = options.title, answer = answer, data = data, body = report.legend(options),
+    manifest = {version = bw.version(), material = static.material.name, elements = static.mesh.element_count},
+    picture = function(name) return static:picture(name, options) end})
 end
 
 return static_picture

@@ -199,22 +199,27 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   end
   local verdict, words = model.verdict(used, judged_error)
   out:say("")
-  out:say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
+  local text = {} -- for the page as well
+  local function say(...)
+    text[#text + 1] = string.format(...)
+    out:say(text[#text])
+  end
+  say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
     .. "%s %%%s).", model.mm(most), model.place(at), stress / 1e6, model.percent(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
   if singular then
-    out:say("%s. The mean over a surface patch of radius %s mm is judged.",
+    say("%s. The mean over a surface patch of radius %s mm is judged.",
       (tostring(singular):gsub("^%l", string.upper)), model.mm(radius))
     if critical then
-      out:say("The effective stress of the theory of critical distances, the mean over %s mm from the edge, is "
+      say("The effective stress of the theory of critical distances, the mean over %s mm from the edge, is "
         .. "%.4g MPa (estimated error %s %%): %.3g %% of the strength.", model.mm(2 * critical.length),
         critical.value / 1e6, model.percent(critical.estimated_error), 100 * critical.utilisation)
     end
   end
   if not used then
-    out:say("The strength of %s is not known.", wish.material)
+    say("The strength of %s is not known.", wish.material)
   else
-    out:say("The judged stress is %s %% of the strength of %s (estimated error %s %%): %s.",
+    say("The judged stress is %s %% of the strength of %s (estimated error %s %%): %s.",
       model.digits(100 * used), wish.material, model.percent(judged_error), words)
   end
   local solver = static.solver
@@ -239,7 +244,7 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
   local title = ("%s: largest von Mises stress %.4g MPa ± %s %%%s"):format(model.name(wish.model), stress / 1e6,
     model.percent(estimated), words and "; " .. words or "")
-  return {verdict = verdict, singular = singular, title = title}
+  return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}
 end
 
 local function analyse(wish, loads, out)
@@ -289,8 +294,10 @@ local options = {
   {name = "with", value = "auto|factor|levels", type = "string", default = "auto",
     one_of = {"auto", "factor", "levels"},
     what = "by a factor; over two levels of elements, which takes a tenth of its memory; or as is cheaper"},
+  {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
+    what = "write a page with a 3D view that turns"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-    what = "a picture of the deformed part and its stresses"},
+    what = "a picture of the deformed part, its stresses, loads and supports"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
     what = "write all fields, for ParaView"},
   model.threads_option,
@@ -311,11 +318,14 @@ return {
     if not loads then return out:misuse(message) end
     local static, answer, details = analyse(wish, loads, out)
     if not static then return out:fail(answer, details) end -- a message
-    local written = bw.json.list {}
+    local written, shown = bw.json.list {}, nil
+    if wish.picture or wish.report then
+      shown = static_picture.options(static, answer.title, loads, wish.hold, answer.singular)
+    end
     for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
-      {wish.picture, function()
-        return static:picture(wish.picture,
-          static_picture.options(static, answer.title, loads, wish.hold, answer.singular))
+      {wish.picture, function() return static:picture(wish.picture, shown) end},
+      {wish.report, function()
+        return static_picture.report(static, wish.report, shown, answer.text, answer.singular)
       end}} do
       if how[1] then
         local fine, why, more = how[2]()
