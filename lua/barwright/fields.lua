@@ -95,6 +95,7 @@ function modes:picture(i, path, given)
   local frequencies = self.frequencies
   if self.components == 3 then
     wish.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
+    wish.unit, wish.scale = wish.unit or "movement, share of the largest", wish.scale or 1 / wish.values:max()
     wish.displacement = shape:gather(nodes)
   else
     wish.values = shape:gather(nodes)

@@ -215,22 +215,22 @@ local function write_files(breaking, verdict, singular, wish, folder, out)
   local function file(name, own)
     return own or folder and folder:path(name)
   end
-  local picture, vtu, report = file("weakness.png", wish.picture), file("worst.vtu", wish.vtu),
-    file("report.html", wish.report)
-  local fine, message, details = true, nil, nil
-  if picture then
-    local von_mises = breaking.failure == "von_mises"
-    local title = ("%s breaks at %s; shown under %s"):format(model.name(wish.model),
-      model.interval(breaking.force, breaking.low, breaking.high), newtons(wish.force))
-    fine, message, details = leave(picture, worst:picture(picture, marked {title = title,
-      arrows = worst:arrows(breaking.region), region = von_mises and breaking.region or nil}))
-  end
-  if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
+  local vtu, report = file("worst.vtu", wish.vtu), file("report.html", wish.report)
+  local title = ("%s breaks at %s; shown under %s"):format(model.name(wish.model),
+    model.interval(breaking.force, breaking.low, breaking.high), newtons(wish.force))
+  local load, fine, message, details = {title = title, region = breaking.region}, true, nil, nil
+  if wish.picture then fine, message, details = leave(wish.picture, worst:picture(wish.picture, marked(load))) end
   if fine and folder then
     local path = folder:path "worst_load.png"
-    fine, message, details = leave(path, worst:picture(path, marked {region = breaking.region,
-      title = "Under the worst load of " .. newtons(wish.force)}))
+    fine, message, details = leave(path, worst:picture(path, marked(load)))
   end
+  if fine and folder then
+    local path, von_mises = folder:path "weakness.png", breaking.failure == "von_mises"
+    fine, message, details = leave(path, worst:picture(path, marked {arrows = {},
+      title = von_mises and title or "Each place under its own worst push of " .. newtons(wish.force),
+      region = von_mises and breaking.region or nil}))
+  end
+  if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
   if fine and report then
     local answer = ("breaks at %s at %s, pushed over at least %.3g cm2; pushed by %s: %s.\nShown first: the push "
       .. "that breaks it, with %s on one side. The colours are stresses of elements, without an estimate of their "
@@ -316,7 +316,7 @@ local options = {
   {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
     what = "write a page with a 3D view that turns"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-    what = "write a picture of the weak places"},
+    what = "write a picture of the place that breaks, and the push that does it"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
     what = "write all fields, for ParaView"},
   {name = "out", value = "FOLDER", type = "folder", what = "write all of these and result.json, manifest.json "
