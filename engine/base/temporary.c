@@ -283,7 +283,7 @@ bw_status bw_temporary_create(bw_context *context, const char *target, bool with
     char text[BWI_WORDS];
     int why = errno;
     bool here = before <= 1; /* the current folder, or the root */
-    status = bw_fail(context, BW_IO, "%s: cannot be written: %s %.*s%s%s", target,
+    status = bw_fail(context, BW_IO, "%s: cannot write: %s %.*s%s%s", target,
                      why == ENOENT ? "there is no folder" : "no file can be made in the folder",
                      (int)(here ? 1 : before - 1), before == 0 ? "." : target,
                      why == ENOENT ? "" : ": ", why == ENOENT ? "" : bwi_system_words(why, text));

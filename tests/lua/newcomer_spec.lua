@@ -74,9 +74,9 @@ describe("a newcomer is told", function()
   end)
 
   it("before the work that its result cannot be written, and by the name that was given", function()
-    says(3, "nodir/r.html: cannot be written: there is no folder nodir", "worst ball.stl --report nodir/r.html")
-    says(3, "nodir/x.obj: cannot be written: there is no folder nodir", "convert ball.stl nodir/x.obj")
-    says(3, "empty.stl/r.html: cannot be written: no file can be made in the folder empty.stl: Not a directory",
+    says(3, "nodir/r.html: cannot write: there is no folder nodir", "worst ball.stl --report nodir/r.html")
+    says(3, "nodir/x.obj: cannot write: there is no folder nodir", "convert ball.stl nodir/x.obj")
+    says(3, "empty.stl/r.html: cannot write: no file can be made in the folder empty.stl: Not a directory",
       "worst ball.stl --report empty.stl/r.html")
     says(3, "d.html: cannot be written: it is a folder", "worst ball.stl --report d.html")
     says(2, "option --vtu: a file that ends in .vtu, ", "worst ball.stl --vtu result.zip")

@@ -161,7 +161,7 @@ static void test_life(void **state) {
   assert_int_equal(bw_temporary_put_in_place(one, path_of(long_name)), 0);
   bw_release(one);
   assert_true(exists(path_of(long_name)));
-  check_fails(context, BW_IO, "No such file",
+  check_fails(context, BW_IO, "there is no folder /tmp/no such folder",
               bw_temporary_create(context, "/tmp/no such folder/x", false, &one));
 }
 
