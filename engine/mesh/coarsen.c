@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Coarsening of a surface that never makes it intersect itself: edges shorter than the wanted
- * length are collapsed, the shortest first, as long as the facets that change stay well shaped,
- * keep their sides, and meet no other facet. Where walls are thinner than the wanted length the
- * surface stays finer instead of cutting through itself.
+ * length there are collapsed, the shortest first, as long as the facets that change stay well
+ * shaped, keep their sides, and meet no other facet. Where walls are thinner than the wanted length
+ * the surface stays finer instead of cutting through itself.
  *
  * Between passes of collapses, diagonals of nearly flat pairs of facets are exchanged where that
  * makes the worse of the two facets better.
@@ -21,7 +21,10 @@ static void clear(bwi_coarsening *c) {
   bw_free(c->bucket);
   bw_free(c->list);
   bw_free(c->big);
+  bw_free(c->lost);
+  bw_free(c->hint);
   bw_free(c->seen);
+  bwi_tree_free(c->tree);
 }
 
 /* The plane's quadric, weighted by area, to each corner. */
@@ -56,8 +59,11 @@ static bw_status set_up(bwi_coarsening *c, const bw_surface *surface) {
   c->first = BW_NEW(c->context, int32_t, points);
   c->next = BW_NEW(c->context, int32_t, 3 * triangles);
   c->bucket = BW_NEW(c->context, int64_t, c->buckets);
+  c->lost = BW_NEW0(c->context, double, points);
+  c->hint = BW_NEW(c->context, int32_t, points);
   c->seen = BW_NEW0(c->context, int32_t, triangles);
-  if (!c->x || !c->corner || !c->quadric || !c->first || !c->next || !c->bucket || !c->seen)
+  if (!c->x || !c->corner || !c->quadric || !c->first || !c->next || !c->bucket || !c->lost ||
+      !c->hint || !c->seen)
     return BW_MEMORY;
   bw_surface_box(surface, low, high);
   for (int k = 0; k < 3; k++)
@@ -70,6 +76,7 @@ static bw_status set_up(bwi_coarsening *c, const bw_surface *surface) {
   for (size_t i = 3 * triangles; i-- > 0;) {
     c->next[i] = c->first[c->corner[i]];
     c->first[c->corner[i]] = (int32_t)i;
+    c->hint[c->corner[i]] = (int32_t)(i / 3);
   }
   for (int32_t t = 0; t < c->triangles; t++)
     add_quadric(c, t);
@@ -89,12 +96,11 @@ static bw_status fresh_grid(bwi_coarsening *c) {
 
 /* Collapse to this length. Where shapes bring that to a halt, worse ones are let pass for a while:
  * exchanges and moves mend them afterwards. */
-static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter, double error) {
+static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter) {
   static const double floors[] = {0.45, 0.3, 0.15};
   bw_status status = BW_OK;
   c->length = length;
   c->shorter = shorter;
-  c->error = error;
   int easier = 0;
   for (int i = 0; i < 12 && !c->late; i++) {
     int64_t collapsed, living = 0;
@@ -141,18 +147,23 @@ static bw_status hand_over(bwi_coarsening *c, bw_surface **out) {
   return bw_surface_copy(c->context, points, c->x, triangles, c->corner, NULL, out);
 }
 
-bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface, double length,
-                              double shorter, double error, double seconds,
-                              bw_surface **coarsened) {
-  bwi_coarsening c = {.context = context, .deadline = seconds > 0 ? bw_seconds() + seconds : 0};
+bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface,
+                              const bwi_coarsen_options *options, bw_surface **coarsened) {
+  double length = options->length, shorter = options->shorter;
+  bwi_coarsening c = {.context = context,
+                      .options = options,
+                      .deadline = options->seconds > 0 ? bw_seconds() + options->seconds : 0};
   bw_status status;
   BW_TRY(set_up(&c, surface));
+  if (options->allowed > 0)
+    BW_TRY(bwi_tree_create(context, surface->point, surface->triangle_count, surface->triangle,
+                           NULL, &c.tree));
   /* Step by step from the present length: a grid of long cells would hold too many small
    * triangles each. */
   double area = bw_surface_area(surface), now = sqrt(area / (0.4330127 * c.triangles));
   for (now = fmax(1.5 * now, 1e-4 * length); now < 0.75 * length && now < shorter; now *= 1.8)
-    BW_TRY(coarsen_to(&c, now, 0.8 * now, error));
-  BW_TRY(coarsen_to(&c, length, shorter, error));
+    BW_TRY(coarsen_to(&c, now, 0.8 * now));
+  BW_TRY(coarsen_to(&c, length, shorter));
   BW_TRY(hand_over(&c, coarsened));
 done:
   clear(&c);

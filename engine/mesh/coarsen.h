@@ -9,6 +9,7 @@
 
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
+#include "mesh/surface_tree.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,9 +23,10 @@ typedef struct bwi_coarsen_entry {
 
 typedef struct bwi_coarsening {
   bw_context *context;
-  double length;   /* the side of a cell of the grid; edges do not grow much longer than this */
-  double shorter;  /* edges shorter than this are collapsed */
-  double error;    /* root mean square distance from the planes that a collapse may cause */
+  const bwi_coarsen_options *options;
+  bwi_tree *tree;  /* of the facets that were given; NULL: not needed */
+  double length;   /* of this step: the side of a cell of the grid; no edge grows much longer */
+  double shorter;  /* of this step: shorter edges are collapsed */
   double floor;    /* shapes as good as that are good enough */
   double deadline; /* of bw_seconds: what has been reached by then is handed over */
   bool late;
@@ -40,6 +42,8 @@ typedef struct bwi_coarsening {
   size_t entries, capacity;
   int32_t *big; /* triangles too large for the grid */
   size_t big_count, big_capacity;
+  double *lost;  /* per point: how far what it stands for may lie from the facets */
+  int32_t *hint; /* per point: a facet of the tree near it */
   int32_t *seen; /* per triangle: the last query that met it */
   int32_t query;
 } bwi_coarsening;
@@ -54,6 +58,7 @@ typedef struct bwi_coarsen_change {
   int32_t kept, gone; /* the second point is merged into the first */
   int32_t pair[2];
   double at[3];               /* where a goes */
+  double lost;                /* of `kept` afterwards */
   double worst, worst_before; /* shapes */
   int32_t count;              /* triangles that stay and change */
   int32_t triangle[2 * BWI_RING];
@@ -61,6 +66,25 @@ typedef struct bwi_coarsen_change {
   const double *x[2 * BWI_RING][3];
   double normal[2 * BWI_RING][3];
 } bwi_coarsen_change;
+
+/* The share of the wanted length, and of all that goes with it, at a place. */
+static inline double share_at(const bwi_coarsening *c, const double at[3]) {
+  const bwi_coarsen_options *o = c->options;
+  if (!o->field)
+    return 1;
+  double whole[3] = {at[0] + c->origin[0], at[1] + c->origin[1], at[2] + c->origin[2]};
+  double wish = bwi_size_at(o->field, whole);
+  return wish > 0 && wish < o->length ? wish / o->length : 1;
+}
+
+/* How far the surface may be left at a place. */
+static inline double allowed_at(const bwi_coarsening *c, const double at[3]) {
+  return share_at(c, at) * c->options->allowed;
+}
+
+static inline double error_at(const bwi_coarsening *c, const double at[3]) {
+  return share_at(c, at) * c->options->error;
+}
 
 static inline void normal_of(const double *const x[3], double n[3]) {
   double a[3], b[3];
@@ -87,9 +111,10 @@ static inline double shape_of(const double *const x[3], const double n[3]) {
   return sum > 0 ? 3.4641016 * bw_norm(n) / sum : 0;
 }
 
-/* coarsen_room.c: enter a triangle in the grid; do the new triangles meet nothing? */
+/* coarsen_room.c: enter a triangle in the grid; do the new triangles stay near the surface that was
+ * given and meet nothing? */
 bool bwi_coarsen_enter(bwi_coarsening *c, int32_t triangle);
-bool bwi_coarsen_meets_nothing(bwi_coarsening *c, const bwi_coarsen_change *now);
+bool bwi_coarsen_has_room(bwi_coarsening *c, bwi_coarsen_change *now);
 
 /* coarsen_collapse.c: remove points and short edges; move points to where their planes ask for. */
 bool bwi_coarsen_ring(bwi_coarsening *c, int32_t point, int32_t *ring, int *count);

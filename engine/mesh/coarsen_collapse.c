@@ -2,7 +2,6 @@
 /* Steps of coarsening that take points away, or move them: each only where the new triangles are
  * well shaped and meet nothing. */
 #include "mesh/coarsen.h"
-#include "mesh/surface_tree.h"
 
 /* The living corners of a point; false when there are too many to bother. Dead ones are taken out
  * of the list on the way. */
@@ -37,7 +36,8 @@ static bool planes_near(const bwi_coarsening *c, const double q[10], const doubl
   double square = q[0] * at[0] * at[0] + q[3] * at[1] * at[1] + q[5] * at[2] * at[2] +
                   2 * (q[1] * at[0] * at[1] + q[2] * at[0] * at[2] + q[4] * at[1] * at[2]) +
                   2 * (q[6] * at[0] + q[7] * at[1] + q[8] * at[2]) + q[9];
-  return square <= c->error * c->error * (q[0] + q[3] + q[5]);
+  double error = error_at(c, at);
+  return square <= error * error * (q[0] + q[3] + q[5]);
 }
 
 /* Where a point of that quadric goes that would like to be at m, which is given in `at`: the least
@@ -68,6 +68,7 @@ static bool best_place(const bwi_coarsening *c, const double q[10], double at[3]
  * be good, or at least as good as the worst before, those that go included. */
 static bool plan(const bwi_coarsening *c, bwi_coarsen_change *now, const int32_t *ring, int count) {
   double worst = 1, worst_before = 1;
+  double length = fmin(c->length, share_at(c, now->at) * c->options->length);
   now->count = 0;
   for (int i = 0; i < count; i++) {
     int32_t t = ring[i] / 3;
@@ -97,7 +98,7 @@ static bool plan(const bwi_coarsening *c, bwi_coarsen_change *now, const int32_t
       longest = fmax(longest, distance_of(now->x[m][(k + 1) % 3], now->x[m][k]));
       longest_before = fmax(longest_before, distance_of(before[(k + 1) % 3], before[k]));
     }
-    if (longest > fmax(1.6 * c->length, 1.05 * longest_before))
+    if (longest > fmax(1.6 * length, 1.05 * longest_before))
       return false;
     double cosine = bw_dot(n, now->normal[m]) / (bw_norm(n) * bw_norm(now->normal[m]) + 1e-300);
     if (cosine < (shape_before > 0.05 ? 0.5 : -0.2))
@@ -139,11 +140,12 @@ static bw_status collapse(bwi_coarsening *c, int32_t a, int32_t b, bool *done) {
     for (int k = 0; k < 3; k++)
       now.at[k] = try == 0 ? (place(c, a)[k] + place(c, b)[k]) / 2 : place(c, try == 1 ? a : b)[k];
     *done = (try == 0 ? best_place(c, q, now.at) : planes_near(c, q, now.at)) &&
-            plan(c, &now, ring, count_a + count_b) && bwi_coarsen_meets_nothing(c, &now);
+            plan(c, &now, ring, count_a + count_b) && bwi_coarsen_has_room(c, &now);
   }
   if (!*done)
     return BW_OK;
   memcpy(c->x + 3 * (size_t)a, now.at, sizeof now.at);
+  c->lost[a] = now.lost;
   for (int i = 0; i < 10; i++)
     c->quadric[a][i] += c->quadric[b][i];
   for (int i = 0; i < count_a; i++) { /* the triangles of both points go */
@@ -199,16 +201,18 @@ static bw_status remove_point(bwi_coarsening *c, int32_t point, bool *done) {
     now.x[0][k] = place(c, corner[k]);
   }
   normal_of(now.x[0], now.normal[0]);
-  double shape = shape_of(now.x[0], now.normal[0]), far = 2 * c->error;
+  double shape = shape_of(now.x[0], now.normal[0]), far = 2 * error_at(c, place(c, point));
   if (!(shape > 1e-4 && shape >= fmin(c->floor, worst_before)) ||
       bwi_nearest_on_triangle(place(c, point), now.x[0][0], now.x[0][1], now.x[0][2], near) >
           far * far ||
-      !bwi_coarsen_meets_nothing(c, &now))
+      !bwi_coarsen_has_room(c, &now))
     return BW_OK;
   *done = true;
-  for (int k = 0; k < 3; k++)
+  for (int k = 0; k < 3; k++) {
+    c->lost[corner[k]] = fmax(c->lost[corner[k]], now.lost);
     for (int i = 0; i < 10; i++)
       c->quadric[corner[k]][i] += c->quadric[point][i] / 3;
+  }
   /* The first facet becomes the new one; its corner at the point goes to the third neighbour. */
   for (int i = 1; i < 3; i++)
     c->corner[ring[i] / 3 * 3] = -1;
@@ -255,9 +259,10 @@ static bw_status move(bwi_coarsening *c, int32_t point) {
     now.at[k] -= along * whole[k];
   if (!planes_near(c, c->quadric[point], now.at) || !plan(c, &now, ring, count) ||
       now.worst_before > 0.3 || now.worst < now.worst_before + 0.02 ||
-      !bwi_coarsen_meets_nothing(c, &now))
+      !bwi_coarsen_has_room(c, &now))
     return BW_OK;
   memcpy(c->x + 3 * (size_t)point, now.at, sizeof now.at);
+  c->lost[point] = now.lost;
   for (int i = 0; i < count; i++)
     if (!bwi_coarsen_enter(c, ring[i] / 3))
       return BW_MEMORY;
@@ -282,6 +287,15 @@ done:
   return status;
 }
 
+static bool is_short(const bwi_coarsening *c, int32_t a, int32_t b, double length) {
+  if (length >= c->shorter)
+    return false;
+  double middle[3];
+  for (int k = 0; k < 3; k++)
+    middle[k] = (place(c, a)[k] + place(c, b)[k]) / 2;
+  return length < share_at(c, middle) * c->options->shorter;
+}
+
 bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
   bw_status status = BW_OK;
   size_t count = 0, capacity = 0;
@@ -300,7 +314,7 @@ bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
       if (a > b) /* the neighbour lists it */
         continue;
       double length = distance_of(place(c, a), place(c, b));
-      if (length >= c->shorter)
+      if (!is_short(c, a, b, length))
         continue;
       if (!bw_grow(c->context, (void **)&edge, &capacity, count, 1, sizeof *edge)) {
         status = BW_MEMORY;
@@ -317,7 +331,7 @@ bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
     BW_TRY(bwi_coarsen_look_up(c, i));
     if (c->first[a] < 0 || c->first[b] < 0)
       continue;
-    if (distance_of(place(c, a), place(c, b)) >= c->shorter) /* others may have moved its ends */
+    if (!is_short(c, a, b, distance_of(place(c, a), place(c, b)))) /* its ends may have moved */
       continue;
     BW_TRY(collapse(c, a, b, &yes));
     *collapsed += yes;

@@ -73,13 +73,16 @@ static bw_status exchange(bwi_coarsening *c, int32_t t, int side, bool *done) {
     between[k] = xt[2][k] - xt[0][k];
   }
   bw_cross(ab, pq, across_both); /* how far the diagonals pass each other */
-  if (fabs(bw_dot(between, across_both)) < c->error * bw_norm(across_both))
+  double apart = fabs(bw_dot(between, across_both)), width = bw_norm(across_both);
+  if (c->tree && apart > allowed_at(c, xt[0]) * width)
+    return BW_OK;
+  if (apart < error_at(c, xt[0]) * width)
     limit = 0.7;
   for (int i = 0; i < 2; i++)
     if (!(bw_dot(now.normal[i], sum) > limit * bw_norm(now.normal[i]) * size))
       return BW_OK;
   if (bw_norm(nt) + bw_norm(nu) > (limit > 0.7 ? 1.1 : 1.4) * size ||
-      !bwi_coarsen_meets_nothing(c, &now))
+      !bwi_coarsen_has_room(c, &now))
     return BW_OK;
   *done = true;
   int32_t two[2] = {t, u};

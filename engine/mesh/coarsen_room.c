@@ -146,7 +146,51 @@ static bool fan_is_plain(const bwi_coarsen_change *now) {
   return true;
 }
 
-bool bwi_coarsen_meets_nothing(bwi_coarsening *c, const bwi_coarsen_change *now) {
+/* ---- distance from the surface that was given ----------------------------------------------- */
+
+static bool near_given(const bwi_coarsening *c, const double at[3], int32_t *hint) {
+  double whole[3];
+  for (int k = 0; k < 3; k++)
+    whole[k] = at[k] + c->origin[k];
+  return bwi_tree_is_near(c->tree, whole, allowed_at(c, at), hint);
+}
+
+/* A point that the change moves or takes away, and what it stands for, stay near a new facet: no
+ * spike is lost, not even by many small steps. */
+static bool near_change(const bwi_coarsening *c, bwi_coarsen_change *now, int32_t point) {
+  if (point < 0)
+    return true;
+  const double *old = place(c, point);
+  double least = INFINITY, found[3];
+  for (int i = 0; i < now->count && least > 0; i++)
+    least =
+        fmin(least, bwi_nearest_on_triangle(old, now->x[i][0], now->x[i][1], now->x[i][2], found));
+  now->lost = fmax(now->lost, c->lost[point] + sqrt(least));
+  return now->lost <= allowed_at(c, old);
+}
+
+/* Middles of sides and facets are tried. */
+static bool stays_near(const bwi_coarsening *c, bwi_coarsen_change *now) {
+  for (int i = 0; i < now->count; i++) {
+    double middle[3] = {0, 0, 0};
+    for (int s = 0; s < 3; s++) {
+      double half[3];
+      int32_t *hint = &c->hint[now->corner[i][s]];
+      for (int k = 0; k < 3; k++) {
+        half[k] = (now->x[i][s][k] + now->x[i][(s + 1) % 3][k]) / 2;
+        middle[k] += now->x[i][s][k] / 3;
+      }
+      if (!near_given(c, half, hint))
+        return false;
+    }
+    if (!near_given(c, middle, &c->hint[now->corner[i][0]]))
+      return false;
+  }
+  now->lost = 0;
+  return near_change(c, now, now->kept) && near_change(c, now, now->gone);
+}
+
+bool bwi_coarsen_has_room(bwi_coarsening *c, bwi_coarsen_change *now) {
   double box[2 * BWI_RING][6], low[3], high[3];
   int64_t from[3], to[3];
   if (!fan_is_plain(now))
@@ -159,6 +203,8 @@ bool bwi_coarsen_meets_nothing(bwi_coarsening *c, const bwi_coarsen_change *now)
     }
   }
   if (now->count == 0)
+    return false;
+  if (c->tree && !stays_near(c, now))
     return false;
   cells_of(c, low, high, from, to);
   c->query++;

@@ -184,13 +184,13 @@ static int64_t tunnels_of(const bw_surface *surface, int64_t bodies) {
 
 /* The first way that may give so many elements. Faces are kept where they can be, and where one
  * length holds for all places. A surface much finer than wanted needs coarsening only, which is
- * faster than remeshing; but that knows one length for all places. */
+ * faster than remeshing. */
 static bwi_fill_way way_from(const bwi_filler *f, bwi_fill_way first, double length, double count) {
   double own = sqrt(f->area / (0.4330127 * f->base->triangle_count));
   for (bwi_fill_way how = first; how < WAY_REMESH; how++)
     if (f->has_faces && f->field.point_count == 0 && !f->field.size && least_count(f, how) <= count)
       return how;
-  return own < 0.6 * length && f->field.point_count == 0 ? WAY_COARSEN : WAY_REMESH;
+  return own < 0.6 * length || f->options->surface_tolerance > 0 ? WAY_COARSEN : WAY_REMESH;
 }
 
 /* Search for the edge length: a secant on the logarithms of length and count. The slope lies

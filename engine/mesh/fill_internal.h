@@ -19,11 +19,21 @@ bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
                              const bw_size_field *field, double slack, int64_t limit,
                              double seconds, bw_surface **refined);
 
-/* Collapse edges shorter than `shorter` of a sound surface, keeping it sound, and exchange
- * diagonals for better shapes; no edge grows much longer than `length`. Where walls are too thin it
- * stays finer. After `seconds` (0: no limit) what has been reached, sound too, is the result. */
-bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface, double length,
-                              double shorter, double error, double seconds, bw_surface **coarsened);
+typedef struct bwi_coarsen_options {
+  double length;  /* no edge grows much longer */
+  double shorter; /* shorter edges are collapsed */
+  double error;   /* root mean square distance from the facets that a collapse joins */
+  double allowed; /* distance from the surface at points of new facets; 0: any */
+  double seconds; /* 0: no limit */
+  /* NULL, or lengths: where they are below `length` all of the above is as much less. */
+  const bw_size_field *field;
+} bwi_coarsen_options;
+
+/* Collapse short edges of a sound surface, keeping it sound, and exchange diagonals for better
+ * shapes. Where walls are too thin it stays finer. After `seconds` what has been reached, sound
+ * too, is the result. */
+bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface,
+                              const bwi_coarsen_options *options, bw_surface **coarsened);
 
 /* Take flat elements off the boundary: those with a dihedral angle below `angle`, where it stays a
  * manifold and their height is at most `highest`. *gone counts them, *moved is the largest height

@@ -10,11 +10,16 @@
  *                                 boundary yet;
  *   three                         the common corner goes.
  *
- * In each case the boundary stays a manifold, and moves by the height of the element at most. */
+ * In each case the boundary stays a manifold. It moves by about the smallest height of the element:
+ * one that lies against the boundary with a needle would uncover a point far inside, and stays. */
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
+#include "mesh/surface_tree.h"
 
 #include <math.h>
+
+/* The boundary moves by so many smallest heights of an element at most. */
+static const double MOST_HEIGHTS = 2;
 
 /* Smallest height and smallest dihedral angle (its sine). */
 static void flatness(const bw_mesh *mesh, int32_t element, double *height, double *sine) {
@@ -83,10 +88,46 @@ static bw_status boundary_edges(bw_context *context, const bw_mesh *mesh, const 
   return BW_OK;
 }
 
+static const int opposite[4] = {3, 2, 0, 1}; /* the corner off face k */
+
+/* The squared distance of a point from face k. */
+static double apart(const bw_mesh *mesh, const int32_t *e, int k, const double at[3]) {
+  const double *x[3];
+  double found[3];
+  for (int i = 0; i < 3; i++)
+    x[i] = mesh->node + 3 * (size_t)e[bw_tet_face[k][i]];
+  return bwi_nearest_on_triangle(at, x[0], x[1], x[2], found);
+}
+
+/* How far the boundary moves where the element goes: what comes to light lies so far from its faces
+ * on the boundary, or what goes from the others. */
+static double uncovered(const bw_mesh *mesh, int32_t element, unsigned faces) {
+  const int32_t *e = mesh->element + 4 * (size_t)element;
+  int on[4], count = 0, off = 0;
+  for (int k = 0; k < 4; k++)
+    if (faces & 1u << k)
+      on[count++] = k;
+    else
+      off = k;
+  if (count == 1)
+    return sqrt(apart(mesh, e, on[0], mesh->node + 3 * (size_t)e[opposite[on[0]]]));
+  if (count == 3)
+    return sqrt(apart(mesh, e, off, mesh->node + 3 * (size_t)e[opposite[off]]));
+  const double *p = mesh->node + 3 * (size_t)e[opposite[on[0]]];
+  const double *q = mesh->node + 3 * (size_t)e[opposite[on[1]]];
+  double far = 0;
+  for (int i = 1; i < 4; i++) { /* points of the new edge */
+    double x[3];
+    for (int k = 0; k < 3; k++)
+      x[k] = p[k] + 0.25 * i * (q[k] - p[k]);
+    far = fmax(far, fmin(apart(mesh, e, on[0], x), apart(mesh, e, on[1], x)));
+  }
+  return sqrt(far);
+}
+
 /* May the element go? Its faces on the boundary are given as bits. */
 static bool may_go(const bw_mesh *mesh, int32_t element, unsigned faces, const uint8_t *outside,
                    const bwi_keyed *edge, int64_t edges) {
-  static const int opposite[4] = {3, 2, 0, 1}; /* the corner off face k */
   const int32_t *e = mesh->element + 4 * (size_t)element;
   int off[4], count = 0;
   for (int k = 0; k < 4; k++)
@@ -141,13 +182,17 @@ static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine
       faces |= (n[k] < 0 ? 1u : 0u) << k;
       free &= asked[e[k]] != 2;
     }
-    if (!free || !may_go(mesh, i, faces, outside, edge, edges)) {
+    double height, sine, far = 0;
+    flatness(mesh, i, &height, &sine);
+    if (free && may_go(mesh, i, faces, outside, edge, edges))
+      far = uncovered(mesh, i, faces);
+    else
+      free = false;
+    if (!free || far > MOST_HEIGHTS * height) {
       keep[i] = 1;
       continue;
     }
-    double height, sine;
-    flatness(mesh, i, &height, &sine);
-    *moved = fmax(*moved, height);
+    *moved = fmax(*moved, far);
     ++*gone;
     for (int k = 0; k < 4; k++)
       asked[e[k]] = 2;

@@ -17,6 +17,11 @@ static const double share_of_area = 0.5, least_area = 1e-3;
 /* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the square.
  */
 static const double round_angle = 0.25;
+/* Where there is a tolerance, coarsening leaves the surface by these shares of the edge length at
+ * most: when it takes out what is tiny, and afterwards. */
+static const double small_step = 0.05, large_step = 0.15;
+/* Shares of the tolerance: of either step, and what is left to putting points back onto faces. */
+static const double share_of_step = 0.3, share_of_projection = 0.4;
 
 /* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles
  * keep it busy for minutes, and there is another way for those. */
@@ -124,32 +129,25 @@ static bw_status check_sound(bwi_filler *f, const bw_surface *surface, double le
   return status;
 }
 
-static double one_length(void *data, const double at[3]) {
-  (void)at;
-  return *(const double *)data;
-}
-
-/* Collapse what is shorter than `shorter`, and log it. */
-static bw_status collapse_short(bwi_filler *f, double length, double shorter, double error,
-                                bw_surface **surface, bw_shape_log *log) {
+/* Collapse what is short, log it, and measure how far that moved the surface. */
+static bw_status collapse_short(bwi_filler *f, const bwi_coarsen_options *options,
+                                const bw_surface *from, bw_surface **out, double *moved,
+                                bw_shape_log *log) {
   bw_surface *made;
-  double moved;
-  bw_status status = bwi_coarsen_surface(f->context, *surface, length, shorter, error,
-                                         f->options->time_limit, &made);
+  bw_status status = bwi_coarsen_surface(f->context, from, options, &made);
   if (status != BW_OK)
     return status;
-  status = bw_surface_distance(f->context, *surface, made, &moved);
+  status = bw_surface_distance(f->context, from, made, moved);
   if (status != BW_OK) {
     bw_release(made);
     return status;
   }
   bw_shape_log_add(
-      log, "coarsen", (*surface)->triangle_count - made->triangle_count, moved,
+      log, "coarsen", from->triangle_count - made->triangle_count, *moved,
       "edges shorter than %.3g m were collapsed where facets stay clear of each other; "
       "%d facets are left",
-      shorter, made->triangle_count);
-  bw_release(*surface);
-  *surface = made;
+      options->shorter, made->triangle_count);
+  *out = made;
   return BW_OK;
 }
 
@@ -168,37 +166,64 @@ static bw_status remesh_sound(bwi_filler *f, bwi_fill_way how, const bw_surface 
   bw_status status;
   BW_TRY(remesh(f, how, from, length, &made, log));
   BW_TRY(check_sound(f, made, length));
-  double least = shortest_wish(f, length);
-  if (how >= WAY_REMESH)
-    BW_TRY(collapse_short(f, length, 0.4 * least, 0.02 * least, &made, log));
-  *out = made;
-  made = NULL;
+  double least = shortest_wish(f, length), moved;
+  const bwi_coarsen_options options = {.length = length,
+                                       .shorter = 0.4 * least,
+                                       .error = 0.02 * least,
+                                       .seconds = f->options->time_limit};
+  if (how >= WAY_REMESH) {
+    BW_TRY(collapse_short(f, &options, made, out, &moved, log));
+  } else {
+    *out = made;
+    made = NULL;
+  }
 done:
   bw_release(made);
   return status;
 }
 
+typedef struct size_limit {
+  const bw_size_field *field;
+  double length;
+} size_limit;
+
+/* What the field asks for, or the length where that is less. */
+static double limited_size(void *data, const double at[3]) {
+  const size_limit *limit = (const size_limit *)data;
+  double wish = bwi_size_at(limit->field, at);
+  return wish == 0 || wish > limit->length ? limit->length : wish;
+}
+
 /* Cut what is too long, where it lies, and collapse what is too short: the surface stays sound. */
 static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shape_log *log) {
-  bw_size_field field = {.size = one_length, .data = &length};
-  bw_surface *made = NULL;
+  const double tolerance = f->options->surface_tolerance;
+  size_limit limit = {&f->field, length};
+  const bw_size_field sizes = {.size = limited_size, .data = &limit};
+  bwi_coarsen_options options = {.length = length,
+                                 .shorter = 0.3 * length,
+                                 .error = 0.02 * length,
+                                 .allowed = fmin(share_of_step * tolerance, small_step * length),
+                                 .field = &f->field,
+                                 .seconds = f->options->time_limit};
+  bw_surface *cut = NULL;
+  double moved;
   bw_status status;
   /* Needles would be cut into needles: mend what can be mended first. */
   if (!f->tidy || f->tidy_length > 1.2 * length) {
-    BW_TRY(bwi_coarsen_surface(f->context, f->base, length, 0.3 * length, 0.02 * length,
-                               f->options->time_limit, &made));
+    bw_surface *tidy;
+    BW_TRY(bwi_coarsen_surface(f->context, f->base, &options, &tidy));
     bw_release(f->tidy);
-    f->tidy = made;
+    f->tidy = tidy;
     f->tidy_length = length;
-    made = NULL;
   }
   BW_TRY(
-      bwi_refine_surface(f->context, f->tidy, &field, 1.4, 4000000, f->options->time_limit, &made));
-  BW_TRY(collapse_short(f, length, 0.8 * length, 0.05 * length, &made, log));
-  *out = made;
-  made = NULL;
+      bwi_refine_surface(f->context, f->tidy, &sizes, 1.4, 4000000, f->options->time_limit, &cut));
+  options.shorter = 0.8 * length;
+  options.error = 0.05 * length;
+  options.allowed = fmin(share_of_step * tolerance, large_step * length);
+  BW_TRY(collapse_short(f, &options, cut, out, &moved, log));
 done:
-  bw_release(made);
+  bw_release(cut);
   return status;
 }
 
@@ -235,9 +260,12 @@ static bw_status onto_faces(bwi_filler *f, double length, bw_surface **surface, 
   int64_t count;
   double moved;
   bw_status status = bwi_fill_find_faces(f);
+  double limit = 0.3 * length, tolerance = f->options->surface_tolerance;
+  if (tolerance > 0)
+    limit = fmin(limit, share_of_projection * tolerance);
   if (status == BW_OK)
-    status = bwi_faces_project(f->context, f->base, f->faces, *surface, 0.3 * length, &made, &count,
-                               &moved);
+    status =
+        bwi_faces_project(f->context, f->base, f->faces, *surface, limit, &made, &count, &moved);
   if (status != BW_OK)
     return status;
   if (count > 0)

@@ -191,7 +191,8 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   int64_t wanted_count = options.triangles > 0 ? options.triangles : welded->triangle_count;
   r.length = options.edge_length > 0 ? options.edge_length
                                      : sqrt(4 / sqrt(3.0) * report.area / (double)wanted_count);
-  r.tolerance = options.tolerance > 0 ? options.tolerance : 0.25 * r.length;
+  const double allowed = options.tolerance > 0 ? options.tolerance : 0.25 * r.length;
+  r.tolerance = allowed;
   double expected = report.area / (EQUILATERAL * r.length * r.length);
   if (!(expected * BYTES_OF_FACET <= r.memory)) {
     status = too_many(&r, report.area, expected);
@@ -230,11 +231,11 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
     BW_TRY(bw_surface_distance(context, welded, made, &moved));
     if (attempt > 0 && sound_before && !report.sound)
       BW_TRY(resolve(&r, &made, &report, &moved));
-    if ((report.sound || !sound_before) && moved <= 1.0001 * r.tolerance)
+    if ((report.sound || !sound_before) && moved <= 1.0001 * allowed)
       break;
     BW_TRY(refine_cuts(&r, made, &report));
-    if (moved > r.tolerance)
-      r.tolerance *= 0.5;
+    if (moved > allowed) /* changes are judged at few points of each facet: judge them harder */
+      r.tolerance *= 0.9 * fmax(allowed / moved, 0.5);
   }
   if (attempt == 5) {
     status = bw_fail(context, BW_GEOMETRY,

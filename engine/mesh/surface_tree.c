@@ -311,15 +311,10 @@ static double box_distance(const double x[3], const node *n) {
   return sum;
 }
 
-double bwi_tree_nearest(const bwi_tree *tree, const double x[3], int32_t hint, double enough,
-                        double place[3], int32_t *facet) {
-  double best = HUGE_VAL, other[3];
-  *facet = -1;
-  if (hint >= 0) {
-    best = bwi_nearest_on_triangle(x, corner_of(tree, hint, 0), corner_of(tree, hint, 1),
-                                   corner_of(tree, hint, 2), place);
-    *facet = hint;
-  }
+/* The search for something nearer than sqrt(best), until it is as near as sqrt(enough). */
+static double search_below(const bwi_tree *tree, const double x[3], double best, double enough,
+                           double place[3], int32_t *facet) {
+  double other[3];
   struct {
     int32_t at;
     double far;
@@ -369,4 +364,25 @@ double bwi_tree_nearest(const bwi_tree *tree, const double x[3], int32_t hint, d
     }
   }
   return best;
+}
+
+double bwi_tree_nearest(const bwi_tree *tree, const double x[3], int32_t hint, double enough,
+                        double place[3], int32_t *facet) {
+  double best = HUGE_VAL;
+  *facet = -1;
+  if (hint >= 0) {
+    best = bwi_nearest_on_triangle(x, corner_of(tree, hint, 0), corner_of(tree, hint, 1),
+                                   corner_of(tree, hint, 2), place);
+    *facet = hint;
+  }
+  return search_below(tree, x, best, enough, place, facet);
+}
+
+bool bwi_tree_is_near(const bwi_tree *tree, const double x[3], double limit, int32_t *hint) {
+  double square = limit * limit, place[3];
+  if (bwi_nearest_on_triangle(x, corner_of(tree, *hint, 0), corner_of(tree, *hint, 1),
+                              corner_of(tree, *hint, 2), place) <= square)
+    return true;
+  double more = nextafter(square, INFINITY);
+  return search_below(tree, x, more, square, place, hint) <= square;
 }

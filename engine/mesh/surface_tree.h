@@ -31,6 +31,10 @@ void bwi_tree_on_segment(const bwi_tree *tree, const double p[3], const double q
 double bwi_tree_nearest(const bwi_tree *tree, const double x[3], int32_t hint, double enough,
                         double place[3], int32_t *facet);
 
+/* Whether a facet lies within a distance of x. `hint`: a facet that is likely near, and then the
+ * one that was found, if any. */
+bool bwi_tree_is_near(const bwi_tree *tree, const double x[3], double limit, int32_t *hint);
+
 /* The place on a triangle nearest to x; returns the squared distance. */
 double bwi_nearest_on_triangle(const double x[3], const double a[3], const double b[3],
                                const double c[3], double place[3]);

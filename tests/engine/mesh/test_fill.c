@@ -4,6 +4,7 @@
 #include "check.h"
 
 #include "mesh/fill_internal.h"
+#include "mesh/surface_tree.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -228,6 +229,13 @@ static void half_pipe(void *data, const double unit[3], double out[3]) {
   out[2] = 1.5 * unit[1];
 }
 
+static bw_status coarsen(bw_context *context, const bw_surface *surface, double length,
+                         double shorter, double error, double seconds, bw_surface **coarsened) {
+  const bwi_coarsen_options options = {
+      .length = length, .shorter = shorter, .error = error, .seconds = seconds};
+  return bwi_coarsen_surface(context, surface, &options, coarsened);
+}
+
 static void test_coarsen(void **state) {
   bw_context *context = check_context(state);
   int cells[3] = {90, 45, 2};
@@ -236,7 +244,7 @@ static void test_coarsen(void **state) {
   check_ok(context, bw_mesh_mapped_box(context, cells, 1, half_pipe, NULL, &grid));
   check_ok(context, bw_mesh_boundary(context, grid, &fine, NULL));
   bw_release(grid);
-  check_ok(context, bwi_coarsen_surface(context, fine, 0.4, 0.3, 0.02, 0, &coarse));
+  check_ok(context, coarsen(context, fine, 0.4, 0.3, 0.02, 0, &coarse));
   bw_surface_report report;
   check_ok(context, bw_surface_check(context, coarse, 0, &report));
   assert_true(report.sound);
@@ -316,8 +324,8 @@ static void test_marching(void **state) {
   for (int i = 0; i < 2; i++) {
     wall = shape[i].wall;
     bw_surface *fine = marching(context, shape[i].f, shape[i].cells), *coarse;
-    check_ok(context, bwi_coarsen_surface(context, fine, shape[i].length, 0.8 * shape[i].length,
-                                          0.05 * shape[i].length, 0, &coarse));
+    check_ok(context, coarsen(context, fine, shape[i].length, 0.8 * shape[i].length,
+                              0.05 * shape[i].length, 0, &coarse));
     bw_surface_report report;
     check_ok(context, bw_surface_check(context, coarse, 0, &report));
     assert_true(report.sound);
@@ -329,8 +337,8 @@ static void test_marching(void **state) {
     check_near(bw_surface_volume(coarse), volume, 0.08 * volume);
     bw_release(coarse);
     /* Out of time: what there is by then, sound. */
-    check_ok(context, bwi_coarsen_surface(context, fine, shape[i].length, 0.8 * shape[i].length,
-                                          0.05 * shape[i].length, 1e-9, &coarse));
+    check_ok(context, coarsen(context, fine, shape[i].length, 0.8 * shape[i].length,
+                              0.05 * shape[i].length, 1e-9, &coarse));
     assert_int_equal(coarse->triangle_count, fine->triangle_count);
     bw_release(coarse);
     bw_fill_options options;
@@ -461,12 +469,78 @@ static void test_allocation_failures(void **state) {
   for (int64_t n = 1; status != BW_OK; n++) {
     bw_surface *made = NULL;
     bw_fail_allocation(n, true);
-    status = bwi_coarsen_surface(context, hollow, 1, 0.8, 0.1, 0, &made);
+    status = coarsen(context, hollow, 1, 0.8, 0.1, 0, &made);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     bw_release(made);
   }
   bw_release(hollow);
+}
+
+/* A flat element that meets the boundary with a needle stays: without it a point far inside would
+ * come to light. */
+static void test_needle_is_not_peeled(void **state) {
+  bw_context *context = check_context(state);
+  static const double x[] = {0,   0, 0,  1,   0.01, 0,  1,    -0.01, 0,
+                             0.9, 1, -1, 0.9, -1,   -1, 0.75, 0,     -0.3};
+  static const int32_t e[] = {0, 1, 2, 5, 1, 0, 3, 5, 0, 2, 4, 5,
+                              3, 0, 4, 5, 2, 1, 3, 5, 4, 2, 3, 5};
+  bw_mesh *mesh;
+  int64_t gone;
+  double moved;
+  check_ok(context, bw_mesh_copy(context, 1, 6, x, 6, e, NULL, &mesh));
+  assert_int_equal(mesh->boundary_node_count, 5);
+  check_ok(context, bwi_peel_flat(context, &mesh, 0.05, HUGE_VAL, &gone, &moved));
+  assert_int_equal(gone, 0);
+  assert_int_equal(mesh->boundary_node_count, 5);
+  bw_release(mesh);
+}
+
+/* A tolerance bounds how far the surface moves; near a point with short edges it is followed more
+ * closely than elsewhere. */
+static void test_surface_tolerance(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *fine = marching(context, two_limbs, 40), *remeshed;
+  const double allowed = 0.02;
+  double moved, near = 0;
+  bw_remesh_options wish;
+  bw_remesh_options_default(&wish);
+  wish.edge_length = 0.3;
+  wish.tolerance = allowed;
+  check_ok(context, bw_surface_remesh(context, fine, &wish, &remeshed, NULL));
+  check_ok(context, bw_surface_distance(context, fine, remeshed, &moved));
+  assert_true(moved <= 1.001 * allowed);
+  bw_release(remeshed);
+
+  bw_size_point point = {.radius = 0.15, .length = 0.06};
+  memcpy(point.at, fine->point, sizeof point.at);
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.edge_length = 0.3;
+  options.surface_tolerance = allowed;
+  options.size_point_count = 1;
+  options.size_point = &point;
+  bw_mesh *mesh;
+  bw_surface *boundary;
+  check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
+  check_ok(context, bw_mesh_boundary(context, mesh, &boundary, NULL));
+  check_ok(context, bw_surface_distance(context, fine, boundary, &moved));
+  assert_true(moved <= 1.1 * allowed);
+  bwi_tree *tree;
+  check_ok(context, bwi_tree_create(context, fine->point, fine->triangle_count, fine->triangle,
+                                    NULL, &tree));
+  for (int32_t i = 0; i < boundary->point_count; i++) {
+    const double *x = boundary->point + 3 * (int64_t)i;
+    double d[3] = {x[0] - point.at[0], x[1] - point.at[1], x[2] - point.at[2]}, place[3];
+    int32_t facet;
+    if (bw_norm(d) < point.radius)
+      near = fmax(near, sqrt(bwi_tree_nearest(tree, x, -1, 0, place, &facet)));
+  }
+  assert_true(near < 0.1 * point.length);
+  bwi_tree_free(tree);
+  bw_release(boundary);
+  bw_release(mesh);
+  bw_release(fine);
 }
 
 /* ---- the table over all models -------------------------------------------------------------- */
@@ -519,12 +593,20 @@ static void test_models(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_cube),         check_test(test_shells),
-      check_test(test_keep_surface), check_test(test_max_volume),
-      check_test(test_sizes),        check_test(test_coarsen),
-      check_test(test_refine),       check_test(test_refusals),
-      check_test(test_crossing),     check_test(test_allocation_failures),
-      check_test(test_marching),     check_test(test_tunnels),
+      check_test(test_cube),
+      check_test(test_shells),
+      check_test(test_keep_surface),
+      check_test(test_max_volume),
+      check_test(test_sizes),
+      check_test(test_coarsen),
+      check_test(test_refine),
+      check_test(test_refusals),
+      check_test(test_crossing),
+      check_test(test_allocation_failures),
+      check_test(test_marching),
+      check_test(test_surface_tolerance),
+      check_test(test_needle_is_not_peeled),
+      check_test(test_tunnels),
       check_test(test_models),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
