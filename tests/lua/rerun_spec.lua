@@ -122,8 +122,8 @@ bw.scenario("a", function() bw.scenario.expect(1):above(0) end)]])
 
   it("is refused without a manifest that says what was run", function()
     local folder = experiment "--out FOLDER/result"
-    assert.equal(2, (check.run("rerun " .. folder .. "/no.json")))
-    assert.equal(2, (check.run("rerun " .. folder .. "/input.txt")))
+    assert.equal(3, (check.run("rerun " .. folder .. "/no.json")))
+    assert.equal(3, (check.run("rerun " .. folder .. "/input.txt")))
     check.write(folder .. "/result/manifest.json", "{}")
     local status, _, err = check.run("rerun " .. folder .. "/result/manifest.json")
     assert.equal(2, status)
