@@ -69,7 +69,7 @@ describe("the breaking force of a held bar", function()
     end
     fails("invalid", "the whole surface is held", {hold = function(of) return of.boundary end})
     fails("empty", "'forbidden' selects nothing", {forbidden = function() return {} end})
-    raises("holds every node", {forbidden = function(of) return of.boundary end})
+    raises("no surface is left on which pressure may act", {forbidden = function(of) return of.boundary end})
     fails("odd", "nothing there", {hold = function() return nil, "nothing there", {status = "odd"} end})
     check.raises("my own mistake", bw.breaking_force, mesh, {material = bw.material.pla,
       hold = function() error "my own mistake" end})
