@@ -58,7 +58,9 @@ local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
 -- the change from mesh to mesh says little.
 local UNREFINED = 0.3
 -- The background leaves the surface by at most this share of the radius, so that small features are seen.
-local FOLLOWED = 0.1
+local FOLLOWED = 0.3
+-- So many meshes are screened for new places; the others start from the places that are known.
+local SCREENED = 3
 -- Elements that meshes have for each facet of the surface and each cube of the edge length; an equilateral
 -- triangle's area over its squared edge.
 local FOR_FACETS, FOR_VOLUME, EQUILATERAL = 2, 1.6, math.sqrt(3) / 4
@@ -68,7 +70,7 @@ local REGULAR = 1 / (6 * math.sqrt(2))
 local PLACES, KNOWN = 6, 12
 -- What the search may miss of the largest stress (docs/benchmarks.md).
 local SEARCH = 0.05
--- The relative error that a displacement of the surface by the radius of the patch stands for.
+-- The relative error that a mean displacement of the surface by the radius of the patch stands for.
 local MOVED = 2
 -- No estimate from several meshes is trusted below this, and one mesh alone leaves so much open.
 local LEAST_ERROR, ALONE = 0.02, 0.5
@@ -157,13 +159,13 @@ local function make_mesh(self, elements)
   return mesh
 end
 
--- How far boundary nodes around a place lie from the surface that was filled.
+-- The mean distance of boundary nodes around a place from the surface that was filled.
 local function moved_near(self, mesh, at)
   if not self.surface then return 0 end
   local nodes = mesh.boundary:near(at, self.length).nodes
   local offsets, message, details = self.surface:distance(mesh.nodes:gather(nodes))
   if not offsets then return nil, message, details end
-  return offsets:max()
+  return offsets:sum() / offsets.row_count
 end
 
 -- One mesh: its worst case, with the places of its largest mean stresses.
@@ -174,6 +176,7 @@ local function analyse_on(self, mesh)
   local wish = self.options
   limits.length, limits.failure = self.length, self.failure
   limits.modes, limits.regions, limits.seed = wish.modes, wish.regions, wish.seed
+  limits.screening = #self.history < SCREENED
   limits.places = last and append_apart(self, to_refine(self), last.places, KNOWN, NEARLY * last.utilisation)
   local worst, message
   worst, message, details = worst_case(part, limits)

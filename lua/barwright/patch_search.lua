@@ -56,16 +56,16 @@ end
 
 -- The utilisation of all nodes by mean stresses, a list for the loads of these numbers; its peaks become places.
 local function rate(self, numbers)
-  local stresses, list = {}, {}
-  for k, load in ipairs(numbers) do
-    local u, message, details = self.system:solve(self.basis:force(self.loads.pressures[load]))
-    if not u then return nil, message, details end
-    local stress
-    stress, message, details = core.nodal_stress(self.mesh, self.material, u)
-    if not stress then return nil, message, details end
-    stresses[k] = stress
+  local forces, stresses, list = {}, {}, {}
+  for k, load in ipairs(numbers) do forces[k] = self.basis:force(self.loads.pressures[load]) end
+  local motions, message, details = self.system:solve(forces)
+  if not motions then return nil, message, details end
+  for k, u in ipairs(motions) do
+    stresses[k], message, details = core.nodal_stress(self.mesh, self.material, u)
+    if not stresses[k] then return nil, message, details end
   end
-  local means, message, details = core.surface_means(self.mesh, stresses, self.radius)
+  local means
+  means, message, details = core.surface_means(self.mesh, stresses, self.radius)
   if not means then return nil, message, details end
   for k, stress in ipairs(stresses) do
     local mean = means:columns(6 * k - 5, 6 * k)
@@ -220,9 +220,9 @@ local function begin(self)
 end
 
 --- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of the programmes), radius (m),
---- judge (from rows of tensors to an array), and what it begins with: loads (results of core.worst_loads) or
---- known (places of another mesh). Returns {places, loads, origins}, places weakest first, or nil, message,
---- details.
+--- judge (from rows of tensors to an array), screening (whether to look for other places), and what it begins
+--- with: loads (results of core.worst_loads) or known (places of another mesh). Returns {places, loads, origins},
+--- places weakest first, or nil, message, details.
 function patch_search.run(problem)
   local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
   local fine, message, details
@@ -231,7 +231,7 @@ function patch_search.run(problem)
   else
     fine, message, details = begin(self)
   end
-  if fine then fine, message, details = explore(self) end
+  if fine and self.screening then fine, message, details = explore(self) end
   if fine then fine, message, details = ascend(self) end
   if not fine then return nil, message, details end
   return self

@@ -29,6 +29,7 @@ local rules = load_limits.rules {
   length = {type = "number", above = 0},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
   places = {type = "table"},
+  screening = {type = "boolean", default = true},
   fraction = {type = "number", default = 0.025, above = 0, most = 1},
   measure = {type = "string", default = "stress", one_of = {"stress", "energy"}},
   target = {type = "string", default = "stress", one_of = {"stress", "displacement"}},
@@ -133,7 +134,8 @@ local function search_patches(self, wish, loads)
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
     basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = wish.length,
-    judge = judge_of(self.material, wish.failure), loads = loads, known = wish.places})
+    judge = judge_of(self.material, wish.failure), loads = loads, known = wish.places,
+    screening = wish.screening})
   if not found then return nil, message, details end
   self.seconds.search = core.seconds() - start
   self.places = found.places
@@ -181,6 +183,9 @@ function worst_case.analyse(part, given, view)
   end
   if wish.places and not (wish.length and are_places(wish.places)) then
     raise "worst_case: option 'places': places of another worst case of the same 'length' expected"
+  end
+  if not wish.screening and not wish.places then
+    raise "worst_case: option 'screening' can be false where 'places' are given"
   end
   wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material

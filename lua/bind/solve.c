@@ -402,9 +402,45 @@ const lbw_class lbw_modes_class = {"modes", modes_methods, modes_properties, mod
 
 /* ---- systems --------------------------------------------------------------------------------- */
 
-/* system:solve(force): displacement, both a row of three for every node */
+/* A list of forces is solved in one block. */
+static int solve_list(lua_State *L, bw_system *system) {
+  int64_t nodes = system->mesh->node_count, count = (int64_t)lua_rawlen(L, 2), rows;
+  size_t size = 3 * (size_t)nodes * sizeof(double);
+  lua_settop(L, 2);
+  lbw_argument_check(L, (double)count * (double)size < 0.5 * (double)INT64_MAX, 2, "too many");
+  char *block = (char *)lua_newuserdatauv(L, (size_t)count * size + 1, 0); /* 3 */
+  for (int64_t i = 0; i < count; i++) {
+    lua_rawgeti(L, 2, i + 1);
+    const double *force = lbw_to_doubles(L, 4, "force", 3, &rows);
+    lbw_argument_check(L, rows == nodes, 2, "forces: a row for every node expected in each");
+    memcpy(block + (size_t)i * size, force, size);
+    lua_settop(L, 3);
+  }
+  bw_status status = bw_system_solve(lbw_enter(L), system, count, (const double *)(void *)block,
+                                     (double *)(void *)block);
+  int results = lbw_leave(L, status, 1);
+  if (status != BW_OK)
+    return results;
+  lua_createtable(L, (int)count, 0); /* 4 */
+  for (int64_t i = 0; i < count; i++) {
+    memcpy(lbw_push_array(L, BW_F64, nodes, 3)->data, block + (size_t)i * size, size);
+    lua_rawseti(L, 4, i + 1);
+  }
+  return 1;
+}
+
+/* A table of arrays, and not one array as a table of rows. */
+static bool is_list_of_arrays(lua_State *L, int index) {
+  bool list = lua_istable(L, index) && lua_rawgeti(L, index, 1) == LUA_TUSERDATA;
+  lua_settop(L, index);
+  return list;
+}
+
+/* system:solve(force): displacement, both a row of three for every node; or lists of them */
 static int system_solve(lua_State *L) {
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
+  if (is_list_of_arrays(L, 2))
+    return solve_list(L, system);
   int64_t rows;
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
   lbw_argument_check(L, rows == system->mesh->node_count, 2,

@@ -354,6 +354,7 @@ function bw.version() end
 ---@field length? number radius of surface patches, m: the mean stress over them is searched for (docs/theory/breaking_force.md) instead of the stress of elements; without `method`, `certify`, target "displacement"
 ---@field failure? "principal"|"von_mises" with `length`: what is judged; default "principal"
 ---@field places? table[] with `length`: `places` of another worst case, which take the place of the modes
+---@field screening? boolean with `places`: false to search from these places only; default true
 ---@field modes? integer default 15
 ---@field regions? integer weak regions of each mode; default 5
 ---@field fraction? number of the volume that counts as weak in a mode; default 0.025
@@ -1477,9 +1478,10 @@ function Modes:close() end
 ---@field motion_count integer free rigid motions
 local System = {}
 
----Displacement under nodal forces; on a free body the force is balanced by inertia first.
----@param force bw.Array
----@return bw.Array?
+---Displacement under nodal forces; on a free body the force is balanced by inertia first. A list of forces is solved
+---in one block, which is faster, and gives the list of displacements.
+---@param force bw.Array|bw.Array[] N: a row of three for every node
+---@return bw.Array|bw.Array[]|nil
 ---@return string? message
 ---@return table? details
 function System:solve(force) end
