@@ -131,19 +131,19 @@ static bw_status check_sound(bwi_filler *f, const bw_surface *surface, double le
 
 /* Collapse what is short, log it, and measure how far that moved the surface. */
 static bw_status collapse_short(bwi_filler *f, const bwi_coarsen_options *options,
-                                const bw_surface *from, bw_surface **out, double *moved,
-                                bw_shape_log *log) {
+                                const bw_surface *from, bw_surface **out, bw_shape_log *log) {
   bw_surface *made;
+  double moved;
   bw_status status = bwi_coarsen_surface(f->context, from, options, &made);
   if (status != BW_OK)
     return status;
-  status = bw_surface_distance(f->context, from, made, moved);
+  status = bw_surface_distance(f->context, from, made, &moved);
   if (status != BW_OK) {
     bw_release(made);
     return status;
   }
   bw_shape_log_add(
-      log, "coarsen", from->triangle_count - made->triangle_count, *moved,
+      log, "coarsen", from->triangle_count - made->triangle_count, moved,
       "edges shorter than %.3g m were collapsed where facets stay clear of each other; "
       "%d facets are left",
       options->shorter, made->triangle_count);
@@ -166,13 +166,13 @@ static bw_status remesh_sound(bwi_filler *f, bwi_fill_way how, const bw_surface 
   bw_status status;
   BW_TRY(remesh(f, how, from, length, &made, log));
   BW_TRY(check_sound(f, made, length));
-  double least = shortest_wish(f, length), moved;
+  double least = shortest_wish(f, length);
   const bwi_coarsen_options options = {.length = length,
                                        .shorter = 0.4 * least,
                                        .error = 0.02 * least,
                                        .seconds = f->options->time_limit};
   if (how >= WAY_REMESH) {
-    BW_TRY(collapse_short(f, &options, made, out, &moved, log));
+    BW_TRY(collapse_short(f, &options, made, out, log));
   } else {
     *out = made;
     made = NULL;
@@ -206,7 +206,6 @@ static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shap
                                  .field = &f->field,
                                  .seconds = f->options->time_limit};
   bw_surface *cut = NULL;
-  double moved;
   bw_status status;
   /* Needles would be cut into needles: mend what can be mended first. */
   if (!f->tidy || f->tidy_length > 1.2 * length) {
@@ -221,7 +220,7 @@ static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shap
   options.shorter = 0.8 * length;
   options.error = 0.05 * length;
   options.allowed = fmin(share_of_step * tolerance, large_step * length);
-  BW_TRY(collapse_short(f, &options, cut, out, &moved, log));
+  BW_TRY(collapse_short(f, &options, cut, out, log));
 done:
   bw_release(cut);
   return status;
