@@ -23,6 +23,8 @@ local MOST = 20
 -- The radius of a bump: so many times the judged patch's radius, or the thickness there times the second; at most
 -- this share of the diagonal.
 local OF_PATCH, OF_THICKNESS, OF_DIAGONAL = 3, 1.25, 0.2
+-- An offset is at most this share of the thickness: the linearised stresses do not reach further.
+local MOST_OF_THICKNESS = 0.5
 -- Places are this share of the radius apart at least.
 local APART = 0.6
 -- Rays by which thicknesses are measured.
@@ -183,7 +185,7 @@ local function sensitivities(breaking, judge, places, means, keep)
 end
 
 -- The least offsets with which every place's logarithm falls to that of the limit, where that can be, each at most
--- a share of its radius. In radii, so that the numbers are of order one.
+-- a share of its radius and of the thickness. In radii, so that the numbers are of order one.
 local function offsets(places, matrix, limit, most)
   local n, H, A, b, low, high, g = #places, {}, {}, {}, {}, {}, {}
   for i, place in ipairs(places) do
@@ -192,7 +194,8 @@ local function offsets(places, matrix, limit, most)
       H[i][j] = i == j and 1 or 0
       A[i][j] = matrix[i][j] * other.radius
     end
-    b[i], low[i], high[i], g[i] = math.log(limit / place.used), 0, most, 0
+    b[i], low[i], g[i] = math.log(limit / place.used), 0, 0
+    high[i] = math.min(most, MOST_OF_THICKNESS * place.thickness / place.radius)
   end
   local x, violation, details = core.quadratic_programme {H = core.array.new(H), g = core.array.new(g),
     A = core.array.new(A), b = core.array.new(b), low = core.array.new(low), high = core.array.new(high)}

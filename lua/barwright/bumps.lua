@@ -38,6 +38,16 @@ function bumps.to_surface(shape)
     triangles = core.array.new(shape.triangles, "i32")}
 end
 
+--- The surface with coordinates that single precision in a unit (m) holds exactly, as binary STL has them: else a
+--- sound surface may cross itself in the file.
+function bumps.rounded(surface, unit)
+  local rows = surface.points:totable()
+  for _, p in ipairs(rows) do
+    for c = 1, 3 do p[c] = string.unpack("<f", string.pack("<f", p[c] / unit)) * unit end
+  end
+  return core.surface.new {points = core.array.new(rows), triangles = surface.triangles}
+end
+
 --- The shape of a mesh's boundary, middle nodes among its points; `nodes` has the mesh node of each point.
 function bumps.of_mesh(mesh)
   local shape, index = {points = {}, triangles = {}, nodes = {}}, {}

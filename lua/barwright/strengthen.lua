@@ -23,6 +23,7 @@ local rules = {
   seed = {type = "integer", default = 1},
   steps = {type = "integer", default = 8, least = 1, most = 100},
   keep = {type = "function"},
+  unit = {type = "number", default = 1e-3, above = 0},
   progress = {type = "function"},
 }
 
@@ -33,8 +34,9 @@ local QUICK_MODES, QUICK_REGIONS = 8, 3
 -- How often a bump is halved where the surface crosses itself before it is left out; defects that are looked at,
 -- at most, and how far beyond its radius, over the radius, a bump may cause one.
 local HALVINGS, DEFECTS, NEAR = 3, 1000, 0.3
--- Where crossings are taken out, the volume may change by this share of what the bumps add; seconds for it.
-local RESOLVED, TIME_LIMIT = 0.2, 60
+-- Where crossings are taken out, the volume may change by this share of what the bumps add; seconds for it; how
+-- often it is tried.
+local RESOLVED, TIME_LIMIT, ROUNDS = 0.2, 60, 3
 -- The next step aims higher by what the last one fell short of its prediction, at least and at most so much: what
 -- it falls short of the goal alone is less than a new mesh changes.
 local LEAST_MORE, MOST_MORE = 1.05, 1.3
@@ -86,14 +88,24 @@ local function lower(places, report)
   return left
 end
 
--- Crossings of a moved surface, as in slots that close, taken out locally: a sound surface of nearly the same
--- volume, or nil.
-local function resolve(surface, moved)
-  local mended = moved:repair {wrap = false, time_limit = TIME_LIMIT}
-  if not mended then return nil end
-  local report = mended:check {limit = 1}
+-- The Euler characteristic of a closed surface: it changes where a hole closes or a handle forms.
+local function characteristic(surface)
+  return surface.point_count - surface.triangle_count / 2
+end
+
+-- Crossings of a moved surface, as in slots that become narrow, taken out locally: a sound surface of the same
+-- topology and nearly the same volume, or nil. Rounding may make new crossings.
+local function resolve(self, surface, moved, shells)
   local added = math.abs(moved.volume - surface.volume)
-  return report and report.sound and math.abs(mended.volume - moved.volume) <= RESOLVED * added and mended or nil
+  local mended = moved
+  for _ = 1, ROUNDS do
+    mended = mended:repair {wrap = false, time_limit = TIME_LIMIT}
+    mended = mended and bumps.rounded(mended, self.options.unit)
+    local report = mended and mended:check {limit = 1}
+    if not report or report.shells ~= shells or characteristic(mended) ~= characteristic(surface)
+      or math.abs(mended.volume - moved.volume) > RESOLVED * added then return nil end
+    if report.sound then return mended end
+  end
 end
 
 -- The surface with the bumps of a step. Where it would cross itself and that cannot be resolved, bumps are halved.
@@ -104,11 +116,12 @@ local function apply(self, surface, places)
   repeat
     local moved, report, details
     moved, message, details = bumps.to_surface(bumps.displaced(shape, places, self.options.keep))
+    moved = moved and bumps.rounded(moved, self.options.unit)
     if not moved then return nil, message, details end
     report, message, details = moved:check {limit = DEFECTS}
     if not report then return nil, message, details end
     if report.sound then return moved end
-    moved = resolve(surface, moved)
+    moved = resolve(self, surface, moved, report.shells)
     if moved then return moved end
     if core.interrupted() then return nil, "interrupted", {status = "cancelled"} end
   until not lower(places, report)
@@ -129,7 +142,7 @@ local function note(self, step)
 end
 
 -- A step's advice, the surface that follows it, or why there is none.
-local function step_on(self, current, goal)
+local function step_on(self, surface, current, goal)
   local advised, message, details = current:advice {force = self.options.force, keep = self.options.keep,
     estimate = goal}
   if not advised then return nil, message, details end
@@ -142,7 +155,7 @@ local function step_on(self, current, goal)
     return nil, "thickening around the weak places does not help any more", {status = "infeasible"}
   end
   local moved
-  moved, message, details = apply(self, self.surface, advised.places)
+  moved, message, details = apply(self, surface, advised.places)
   if not moved then return nil, message, details end
   local count, offset = 0, 0
   for _, place in ipairs(advised.places) do
@@ -152,38 +165,83 @@ local function step_on(self, current, goal)
   return moved, {places = count, offset = offset, predicted = advised.force, list = advised.places}
 end
 
--- Steps until a full analysis is on the safe side, nothing helps any more, or the steps are used up.
+local function cancelled(details)
+  return core.interrupted() or type(details) == "table" and details.status == "cancelled"
+end
+
+-- Keeps a surface if it is the best one so far: `best` of all, by the estimate; `sure` of those that were analysed
+-- on several meshes, where one that bears the force goes before.
+local function remember(self, surface, breaking, is_full)
+  local one = {surface = surface, breaking = breaking, force = breaking.force, is_full = is_full}
+  if not self.best or one.force > self.best.force then self.best = one end
+  if is_full and (not self.sure or breaking.low >= self.options.force or one.force > self.sure.force) then
+    self.sure = one
+  end
+end
+
+-- One mesh of a step's surface; several where that suffices or no step is left. Returns the analysis and whether
+-- it is a full one.
+local function analyse(self, surface, places, goal)
+  local quickly, message, details = quick(self, surface, places)
+  if not quickly then return nil, message, details end
+  if quickly.force < goal and #self.steps + 1 < self.options.steps then return quickly, false end
+  quickly:close()
+  local breaking
+  breaking, message, details = full(self, surface)
+  if not breaking then return nil, message, details end
+  return breaking, true
+end
+
+-- Steps until a full analysis is on the safe side, nothing helps any more, or the steps are used up. What cannot
+-- be analysed ends them, and what was found before stays.
 local function run(self, breaking)
-  local wish, current, aim = self.options, breaking, 1
+  local wish, current, aim, surface = self.options, breaking, 1, self.original
+  local goal = wish.force * breaking.force / breaking.low
   for _ = 1, wish.steps do
-    -- The estimate that is needed for the lower end to reach the force, as far as the last full analysis tells.
-    local goal = wish.force * breaking.force / breaking.low
-    local moved, step, details = step_on(self, current, aim * goal)
-    if current ~= breaking then current:close() end
+    local moved, step, details = step_on(self, surface, current, aim * goal)
+    current:close()
     if not moved then
       self.stopped = step
-      return details and (details.status == "infeasible" or details.status == "geometry") or nil, step, details
+      local stops = #self.steps > 0 or details.status == "infeasible" or details.status == "geometry"
+      return stops and not cancelled(details) or nil, step, details
     end
-    local message
-    current, message, details = quick(self, moved, step.list)
-    if not current then return nil, message, details end
-    self.surface, step.list = moved, nil
+    local is_full
+    current, is_full, details = analyse(self, moved, step.list, goal)
+    if not current then
+      self.stopped = "the surface of the next step cannot be analysed: " .. is_full
+      return not cancelled(details) or nil, is_full, details
+    end
+    surface, step.list = moved, nil
+    remember(self, surface, current, is_full)
     step.force = current.force
     if current.force < goal then
       aim = aim * math.max(LEAST_MORE, math.min(step.predicted / current.force, MOST_MORE))
     end
-    if current.force >= goal or #self.steps + 1 >= wish.steps then
-      current:close()
-      breaking:close()
-      breaking, message, details = full(self, moved)
-      if not breaking then return nil, message, details end
-      current, self.breaking = breaking, breaking
-      step.force, step.low, step.high = breaking.force, breaking.low, breaking.high
+    if is_full then
+      step.low, step.high = current.low, current.high
+      -- The estimate that is needed for the lower end to reach the force, as far as this analysis tells.
+      goal = wish.force * current.force / current.low
     end
     note(self, step)
-    if current == breaking and breaking.low >= wish.force then return true end
+    if is_full and current.low >= wish.force then break end
   end
-  if current ~= breaking then current:close() end
+  current:close()
+  return true
+end
+
+-- Of what was analysed on several meshes the best surface; the best of all is analysed so first.
+local function choose(self)
+  local best = self.best
+  if not best.is_full and self.sure.breaking.low < self.options.force then
+    local breaking, _, details = full(self, best.surface)
+    if breaking then
+      breaking:close()
+      remember(self, best.surface, breaking, true)
+    elseif cancelled(details) then
+      return nil, "interrupted", details
+    end
+  end
+  self.surface, self.breaking = self.sure.surface, self.sure.breaking
   return true
 end
 
@@ -208,26 +266,23 @@ function strengthen.run(surface, given)
   local breaking
   breaking, message, details = full(self, self.surface)
   if not breaking then return nil, message, details end
-  self.length, self.breaking = breaking.length, breaking
+  self.length = breaking.length
   self.before = summary(breaking, self.surface, wish.material)
+  remember(self, self.surface, breaking, true)
   if breaking.low < wish.force then
     local fine
     fine, message, details = run(self, breaking)
     if not fine then return nil, message, details end
-    if self.stopped or self.breaking.worst == nil then
-      -- The last steps had no full analysis.
-      self.breaking:close()
-      if #self.steps > 0 and not self.steps[#self.steps].low then
-        self.breaking, message, details = full(self, self.surface)
-        if not self.breaking then return nil, message, details end
-      end
-    end
   end
+  breaking:close()
+  local chosen
+  chosen, message, details = choose(self)
+  if not chosen then return nil, message, details end
   self.after = summary(self.breaking, self.surface, wish.material)
   self.reached = self.after.low >= wish.force
   self.added_volume = self.after.volume - self.before.volume
+  self.best, self.sure = nil, nil
   self.seconds = core.seconds() - start
-  self.breaking:close()
   return self
 end
 

@@ -133,15 +133,17 @@ function bw.breaking_force(body, options) end
 ---most `steps` (default 8) rounds of advice, smooth outward bumps, and analysis. A surface that is not sound is repaired
 ---first. `keep(x, y, z)` is true where the surface must not move (m). `progress(step)` is called after each step with
 ---{places, offset, predicted, force, low, high}: how many places, the largest offset (m), forces (N); low and high only
----of full analyses. Other options: those of bw.breaking_force. nil, message, details where it cannot be computed; a
----force that is not reached is no failure: see `reached` and `stopped`. docs/theory/strengthen.md.
+---of full analyses. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
+---has them. Other options: those of bw.breaking_force. nil, message, details where the given surface cannot be
+---computed; a force that is not reached is no failure: then it is the best surface that was found, see `reached` and
+---`stopped`. docs/theory/strengthen.md.
 ---```lua
 ---local result = assert(bw.strengthen(surface, {material = bw.material.pla, force = 50}))
 ---print(result)
 ---assert(result.surface:write "stronger.stl")
 ---```
 ---@param surface bw.Surface
----@param options {force: number, material: bw.Material, contact?: number, elements?: integer, length?: number|"critical", failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer, steps?: integer, keep?: (fun(x: number, y: number, z: number): boolean), progress?: fun(step: table)}
+---@param options {force: number, material: bw.Material, contact?: number, elements?: integer, length?: number|"critical", failure?: "principal"|"von_mises", modes?: integer, regions?: integer, seed?: integer, steps?: integer, keep?: (fun(x: number, y: number, z: number): boolean), unit?: number, progress?: fun(step: table)}
 ---@return bw.Strengthened?
 ---@return string? message
 ---@return table? details
@@ -1710,8 +1712,8 @@ function BreakingForce:verdict(force) end
 
 ---Which places to thicken, and by how much, so that the lower end of the interval reaches `force` (N), from the shape
 ---gradients of the judged stresses on the last mesh. `estimate` (N) replaces what the estimate is to reach,
----`keep(x, y, z)` is true where nothing may move (m), no offset is more than `most_offset` (default 0.25) radii.
----Linearised: large offsets need repetition, which bw.strengthen does. nil, message, details where all weak places are
+---`keep(x, y, z)` is true where nothing may move (m), no offset is more than `most_offset` (default 0.25) radii
+---or half of the thickness. Linearised: large offsets need repetition, which bw.strengthen does. nil, message, details where all weak places are
 ---kept (status "infeasible"), or for loads with friction or hands ("unsupported"). Raises where it is closed.
 ---docs/theory/strengthen.md.
 ---```lua

@@ -166,6 +166,22 @@ describe("advice", function()
   end)
 end)
 
+describe("advice on a thin part", function()
+  it("moves nothing by more than half of the thickness, however much is asked for", function()
+    local plate = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.02, 0.002}})
+    local breaking <close> = assert(bw.breaking_force(assert(bw.mesh.fill(plate, {elements = 300, order = 2})),
+      with {length = 0.004}))
+    local checked = 0
+    for _, place in ipairs(assert(breaking:advice {force = 1000 * breaking.force}).places) do
+      if math.abs(place.at[1] - 0.02) < 0.017 and math.abs(place.at[2] - 0.01) < 0.007 then -- not near the sides
+        assert.is_true(place.offset < 0.00101, ("%g"):format(place.offset))
+        checked = checked + 1
+      end
+    end
+    assert.is_true(checked > 0)
+  end)
+end)
+
 describe("strengthening", function()
   -- How much more a neck of this cross-section bears than the former one: bending, force ~ width x height^2.
   local function gain(surface)
@@ -228,6 +244,96 @@ describe("strengthening", function()
     local result = assert(strengthening_by(breaking)(bar, with {elements = 200, force = 130}))
     assert.is_true(result.reached, tostring(result))
     assert.is_true(#result.steps <= 3, tostring(result))
+  end)
+
+  -- An analysis that gives one force after another, false where it fails, and thickens at one place.
+  local function scripted(forces, place, count)
+    local estimate = {length = 0.002, at = {0, 0, 0}, estimated_error = 0.1, close = function() end}
+    estimate.__index = estimate
+    function estimate.advice()
+      return {force = 1e3, places = {{at = place.at, radius = place.radius, offset = place.offset}}}
+    end
+    return function(body)
+      count[#count + 1] = core.class_name(body)
+      local force = forces[math.min(#count, #forces)]
+      if not force then return nil, "no mesh", {status = "numerical"} end
+      return setmetatable({force = force, low = 0.9 * force, high = 1.1 * force, worst = {}}, estimate)
+    end
+  end
+  local top = {at = {0, 0, 0.0025}, radius = 0.006, offset = 1e-4}
+
+  it("keeps what it has where a step's surface cannot be analysed", function()
+    for forces, volume in pairs {[{100, false}] = bar.volume, [{100, 110, false}] = false} do
+      local count = {}
+      local result = assert(strengthening_by(scripted(forces, top, count))(bar, with {elements = 200,
+        force = 130}))
+      assert.is_false(result.reached)
+      assert.truthy(result.stopped:find "no mesh", result.stopped)
+      assert.is_true(result.surface:check().sound)
+      if volume then assert.equal(volume, result.surface.volume) end
+    end
+    -- What cannot be analysed from the start is a failure.
+    check.fails("numerical", "no mesh", strengthening_by(scripted({false}, top, {}))(bar, with {force = 130}))
+  end)
+
+  it("gives back the best surface where later steps are weaker", function()
+    local count = {}
+    -- In full, one mesh, one mesh and in full, and in full again that of the first step.
+    local result = assert(strengthening_by(scripted({100, 120, 90, 90, 115}, top, count))(bar,
+      with {elements = 200, force = 130, steps = 2}))
+    assert.equal(5, #count)
+    assert.is_false(result.reached)
+    assert.equal(115, result.after.force)
+    assert.equal(2, #result.steps)
+    local first = assert(strengthening_by(scripted({100, 115}, top, {}))(bar,
+      with {elements = 200, force = 130, steps = 1}))
+    check.near(first.surface.volume, result.surface.volume, 1e-9)
+  end)
+
+  -- A plate of 20 x 20 x 4 mm with a square hole of a width.
+  local function with_hole(width)
+    local points, triangles = {}, {}
+    for _, z in ipairs {0, 0.004} do
+      for _, half in ipairs {0.01, width / 2} do
+        for _, c in ipairs {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}} do
+          points[#points + 1] = {half * c[1], half * c[2], z}
+        end
+      end
+    end
+    local function quad(a, b, c, d) table.move({{a, b, c}, {a, c, d}}, 1, 2, #triangles + 1, triangles) end
+    for j = 1, 4 do
+      local k = j % 4 + 1
+      quad(j, k, k + 8, j + 8) -- outside
+      quad(4 + k, 4 + j, 12 + j, 12 + k) -- hole
+      quad(8 + j, 8 + k, 12 + k, 12 + j) -- top
+      quad(k, j, 4 + j, 4 + k) -- bottom
+    end
+    return assert(bw.surface.new {points = core.array.new(points), triangles = core.array.new(triangles, "i32")})
+  end
+
+  it("checks the coordinates that a binary STL holds", function()
+    for _, unit in ipairs {1e-3, 0.0254} do
+      local result = assert(strengthening_by(scripted({100, 200}, top, {}))(bar, with {elements = 200, force = 130,
+        unit = unit}))
+      for _, p in ipairs(result.surface.points:totable()) do
+        for c = 1, 3 do
+          local x = p[c] / unit
+          assert.is_true(math.abs(string.unpack("<f", string.pack("<f", x)) - x) <= 1e-14 * math.abs(x))
+        end
+      end
+    end
+  end)
+
+  it("closes no hole", function()
+    local plate = with_hole(0.001)
+    assert.is_true(plate:check().sound)
+    local place = {at = {0, 0.0005, 0.002}, radius = 0.004, offset = 0.001}
+    local result = assert(strengthening_by(scripted({100, 200}, place, {}))(plate, with {elements = 200,
+      force = 130}))
+    assert.is_true(result.reached)
+    assert.is_true(result.surface.volume > plate.volume)
+    assert.equal(1, result.surface:check().shells)
+    assert.equal(0, result.surface.point_count - result.surface.triangle_count / 2)
   end)
 
   it("thickens a neck by what beam theory asks for", function()

@@ -93,7 +93,7 @@ local function strengthen(wish, out)
   local steps = 0
   result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = wish.force,
     contact = wish.contact, elements = wish.elements, length = wish.length,
-    modes = wish.modes, regions = wish.regions,
+    modes = wish.modes, regions = wish.regions, unit = read.metres_per_unit,
     steps = wish.steps, keep = #wish.keep > 0 and places.test(wish.keep, read.box) or nil,
     progress = function(step)
       steps = steps + 1
