@@ -69,6 +69,9 @@ local sentences = {
   unsure = "Pushed by %s: too close to decide.",
 }
 
+-- By how much the force may be too small at a re-entrant edge: docs/theory/breaking_force.md, r / h = 1.5.
+local MOST_AT_EDGES = 1.8
+
 -- The answer, in sentences.
 local function tell(breaking, verdict, large, singular, mass, wish, out)
   out:say("")
@@ -84,7 +87,8 @@ local function tell(breaking, verdict, large, singular, mass, wish, out)
     out:say("  Other places whose breaking force is within the error: %s.", table.concat(others, "; "))
   end
   if singular then
-    out:say("  %s. The mean over the patch has one.", (tostring(singular):gsub("^%l", string.upper)))
+    out:say("  %s. The mean over the patch has one. Finer meshes approach it from above: the force may be up to "
+      .. "%g times the one printed.", (tostring(singular):gsub("^%l", string.upper)), MOST_AT_EDGES)
   end
   if breaking.contact < wish.contact then
     out:say("  The contact is %.3g cm2 instead of %.3g cm2, a twentieth of the surface.", breaking.contact * 1e4,
