@@ -35,16 +35,10 @@ char *bwi_clean_text(bw_context *context, const char *text) {
   return clean;
 }
 
-static void choose_font(cairo_t *cairo, double size, bool bold) {
-  cairo_select_font_face(cairo, BWI_FONT, CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cairo, size);
-}
-
 void bwi_draw_text(cairo_t *cairo, double x, double y, double align, double size, bool bold,
                    bool halo, const char *text) {
   cairo_text_extents_t extents;
-  choose_font(cairo, size, bold);
+  bwi_choose_font(cairo, size, bold);
   cairo_text_extents(cairo, text, &extents);
   cairo_move_to(cairo, x - align * extents.x_advance, y);
   if (halo) {
@@ -65,7 +59,7 @@ void bwi_draw_text(cairo_t *cairo, double x, double y, double align, double size
 void bwi_draw_title(cairo_t *cairo, double x, double y, double width, double size,
                     const char *text) {
   cairo_text_extents_t extents;
-  choose_font(cairo, size, true);
+  bwi_choose_font(cairo, size, true);
   cairo_text_extents(cairo, text, &extents);
   if (extents.x_advance > width) { /* down to two thirds, then cut at the frame */
     size *= fmax(2. / 3, width / extents.x_advance);
@@ -137,7 +131,7 @@ void bwi_draw_mark(cairo_t *cairo, const double pixel[3], bool hidden, const dou
                    double u, const char *label) {
   cairo_text_extents_t extents;
   double radius = 7 * u, size = 15 * u;
-  choose_font(cairo, size, true);
+  bwi_choose_font(cairo, size, true);
   cairo_text_extents(cairo, label, &extents);
   /* away from the middle of the frame, where there is more likely room */
   double out_x = pixel[0] < (frame[0] + frame[2]) / 2 ? -1 : 1;

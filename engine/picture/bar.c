@@ -78,8 +78,7 @@ static void draw_heading(cairo_t *cairo, double right, double y, double width, d
   enum { LINES = 4 };
   char *line[LINES] = {text};
   int lines = 1;
-  cairo_select_font_face(cairo, BWI_FONT, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
-  cairo_set_font_size(cairo, 15 * u);
+  bwi_choose_font(cairo, 15 * u, true);
   for (char *space = strchr(text, ' '); space && lines < LINES;) {
     cairo_text_extents_t extents;
     char *next = strchr(space + 1, ' ');

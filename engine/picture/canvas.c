@@ -260,7 +260,7 @@ bw_status bw_canvas_text_width(bw_context *context, const bw_canvas *canvas, dou
     goto done;
   }
   cairo_text_extents_t extents;
-  bwi_ruler_font(ruler, size, bold);
+  bwi_choose_font(ruler, size, bold);
   cairo_text_extents(ruler, clean, &extents);
   *width = extents.x_advance;
   status = bwi_cairo_status(context, cairo_status(ruler), "measuring text");

@@ -55,7 +55,6 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
                          size_t length, cairo_surface_t **image);
 /* A Cairo context on a tiny image with the fonts' true proportions, for measuring. */
 bw_status bwi_ruler_open(bw_context *context, cairo_t **ruler);
-void bwi_ruler_font(cairo_t *ruler, double size, bool bold);
 bw_status bwi_canvas_png(bw_context *context, const bw_canvas *canvas, double scale,
                          const char *path);
 /* The corners of a marker of `size` about 0; returns their count, 0 for a disc. Crosses are pairs

@@ -92,14 +92,18 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
 
 /* ---- fonts ----------------------------------------------------------------------------------- */
 
-/* Without hints a text of twice the size is twice as wide. */
-static void plain_fonts(cairo_t *cairo) {
+/* The options are set for every text: with Cairo's own, letters depend on what the process drew
+ * before. Without hints a text of twice the size is twice as wide. */
+void bwi_choose_font(cairo_t *cairo, double size, bool bold) {
   cairo_font_options_t *options = cairo_font_options_create();
   cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
   cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
   cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
   cairo_set_font_options(cairo, options);
   cairo_font_options_destroy(options);
+  cairo_select_font_face(cairo, BWI_FONT, CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo, size);
 }
 
 bw_status bwi_ruler_open(bw_context *context, cairo_t **ruler) {
@@ -111,16 +115,9 @@ bw_status bwi_ruler_open(bw_context *context, cairo_t **ruler) {
   if (status != BW_OK) {
     cairo_destroy(out);
     out = NULL;
-  } else
-    plain_fonts(out);
+  }
   *ruler = out;
   return status;
-}
-
-void bwi_ruler_font(cairo_t *ruler, double size, bool bold) {
-  cairo_select_font_face(ruler, BWI_FONT, CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(ruler, size);
 }
 
 /* ---- drawing --------------------------------------------------------------------------------- */
@@ -210,7 +207,7 @@ static void draw_text(cairo_t *cairo, const bwi_ink *ink) {
   cairo_save(cairo);
   cairo_translate(cairo, label->x, label->y);
   cairo_rotate(cairo, -label->angle * two_pi / 360);
-  bwi_ruler_font(cairo, label->size, label->bold);
+  bwi_choose_font(cairo, label->size, label->bold);
   cairo_text_extents(cairo, ink->text, &extents);
   cairo_move_to(cairo, -label->align * extents.x_advance, 0);
   cairo_text_path(cairo, ink->text);
@@ -309,7 +306,6 @@ bw_status bwi_canvas_png(bw_context *context, const bw_canvas *canvas, double sc
   cairo_paint(cairo);
   cairo_scale(cairo, scale, scale);
   cairo_set_fill_rule(cairo, CAIRO_FILL_RULE_EVEN_ODD);
-  plain_fonts(cairo);
   bw_status status = draw(context, cairo, canvas);
   cairo_destroy(cairo);
   if (status == BW_OK)

@@ -284,7 +284,7 @@ static bw_status put_text(page *out, cairo_t *ruler, const bwi_ink *ink, bool ou
   bw_status status = BW_OK;
   if (!ink->text[0])
     return BW_OK;
-  bwi_ruler_font(ruler, label->size, label->bold);
+  bwi_choose_font(ruler, label->size, label->bold);
   cairo_text_extents(ruler, ink->text, &extents);
   if (outlines) {
     put(out, "<path aria-label=\"");

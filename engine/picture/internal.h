@@ -109,6 +109,8 @@ bw_status bwi_write_png(bw_context *context, cairo_surface_t *canvas, const char
 /* ---- bar.c, annotate.c: Cairo ---------------------------------------------------------------- */
 
 #define BWI_FONT "DejaVu Sans"
+/* For the text that follows, and for measuring it: the same letters in every process. */
+void bwi_choose_font(cairo_t *cairo, double size, bool bold);
 
 /* Round numbers between low and high, at most `most`; returns their count and the number of
  * decimals that shows them. */

@@ -341,3 +341,16 @@ describe("a canvas", function()
     check.raises("closed", canvas.svg, canvas)
   end)
 end)
+
+describe("the letters of a picture", function()
+  it("do not depend on what the process drew before", function()
+    local folder = check.folder() .. "/"
+    check.write(folder .. "draw.lua", [[
+      local bw = require "barwright"
+      if arg[2] then assert(bw.plot.lines {series = {{y = {1, 3, 2}}}, title = "a plot"}:svg()) end
+      assert(bw.surface.sphere {radius = 0.02, subdivisions = 2}:picture(arg[1], {title = "A ball of 40 mm"}))]])
+    assert.equal(0, (check.run(("%sdraw.lua %sa.png"):format(folder, folder))))
+    assert.equal(0, (check.run(("%sdraw.lua %sb.png svg"):format(folder, folder))))
+    assert.is_true(check.read(folder .. "a.png") == check.read(folder .. "b.png"))
+  end)
+end)
