@@ -113,12 +113,23 @@ void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from) {
                      from->step[i].text);
 }
 
+/* The end of a remark on a change of the surface: how far it moved (of `size`, where that is above
+ * 0), or that the boundary did not leave the input. */
+static const char *describe_move(char text[96], double moved, double size) {
+  if (!(moved > 0))
+    return ": the boundary lies on the input";
+  int used = snprintf(text, 96, ", which moved it by up to %.3g m", moved);
+  if (size > 0)
+    snprintf(text + used, 96 - (size_t)used, " (%.2g of its size)", moved / size);
+  return text;
+}
+
 static bw_status prepare_base(bwi_filler *f, const bw_surface *given) {
   bw_context *context = f->context;
   bw_status status;
   bw_surface_report report = {0};
   bw_surface *welded = NULL, *made = NULL;
-  char text[200];
+  char text[200], move[96];
   if (given->triangle_count == 0)
     return bw_fail(context, BW_GEOMETRY, "the surface has no facets: there is nothing to fill");
   double start = bw_seconds();
@@ -139,8 +150,8 @@ static bw_status prepare_base(bwi_filler *f, const bw_surface *given) {
     BW_TRY(bw_surface_repair(context, welded, &repair, &made, &f->base_log));
     f->repaired = f->base_log.count > 0;
     if (f->repaired)
-      bw_remark(context, "the surface was repaired (%s) and moved by up to %.3g m", text,
-                f->base_log.moved);
+      bw_remark(context, "the surface was repaired (%s)%s", text,
+                describe_move(move, f->base_log.moved, 0));
   } else if (report.closed) { /* orientation does not matter to TetGen; it will see the rest */
     BW_TRY(bw_surface_orient(context, welded, &made, NULL));
   } else {
@@ -179,17 +190,16 @@ static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
                        .seconds_remesh = f->seconds_remesh,
                        .seconds_fill = f->seconds_fill};
   double moved = 0;
+  char move[96];
   bwi_fill_append_log(&whole.shape, &f->best_log);
   if (f->best_log.count) { /* the steps may undo each other: measure from end to end */
     bw_status status = bw_surface_distance(f->context, f->base, f->best_surface, &moved);
     if (status != BW_OK)
       return status;
     moved = fmin(moved, f->best_log.moved);
-    bwi_remark_largest(
-        f->context, moved,
-        "the surface was remeshed to an edge length of about %.3g m, which moved it by up to "
-        "%.3g m (%.2g of its size)",
-        f->best_length, moved, moved / f->diagonal);
+    bwi_remark_largest(f->context, moved,
+                       "the surface was remeshed to an edge length of about %.3g m%s",
+                       f->best_length, describe_move(move, moved, f->diagonal));
   }
   whole.surface_moved = f->base_log.moved + moved;
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))

@@ -61,6 +61,13 @@ static bw_status measure(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
+double bwi_above_rounding(const bw_surface *surface, double distance) {
+  double largest = 0;
+  for (int64_t i = 0; i < 3 * (int64_t)surface->point_count; i++)
+    largest = fmax(largest, fabs(surface->point[i]));
+  return distance < 1e-12 * largest ? 0 : distance;
+}
+
 bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, const bw_surface *to,
                                  double *distance) {
   bw_status status = BW_OK;
@@ -74,7 +81,7 @@ bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, co
   BW_TRY(bw_parallel(context, from->triangle_count, GRAIN, measure, &side));
   for (int64_t i = 0; i < chunks; i++)
     worst = far[i] > worst ? far[i] : worst;
-  *distance = sqrt(worst);
+  *distance = bwi_above_rounding(from, sqrt(worst));
 done:
   bwi_tree_free(tree);
   bw_free(far);

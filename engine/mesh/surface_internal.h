@@ -23,7 +23,9 @@ double bwi_facet_volume(const double *point, const int32_t *triangle, const doub
 bw_status bwi_weld_map(bw_context *context, int64_t points, const double *point,
                        const uint8_t *used, double tolerance, int32_t *to, int32_t *count);
 
-/* The largest distance from samples of one surface to another. */
+/* The distance, or 0 where rounding of the surface's coordinates explains it. */
+double bwi_above_rounding(const bw_surface *surface, double distance);
+/* The largest distance from samples of one surface to another; 0 where it is rounding. */
 bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, const bw_surface *to,
                                  double *distance);
 /* How far the outside moved: the distance from `after` to `before`, and back from those samples of

@@ -84,8 +84,6 @@ static bw_status take(repairer *r, bw_surface *next, const char *name, int64_t c
     if (next->triangle_count && r->now->triangle_count)
       BW_TRY(outside_only(name) ? bwi_moved_outside(r->context, r->now, next, &moved)
                                 : bw_surface_distance(r->context, r->now, next, &moved));
-    if (moved < 1e-12 * r->diagonal) /* rounding in the measurement */
-      moved = 0;
     bw_shape_log_add(r->log, name, count, moved, "%lld %s", (long long)count, text);
   }
   bw_release(r->now);

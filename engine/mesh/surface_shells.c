@@ -226,7 +226,7 @@ bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const
         worst = sqrt(far);
     }
   }
-  *moved = worst;
+  *moved = bwi_above_rounding(before, worst);
 done:
   bwi_topology_free(topology);
   bwi_tree_free(tree);

@@ -163,7 +163,7 @@ void bw_wrap_options_default(bw_wrap_options *options);
 bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
                           const bw_wrap_options *options, bw_surface **wrapped, bw_shape_log *log);
 /* The larger of the two one-sided distances between surfaces, by sampling points, edge and facet
- * middles of both. */
+ * middles of both; 0 where it is rounding. */
 bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
                               double *distance);
 /* How far points are from a surface: distance[count]. */

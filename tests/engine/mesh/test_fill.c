@@ -47,6 +47,27 @@ static bw_surface *join(bw_context *context, bw_surface **part, int count, unsig
   return all;
 }
 
+/* Moves that are rounding are none. */
+static void test_moves_by_rounding(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *cube = box(context, 0.1, 0.8);
+  bw_mesh *mesh;
+  bw_fill_log log;
+  bw_fill_options options;
+  bw_fill_options_default(&options);
+  options.elements = 3000;
+  check_ok(context, bw_mesh_fill(context, cube, &options, &mesh, &log));
+  assert_true(log.surface_moved == 0);
+  bool told = false;
+  for (int i = 0; bw_remark_at(context, i); i++) {
+    assert_null(strstr(bw_remark_at(context, i), "moved it"));
+    told |= strstr(bw_remark_at(context, i), "m: the boundary lies on the input") != NULL;
+  }
+  assert_true(told);
+  bw_release(mesh);
+  bw_release(cube);
+}
+
 static void test_cube(void **state) {
   bw_context *context = check_context(state);
   bw_surface *cube = box(context, 0, 1);
@@ -593,6 +614,7 @@ static void test_models(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      check_test(test_moves_by_rounding),
       check_test(test_cube),
       check_test(test_shells),
       check_test(test_keep_surface),
