@@ -56,6 +56,24 @@ describe("a number on the command line", function()
     _, expected = quantity.read "5mm"
     assert.equal("a number without a unit", expected)
   end)
+
+  it("has its unit where it is a length or an area", function()
+    for _, option in ipairs {model.contact_option, model.length_option} do
+      local units = option.unit == "m2" and "1mm2, 1cm2 or 1m2" or "1mm or 1m"
+      local value, message = arguments.value(option, "1")
+      assert.is_nil(value)
+      assert.equal("'1' has no unit: write " .. units, message)
+      assert.truthy(select(2, arguments.value(option, "0")):find "above 0")
+      check.near(option.unit == "m2" and 2e-6 or 2e-3, arguments.value(option, "2mm" .. option.unit:sub(2)), 1e-12)
+    end
+    assert.equal(" (default 1 cm2)", help_text.notes(model.contact_option))
+    assert.equal(" (with its unit)", help_text.notes(model.length_option))
+    assert.equal("20 N", quantity.text(20, "N"))
+    assert.equal("7", quantity.text(7))
+    local status, _, fault = check.run "worst part.stl --contact 1"
+    assert.equal(2, status)
+    assert.truthy(fault:find("option --contact: '1' has no unit", 1, true), fault)
+  end)
 end)
 
 describe("numbers and words in sentences", function()
@@ -523,16 +541,9 @@ describe("commands that compute", function()
     local behind = {length = 2, inward = {{1, 0, 0}}}
     assert.same({-1, 0, 0.5}, model.view_of {{length = 1.9, inward = {{-1, 0, 0}}}, behind})
     assert.is_nil(model.view_of {})
-    -- In a process of its own: text is drawn slightly differently once this one has drawn into another format.
-    local seen, script = place_of .. "/seen.png", place_of .. "/draw.lua"
-    check.write(script, [[
-      local bw = require "barwright"
-      local surface = assert(bw.surface.read(arg[1]))
-      local edges = assert(surface:singular_edges())
-      assert(surface:picture(arg[2], {title = "angle.stl", lines = {edges[1].points},
-        direction = require("barwright.command.model").view_of(edges),
-        line_name = "1 re-entrant edge without a fillet"}))]])
-    assert.equal(0, (check.run(("%s %s %s"):format(script, path, seen))))
+    local seen = place_of .. "/seen.png"
+    assert(angle:picture(seen, {title = "angle.stl", lines = {place.points}, direction = view,
+      line_name = "1 re-entrant edge without a fillet"}))
     assert.is_true(check.read(seen) == check.read(drawn))
     local given = model.edge_lines {place = place}
     assert.same({place.points}, given.lines)

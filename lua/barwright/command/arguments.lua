@@ -88,6 +88,8 @@ function arguments.value(rule, text)
     local message
     value, message = number_of(rule, text)
     if value == nil then return nil, rule.word and ("'%s' or %s"):format(rule.word, message) or message end
+    message = quantity.missing(text, rule.unit)
+    if message then return nil, message end
   elseif text == "" then
     return nil, "a value expected, got an empty one"
   end

@@ -100,8 +100,7 @@ local function tell_repair(surface, wish, out)
     steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
     out:say("  %s: %s", step.name, lengths(step.text))
   end
-  out:say("  Then it holds %.4g cm3%s.", mended.volume * 1e6, log.moved > 0
-    and (", and lies at most %s mm from where it was"):format(model.mm(log.moved)) or ", and lies where it was")
+  out:say("  Then its volume is %.4g cm3, and it lies %s.", mended.volume * 1e6, model.moved_text(log.moved))
   out:json {repairable = true, repair_steps = steps, repair_moved_m = log.moved,
     repaired_volume_m3 = mended.volume}
   return mended

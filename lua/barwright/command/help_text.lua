@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The text of --help, made from a command's table.
 local arguments = require "barwright.command.arguments"
+local quantity = require "barwright.command.quantity"
 
 local help_text = {}
 
@@ -46,11 +47,6 @@ function help_text.usage(name, command)
   return table.concat(words, " ")
 end
 
-local function number(value, unit)
-  local text = math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value)
-  return unit and text .. " " .. unit or text
-end
-
 --- What stands in brackets behind an option's sentence.
 function help_text.notes(rule, is_argument)
   local notes = {}
@@ -61,9 +57,10 @@ function help_text.notes(rule, is_argument)
   end
   if rule.default ~= nil and rule.type ~= "flag" and not rule.many then
     local value = rule.default
-    notes[#notes + 1] = "default " .. (type(value) == "number" and number(value, rule.unit) or tostring(value))
+    notes[#notes + 1] = "default " .. (type(value) == "number" and quantity.text(value, rule.unit)
+      or tostring(value))
   elseif rule.unit then
-    notes[#notes + 1] = "in " .. rule.unit
+    notes[#notes + 1] = quantity.needed(rule.unit) and "with its unit" or "in " .. rule.unit
   end
   if rule.many and not is_argument then notes[#notes + 1] = "may be repeated" end
   return #notes > 0 and " (" .. table.concat(notes, "; ") .. ")" or ""

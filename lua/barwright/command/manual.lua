@@ -72,7 +72,8 @@ A word that is the name of a command is one; any other is a script in Lua, which
 `require "barwright"`. A script whose file is named like a command is run as `./NAME`. Without either, a prompt
 opens.
 
-Numbers on the command line are in SI units, or have a unit behind them: 20N, 0.2MPa, 30mm, 5min.]]
+Numbers on the command line are in SI units, or have a unit behind them: 20N, 0.2MPa, 30mm, 5min.
+Lengths and areas need one.]]
 
 local sandbox = [[
 With `--sandbox` a script or a command reads and writes files in one folder only, where links are followed before

@@ -57,7 +57,7 @@ model.elements_option = {name = "elements", value = "N", type = "integer", defau
   what = "about how many tetrahedra a surface is filled with: more take longer and show finer stresses"}
 
 model.contact_option = {name = "contact", value = "AREA", type = "number", unit = "m2", default = 1e-4, above = 0,
-  what = "the least area over which the force presses; a fingertip's, 1 cm2, by default"}
+  what = "the least area over which the load acts, a fingertip's by default"}
 
 --- Where weak regions are looked for.
 model.search_options = {
@@ -88,6 +88,11 @@ end
 --- "25.8 N (21.3 to 30.9 N)" of a breaking force with its interval.
 function model.interval(force, low, high)
   return ("%s N (%s to %s N)"):format(model.digits(force), model.digits(low), model.digits(high))
+end
+
+--- Where a surface lies that a step moved by a length.
+function model.moved_text(moved)
+  return moved > 0 and ("at most %s mm from the input"):format(model.mm(moved)) or "on the input"
 end
 
 --- "(1.5, 0, 30) mm"
@@ -295,7 +300,7 @@ function model.mesh(read, wish, out)
     out:say("  %s: %s", step.name, lengths(step.text))
   end
   if log.repaired then
-    out:say("  The surface was repaired, and lies at most %s mm from where it was.", model.mm(log.surface_moved))
+    out:say("  The surface was repaired, and lies %s.", model.moved_text(log.surface_moved))
   end
   out:json {repaired = log.repaired, surface_moved_m = log.surface_moved, surface_steps = steps,
     seconds_fill = log.seconds_fill}

@@ -38,9 +38,8 @@ local function missing_unit(text)
   local words = split(text)
   if quantity.name_in(words[#words]) ~= "" then return nil end
   for _, word in ipairs(words) do
-    if quantity.name_in(word) == "" and quantity.read(word) ~= 0 then
-      return ("'%s' has no unit: write %smm or %sm"):format(text, text, text)
-    end
+    local message = quantity.missing(word, "m", text)
+    if message then return message end
   end
 end
 

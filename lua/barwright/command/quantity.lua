@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Numbers with a unit, as people write them on a command line: 20, 20N, 0.2MPa, 30mm, 5min, 2G. A number
--- alone is in the SI unit that the option names.
+-- alone is in the SI unit that the option names. Lengths and areas of a command line need a unit, since whoever
+-- draws in millimetres means those.
 local quantity = {}
 
 -- For each unit that an option can name: what else may stand there, and how many of it that is.
@@ -44,6 +45,35 @@ end
 function quantity.name_in(text)
   local _, name = split(text)
   return name
+end
+
+-- The units that must be written, and those that a sentence proposes.
+local proposed = {m = {"mm", "m"}, m2 = {"mm2", "cm2", "m2"}}
+
+--- Whether numbers of an option that names this unit need one behind them.
+function quantity.needed(unit)
+  return proposed[unit] ~= nil
+end
+
+--- A number in the unit: "20 N", "1 cm2"; lengths and areas in the largest proposed unit that they reach.
+function quantity.text(value, unit)
+  local name, scale = unit, 1
+  for _, one in ipairs(proposed[unit] or {}) do
+    if value >= units[unit][one] then name, scale = one, units[unit][one] end
+  end
+  local text = math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value / scale)
+  return name and text .. " " .. name or text
+end
+
+--- A sentence where a number other than 0 needs a unit and has none; nil elsewhere. text: what to repeat with a
+--- unit, where that is more than the number.
+function quantity.missing(number, unit, text)
+  if not proposed[unit] or quantity.name_in(number) ~= "" or (quantity.read(number) or 0) == 0 then return nil end
+  text = text or number
+  local words = {}
+  for i, name in ipairs(proposed[unit]) do words[i] = text .. name end
+  local last = table.remove(words)
+  return ("'%s' has no unit: write %s or %s"):format(text, table.concat(words, ", "), last)
 end
 
 --- The number of a text in the unit (nil: a bare number), or nil and what was expected.
