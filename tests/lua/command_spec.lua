@@ -139,6 +139,8 @@ end)
 describe("sentences of the engine", function()
   it("have their lengths in mm, and all else as it was", function()
     for text, expected in pairs {
+      ["the mesh fills the box (-0.002, 0, 1e-05) to (0.25, 0.4, 0.2) m"] =
+        "the mesh fills the box (-2, 0, 0.01) to (250, 400, 200) mm",
       ["an edge length of about 0.00303 m, which moved it by up to 0.00075 m (0.0064 of its size)"] =
         "an edge length of about 3.03 mm, which moved it by up to 0.75 mm (0.0064 of its size)",
       ["at (0, 0.1, -2e-3) m, cells 0.1 x 0.2 x 1e-05 m"] = "at (0, 100, -2) mm, cells 100 x 200 x 0.01 mm",

@@ -25,6 +25,10 @@ end
 
 --- The sentence with its lengths in mm.
 return function(text)
+  text = text:gsub("%(([^()]+)%) to %(([^()]+)%) m%f[^%w_/^]", function(low, high)
+    low, high = all_of(low, ", "), all_of(high, ", ")
+    return low and high and ("(%s) to (%s) mm"):format(low, high)
+  end)
   text = text:gsub("%(([^()]+)%) m%f[^%w_/^]", function(inner)
     local list = all_of(inner, ", ")
     return list and ("(%s) mm"):format(list)

@@ -159,8 +159,7 @@ function places.select(mesh, text)
   if not kind then return nil, values, {status = "misuse"} end
   local selection, message = model.try(kind.select, mesh.boundary, mesh.box, values[1], values[2])
   if not selection then
-    return nil, ("%s: %s (the part reaches from %s to %s)"):format(text, message, model.place(mesh.box.low),
-      model.place(mesh.box.high)), {status = "empty"}
+    return nil, ("%s: %s"):format(text, message), {status = "empty"}
   end
   return selection
 end
