@@ -192,7 +192,7 @@ function recolour() {
   byId("high").textContent = `${byLimit ? "≥ " : ""}${number(high / 1e6)}`;
   worst.visible = !!state.at;
   if (state.at) worst.position.set(...state.at);
-  arrows.show(state.loads.arrows || [], state.positions, scene.size);
+  arrows.show(state.loads.arrows || [], state.positions, scene.triangles, scene.size);
   arrows.place(body.geometry.getAttribute("position").array);
 }
 

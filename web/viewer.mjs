@@ -99,7 +99,7 @@ function deform() {
 }
 
 function showArrows() {
-  arrows.show(motions[state.motion]?.arrows || [], rest, size);
+  arrows.show(motions[state.motion]?.arrows || [], rest, triangles, size);
   arrows.place(position.array);
 }
 
@@ -155,6 +155,7 @@ window.barwright = {
     camera: camera.position.toArray(),
     first: Array.from(position.array.slice(0, 3)),
     arrows: arrows.count,
+    arrowEnds: arrows.ends,
     edges: edges.count,
     triangles: triangles.length / 3,
   }),

@@ -103,7 +103,8 @@ typedef struct stage {
   bwi_solid solid[SOLIDS]; /* body, arrows, lines, ghost; unused ones hold no facet */
   double *arrow_end;
   range range;
-  double frame[4], u; /* the body's part of the picture; a pixel of a 1200 x 900 one */
+  double direction[3]; /* to the viewer */
+  double frame[4], u;  /* the body's part of the picture; a pixel of a 1200 x 900 one */
   bwi_image image;
 } stage;
 
@@ -224,6 +225,9 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   double low[3], high[3], size[3];
   bwi_solid *body = &s->solid[0], *arrows = &s->solid[1], *lines = &s->solid[2],
             *ghost = &s->solid[3];
+  BW_TRY(check_options(context, options));
+  if (surface->triangle_count == 0 || surface->point_count == 0)
+    return bw_fail(context, BW_EMPTY, "a picture of a surface without facets");
   s->surface = surface;
   s->options = options;
   body->finish = BWI_BODY;
@@ -266,11 +270,10 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   }
   BW_TRY(bwi_lines_solid(context, options->line_count, options->line, LINE_RADIUS * s->diagonal,
                          body, options->displacement ? surface->point : NULL, lines));
-  double direction[3];
-  memcpy(direction, options->direction, sizeof direction);
-  if (direction[0] == 0 && direction[1] == 0 && direction[2] == 0)
-    choose_direction(s, direction);
-  BW_TRY(bwi_view_axes(context, direction, options->up, &s->view));
+  memcpy(s->direction, options->direction, sizeof s->direction);
+  if (s->direction[0] == 0 && s->direction[1] == 0 && s->direction[2] == 0)
+    choose_direction(s, s->direction);
+  BW_TRY(bwi_view_axes(context, s->direction, options->up, &s->view));
   /* The frame: room for title, bar, triad and text. */
   double w = options->width, h = options->height;
   s->u = fmax(fmin(w / 1200, h / 900), 0.6); /* text stays legible */
@@ -411,6 +414,18 @@ done:
   return status;
 }
 
+bw_status bw_picture_direction(bw_context *context, const bw_surface *surface, const double *value,
+                               bool on_facets, const bw_picture_options *options,
+                               double direction[3]) {
+  stage s;
+  memset(&s, 0, sizeof s);
+  bw_status status = set_stage(context, surface, value, on_facets, options, &s);
+  if (status == BW_OK)
+    memcpy(direction, s.direction, sizeof s.direction);
+  strike_stage(&s);
+  return status;
+}
+
 bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
                              bool on_facets, const bw_picture_options *options, const char *path) {
   bw_picture_options usual;
@@ -422,11 +437,6 @@ bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, con
   if (!options) {
     bw_picture_options_default(&usual);
     options = &usual;
-  }
-  BW_TRY(check_options(context, options));
-  if (surface->triangle_count == 0 || surface->point_count == 0) {
-    status = bw_fail(context, BW_EMPTY, "a picture of a surface without facets");
-    goto done;
   }
   BW_TRY(set_stage(context, surface, value, on_facets, options, &s));
   s.image.width = options->width;

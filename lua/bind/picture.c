@@ -78,42 +78,71 @@ static bw_picture_line *read_lines(lua_State *L, int *count) {
   return line;
 }
 
-static int picture(lua_State *L) {
+/* What is drawn: options at 3 of a surface at 1; its strings and arrays stay on the stack. */
+typedef struct drawn {
+  const bw_surface *surface;
+  const double *value;
+  bool on_facets;
+  wish wish;
+} drawn;
+
+static void read_drawn(lua_State *L, drawn *d) {
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
-  const char *path = lbw_check_text(L, 2, NULL);
-  wish w;
-  memset(&w, 0, sizeof w);
-  bw_picture_options_default(&w.options);
+  memset(d, 0, sizeof *d);
+  d->surface = surface;
+  bw_picture_options *options = &d->wish.options;
+  bw_picture_options_default(options);
   lua_settop(L, 3);
-  lbw_options(L, 3, "picture", list, &w);
+  lbw_options(L, 3, "picture", list, &d->wish);
   luaL_checkstack(L, 20, "too many values");
   if (text_option(L, "title"))
-    w.options.title = lua_tostring(L, -1);
+    options->title = lua_tostring(L, -1);
   if (text_option(L, "unit"))
-    w.options.unit = lua_tostring(L, -1);
+    options->unit = lua_tostring(L, -1);
   int64_t rows;
-  const double *value = NULL;
-  bool on_facets = false;
   if (lbw_option_get(L, 3, "values") != LUA_TNIL) {
-    value = lbw_to_doubles(L, -1, "picture: values", 1, &rows);
-    on_facets = rows == surface->triangle_count && rows != surface->point_count;
-    if (!on_facets && rows != surface->point_count)
-      return lbw_error(L, "picture: values: %d points or %d facets, got %I rows",
-                       (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
+    d->value = lbw_to_doubles(L, -1, "picture: values", 1, &rows);
+    d->on_facets = rows == surface->triangle_count && rows != surface->point_count;
+    if (!d->on_facets && rows != surface->point_count)
+      lbw_error(L, "picture: values: %d points or %d facets, got %I rows",
+                (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
   }
   if (lbw_option_get(L, 3, "displacement") != LUA_TNIL) {
-    w.options.displacement = lbw_to_doubles(L, -1, "picture: displacement", 3, &rows);
+    options->displacement = lbw_to_doubles(L, -1, "picture: displacement", 3, &rows);
     if (rows != surface->point_count)
-      return lbw_error(L, "picture: displacement: a row for every point expected");
+      lbw_error(L, "picture: displacement: a row for every point expected");
   }
   if (lbw_option_get(L, 3, "arrows") != LUA_TNIL)
-    w.options.arrow = read_arrows(L, &w.options.arrow_count);
+    options->arrow = read_arrows(L, &options->arrow_count);
   if (lbw_option_get(L, 3, "lines") != LUA_TNIL)
-    w.options.line = read_lines(L, &w.options.line_count);
+    options->line = read_lines(L, &options->line_count);
   if (text_option(L, "line_name"))
-    w.options.line_name = lua_tostring(L, -1);
+    options->line_name = lua_tostring(L, -1);
+}
+
+static int picture(lua_State *L) {
+  const char *path = lbw_check_text(L, 2, NULL);
+  drawn d;
+  read_drawn(L, &d);
   lua_pushboolean(L, 1);
-  bw_status status = bw_picture_surface(lbw_enter(L), surface, value, on_facets, &w.options, path);
+  bw_status status =
+      bw_picture_surface(lbw_enter(L), d.surface, d.value, d.on_facets, &d.wish.options, path);
+  return lbw_leave(L, status, 1);
+}
+
+/* picture_direction(surface, nil, options): {x, y, z}, from the body to the viewer of the picture
+ */
+static int picture_direction(lua_State *L) {
+  drawn d;
+  double direction[3] = {0, 0, 0};
+  read_drawn(L, &d);
+  bw_status status = bw_picture_direction(lbw_enter(L), d.surface, d.value, d.on_facets,
+                                          &d.wish.options, direction);
+  lua_createtable(L, 3, 0);
+  for (int k = 0; k < 3; k++) {
+    lua_pushnumber(L, direction[k]);
+    lua_rawseti(L, -2, k + 1);
+  }
   return lbw_leave(L, status, 1);
 }
 
@@ -127,6 +156,9 @@ static int colour(lua_State *L) {
 }
 
 void lbw_open_picture(lua_State *L) {
-  static const luaL_Reg functions[] = {{"picture", picture}, {"colour", colour}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"picture", picture},
+                                       {"picture_direction", picture_direction},
+                                       {"colour", colour},
+                                       {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

@@ -668,6 +668,18 @@ describe("commands that compute", function()
     end
     local data = assert(bw.json.decode(html:match 'id="data">(.-)</script>'))
     assert.same({1, 2}, {#data.displacements[1].arrows, #data.fields})
+    -- The page is seen from where the picture is, which shows the largest value and the loads.
+    local ball = bw.surface.sphere {radius = 1, subdivisions = 2}
+    local behind = core.picture_direction(ball, nil, {values = ball.points:column(2)})
+    assert.is_true(behind[2] > 0.3 * math.sqrt(behind[1] ^ 2 + behind[3] ^ 2))
+    assert.same({1, 2, 3}, core.picture_direction(ball, nil, {direction = {1, 2, 3}}))
+    local report = require "barwright.report"
+    local written, write = nil, report.page
+    report.page = function(_, given) written = given return true end -- luacheck: ignore
+    assert(static_picture.report(static, "x.html", {title = "", arrows = {{at = {1, 0.1, 0.05},
+      force = {0, 50, 0}}}}, ""))
+    report.page = write -- luacheck: ignore
+    assert.is_true(written.data.view[2] > 0) -- the arrow is on the side y = 0.1
     assert.is_true(#data.lines > 0)
     assert.truthy(out:find("%% of the strength of steel %(estimated error %d+ %%%): it holds%."), out)
     assert.truthy(#check.read(path) > 1000)

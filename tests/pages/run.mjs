@@ -147,6 +147,21 @@ await test("a row of the table shows its load with arrows", async () => {
   assert(now.arrows >= 2, `${now.arrows} arrows: a balanced load needs two or more`);
 });
 
+await test("arrows that pull start on the body, those that push end there, and both follow it", async () => {
+  await page.goto(`file://${folder}/pulled.html`);
+  await page.waitForFunction(() => window.barwright);
+  await slide("scale", 0);
+  const [pull, ...push] = (await state()).arrowEnds;
+  assert(Math.abs(pull[0][0] - 0.1) < 1e-6 && pull[1][0] > 0.11, `pulls from ${pull[0]} to ${pull[1]}`);
+  assert(push.length > 0, "no pressure");
+  for (const [tail, tip] of push)
+    assert(Math.abs(tip[2] - 0.01) < 1e-6 && tail[2] > 0.01, `presses from ${tail} to ${tip}`);
+  await slide("scale", 1);
+  const moved = (await state()).arrowEnds[0];
+  assert(distance(pull[0], moved[0]) > 0.005, `the arrow stays at ${moved[0]}`);
+  assert(problems.length === 0, problems.join("; "));
+});
+
 await test("the report of a session shows the shape as it was drawn, in its true size", async () => {
   await page.goto(`file://${folder}/session.html`);
   await page.waitForFunction(() => window.barwright);

@@ -47,6 +47,10 @@ void bw_picture_options_default(bw_picture_options *options);
  * gives the same bytes, for any number of threads. */
 bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
                              bool on_facets, const bw_picture_options *options, const char *path);
+/* From where such a picture sees the body: the direction of the options, or the chosen one. */
+bw_status bw_picture_direction(bw_context *context, const bw_surface *surface, const double *value,
+                               bool on_facets, const bw_picture_options *options,
+                               double direction[3]);
 /* An outline, flat, to a PNG file: regions, edges coloured by their tags, with `numbers` those of
  * the edges (from 1). */
 bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int width, int height,

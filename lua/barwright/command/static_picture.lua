@@ -2,6 +2,7 @@
 -- The picture and the page of `barwright statics`: arrows for the loads, the borders of what is held as lines, the
 -- edge of a finding, and a title with the answer.
 local bw = require "barwright"
+local core = require "barwright.core"
 local fine_boundary = require "barwright.fine_boundary"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
@@ -105,9 +106,9 @@ function static_picture.options(static, title, loads, held, singular)
     .. (edge.lines and "; " .. edge.line_name or "")}
 end
 
---- Writes the page: options as of static:picture (title, lines, line_name, arrows), sentences above the view, and
---- a finding, whose edge is seen.
-function static_picture.report(static, path, options, answer, singular)
+--- Writes the page: options as of static:picture (title, lines, line_name, arrows), and sentences above the view,
+--- which begins from where the picture is drawn.
+function static_picture.report(static, path, options, answer)
   local surface, nodes, details = fine_boundary(static.mesh)
   if not surface then return nil, nodes, details end
   local data, moved = report.data(surface), static.displacement:gather(nodes)
@@ -117,8 +118,10 @@ function static_picture.report(static, path, options, answer, singular)
   data.displacements[1] = {name = "under its loads", kind = "load", values = report.floats(moved), field = 0,
     arrows = bw.json.list(options.arrows)}
   data.lines = report.lines(options.lines)
-  local edge = model.edge_lines(singular).lines and singular.place
-  data.view = edge and edge.inward and edge.inward[1] and model.view_of {edge} or data.view
+  local view, message, why = core.picture_direction(surface, nil, {values = static.von_mises:gather(nodes),
+    displacement = moved, arrows = options.arrows})
+  if not view then return nil, message, why end
+  data.view = bw.json.list(view)
   return report.page(path, {title = options.title, answer = answer, data = data, body = report.legend(options),
     manifest = {version = bw.version(), material = static.material.name, elements = static.mesh.element_count},
     picture = function(name) return static:picture(name, options) end})
