@@ -6,9 +6,11 @@
  * stress that a unit volumetric strain's dual asks for), tr sigma = s : grad u because C is
  * symmetric, so the force at node a is sum_e w_e s (integral over e of grad phi_a).
  * Direction: J(u) = sum_e integral over e of T_e : sigma(u); the same with s = C : T_e. Where the
- * region names a place in each element, sigma there stands for the mean.
+ * region names corners of facets, J(u) = sum of T : sigma over them, sigma the surface stress, to
+ * which the load's traction adds.
  * Displacement: J(u) = sum_e integral over e of w_e . u; the force is sum_e w_e (integral of
  * phi_a). */
+#include "analysis/surface_stress.h"
 #include "analysis/weak_internal.h"
 #include "assemble/internal.h"
 
@@ -78,15 +80,34 @@ void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]) {
   }
 }
 
-/* As the integrals of the gradients, were they everywhere as at a place. */
-static void gradients_at(const bw_mesh *mesh, int32_t e, const double place[4], double volume,
-                         double (*gradient)[3]) {
-  double x[10][3];
-  bwi_element_nodes(mesh, e, x);
-  bw_tet_gradient(mesh->order, (const double(*)[3])x, place, gradient);
-  for (int a = 0; a < mesh->nodes_per_element; a++)
-    for (int k = 0; k < 3; k++)
-      gradient[a][k] *= volume;
+/* right_hand_side += that of entry i, an element. */
+static void add_element(const bw_mesh *mesh, const bw_material *material, bw_worst_target target,
+                        const bw_weak_region *r, int32_t i, double *right_hand_side) {
+  int nodes = mesh->nodes_per_element;
+  int32_t e = r->element[i];
+  bool stress = target != BW_WORST_DISPLACEMENT;
+  const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
+  const double *c = bw_material_elasticity(material, e);
+  double gradient[10][3], value[10], s[6], w = 1;
+  if (target == BW_WORST_DIRECTION)
+    bwi_conjugate_stress(c, r->weight + 6 * (size_t)i, s);
+  for (int k = 0; k < 6 && target == BW_WORST_STRESS; k++)
+    s[k] = c[6 * k] + c[6 * k + 1] + c[6 * k + 2];
+  if (target == BW_WORST_STRESS)
+    w = r->weight[i];
+  bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
+  for (int a = 0; a < nodes; a++) {
+    double *to = right_hand_side + 3 * (size_t)node[a];
+    if (stress) {
+      const double *g = gradient[a];
+      to[0] += w * (s[0] * g[0] + s[5] * g[1] + s[4] * g[2]);
+      to[1] += w * (s[5] * g[0] + s[1] * g[1] + s[3] * g[2]);
+      to[2] += w * (s[4] * g[0] + s[3] * g[1] + s[2] * g[2]);
+    } else {
+      for (int k = 0; k < 3; k++)
+        to[k] += r->weight[3 * i + k] * value[a];
+    }
+  }
 }
 
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
@@ -96,39 +117,31 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
     return bw_fail(context, BW_INVALID, "region %d is asked for: there are %d (0 to %d)", region,
                    regions->count, regions->count - 1);
   const bw_weak_region *r = &regions->region[region];
-  int nodes = mesh->nodes_per_element;
-  bw_worst_target target = regions->options.target;
-  bool stress = target != BW_WORST_DISPLACEMENT;
   bw_status status = bw_material_fits(context, material, mesh->element_count);
   if (status != BW_OK)
     return status;
   memset(right_hand_side, 0, 3 * (size_t)mesh->node_count * sizeof *right_hand_side);
-  for (int32_t i = 0; i < r->count; i++) {
-    int32_t e = r->element[i];
-    const int32_t *node = mesh->element + (size_t)e * (size_t)nodes;
-    const double *c = bw_material_elasticity(material, e);
-    double gradient[10][3], value[10], s[6], w = 1;
-    if (target == BW_WORST_DIRECTION)
-      bwi_conjugate_stress(c, r->weight + 6 * (size_t)i, s);
-    for (int k = 0; k < 6 && target == BW_WORST_STRESS; k++)
-      s[k] = c[6 * k] + c[6 * k + 1] + c[6 * k + 2];
-    if (target == BW_WORST_STRESS)
-      w = r->weight[i];
-    double volume = bwi_shape_integrals(mesh, e, stress ? gradient : NULL, stress ? NULL : value);
-    if (r->place)
-      gradients_at(mesh, e, r->place + 4 * (size_t)i, volume, gradient);
-    for (int a = 0; a < nodes; a++) {
-      double *to = right_hand_side + 3 * (size_t)node[a];
-      if (stress) {
-        const double *g = gradient[a];
-        to[0] += w * (s[0] * g[0] + s[5] * g[1] + s[4] * g[2]);
-        to[1] += w * (s[5] * g[0] + s[1] * g[1] + s[3] * g[2]);
-        to[2] += w * (s[4] * g[0] + s[3] * g[1] + s[2] * g[2]);
-      } else {
-        for (int k = 0; k < 3; k++)
-          to[k] += r->weight[3 * i + k] * value[a];
-      }
-    }
-  }
+  for (int32_t i = 0; i < r->count; i++)
+    if (r->corner)
+      bwi_facet_corner_functional(mesh, material, r->corner[i], r->weight + 6 * (size_t)i,
+                                  right_hand_side);
+    else
+      add_element(mesh, material, regions->options.target, r, i, right_hand_side);
   return BW_OK;
+}
+
+bw_status bw_region_by_force(bw_context *context, const bw_weak_regions *regions, int region,
+                             const bw_material *material, double *by_force) {
+  bw_status status = BW_OK;
+  double *area = NULL;
+  const bw_weak_region *r = &regions->region[region];
+  if (!r->corner)
+    return BW_OK;
+  BW_TRY(bwi_facet_areas_around(context, regions->mesh, &area));
+  for (int32_t i = 0; i < r->count; i++)
+    bwi_facet_corner_by_force(regions->mesh, material, area, r->corner[i],
+                              r->weight + 6 * (size_t)i, by_force);
+done:
+  bw_free(area);
+  return status;
 }

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* How the mean stress over a surface patch changes with the shape (docs/theory/strengthen.md).
+/* How the mean surface stress over a patch changes with the shape (docs/theory/strengthen.md).
  *
  * Middle nodes are variables of their own: inside an element, curved or not, the shape changes by
  * V(x) = sum_a dx_a N_a(x), so with nodal values held d(grad u) = -(grad u)(grad V) and
@@ -7,6 +7,7 @@
 #include "analysis/pressure.h"
 #include "analysis/strain.h"
 #include "analysis/surface_patch.h"
+#include "analysis/surface_stress.h"
 
 #include "barwright/analysis.h"
 
@@ -45,6 +46,11 @@ static void stress_at(const bw_material *material, int64_t element, const double
   full_tensor(stress, t);
 }
 
+static void multiply(const double a[9], const double x[3], double y[3]) {
+  for (int i = 0; i < 3; i++)
+    y[i] = bw_dot(a + 3 * i, x);
+}
+
 /* a += factor * b^T c */
 static void add_transposed_product(double a[9], double factor, const double b[9],
                                    const double c[9]) {
@@ -60,22 +66,16 @@ typedef struct patch {
   bwi_surface_patches patches;
   int32_t centre;
   int32_t *facet; /* of the patch, facet_count */
-  double *share;  /* facet_count x samples */
+  double *weight; /* facet_count x 3: of corners, not divided by the total */
   size_t facets;
   double total;
-  double *weight; /* node_count: of the nodal stresses in the mean; sums to one */
 } patch;
 
-static void add_facet(void *data, int32_t facet, const double share[BWI_PATCH_SAMPLES]) {
+static void add_facet(void *data, int32_t facet, const double weight[3]) {
   patch *p = (patch *)data;
-  const int32_t *node = p->mesh->facet + (size_t)facet * (size_t)p->mesh->nodes_per_facet;
   p->facet[p->facets] = facet;
-  memcpy(p->share + p->facets++ * BWI_PATCH_SAMPLES, share, BWI_PATCH_SAMPLES * sizeof *share);
-  for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
-    p->total += share[k];
-    for (int a = 0; a < p->mesh->nodes_per_facet; a++)
-      p->weight[node[a]] += share[k] * p->patches.weight[k][a];
-  }
+  memcpy(p->weight + 3 * p->facets++, weight, 3 * sizeof *weight);
+  p->total += weight[0] + weight[1] + weight[2];
 }
 
 static bw_status patch_begin(bw_context *context, const bw_mesh *mesh, double radius, int32_t node,
@@ -88,17 +88,10 @@ static bw_status patch_begin(bw_context *context, const bw_mesh *mesh, double ra
       p->patches.around.start[node] == p->patches.around.start[node + 1])
     return bw_fail(context, BW_INVALID, "node %d is not on the boundary", node);
   p->facet = BW_NEW(context, int32_t, mesh->facet_count);
-  p->share = BW_NEW(context, double, (size_t)mesh->facet_count *BWI_PATCH_SAMPLES);
-  p->weight = BW_NEW0(context, double, mesh->node_count);
-  if (!p->facet || !p->share || !p->weight)
+  p->weight = BW_NEW(context, double, 3 * (size_t)mesh->facet_count);
+  if (!p->facet || !p->weight)
     return BW_MEMORY;
   bwi_surface_patch_visit(&p->patches, node, 1, 0, add_facet, p);
-  for (int32_t i = 0; i < mesh->node_count && p->total > 0; i++)
-    p->weight[i] /= p->total;
-  if (!(p->total > 0)) { /* the radius is less than the first sample's distance */
-    p->facets = 0;
-    p->weight[node] = 1;
-  }
 done:
   return status;
 }
@@ -106,89 +99,86 @@ done:
 static void patch_clear(patch *p) {
   bwi_surface_patches_clear(&p->patches);
   bw_free(p->facet);
-  bw_free(p->share);
   bw_free(p->weight);
 }
 
 bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              double radius, int32_t node, const double slope[6], double *force) {
+                              double radius, int32_t node, const double slope[6], double *force,
+                              double *by_force) {
   bw_status status;
-  patch p;
-  int32_t count = 0, *list = NULL;
-  double *weight = NULL;
+  double *area = NULL;
+  patch p = {.mesh = mesh};
+  BW_TRY(bw_material_fits(context, material, mesh->element_count));
   BW_TRY(patch_begin(context, mesh, radius, node, &p));
-  list = BW_NEW(context, int32_t, mesh->node_count);
-  weight = BW_NEW(context, double, 6 * (size_t)mesh->node_count);
-  if (!list || !weight) {
-    status = BW_MEMORY;
-    goto done;
+  BW_TRY(bwi_facet_areas_around(context, mesh, &area));
+  memset(force, 0, 3 * (size_t)mesh->node_count * sizeof *force);
+  memset(by_force, 0, 3 * (size_t)mesh->node_count * sizeof *by_force);
+  for (size_t k = 0; k < 3 * p.facets; k++) {
+    double tensor[6];
+    int32_t corner = 3 * p.facet[k / 3] + (int32_t)(k % 3);
+    for (int c = 0; c < 6; c++) /* the dot product of tensors counts shears twice */
+      tensor[c] = p.weight[k] / p.total * slope[c] / (c < 3 ? 1 : 2);
+    bwi_facet_corner_functional(mesh, material, corner, tensor, force);
+    bwi_facet_corner_by_force(mesh, material, area, corner, tensor, by_force);
   }
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    if (p.weight[i] == 0)
-      continue;
-    for (int c = 0; c < 6; c++)
-      weight[6 * (size_t)count + (size_t)c] = p.weight[i] * slope[c];
-    list[count++] = i;
-  }
-  BW_TRY(bw_stress_functional(context, mesh, material, count, list, weight, force));
 done:
+  bw_free(area);
   patch_clear(&p);
-  bw_free(list);
-  bw_free(weight);
   return status;
 }
 
-/* ---- what changes at held displacements ------------------------------------------------------ */
+/* ---- what changes with the shape at constant displacements ----------------------------------- */
 
-/* Shape functions' gradients at local node a of an element, and du/dx there. */
-static void gradients_at_node(const bw_mesh *mesh, int64_t element, int a, const double *u,
-                              double (*g)[3], double grad[9]) {
-  bwi_gradients_at_node(mesh, element, a, g);
-  gradient_of(mesh->nodes_per_element, mesh->element + element * mesh->nodes_per_element, u,
-              (const double(*)[3])g, grad);
-}
+/* What the mean depends on at constant u and nodal forces. */
+typedef struct held {
+  const bw_mesh *mesh;
+  const bw_material *material;
+  const double *u, *force, *area, *slope;
+} held;
 
-/* slope . sigma of one element at one of its nodes; S = C : slope in full, for the derivative */
-static double slope_stress(const bw_material *material, int64_t element, const double slope[6],
-                           const double grad[9], double s[9]) {
-  double conjugate[6], sum = 0;
-  bwi_multiply6(bw_material_elasticity(material, element), slope, conjugate);
+/* slope . sigma at a corner of a facet; gradient += factor times its derivative at a constant
+ * traction t, by_traction += factor times that by t. Gradients g_a along the surface change by
+ * -(grad V)^T g_a and along the normal n; the latter is taken to zero by s = C_s : slope, as s n =
+ * 0. The normal changes by dn = -(grad V)^T n, and the stress by it: with q = Q^-1 (C : slope) n
+ * and r = Q^-1 ((C : strain) n - t), d (slope : sigma) = -(sigma q + s r) . dn
+ * (docs/theory/strengthen.md). */
+static double corner_value(const held *h, int32_t corner, double factor, double *gradient,
+                           double by_traction[3]) {
+  bwi_facet_corner at;
+  double full[9], strain[6], t[3], conjugate[6], stress[6], s[9], sigma[9], a[9] = {0};
+  bwi_facet_corner_load(h->mesh, h->material, corner, &at);
+  bwi_facet_corner_strain(&at, h->u, full, strain);
+  bwi_facet_traction(h->mesh, h->area, h->force, corner / 3, t);
+  bwi_multiply6(at.elasticity, h->slope, conjugate);
+  bwi_multiply6(at.elasticity, strain, stress);
+  for (int k = 0; k < 6; k++)
+    stress[k] += bw_dot(at.by_traction + 3 * k, t);
   full_tensor(conjugate, s);
-  for (int i = 0; i < 9; i++)
-    sum += s[i] * grad[i];
-  return sum;
-}
-
-/* slope . sigma at a node: the mean by volume of the elements around; gradient += factor times its
- * derivative where `gradient` is given. */
-static double nodal_value(const bw_mesh *mesh, const bw_material *material,
-                          const bwi_incidence *around, const double *u, const double slope[6],
-                          int32_t node, double factor, double *gradient) {
-  double value = 0, volume = 0, g[10][3], grad[9], s[9];
-  for (int64_t k = around->start[node]; k < around->start[node + 1]; k++) {
-    int64_t e = around->element[k];
-    gradients_at_node(mesh, e, around->local[k], u, g, grad);
-    volume += mesh->volume[e];
-    value += mesh->volume[e] * slope_stress(material, e, slope, grad, s);
+  full_tensor(stress, sigma);
+  const double *c = bw_material_elasticity(h->material, h->mesh->facet_element[corner / 3]);
+  const double *given[2] = {h->slope, strain}, *other[2] = {sigma, s};
+  double along[3] = {0};
+  for (int k = 0; k < 2; k++) {
+    double whole[6], tensor[9], traction[3], q[3];
+    bwi_multiply6(c, given[k], whole);
+    full_tensor(whole, tensor);
+    multiply(tensor, at.normal, traction);
+    if (k == 1)
+      add(traction, -1, t);
+    multiply(at.softness, traction, q);
+    multiply(other[k], q, traction);
+    add(along, 1, traction);
   }
-  value /= volume;
-  for (int64_t k = around->start[node]; gradient && k < around->start[node + 1]; k++) {
-    int64_t e = around->element[k];
-    const int32_t *own = mesh->element + e * mesh->nodes_per_element;
-    double corner[4][3], a[9] = {0}, share = factor * mesh->volume[e] / volume;
-    gradients_at_node(mesh, e, around->local[k], u, g, grad);
-    double off = slope_stress(material, e, slope, grad, s) - value;
-    add_transposed_product(a, -share, grad, s);
-    for (int i = 0; i < mesh->nodes_per_element; i++)
-      for (int c = 0; c < 3; c++)
-        gradient[3 * (size_t)own[i] + (size_t)c] += bw_dot(a + 3 * c, g[i]);
-    bw_tet_barycentric_gradient(mesh->node + 3 * (int64_t)own[0], mesh->node + 3 * (int64_t)own[1],
-                                mesh->node + 3 * (int64_t)own[2], mesh->node + 3 * (int64_t)own[3],
-                                corner);
-    for (int i = 0; i < 4; i++)
-      add(gradient + 3 * (size_t)own[i], share * off, corner[i]);
+  add_transposed_product(a, -factor, full, s);
+  for (int i = 0; i < at.nodes; i++) {
+    double *to = gradient + 3 * (size_t)at.node[i];
+    for (int k = 0; k < 3; k++)
+      to[k] += bw_dot(a + 3 * k, at.gradient[i]);
+    add(to, factor * bw_dot(at.gradient[i], along), at.normal);
   }
-  return value;
+  for (int k = 0; k < 6; k++)
+    add(by_traction, factor * h->slope[k], at.by_traction + 3 * k);
+  return bwi_dot6(h->slope, stress);
 }
 
 /* gradient += factor * d (area) of a facet */
@@ -210,30 +200,58 @@ static void add_area(const bw_mesh *mesh, const int32_t *node, double factor, do
   add(gradient + 3 * (size_t)node[0], -factor, by_c);
 }
 
-/* gradient += d (mean) by the weights of the samples, `value` at the nodes held */
+/* gradient += the derivative by the areas by which nodal forces are spread; of_facet: by the
+ * tractions of the patch's facets, 3 each. */
+static bw_status add_spread(bw_context *context, const patch *p, const held *h,
+                            const double *of_facet, double *gradient) {
+  const bw_mesh *mesh = p->mesh;
+  double *slope = BW_NEW0(context, double, mesh->node_count);
+  if (!slope)
+    return BW_MEMORY;
+  size_t nodes = (size_t)mesh->nodes_per_facet;
+  for (size_t f = 0; f < p->facets; f++)
+    for (size_t a = 0; a < nodes; a++) {
+      int32_t i = mesh->facet[(size_t)p->facet[f] * nodes + a];
+      slope[i] -= bw_dot(of_facet + 3 * f, h->force + 3 * (size_t)i) / (h->area[i] * h->area[i]);
+    }
+  for (size_t f = 0; f < (size_t)mesh->facet_count; f++) {
+    const int32_t *node = mesh->facet + f * nodes;
+    double sum = 0;
+    for (size_t a = 0; a < nodes; a++)
+      sum += slope[node[a]];
+    if (sum != 0)
+      add_area(mesh, node, sum, gradient);
+  }
+  bw_free(slope);
+  return BW_OK;
+}
+
+/* gradient += d (mean) by the weights of the samples, `value` at the corners of the patch's facets
+ * held */
 static void add_weights(const patch *p, const double *value, double mean, double *gradient) {
   const bw_mesh *mesh = p->mesh;
   const double *centre = mesh->node + 3 * (size_t)p->centre;
   double square = p->patches.radius * p->patches.radius;
   for (size_t f = 0; f < p->facets; f++) {
     const int32_t *node = mesh->facet + (size_t)p->facet[f] * (size_t)mesh->nodes_per_facet;
-    double by_area = 0, area = p->patches.area[p->facet[f]];
+    double by_area = 0, area = p->patches.area[p->facet[f]], share[BWI_PATCH_SAMPLES];
+    for (int a = 0; a < 3; a++)
+      by_area += p->weight[3 * f + a] * (value[3 * f + a] - mean) / (p->total * area);
+    bwi_surface_patch_shares(&p->patches, p->facet[f], p->centre, share);
     for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
-      double share = p->share[f * BWI_PATCH_SAMPLES + (size_t)k], off = -mean, arm[3];
-      const double *weight = p->patches.weight[k];
-      if (!(share > 0))
+      const double *at = p->patches.at[k];
+      double off = -mean, arm[3];
+      if (!(share[k] > 0))
         continue;
       for (int c = 0; c < 3; c++)
         arm[c] = -centre[c];
-      for (int a = 0; a < mesh->nodes_per_facet; a++) {
-        off += weight[a] * value[node[a]];
-        add(arm, weight[a], mesh->node + 3 * (size_t)node[a]);
+      for (int a = 0; a < 3; a++) {
+        off += at[a] * value[3 * f + (size_t)a];
+        add(arm, at[a], mesh->node + 3 * (size_t)node[a]);
       }
-      off /= p->total;
-      by_area += off * share / area;
-      double factor = -2 * off * area / (BWI_PATCH_SAMPLES * square);
-      for (int a = 0; a < mesh->nodes_per_facet; a++)
-        add(gradient + 3 * (size_t)node[a], factor * weight[a], arm);
+      double factor = -2 * off / p->total * area / (BWI_PATCH_SAMPLES * square);
+      for (int a = 0; a < 3; a++)
+        add(gradient + 3 * (size_t)node[a], factor * at[a], arm);
       add(gradient + 3 * (size_t)p->centre, -factor, arm);
     }
     add_area(mesh, node, by_area, gradient);
@@ -298,8 +316,8 @@ static bw_status gather_pass(void *data, int64_t begin, int64_t end, int worker)
 
 /* gradient += d of - integral of p (adjoint . n + price) dA over a facet. With s = x_u x x_v, n dA
  * is s/2 times the weight. */
-static void add_pressure(const bw_patch_state *state, const bwi_pressure_rule *rule, int32_t facet,
-                         double *gradient) {
+static void add_pressure(const bw_patch_state *state, const double *adjoint,
+                         const bwi_pressure_rule *rule, int32_t facet, double *gradient) {
   const bw_mesh *mesh = state->basis->mesh;
   const int32_t *node = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
   const int32_t *column = state->basis->facet_column + state->basis->facet_start[facet];
@@ -316,7 +334,7 @@ static void add_pressure(const bw_patch_state *state, const bwi_pressure_rule *r
     for (int a = 0; a < mesh->nodes_per_facet; a++) {
       add(xu, by[a][1] - by[a][0], mesh->node + 3 * (size_t)node[a]);
       add(xv, by[a][2] - by[a][0], mesh->node + 3 * (size_t)node[a]);
-      add(v, shape[a], state->adjoint + 3 * (size_t)node[a]);
+      add(v, shape[a], adjoint + 3 * (size_t)node[a]);
     }
     bw_cross(xu, xv, s);
     add(v, state->price / bw_norm(s), s);
@@ -336,7 +354,9 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
   bw_status status;
   patch p = {.mesh = NULL};
   bwi_pressure_rules rules;
-  double *nodal = NULL, mean = 0;
+  double *at_corner = NULL, *of_facet = NULL, *force = NULL, *adjoint = NULL, *area = NULL,
+         mean = 0;
+  size_t size = 3 * (size_t)mesh->node_count;
   work_data d = {.mesh = mesh,
                  .material = material,
                  .u = state->displacement,
@@ -353,33 +373,50 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
   BW_TRY(patch_begin(context, mesh, state->radius, state->node, &p));
   BW_TRY(bwi_incidence_create(context, mesh, &d.around));
   d.part = BW_NEW(context, double, 3 * mesh->element_count * mesh->nodes_per_element);
-  nodal = BW_NEW0(context, double, mesh->node_count);
-  if (!d.part || !nodal) {
+  at_corner = BW_NEW(context, double, 3 * p.facets);
+  of_facet = BW_NEW0(context, double, 3 * p.facets);
+  force = BW_NEW(context, double, size);
+  adjoint = BW_NEW(context, double, size);
+  if (!d.part || !at_corner || !of_facet || !force || !adjoint) {
     status = BW_MEMORY;
     goto done;
   }
-  memset(gradient, 0, 3 * (size_t)mesh->node_count * sizeof *gradient);
+  BW_TRY(bwi_facet_areas_around(context, mesh, &area));
+  bw_pressure_force(state->basis, state->pressure, force);
+  memset(gradient, 0, size * sizeof *gradient);
   bwi_rule_make(mesh->order, mesh->order == 1 ? 1 : 3, &d.straight); /* grad V is linear */
   bwi_rule_make(mesh->order, BWI_CURVED_DEGREE, &d.curved);
   BW_TRY(bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, element_pass, &d));
   BW_TRY(bw_parallel(context, mesh->node_count, NODES_PER_CHUNK, gather_pass, &d));
-  for (int32_t i = 0; i < mesh->node_count; i++) {
-    if (p.weight[i] == 0)
-      continue;
-    nodal[i] = nodal_value(mesh, material, &d.around, state->displacement, state->slope, i,
-                           p.weight[i], gradient);
-    mean += p.weight[i] * nodal[i];
+  const held h = {mesh, material, state->displacement, force, area, state->slope};
+  for (size_t k = 0; k < 3 * p.facets; k++) {
+    double weight = p.weight[k] / p.total;
+    at_corner[k] = corner_value(&h, 3 * p.facet[k / 3] + (int32_t)(k % 3), weight, gradient,
+                                of_facet + 3 * (k / 3));
+    mean += weight * at_corner[k];
   }
-  add_weights(&p, nodal, mean, gradient);
+  add_weights(&p, at_corner, mean, gradient);
+  BW_TRY(add_spread(context, &p, &h, of_facet, gradient));
+  /* What acts on G p: the adjoint, and the traction of the patch. */
+  memcpy(adjoint, state->adjoint, size * sizeof *adjoint);
+  for (size_t f = 0; f < p.facets; f++)
+    for (int a = 0; a < mesh->nodes_per_facet; a++) {
+      int32_t i = mesh->facet[(size_t)p.facet[f] * (size_t)mesh->nodes_per_facet + (size_t)a];
+      add(adjoint + 3 * (size_t)i, 1 / area[i], of_facet + 3 * f);
+    }
   BW_TRY(bwi_pressure_rules_create(context, state->basis, &rules));
   for (int32_t f = 0; f < mesh->facet_count; f++)
-    add_pressure(state, bwi_facet_rule(&rules, state->basis, f), f, gradient);
+    add_pressure(state, adjoint, bwi_facet_rule(&rules, state->basis, f), f, gradient);
   *value = mean;
 done:
   bwi_pressure_rules_clear(&rules);
   patch_clear(&p);
   bwi_incidence_clear(&d.around);
   bw_free(d.part);
-  bw_free(nodal);
+  bw_free(at_corner);
+  bw_free(of_facet);
+  bw_free(force);
+  bw_free(adjoint);
+  bw_free(area);
   return status;
 }

@@ -1,23 +1,22 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Targets of a screening. See screening_targets.h.
  *
- * A patch has tens of nodes and a node lies in tens of patches: the stresses at nodes are computed
- * once. The weights of a patch are those of bw_surface_mean. */
+ * A patch has tens of facets and a facet lies in tens of patches: the stresses at the corners of
+ * facets are computed once. The weights of a patch are those of bw_surface_mean. */
 #include "analysis/screening_targets.h"
 
+#include "analysis/surface_stress.h"
 #include "analysis/weak_internal.h"
 
 #include <string.h>
 
-enum { NODES_PER_CHUNK = 64 };
+enum { CORNERS_PER_CHUNK = 64 };
 
 /* Adds C grad u of all pressures to 6 x K numbers, by the gradients of the shape functions. */
-static void add_stress(const bwi_targets *t, int32_t e, const double (*gradient)[3], double *out) {
-  const bw_mesh *mesh = t->mesh;
-  size_t k = (size_t)t->pressures, nodes = (size_t)mesh->nodes_per_element;
-  const int32_t *node = mesh->element + (size_t)e * nodes;
-  const double *c = bw_material_elasticity(t->material, e);
-  for (size_t a = 0; a < nodes; a++) {
+static void add_stress(const bwi_targets *t, const double c[36], int nodes, const int32_t *node,
+                       const double (*gradient)[3], double *out) {
+  size_t k = (size_t)t->pressures;
+  for (int a = 0; a < nodes; a++) {
     /* Columns of C B for the three components of node a. */
     const double *g = gradient[a];
     for (int i = 0; i < 3; i++) {
@@ -42,40 +41,31 @@ static void add_stress(const bwi_targets *t, int32_t e, const double (*gradient)
 /* Mean stress of element e by pressure. */
 static void element_stress(const bwi_targets *t, int32_t e, double *out) {
   double gradient[10][3];
+  int nodes = t->mesh->nodes_per_element;
   double volume = bwi_shape_integrals(t->mesh, e, gradient, NULL);
-  for (int a = 0; a < t->mesh->nodes_per_element; a++)
+  for (int a = 0; a < nodes; a++)
     for (int j = 0; j < 3; j++)
       gradient[a][j] /= volume;
   memset(out, 0, 6 * (size_t)t->pressures * sizeof *out);
-  add_stress(t, e, (const double(*)[3])gradient, out);
+  add_stress(t, bw_material_elasticity(t->material, e), nodes,
+             t->mesh->element + (size_t)e * (size_t)nodes, (const double(*)[3])gradient, out);
 }
 
-/* Stress of all pressures at the boundary node i, as bw_nodal_stress: the strains of the elements
- * around, by their volumes. */
-static void node_stress(const bwi_targets *t, int64_t i, double *out) {
-  const bw_mesh *mesh = t->mesh;
-  size_t k = (size_t)t->pressures, nodes = (size_t)mesh->nodes_per_element;
-  int32_t n = mesh->boundary_node[i];
-  double whole = 0;
-  memset(out, 0, 6 * k * sizeof *out);
-  for (int64_t at = t->around.start[n]; at < t->around.start[n + 1]; at++)
-    whole += mesh->volume[t->around.element[at]];
-  for (int64_t at = t->around.start[n]; at < t->around.start[n + 1]; at++) {
-    int32_t e = t->around.element[at];
-    double gradient[10][3];
-    bwi_gradients_at_node(mesh, e, t->around.local[at], gradient);
-    for (size_t a = 0; a < nodes; a++)
-      for (int j = 0; j < 3; j++)
-        gradient[a][j] *= mesh->volume[e] / whole;
-    add_stress(t, e, (const double(*)[3])gradient, out);
-  }
-}
-
-static bw_status nodes_body(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status corners_body(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_targets *t = (const bwi_targets *)data;
   (void)worker;
-  for (int64_t i = begin; i < end; i++)
-    node_stress(t, i, t->at_node + (size_t)i * 6 * (size_t)t->pressures);
+  size_t k = (size_t)t->pressures;
+  for (int64_t i = begin; i < end; i++) {
+    double *out = t->at_corner + (size_t)i * 6 * k;
+    const double *traction = t->traction + (size_t)(i / 3) * 3 * k;
+    bwi_facet_corner at;
+    bwi_facet_corner_load(t->mesh, t->material, (int32_t)i, &at);
+    add_stress(t, at.elasticity, at.nodes, at.node, (const double(*)[3])at.gradient, out);
+    for (size_t r = 0; r < 6; r++)
+      for (size_t c = 0; c < 3; c++)
+        for (size_t j = 0; j < k; j++)
+          out[r * k + j] += at.by_traction[3 * r + c] * traction[c * k + j];
+  }
   return BW_OK;
 }
 
@@ -99,11 +89,14 @@ static bw_status list_corners(bw_context *context, bwi_targets *t) {
 }
 
 bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            int32_t pressures, const double *response, double radius,
-                            bwi_targets *targets) {
+                            int32_t pressures, const double *response, const double *traction,
+                            double radius, bwi_targets *targets) {
   bw_status status = BW_OK;
-  *targets = (bwi_targets){
-      .mesh = mesh, .material = material, .pressures = pressures, .response = response};
+  *targets = (bwi_targets){.mesh = mesh,
+                           .material = material,
+                           .pressures = pressures,
+                           .response = response,
+                           .traction = traction};
   if (radius == 0) {
     targets->count = mesh->element_count;
     return BW_OK;
@@ -111,15 +104,11 @@ bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_m
   BW_TRY(bwi_surface_patches_begin(context, mesh, radius, &targets->patch));
   BW_TRY(list_corners(context, targets));
   targets->mark = BW_NEW0(context, int32_t, bw_threads(context));
-  targets->number = BW_NEW(context, int32_t, mesh->node_count);
-  targets->at_node =
-      BW_NEW(context, double, 6 * (size_t)mesh->boundary_node_count * (size_t)pressures);
-  if (!targets->mark || !targets->number || !targets->at_node)
+  targets->at_corner = BW_NEW0(context, double, 18 * (size_t)mesh->facet_count * (size_t)pressures);
+  if (!targets->mark || !targets->at_corner)
     return BW_MEMORY;
-  for (int32_t i = 0; i < mesh->boundary_node_count; i++)
-    targets->number[mesh->boundary_node[i]] = i;
-  BW_TRY(bwi_incidence_create(context, mesh, &targets->around));
-  BW_TRY(bw_parallel(context, mesh->boundary_node_count, NODES_PER_CHUNK, nodes_body, targets));
+  BW_TRY(bw_parallel(context, 3 * (int64_t)mesh->facet_count, CORNERS_PER_CHUNK, corners_body,
+                     targets));
 done:
   return status;
 }
@@ -127,9 +116,7 @@ done:
 void bwi_targets_clear(bwi_targets *targets) {
   bwi_surface_patches_clear(&targets->patch);
   bw_free(targets->node);
-  bwi_incidence_clear(&targets->around);
-  bw_free(targets->number);
-  bw_free(targets->at_node);
+  bw_free(targets->at_corner);
   bw_free(targets->mark);
 }
 
@@ -138,20 +125,14 @@ typedef struct mean {
   double total, *sum;
 } mean;
 
-static void add_facet(void *data, int32_t facet, const double share[BWI_PATCH_SAMPLES]) {
+static void add_facet(void *data, int32_t facet, const double weight[3]) {
   mean *m = (mean *)data;
-  const bwi_targets *t = m->targets;
-  int nodes = t->mesh->nodes_per_facet;
-  const int32_t *node = t->mesh->facet + (size_t)facet * (size_t)nodes;
-  size_t width = 6 * (size_t)t->pressures;
-  for (int a = 0; a < nodes; a++) {
-    const double *stress = t->at_node + (size_t)t->number[node[a]] * width;
-    double weight = 0;
-    for (int k = 0; k < BWI_PATCH_SAMPLES; k++)
-      weight += share[k] * t->patch.weight[k][a];
-    m->total += weight;
+  size_t width = 6 * (size_t)m->targets->pressures;
+  const double *stress = m->targets->at_corner + 3 * (size_t)facet * width;
+  for (int a = 0; a < 3; a++, stress += width) {
+    m->total += weight[a];
     for (size_t j = 0; j < width; j++)
-      m->sum[j] += weight * stress[j];
+      m->sum[j] += weight[a] * stress[j];
   }
 }
 
@@ -164,11 +145,8 @@ void bwi_target_stress(const bwi_targets *t, int32_t target, int worker, double 
   mean m = {t, 0, out};
   memset(out, 0, width * sizeof *out);
   bwi_surface_patch_visit(&t->patch, t->node[target], ++t->mark[worker], worker, add_facet, &m);
-  if (m.total > 0)
-    for (size_t j = 0; j < width; j++)
-      out[j] /= m.total;
-  else /* the radius is less than the first sample's distance */
-    memcpy(out, t->at_node + (size_t)t->number[t->node[target]] * width, width * sizeof *out);
+  for (size_t j = 0; j < width; j++)
+    out[j] /= m.total;
 }
 
 int32_t bwi_targets_apart(const bwi_targets *t, int32_t wanted, int32_t *list) {

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Targets of a screening: the mean stress of an element, or the bw_surface_mean of bw_nodal_stress
- * on a patch of the boundary, under each of K pressures whose displacements are known. */
+/* Targets of a screening: the mean stress of an element, or the bw_surface_mean of
+ * bw_surface_stress around a boundary node, under each of K pressures whose displacements are
+ * known. */
 #ifndef BARWRIGHT_ANALYSIS_SCREENING_TARGETS_H
 #define BARWRIGHT_ANALYSIS_SCREENING_TARGETS_H
 
@@ -11,20 +12,19 @@ typedef struct bwi_targets {
   const bw_material *material;
   int32_t pressures;      /* K */
   const double *response; /* degrees of freedom x K */
+  const double *traction; /* facet_count x 3 x K; NULL where elements are targets */
   int32_t count;
   int32_t *node;             /* the middle of each patch; NULL: target i is element i */
   bwi_surface_patches patch; /* where targets are patches */
-  bwi_incidence around;      /* elements around every node */
-  int32_t *number;           /* of boundary nodes, by node */
-  double *at_node;           /* boundary_node_count x 6 x K: nodal stress */
+  double *at_corner;         /* facet_count x 3 x 6 x K: surface stress */
   int32_t *mark;             /* threads: of the last patch that was visited */
 } bwi_targets;
 
 /* `radius`: of patches around the corners of boundary facets; 0: all elements are targets. Keeps
  * what it is given. */
 bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            int32_t pressures, const double *response, double radius,
-                            bwi_targets *targets);
+                            int32_t pressures, const double *response, const double *traction,
+                            double radius, bwi_targets *targets);
 void bwi_targets_clear(bwi_targets *targets);
 
 /* Mean stress of a target by pressure: out 6 x K. */

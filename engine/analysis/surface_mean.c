@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The mean of a nodal field over the boundary near each boundary node: a nonlocal stress measure
- * that stays finite where the stress itself is singular (docs/theory/error.md).
+/* The mean of a field of facets' corners over the boundary near each boundary node: a nonlocal
+ * stress measure that stays finite where the stress itself is singular
+ * (docs/theory/breaking_force.md).
  *
- * Invariant: where no sample lies within the radius, the mean is the node's own value; weights are
- * positive and sum to one, so constants are kept and no mean exceeds the largest value of its
- * patch. */
+ * Invariant: weights are positive and sum to one, so constants are kept and no mean exceeds the
+ * largest value of its patch. */
 #include "analysis/surface_patch.h"
 
 #include "barwright/analysis.h"
@@ -23,20 +23,14 @@ typedef struct sum {
   double total, *mean;
 } sum;
 
-static void add_facet(void *data, int32_t facet, const double share[BWI_PATCH_SAMPLES]) {
+static void add_facet(void *data, int32_t facet, const double weight[3]) {
   sum *s = (sum *)data;
-  const bw_mesh *mesh = s->m->patches.mesh;
-  const int32_t *node = mesh->facet + (size_t)facet * mesh->nodes_per_facet;
-  double part[6] = {0};
-  for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
-    s->total += share[k];
-    for (int a = 0; a < mesh->nodes_per_facet; a++)
-      part[a] += share[k] * s->m->patches.weight[k][a];
-  }
-  for (int a = 0; a < mesh->nodes_per_facet; a++) {
-    const double *value = s->m->value + (size_t)node[a] * s->m->columns;
-    for (int c = 0; c < s->m->columns; c++)
-      s->mean[c] += part[a] * value[c];
+  int columns = s->m->columns;
+  const double *value = s->m->value + 3 * (size_t)facet * (size_t)columns;
+  for (int a = 0; a < 3; a++, value += columns) {
+    s->total += weight[a];
+    for (int c = 0; c < columns; c++)
+      s->mean[c] += weight[a] * value[c];
   }
 }
 
@@ -48,7 +42,7 @@ static bw_status means_of(void *data, int64_t begin, int64_t end, int worker) {
     memset(s.mean, 0, (size_t)m->columns * sizeof *s.mean);
     bwi_surface_patch_visit(&m->patches, node, (int32_t)i + 1, worker, add_facet, &s);
     for (int c = 0; c < m->columns; c++)
-      s.mean[c] = s.total > 0 ? s.mean[c] / s.total : m->value[(size_t)node * m->columns + c];
+      s.mean[c] /= s.total;
   }
   return BW_OK;
 }

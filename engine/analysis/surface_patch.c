@@ -5,34 +5,15 @@
 #include <math.h>
 #include <string.h>
 
-/* Quadratic facets are interpolated linearly on the four triangles between corners and middles,
- * which keeps all weights positive. */
-static void make_rule(int nodes, double weight[BWI_PATCH_SAMPLES][6]) {
-  static const double corner[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
-  static const int inner[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {4, 5, 3}};
-  memset(weight, 0, sizeof(double[BWI_PATCH_SAMPLES][6]));
+static void place_samples(double at[BWI_PATCH_SAMPLES][3]) {
   int k = 0;
   for (int i = 0; i < BWI_PATCH_CUTS; i++)
     for (int j = 0; i + j < BWI_PATCH_CUTS; j++)
       for (int up = 0; up < (i + j < BWI_PATCH_CUTS - 1 ? 2 : 1); up++, k++) {
         double shift = up ? 2.0 / 3 : 1.0 / 3;
-        double x = (i + shift) / BWI_PATCH_CUTS, y = (j + shift) / BWI_PATCH_CUTS;
-        if (nodes == 3) {
-          weight[k][0] = 1 - x - y, weight[k][1] = x, weight[k][2] = y;
-          continue;
-        }
-        for (int t = 0; t < 4; t++) {
-          const double *a = corner[inner[t][0]], *b = corner[inner[t][1]], *c = corner[inner[t][2]];
-          double twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-          double u = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / twice;
-          double v = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / twice;
-          if (u < 0 || v < 0 || u + v > 1)
-            continue;
-          weight[k][inner[t][0]] = 1 - u - v;
-          weight[k][inner[t][1]] = u;
-          weight[k][inner[t][2]] = v;
-          break;
-        }
+        at[k][1] = (i + shift) / BWI_PATCH_CUTS;
+        at[k][2] = (j + shift) / BWI_PATCH_CUTS;
+        at[k][0] = 1 - at[k][1] - at[k][2];
       }
 }
 
@@ -51,7 +32,7 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh, do
     return BW_MEMORY;
   BW_TRY(bwi_incidence_of_elements(context, mesh->node_count, mesh->facet_count,
                                    mesh->nodes_per_facet, mesh->facet, &patches->around));
-  make_rule(mesh->nodes_per_facet, patches->weight);
+  place_samples(patches->at);
   for (size_t f = 0; f < facets; f++) {
     const int32_t *node = mesh->facet + f * (size_t)mesh->nodes_per_facet;
     const double *a = mesh->node + 3 * (size_t)node[0], *b = mesh->node + 3 * (size_t)node[1],
@@ -63,10 +44,9 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh, do
     patches->area[f] = 0.5 * sqrt(bw_dot(n, n));
     for (size_t k = 0; k < BWI_PATCH_SAMPLES; k++)
       for (size_t j = 0; j < 3; j++) {
-        double x = 0;
-        for (int i = 0; i < mesh->nodes_per_facet; i++)
-          x += patches->weight[k][i] * mesh->node[3 * (size_t)node[i] + j];
-        patches->sample[(f * BWI_PATCH_SAMPLES + k) * 3 + j] = x;
+        const double *at = patches->at[k];
+        patches->sample[(f * BWI_PATCH_SAMPLES + k) * 3 + j] =
+            at[0] * a[j] + at[1] * b[j] + at[2] * c[j];
       }
   }
 done:
@@ -81,10 +61,10 @@ void bwi_surface_patches_clear(bwi_surface_patches *patches) {
   bw_free(patches->queue);
 }
 
-/* The shares of a facet's samples; whether one is not 0. */
-static bool shares_of(const bwi_surface_patches *p, int32_t facet, const double *centre,
-                      double share[BWI_PATCH_SAMPLES]) {
+bool bwi_surface_patch_shares(const bwi_surface_patches *p, int32_t facet, int32_t node,
+                              double share[BWI_PATCH_SAMPLES]) {
   const double *x = p->sample + (size_t)facet * BWI_PATCH_SAMPLES * 3;
+  const double *centre = p->mesh->node + 3 * (size_t)node;
   double area = p->area[facet] / BWI_PATCH_SAMPLES, scale = 1 / (p->radius * p->radius);
   bool any = false;
   for (int k = 0; k < BWI_PATCH_SAMPLES; k++, x += 3) {
@@ -95,24 +75,42 @@ static bool shares_of(const bwi_surface_patches *p, int32_t facet, const double 
   return any;
 }
 
+/* The facets around a node, where the mesh is coarser than the radius. */
+static void visit_around(const bwi_surface_patches *p, int32_t node,
+                         void (*add)(void *data, int32_t facet, const double weight[3]),
+                         void *data) {
+  for (int64_t k = p->around.start[node]; k < p->around.start[node + 1]; k++) {
+    int32_t facet = p->around.element[k], a = p->around.local[k];
+    double weight[3] = {0};
+    if (a < 3)
+      weight[a] = p->area[facet];
+    else
+      weight[a - 3] = weight[(a - 2) % 3] = p->area[facet] / 2;
+    add(data, facet, weight);
+  }
+}
+
 void bwi_surface_patch_visit(const bwi_surface_patches *p, int32_t node, int32_t mark, int worker,
-                             void (*add)(void *data, int32_t facet,
-                                         const double share[BWI_PATCH_SAMPLES]),
+                             void (*add)(void *data, int32_t facet, const double weight[3]),
                              void *data) {
   const bw_mesh *mesh = p->mesh;
-  const double *centre = mesh->node + 3 * (size_t)node;
   int32_t *seen = p->seen + (size_t)worker * mesh->facet_count, first = 0, last = 0;
   int32_t *queue = p->queue + (size_t)worker * mesh->facet_count;
+  bool any = false;
   for (int64_t k = p->around.start[node]; k < p->around.start[node + 1]; k++) {
     seen[p->around.element[k]] = mark;
     queue[last++] = p->around.element[k];
   }
   while (first < last) {
     int32_t facet = queue[first++];
-    double share[BWI_PATCH_SAMPLES];
-    if (!shares_of(p, facet, centre, share))
+    double share[BWI_PATCH_SAMPLES], weight[3] = {0};
+    if (!bwi_surface_patch_shares(p, facet, node, share))
       continue;
-    add(data, facet, share);
+    for (int k = 0; k < BWI_PATCH_SAMPLES; k++)
+      for (int a = 0; a < 3; a++)
+        weight[a] += share[k] * p->at[k][a];
+    add(data, facet, weight);
+    any = true;
     for (int a = 0; a < 3; a++) {
       int32_t corner = mesh->facet[(size_t)facet * mesh->nodes_per_facet + a];
       for (int64_t k = p->around.start[corner]; k < p->around.start[corner + 1]; k++)
@@ -122,4 +120,6 @@ void bwi_surface_patch_visit(const bwi_surface_patches *p, int32_t node, int32_t
         }
     }
   }
+  if (!any)
+    visit_around(p, node, add, data);
 }

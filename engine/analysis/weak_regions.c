@@ -22,7 +22,7 @@ void bw_weak_options_default(bw_weak_options *options) {
 static void region_clear(bw_weak_region *region) {
   bw_free(region->element);
   bw_free(region->weight);
-  bw_free(region->place);
+  bw_free(region->corner);
 }
 
 static void regions_destroy(void *object) {

@@ -47,14 +47,18 @@ done:
 static bw_status gradient_body(void *data, int64_t begin, int64_t end, int worker) {
   const run *r = (const run *)data;
   size_t n = (size_t)r->basis->count;
+  bw_status status = BW_OK;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
+    BW_TRY(bw_region_by_force(r->context, r->regions, r->first + (int)i, r->system->material,
+                              block_of(r, i)));
     double *f = r->objective + (size_t)i * (size_t)r->signs * n;
     bw_pressure_gradient(r->basis, block_of(r, i), f);
     for (size_t j = 0; j < n && r->signs == 2; j++)
       f[n + j] = -f[j];
   }
-  return BW_OK;
+done:
+  return status;
 }
 
 /* The sign that reaches more. */

@@ -13,6 +13,7 @@
  * share of the total force on each patch, less the fit; what follows is by target and does not
  * depend on the number of threads. */
 #include "analysis/screening_targets.h"
+#include "analysis/surface_stress.h"
 #include "analysis/weak_internal.h"
 #include "analysis/worst_internal.h"
 
@@ -37,6 +38,7 @@ typedef struct screen {
   bwi_programme *programme;
   int32_t patches;
   double *response;  /* 3 node_count x patches */
+  double *traction;  /* 3 facet_count x patches; NULL where elements are targets */
   double *row;       /* balance rows x patches: entries of the programme by patch */
   double *projector; /* patches x balance rows: the multipliers of the fit of c are projector^T c */
   double *upper;     /* patches */
@@ -61,16 +63,32 @@ void bw_screening_clear(bw_screening *screening) {
 
 /* ---- the response to each patch ------------------------------------------------------------ */
 
-static bw_status solve_patches(screen *s) {
+/* Traction on each facet of patch `k` of pressure, by the forces of a unit share of the total. */
+static void keep_traction(screen *s, const double *area, const double *force, size_t k) {
+  const bw_mesh *mesh = s->system->mesh;
+  for (int32_t f = 0; f < mesh->facet_count; f++) {
+    double t[3];
+    bwi_facet_traction(mesh, area, force, f, t);
+    for (size_t c = 0; c < 3; c++)
+      s->traction[(3 * (size_t)f + c) * (size_t)s->patches + k] =
+          t[c] * (s->options->force / s->coarse->area[k]);
+  }
+}
+
+static bw_status solve_patches(screen *s, bool on_surface) {
   bw_status status = BW_OK;
+  double *area = NULL;
   bw_context *context = s->context;
   size_t n = 3 * (size_t)s->system->mesh->node_count, k = (size_t)s->patches;
   double *block = BW_NEW(context, double, SOLVES *n), *unit = BW_NEW0(context, double, k);
   s->response = BW_NEW(context, double, n *k);
-  if (!block || !unit || !s->response) {
+  if (on_surface)
+    s->traction = BW_NEW(context, double, 3 * (size_t)s->system->mesh->facet_count * k);
+  if (!block || !unit || !s->response || (on_surface && !s->traction)) {
     status = BW_MEMORY;
     goto done;
   }
+  BW_TRY(bwi_facet_areas_around(context, s->system->mesh, &area));
   for (int32_t first = 0; first < s->patches; first += SOLVES) {
     int32_t count = s->patches - first < SOLVES ? s->patches - first : SOLVES;
     bw_progress(context, "screening", (double)first / s->patches);
@@ -79,6 +97,8 @@ static bw_status solve_patches(screen *s) {
       unit[first + i] = 1;
       bw_pressure_force(s->coarse, unit, block + (size_t)i * n);
       unit[first + i] = 0;
+      if (on_surface)
+        keep_traction(s, area, block + (size_t)i * n, (size_t)(first + i));
     }
     BW_TRY(bw_system_solve(context, s->system, count, block, block));
     for (size_t j = 0; j < n; j++)
@@ -88,6 +108,7 @@ static bw_status solve_patches(screen *s) {
   }
   bw_progress(context, "screening", 1);
 done:
+  bw_free(area);
   bw_free(block);
   bw_free(unit);
   return status;
@@ -339,10 +360,10 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(solve_patches(&s));
+  BW_TRY(solve_patches(&s, radius > 0));
   BW_TRY(subtract_fit(&s));
-  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, s.patches, s.response, radius,
-                           &s.targets));
+  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, s.patches, s.response,
+                           s.traction, radius, &s.targets));
   s.rank = BW_NEW(context, ranked, s.targets.count);
   s.list = BW_NEW(context, int32_t, s.targets.count);
   s.direction = BW_NEW(context, double, 6 * (size_t)s.targets.count);
@@ -363,6 +384,7 @@ done:
   bw_release(s.coarse);
   bwi_programme_free(s.programme);
   bw_free(s.response);
+  bw_free(s.traction);
   bw_free(s.row);
   bw_free(s.projector);
   bw_free(s.upper);

@@ -325,9 +325,9 @@ static bw_status find_boundary(bw_context *context, bw_mesh *mesh) {
   size_t faces = 4 * (size_t)mesh->element_count, facets = 0;
   for (size_t i = 0; i < faces; i++)
     facets += mesh->neighbour[i] < 0;
-  if (facets > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "%zu boundary facets: a mesh holds at most 2147483647",
-                   facets);
+  if (facets > INT32_MAX / 3) /* corners of facets have numbers */
+    return bw_fail(context, BW_LIMIT, "%zu boundary facets: a mesh holds at most %d", facets,
+                   INT32_MAX / 3);
   mesh->facet_count = (int32_t)facets;
   mesh->facet = BW_NEW(context, int32_t, facets * facet_width);
   mesh->facet_element = BW_NEW(context, int32_t, facets);

@@ -56,8 +56,14 @@ local function slope_of(breaking, judge, stress)
   return slope
 end
 
-local function mean_stress(breaking, u)
-  local stress, message, details = core.nodal_stress(breaking.mesh, breaking.material, u)
+-- Under the load of a region.
+local function mean_stress(breaking, region)
+  local worst = breaking.worst
+  local u, message, details = worst:displacement(region)
+  if not u then return nil, message, details end
+  local stress
+  stress, message, details = core.surface_stress(breaking.mesh, breaking.material, u,
+    worst.basis:force(worst.loads.pressures[region]))
   if not stress then return nil, message, details end
   return core.surface_mean(breaking.mesh, stress, breaking.length)
 end
@@ -68,10 +74,7 @@ local function worst_map(breaking, judge)
   local used, by, means = {}, {}, {}
   for _, place in ipairs(breaking.history[#breaking.history].places) do
     if not means[place.region] then
-      local u, message, details = breaking.worst:displacement(place.region)
-      if not u then return nil, message, details end
-      local mean
-      mean, message, details = mean_stress(breaking, u)
+      local mean, message, details = mean_stress(breaking, place.region)
       if not mean then return nil, message, details end
       means[place.region] = mean
       for i, value in ipairs(judge(breaking, mean):totable()) do
@@ -139,14 +142,15 @@ local function gradient_of(breaking, judge, place, mean)
       {status = "unsupported"}
   end
   local slope = core.array.new {slope_of(breaking, judge, mean:rows(place.node, place.node):totable()[1])}
-  local force, message, details = core.patch_functional(mesh, material, breaking.length, place.node, slope)
-  if not force then return nil, message, details end
-  local adjoint
+  local force, by_force, details = core.patch_functional(mesh, material, breaking.length, place.node, slope)
+  if not force then return nil, by_force, details end
+  local adjoint, message
   adjoint, message, details = worst.system:solve(force)
   if not adjoint then return nil, message, details end
   local limits = worst.limits
   local pressure, value, motion, price = core.priced_load(worst.system, worst.basis,
-    worst.basis:gradient(adjoint), {pressure = limits.pressure, force = limits.force, at_most = limits.at_most})
+    worst.basis:gradient(adjoint + by_force), {pressure = limits.pressure, force = limits.force,
+    at_most = limits.at_most})
   if not pressure then return nil, value, motion end
   local u
   u, message, details = worst.system:solve(worst.basis:force(pressure))

@@ -12,6 +12,7 @@ local growth = require "barwright.singular_growth"
 local mesh_progress = require "barwright.mesh_progress"
 local options = require "barwright.options"
 local points = require "barwright.points"
+local singular = require "barwright.singular"
 local weak_places = require "barwright.weak_places"
 local distance = points.distance
 local worst_case = require "barwright.worst_case"
@@ -76,6 +77,9 @@ local MOVED = 2
 local LEAST_ERROR, ALONE = 0.02, 0.5
 -- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
 local HIGHER = 0.05
+-- At re-entrant edges meshes of the sizes in use overestimate the mean by up to EXCESS, at those of EXCESS_FROM
+-- inside the material or less not at all: the table of docs/theory/breaking_force.md.
+local EXCESS, EXCESS_FROM, EXCESS_TO = 0.35, 1.25 * math.pi, 1.75 * math.pi
 -- Metals whose strength in the library is the yield strength.
 local ductile = {steel = true, aluminium = true}
 
@@ -212,8 +216,8 @@ local function estimate(self)
   return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, LEAST_ERROR)
 end
 
--- Whether the largest stress at nodes grows without end, from the last mesh with longer edges to the last one.
-local function is_singular(levels)
+-- Whether the largest surface stress grows without end, from the last mesh with longer edges to the last one.
+local function grows(levels)
   local last = levels[#levels]
   if not last.refined then return false end
   for k = #levels - 1, 1, -1 do
@@ -223,6 +227,24 @@ local function is_singular(levels)
     if exponent then return exponent > growth.ALONE end
   end
   return false
+end
+
+-- Why the stress at the weakest place has no finite value, or nil. Edges shorter than the patch's radius are
+-- facets of scans, mostly.
+local function find_singular(self)
+  local sound = self.surface and self.surface:check({limit = 1}).sound
+  local surface, long = sound and self.surface or self.mesh:surface(), {}
+  for _, edge in ipairs(surface and surface:singular_edges() or {}) do
+    if edge.length >= self.length then long[#long + 1] = edge end
+  end
+  return growth.judge(singular.list(long), self.at, self.length, nil, grows(self.history))
+end
+
+-- The share by which the force is too small at a re-entrant edge, where the mean falls to its limit slowly.
+local function excess_at(finding)
+  local angle = finding and finding.place and finding.place.angle
+  if not angle then return 0 end
+  return EXCESS * math.min(math.max((angle - EXCESS_FROM) / (EXCESS_TO - EXCESS_FROM), 0), 1)
 end
 
 -- Other places that are as weak within the error, no two of them in one patch.
@@ -239,12 +261,14 @@ local function summarise(self)
   local most = math.max(last.utilisation, former and former.utilisation or 0)
   self.force = 1 / last.utilisation
   local higher = math.max(change / 2, MOVED * last.moved / self.length, HIGHER)
-  self.high = 1 / (last.utilisation * (1 - math.min(higher, 0.5)))
+  self.at, self.region = last.at, last.region
+  self.singular = find_singular(self)
+  self.excess = excess_at(self.singular)
+  self.high = (1 + self.excess) / (last.utilisation * (1 - math.min(higher, 0.5)))
   local hidden, factor = weak_places.unsettled(self.history, self.length)
   local hidden_use = hidden[1] and factor * hidden[1].utilisation or 0
   self.low = 1 / math.max(most * (1 + change + SEARCH), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
-  self.at, self.region, self.singular = last.at, last.region, is_singular(self.history)
   self.ties = ties(self, last.places, change)
 end
 

@@ -14,6 +14,7 @@ local bw = {
   model = core.model,
   element_stress = core.element_stress,
   nodal_stress = core.nodal_stress,
+  surface_stress = core.surface_stress,
   surface_mean = core.surface_mean,
   von_mises = core.von_mises,
   principal = core.principal,

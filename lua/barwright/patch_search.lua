@@ -10,7 +10,7 @@ local patch_search = {}
 
 -- A pressed area F / p_max should span so many patches of pressure.
 local PRESSED, FEWEST, MOST = 8, 96, 128
--- For each patch the responses take 24 bytes for each node, and nodal stresses 48 for each boundary node: so many
+-- For each patch the responses take 24 bytes for each node, and surface stresses 168 for each facet: so many
 -- at most, but FEWEST patches always.
 local MOST_BYTES = 2 ^ 29
 -- Patches that the screening ranks. Those that may come near to the largest mean get programmes, in rounds of so
@@ -38,7 +38,7 @@ local function weaker(a, b)
 end
 
 -- Adds the largest peaks of the mean stress under a load, no two of them in one patch: {utilisation, at, node,
--- region, stress, point}; `stress` is the mean tensor, `point` the largest utilisation by the stress at nodes.
+-- region, stress, point}; `stress` is the mean tensor, `point` the largest utilisation by the surface stress.
 local function add_peaks(self, load, used, mean, point)
   local order, found = used:order(), {}
   for k = order.row_count, math.max(1, order.row_count - LOOKED_AT), -1 do
@@ -61,7 +61,7 @@ local function rate(self, numbers)
   local motions, message, details = self.system:solve(forces)
   if not motions then return nil, message, details end
   for k, u in ipairs(motions) do
-    stresses[k], message, details = core.nodal_stress(self.mesh, self.material, u)
+    stresses[k], message, details = core.surface_stress(self.mesh, self.material, u, forces[k])
     if not stresses[k] then return nil, message, details end
   end
   local means
@@ -110,7 +110,7 @@ end
 -- Patches that the screening finds: {targets, stresses}, and their utilisation as `values`.
 local function screen(self)
   local limits = self.limits
-  local bytes = 24 * self.mesh.node_count + 48 * self.mesh.boundary.nodes.row_count
+  local bytes = 24 * self.mesh.node_count + 168 * self.mesh.facets.row_count
   local patches = math.min(MOST, MOST_BYTES // bytes,
     PRESSED * limits.pressure * self.basis.areas:sum() // limits.force)
   local screened, message, details = core.worst_screening(self.system, self.screening_basis, {

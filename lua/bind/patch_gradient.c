@@ -13,16 +13,20 @@ static const double *check_rows(lua_State *L, int index, const char *what, int c
   return data;
 }
 
-/* patch_functional(mesh, material, radius, node, slope): nodal forces */
+/* patch_functional(mesh, material, radius, node, slope): nodal forces of the functional of the
+ * displacement, its derivative by the nodal forces of the load */
 static int patch_functional(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
   double radius = lbw_check_real(L, 3, "radius");
   int64_t node = lbw_check_index(L, 4, "node", mesh->node_count);
   const double *slope = check_rows(L, 5, "slope", 6, 1);
-  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
-  return lbw_leave(
-      L, bw_patch_functional(lbw_enter(L), mesh, material, radius, (int32_t)node, slope, out), 1);
+  double *force = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
+  double *by_force = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
+  return lbw_leave(L,
+                   bw_patch_functional(lbw_enter(L), mesh, material, radius, (int32_t)node, slope,
+                                       force, by_force),
+                   2);
 }
 
 /* patch_gradient(basis, material, {radius, node, slope, displacement, adjoint, pressure, price}):

@@ -533,13 +533,30 @@ static int core_nodal_stress(lua_State *L) {
   return lbw_leave(L, bw_nodal_stress(lbw_enter(L), mesh, material, displacement, out), 1);
 }
 
+/* surface_stress(mesh, material, displacement, force or nil): a row for every corner of every facet
+ */
+static int core_surface_stress(lua_State *L) {
+  const double *displacement, *force = NULL;
+  lua_settop(L, 4);
+  const bw_mesh *mesh = mesh_and_displacement(L, &displacement);
+  if (!lua_isnil(L, 4)) {
+    int64_t rows;
+    force = lbw_to_doubles(L, 4, "force", 3, &rows);
+    lbw_argument_check(L, rows == mesh->node_count, 4, "force: a row for every node expected");
+  }
+  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  double *out = (double *)lbw_push_array(L, BW_F64, 3 * (int64_t)mesh->facet_count, 6)->data;
+  return lbw_leave(L, bw_surface_stress(lbw_enter(L), mesh, material, displacement, force, out), 1);
+}
+
 /* surface_mean(mesh, values, radius) */
 static int core_surface_mean(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const bw_array *array = (const bw_array *)lbw_check(L, 2, &lbw_array_class);
   int64_t rows, columns = array->columns;
   const double *value = lbw_to_doubles(L, 2, "values", (int)columns, &rows);
-  lbw_argument_check(L, rows == mesh->node_count, 2, "values: a row for every node expected");
+  lbw_argument_check(L, rows == 3 * (int64_t)mesh->facet_count, 2,
+                     "values: three rows for every facet expected, as surface_stress returns");
   double radius = lbw_number_or(L, 3, 0);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, columns)->data;
   return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)columns, value, out), 1);
@@ -551,27 +568,28 @@ static int core_surface_means(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   lbw_argument_check(L, lua_istable(L, 2) && lua_rawlen(L, 2) > 0 && lua_rawlen(L, 2) < 10000, 2,
                      "fields: a list of arrays expected");
-  int64_t count = (int64_t)lua_rawlen(L, 2), width = 0, nodes = mesh->node_count;
+  int64_t count = (int64_t)lua_rawlen(L, 2), width = 0, corners = 3 * (int64_t)mesh->facet_count;
   double radius = lbw_number_or(L, 3, 0), *side = NULL;
   lua_settop(L, 2);
   for (int64_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, i + 1);
     const bw_array *array = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
-    lbw_argument_check(L,
-                       array && array->rows == nodes && array->columns < 1000 &&
-                           (i == 0 || array->columns == width),
-                       2, "fields: arrays of a row for every node, of as many columns, expected");
+    lbw_argument_check(
+        L,
+        array && array->rows == corners && array->columns < 1000 &&
+            (i == 0 || array->columns == width),
+        2, "fields: arrays of three rows for every facet, of as many columns, expected");
     if (i == 0) {
       width = array->columns;
-      side = (double *)lbw_push_array(L, BW_F64, nodes, width * count)->data;
+      side = (double *)lbw_push_array(L, BW_F64, corners, width * count)->data;
       lua_insert(L, 3);
     }
-    for (int64_t n = 0; n < nodes; n++)
+    for (int64_t n = 0; n < corners; n++)
       for (int64_t c = 0; c < width; c++)
         side[n * width * count + i * width + c] = bw_array_get(array, n, c);
     lua_pop(L, 1);
   }
-  double *out = (double *)lbw_push_array(L, BW_F64, nodes, width * count)->data;
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, width * count)->data;
   return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)(width * count), side, out),
                    1);
 }
@@ -594,11 +612,15 @@ static int core_max_principal(lua_State *L) {
 }
 
 void lbw_open_solve(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"element_stress", core_element_stress}, {"nodal_stress", core_nodal_stress},
-      {"surface_mean", core_surface_mean},     {"surface_means", core_surface_means},
-      {"von_mises", core_von_mises},           {"principal", core_principal},
-      {"max_principal", core_max_principal},   {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"element_stress", core_element_stress},
+                                       {"nodal_stress", core_nodal_stress},
+                                       {"surface_stress", core_surface_stress},
+                                       {"surface_mean", core_surface_mean},
+                                       {"surface_means", core_surface_means},
+                                       {"von_mises", core_von_mises},
+                                       {"principal", core_principal},
+                                       {"max_principal", core_max_principal},
+                                       {NULL, NULL}};
   lbw_class_register(L, &lbw_static_class);
   lbw_class_register(L, &lbw_modes_class);
   lbw_class_register(L, &lbw_system_class);

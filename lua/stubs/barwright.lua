@@ -172,13 +172,27 @@ function bw.element_stress(mesh, material, displacement) end
 ---@return bw.Array?
 function bw.nodal_stress(mesh, material, displacement) end
 
----The mean of a field at nodes over the boundary that connected facets reach within `radius` of each boundary node,
----weighted by area and 1 - (distance / radius)^2: a nonlocal measure that has a limit under refinement where a stress
----has none. 0 at inner nodes; the node's own value where the mesh is coarser than the radius.
+---Stress at the corners of the boundary's facets, three rows of six for each facet: from the displacement of the
+---facet's own nodes and the traction on it. At a re-entrant edge it depends on the mesh far less than stresses at nodes.
+---What supports push back is no part of the traction (docs/theory/breaking_force.md).
+---`bw.surface_mean(mesh, bw.surface_stress(mesh, material, u, basis:force(pressure)), 2e-3)`
 ---@param mesh bw.Mesh
----@param values bw.Array a row for every node
+---@param material bw.Material
+---@param displacement bw.Array m, a row for every node; thermal expansion is not taken off
+---@param force? bw.Array N, a row for every node: the load whose traction acts; default none
+---@return bw.Array? stress Pa, rows 3 f - 2 to 3 f for facet f, in the order of its corners
+---@return string? message
+---@return table? details
+function bw.surface_stress(mesh, material, displacement, force) end
+
+---The mean of a field of facets' corners over the boundary that connected facets reach within `radius` of each
+---boundary node, weighted by area and 1 - (distance / radius)^2: a nonlocal measure that has a limit under refinement
+---where a stress has none. 0 at inner nodes; where the mesh is coarser than the radius, the mean by area over the
+---facets around the node.
+---@param mesh bw.Mesh
+---@param values bw.Array three rows for every facet, such as those of bw.surface_stress; linear between them
 ---@param radius number m, above 0
----@return bw.Array? mean of the size of values
+---@return bw.Array? mean a row for every node, of as many columns
 ---@return string? message
 ---@return table? details
 function bw.surface_mean(mesh, values, radius) end
@@ -1684,7 +1698,8 @@ function BruteForce:compare(worst, p) end
 ---@field estimated_error number the larger distance of an end, over the force
 ---@field at number[] m: where it breaks
 ---@field region integer of the worst case, whose load breaks it
----@field singular boolean the stress at nodes still grows with finer meshes, as where it has no finite value
+---@field singular bw.SingularFinding? why the stress there has no finite value: a re-entrant edge within the patch, or the stress grows with finer meshes
+---@field excess number by how much meshes may overestimate the mean at that edge, as a share; part of `high`
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
 ---@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, edge, size, seconds}
 ---@field contact number m2

@@ -49,8 +49,9 @@ local function least_force(t, found)
   local regions = t:require(bw.single_regions(mesh))
   local loads = t:require(bw.worst_loads(worst.system, worst.basis, regions, limits))
   for i = 1, regions.count do
-    local u = t:require(worst.system:solve(worst.basis:force(loads.pressures[i])))
-    local stress = t:require(bw.nodal_stress(mesh, found.material, u))
+    local force = worst.basis:force(loads.pressures[i])
+    local u = t:require(worst.system:solve(force))
+    local stress = t:require(bw.surface_stress(mesh, found.material, u, force))
     local mean = t:require(bw.surface_mean(mesh, stress, found.length))
     most = math.max(most, t:require(bw.max_principal(mean)):max())
   end

@@ -71,10 +71,16 @@ bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh, const bw_m
 bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node, double limit,
                            double *kink);
 
-/* The mean of a nodal field (node_count x columns) over the boundary that connected facets reach
- * within `radius` of each boundary node, weighted by area and 1 - (distance / radius)^2: node_count
- * x columns, 0 at inner nodes. Where the mesh is too coarse for the radius, the node's own value.
- */
+/* Stress at the three corners of every facet, facet_count x 3 x 6, by the displacement of the
+ * facet's own nodes and the traction that acts on the surface (docs/theory/breaking_force.md).
+ * `force`: the nodal forces of that traction, node_count x 3; NULL: none. What supports push back is
+ * no part of it. */
+bw_status bw_surface_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                            const double *displacement, const double *force, double *stress);
+/* The mean of a field of facets' corners (facet_count x 3 x columns, linear between them) over the
+ * boundary that connected facets reach within `radius` of each boundary node, weighted by area and
+ * 1 - (distance / radius)^2: node_count x columns, 0 at inner nodes. Where the mesh is too coarse
+ * for the radius, the mean by area over the facets around the node. */
 bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, double radius, int columns,
                           const double *value, double *mean);
 
@@ -99,11 +105,12 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const int32_t *node, const uint8_t *wanted, double *von_mises,
                                 double *gradient);
 
-/* slope . m, with m the mean stress over the patch of bw_surface_mean around a boundary node and
- * nodal stresses as bw_nodal_stress, as a functional of the displacement: its nodal forces,
- * node_count x 3 (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
+/* slope . m, with m the bw_surface_mean of bw_surface_stress around a boundary node, as a functional
+ * of the displacement: its nodal forces, and its derivative by the nodal forces of the load
+ * (`by_force`), node_count x 3 both (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
 bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              double radius, int32_t node, const double slope[6], double *force);
+                              double radius, int32_t node, const double slope[6], double *force,
+                              double *by_force);
 typedef struct bw_patch_state {
   int32_t node;                          /* in the middle of the patch */
   double radius, slope[6];               /* m; by the six components of the mean stress */
@@ -114,7 +121,7 @@ typedef struct bw_patch_state {
   double price;                          /* of the total of the pressure: its multiplier */
 } bw_patch_state;
 /* The derivative, node_count x 3, of
- *     slope . m + lambda . (G p - K u) - price * integral of p
+ *     slope . m(u, G p) + lambda . (G p - K u) - price * integral of p
  * by the position of every node, middle ones too, with nodal values of u and lambda and all p
  * constant. With K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's
  * multipliers, it is the derivative of the largest value over admissible p. *value: slope . m.
@@ -164,7 +171,8 @@ typedef struct bw_weak_region {
   int32_t count; /* elements */
   int32_t *element;
   double *weight; /* count signed weights (stress), count x 3 (displacement) or x 6 (direction) */
-  double *place;  /* count x 4: barycentric coordinates where the stress counts; NULL: its mean */
+  int32_t *corner; /* count: 3 facet + its corner, where the surface stress counts; NULL: the mean
+                      stress of the element does */
   double volume, energy, peak;
 } bw_weak_region;
 typedef struct bw_weak_regions {
@@ -188,14 +196,18 @@ bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int
                                    const int32_t *element, const double *stress,
                                    bw_weak_regions **regions);
 /* Patches of the boundary as regions: those of bw_surface_mean around boundary nodes. The objective
- * is s n . m n, m the bw_surface_mean of bw_nodal_stress, n and s of stress[6 i] as above: exactly
- * on straight elements without a projected dilatation. */
+ * is s n . m n, m the bw_surface_mean of bw_surface_stress, n and s of stress[6 i] as above. Their
+ * elements are those behind the corners of facets. */
 bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh, double radius,
                                   int64_t count, const int32_t *node, const double *stress,
                                   bw_weak_regions **regions);
 /* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material, double *right_hand_side);
+/* What the nodal forces of a load add to the objective by their traction in the patch of a region:
+ * its derivative by them, node_count x 3, is added. Nothing but for patches. */
+bw_status bw_region_by_force(bw_context *context, const bw_weak_regions *regions, int region,
+                             const bw_material *material, double *by_force);
 
 /* ---- worst loads (worst-case, eq. 14) ------------------------------------------------------ */
 

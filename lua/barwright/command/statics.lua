@@ -99,7 +99,7 @@ local function measure(static, mesh, material, radius)
   local found = {elements = mesh.element_count, stress = static.von_mises:max()}
   if material.strength then
     found.used = static.utilisation:max()
-    local stress = bw.nodal_stress(mesh, material, static.displacement)
+    local stress = bw.surface_stress(mesh, material, static.displacement)
     found.used_mean = stress and material:utilisation(bw.surface_mean(mesh, stress, radius)):max() or found.used
   end
   return found

@@ -1,11 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright worst MODEL: the least force that breaks it.
 local bw = require "barwright"
-local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
-local singular_places = require "barwright.singular"
 
 -- With --error the last mesh may have so many.
 local MOST_ELEMENTS = 200000
@@ -21,19 +19,8 @@ local function longest(box)
   return math.max(box.high[1] - box.low[1], box.high[2] - box.low[2], box.high[3] - box.low[3])
 end
 
--- The re-entrant edge in the patch that is judged, and whether growth says so too; nil where neither is. Edges
--- shorter than the patch's radius are facets of scans, mostly.
-local function find_singular(breaking, read)
-  local sound = read.surface and read.surface:check({limit = 1}).sound
-  local surface, long = sound and read.surface or breaking.mesh:surface(), {}
-  for _, edge in ipairs(model.try(surface.singular_edges, surface) or {}) do
-    if edge.length >= breaking.length then long[#long + 1] = edge end
-  end
-  return growth.judge(singular_places.list(long), breaking.at, breaking.length, nil, breaking.singular)
-end
-
-local function keep(breaking, verdict, large, singular, wish, out)
-  local worst, contact = breaking.worst, breaking.contact
+local function keep(breaking, verdict, large, wish, out)
+  local worst, contact, singular = breaking.worst, breaking.contact, breaking.singular
   local edge = singular and singular.place
   out:json {singular_by = singular and singular.by,
     singular_place = edge and {kind = edge.kind, angle_rad = edge.angle, at_m = singular.at}}
@@ -69,11 +56,9 @@ local sentences = {
   unsure = "Pushed by %s: too close to decide.",
 }
 
--- By how much the force may be too small at a re-entrant edge: docs/theory/breaking_force.md, r / h = 1.5.
-local MOST_AT_EDGES = 1.8
-
 -- The answer, in sentences.
-local function tell(breaking, verdict, large, singular, mass, wish, out)
+local function tell(breaking, verdict, large, mass, wish, out)
+  local singular = breaking.singular
   out:say("")
   out:say("%s breaks at %s, pushed in the worst way over at least %.3g cm2, at %s; %s%s.",
     model.name(wish.model), model.interval(breaking.force, breaking.low, breaking.high), breaking.contact * 1e4,
@@ -87,8 +72,9 @@ local function tell(breaking, verdict, large, singular, mass, wish, out)
     out:say("  Other places whose breaking force is within the error: %s.", table.concat(others, "; "))
   end
   if singular then
-    out:say("  %s. The mean over the patch has one. Finer meshes approach it from above: the force may be up to "
-      .. "%g times the one printed.", (tostring(singular):gsub("^%l", string.upper)), MOST_AT_EDGES)
+    out:say("  %s. The mean over the patch has one%s.", (tostring(singular):gsub("^%l", string.upper)),
+      breaking.excess > 0 and ("; meshes overestimate it by up to %.2g %%, which the interval contains")
+        :format(100 * breaking.excess) or "")
   end
   if breaking.contact < wish.contact then
     out:say("  The contact is %.3g cm2 instead of %.3g cm2, a twentieth of the surface.", breaking.contact * 1e4,
@@ -183,29 +169,30 @@ end
 local VERDICTS = {holds = "it holds", breaks = "it breaks", unsure = "too close to decide"}
 
 -- What pictures draw: a cross where it breaks, as large as the patch that is judged, and the edge of a finding.
-local function marks(breaking, singular)
+local function marks(breaking)
   local lines = {}
   for k = 1, 3 do
     local from, to = {table.unpack(breaking.at)}, {table.unpack(breaking.at)}
     from[k], to[k] = from[k] - breaking.length, to[k] + breaking.length
     lines[k] = {from, to}
   end
-  local edge = model.edge_lines(singular)
+  local edge = model.edge_lines(breaking.singular)
   table.move(edge.lines or {}, 1, #(edge.lines or {}), #lines + 1, lines)
   return lines, "cross: it breaks here" .. (edge.lines and "; line: " .. edge.line_name or "")
 end
 
 -- From where the place that breaks is seen: the edge of a finding, or the surface there, from above a little.
-local function view_of(breaking, singular)
+local function view_of(breaking)
+  local singular = breaking.singular
   if singular and singular.place then return model.view_of {singular.place} end
   local normal = breaking.mesh.boundary:near(breaking.at, breaking.length).normal
   return {normal[1], normal[2], normal[3] + 0.5}
 end
 
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
-local function write_files(breaking, verdict, singular, wish, folder, out)
+local function write_files(breaking, verdict, wish, folder, out)
   local worst = breaking.worst
-  local lines, line_name = marks(breaking, singular)
+  local lines, line_name = marks(breaking)
   local function marked(given)
     given.lines, given.line_name = lines, line_name
     return given
@@ -241,7 +228,7 @@ local function write_files(breaking, verdict, singular, wish, folder, out)
       .. "error."):format(model.interval(breaking.force, breaking.low, breaking.high), model.place(breaking.at),
       breaking.contact * 1e4, newtons(wish.force), VERDICTS[verdict], newtons(wish.force))
     fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
-      view = view_of(breaking, singular), answer = answer, region = breaking.region,
+      view = view_of(breaking), answer = answer, region = breaking.region,
       title = "Worst case of " .. model.name(wish.model)}))
   end
   if not fine then return nil, message, details end
@@ -282,13 +269,12 @@ local function analyse(wish, out)
   model.tell_mesh(worst.mesh, material, out)
   out:json {unit = model.unit_of(read, wish), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
-  local singular = find_singular(breaking, read)
-  keep(breaking, verdict, large, singular, wish, out)
-  tell(breaking, verdict, large, singular, out.object.mass_kg, wish, out)
+  keep(breaking, verdict, large, wish, out)
+  tell(breaking, verdict, large, out.object.mass_kg, wish, out)
   tell_limits(breaking, wish, out)
   advise(breaking, verdict, wish, out)
   local fine
-  fine, message, details = write_files(breaking, verdict, singular, wish, folder, out)
+  fine, message, details = write_files(breaking, verdict, wish, folder, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then

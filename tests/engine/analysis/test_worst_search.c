@@ -127,7 +127,7 @@ static void direction_of(const double stress[6], double slope[6]) {
 }
 
 /* Mean stresses over patches: what the screening finds is reached by the programmes, whose
- * objective is the mean of bw_nodal_stress over the patch. */
+ * objective is the mean of bw_surface_stress over the patch. */
 static void patches_are_screened_and_reached(void **state) {
   bw_context *context = check_context(state);
   const double radius = 0.1;
@@ -139,7 +139,8 @@ static void patches_are_screened_and_reached(void **state) {
     bw_screening found;
     bw_weak_regions *regions = NULL;
     climb c;
-    double *force = BW_NEW(context, double, size), *region = BW_NEW(context, double, size);
+    double *force = BW_NEW(context, double, size), *region = BW_NEW(context, double, size),
+           *by_force = BW_NEW(context, double, size);
     check_ok(context,
              bw_worst_screening(context, p.system, p.basis, &options, 40, radius, 12, &found));
     assert_true(found.count > 2 && found.count <= 12);
@@ -157,10 +158,18 @@ static void patches_are_screened_and_reached(void **state) {
       direction_of(found.stress + 6 * (size_t)i, slope);
       check_ok(context, bw_region_objective(context, regions, i, p.material, region));
       check_ok(context, bw_patch_functional(context, p.mesh, p.material, radius, found.target[i],
-                                            slope, force));
+                                            slope, force, by_force));
       for (size_t k = 0; k < size; k++) {
         largest = fmax(largest, fabs(force[k]));
         difference = fmax(difference, fabs(force[k] - region[k]));
+      }
+      assert_true(largest > 0 && difference < 1e-11 * largest);
+      memset(region, 0, size * sizeof *region);
+      check_ok(context, bw_region_by_force(context, regions, i, p.material, region));
+      largest = difference = 0;
+      for (size_t k = 0; k < size; k++) {
+        largest = fmax(largest, fabs(by_force[k]));
+        difference = fmax(difference, fabs(by_force[k] - region[k]));
       }
       assert_true(largest > 0 && difference < 1e-11 * largest);
     }
@@ -171,6 +180,7 @@ static void patches_are_screened_and_reached(void **state) {
     for (int32_t i = 0; i < found.count; i++)
       assert_true(c.objective[i] >= principal(found.stress + 6 * (size_t)i) * (1 - 1e-7));
     bw_free(force);
+    bw_free(by_force);
     bw_free(region);
     bw_screening_clear(&found);
     bw_release(regions);
