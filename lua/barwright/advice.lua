@@ -27,6 +27,8 @@ local OF_PATCH, OF_THICKNESS, OF_DIAGONAL = 3, 1.25, 0.2
 local MOST_OF_THICKNESS = 0.5
 -- Places are this share of the radius apart at least.
 local APART = 0.6
+-- Bumps of a smaller share of their radius are left out.
+local LEAST_OFFSET = 1e-3
 -- Rays by which thicknesses are measured.
 local RAYS = 4000
 -- The prediction is taken to be off by this share of the logarithm of what it promises.
@@ -165,53 +167,75 @@ local function gradient_of(breaking, judge, place, mean)
   return gradient, value
 end
 
--- The change of every place's utilisation by every place's bump of 1 m, over the utilisation.
-local function sensitivities(breaking, judge, places, means, keep)
-  local shape, matrix = bumps.of_mesh(breaking.mesh), {}
-  bumps.prepare(shape, places)
-  for _, place in ipairs(places) do place.bump = bumps.unit(shape, place, keep) end
+-- The gradient of every place's utilisation, over the utilisation, by the positions of all points of the shape.
+local function gradients(breaking, judge, shape, places, means)
+  local list = {}
   for i, place in ipairs(places) do
     local gradient, value, details = gradient_of(breaking, judge, place, means[place.region])
     if not gradient then return nil, value, details end
     place.used = math.max(place.used, value)
-    matrix[i] = {}
-    for j, other in ipairs(places) do
-      local sum = 0
-      for k, d in pairs(other.bump) do
-        local node = shape.nodes[k]
-        sum = sum + gradient(node, 1) * d[1] + gradient(node, 2) * d[2] + gradient(node, 3) * d[3]
-      end
-      matrix[i][j] = sum / value
+    list[i] = {}
+    for k, node in ipairs(shape.nodes) do
+      list[i][k] = {gradient(node, 1) / value, gradient(node, 2) / value, gradient(node, 3) / value}
     end
   end
-  for _, place in ipairs(places) do place.bump = nil end
+  return list
+end
+
+-- The change of the logarithm of every place's utilisation by 1 m of each of some bumps.
+local function sensitivities(shape, slopes, moved, keep)
+  local units, matrix = bumps.units(shape, moved, keep), {}
+  for i, slope in ipairs(slopes) do
+    matrix[i] = {}
+    for j, unit in ipairs(units) do
+      local sum = 0
+      for k, d in pairs(unit) do sum = sum + slope[k][1] * d[1] + slope[k][2] * d[2] + slope[k][3] * d[3] end
+      matrix[i][j] = sum
+    end
+  end
   return matrix
 end
 
--- The least offsets with which every place's logarithm falls to that of the limit, where that can be, each at most
--- a share of its radius and of the thickness. In radii, so that the numbers are of order one.
-local function offsets(places, matrix, limit, most)
-  local n, H, A, b, low, high, g = #places, {}, {}, {}, {}, {}, {}
+-- The least offsets of some places with which the logarithms of all fall to that of the limit, where that can be,
+-- each at most a share of its radius and of the thickness. In radii, so that the numbers are of order one.
+local function offsets(places, moved, matrix, limit, most)
+  local H, A, b, low, high, g = {}, {}, {}, {}, {}, {}
+  for j, place in ipairs(moved) do
+    H[j], low[j], g[j] = {}, 0, 0
+    for k = 1, #moved do H[j][k] = j == k and 1 or 0 end
+    high[j] = math.min(most, MOST_OF_THICKNESS * place.thickness / place.radius)
+  end
   for i, place in ipairs(places) do
-    H[i], A[i] = {}, {}
-    for j, other in ipairs(places) do
-      H[i][j] = i == j and 1 or 0
-      A[i][j] = matrix[i][j] * other.radius
-    end
-    b[i], low[i], g[i] = math.log(limit / place.used), 0, 0
-    high[i] = math.min(most, MOST_OF_THICKNESS * place.thickness / place.radius)
+    A[i], b[i] = {}, math.log(limit / place.used)
+    for j, other in ipairs(moved) do A[i][j] = matrix[i][j] * other.radius end
   end
   local x, violation, details = core.quadratic_programme {H = core.array.new(H), g = core.array.new(g),
     A = core.array.new(A), b = core.array.new(b), low = core.array.new(low), high = core.array.new(high)}
   if not x then return nil, violation, details end
-  local largest = -math.huge
-  for i, place in ipairs(places) do
-    local sum = math.log(place.used)
-    for j = 1, n do sum = sum + A[i][j] * x[j] end
-    largest = math.max(largest, sum)
-    place.offset = math.max(0, x[i]) * place.radius
+  for j, place in ipairs(moved) do place.offset = math.max(0, x[j]) * place.radius end
+  return true
+end
+
+-- Places with their offsets, and the matrix of their bumps. Bumps that are not needed are left out, and the others
+-- take their share of the displacement: so the prediction is that of the bumps that are applied.
+local function solve(breaking, judge, places, means, limit, wish)
+  local shape = bumps.of_mesh(breaking.mesh)
+  local slopes, message, details = gradients(breaking, judge, shape, places, means)
+  if not slopes then return nil, message, details end
+  local moved = places
+  while #moved > 0 do
+    local matrix = sensitivities(shape, slopes, moved, wish.keep)
+    local fine
+    fine, message, details = offsets(places, moved, matrix, limit, wish.most_offset)
+    if not fine then return nil, message, details end
+    local needed = {}
+    for _, place in ipairs(moved) do
+      if place.offset > LEAST_OFFSET * place.radius then needed[#needed + 1] = place end
+    end
+    if #needed == #moved then return moved, matrix end
+    moved = needed
   end
-  return math.exp(largest)
+  return moved, {}
 end
 
 --- Advice for a breaking force (see bw.breaking_force). `judge(breaking, stress)` is the utilisation of rows of
@@ -231,22 +255,32 @@ function advice.of(breaking, judge, given)
   if #places == 0 then
     return nil, "all weak places are on faces that must not move", {status = "infeasible"}
   end
-  local matrix
-  matrix, message, details = sensitivities(breaking, judge, places, means, wish.keep)
-  if not matrix then return nil, message, details end
-  local largest
-  largest, message, details = offsets(places, matrix, limit, wish.most_offset)
-  if not largest then return nil, message, details end
-  for _, place in ipairs(places) do
-    if place.offset > 1e-3 * place.radius then
-      table.insert(self.places, {at = place.at, radius = place.radius, offset = place.offset})
-    end
+  local moved, matrix
+  moved, matrix, details = solve(breaking, judge, places, means, limit, wish)
+  if not moved then return nil, matrix, details end
+  for j, place in ipairs(moved) do
+    self.places[j] = {at = place.at, radius = place.radius, offset = place.offset}
   end
-  self.force = math.max(breaking.reference / largest, 0)
+  self.reference, self.linear = breaking.reference, {}
+  for i, place in ipairs(places) do
+    self.linear[i] = {used = math.log(place.used), slopes = matrix[i] or {}}
+  end
+  self.force = self:predict()
   local off = OFF * math.abs(math.log(self.force / breaking.force))
   self.low = self.force * breaking.low / breaking.force * math.exp(-off)
   self.high = self.force * breaking.high / breaking.force * math.exp(off)
   return self
+end
+
+--- The predicted force (N) if each place is thickened by its offset times its `share` (1 where none is given).
+function advice:predict()
+  local largest = -math.huge
+  for _, row in ipairs(self.linear) do
+    local sum = row.used
+    for j, place in ipairs(self.places) do sum = sum + row.slopes[j] * place.offset * (place.share or 1) end
+    largest = math.max(largest, sum)
+  end
+  return self.reference / math.exp(largest)
 end
 
 --- One line for each place, and what is predicted.

@@ -12,7 +12,9 @@ local FLAT = 0.4
 -- Normals diffuse over this share of the radius. Where less than LEAST of their length is left, as in the middle
 -- of a thin rib, the displacement is less as well.
 local SMOOTHED, LEAST = 0.3, 0.5
--- Of the conjugate gradients for them.
+-- Over that length: the size of the groups of points that have a direction, and the distance over which points
+-- blend those of groups. Of the conjugate gradients for them.
+local GATHERED, BLENDED = 0.33, 0.8
 local ITERATIONS, PRECISION = 100, 1e-4
 -- A part of the surface within the radius that is not connected to the place moves where its normal points
 -- away from the place at least so much: the other side of a wall, but not the other side of a gap.
@@ -20,10 +22,11 @@ local AWAY = 0.3
 -- Towards points that are kept a bump falls to zero over this share of the radius. So a bump of at most a quarter
 -- of the radius does not reach beyond a kept plane.
 local KEPT = 0.5
--- Edges longer than this share of the radius are cut in halves near a place; rounds at most.
-local EDGE, ROUNDS = 1 / 7, 40
--- Points that are cut at most, so that memory stays bounded.
-local MOST_POINTS = 2000000
+-- Edges longer than a share of the radius are cut in halves near a place; the first share that needs no more
+-- points than MOST_POINTS is taken. Rounds at most.
+local EDGES, ROUNDS = {1 / 7, 1 / 5, 1 / 3.5}, 40
+-- The work of a step grows with the points of the surface.
+local MOST_POINTS = 100000
 
 local sqrt = math.sqrt
 
@@ -130,61 +133,85 @@ local function connected(shape, first, inside)
   return reached
 end
 
--- Conductances between neighbouring points: for an edge of length l of a triangle of area A, 2 A / (3 l^2), that
--- of the cotangent Laplacian on equilateral triangles, but never negative. Lists of neighbours and weights.
-local function conductances(shape, list)
-  local links = {}
+-- Groups of the points of a list that triangles connect within a length of one of them: {at, area, normal, links}
+-- of each, and the group of each point. The diffusion between groups does not depend on the shapes of the facets:
+-- needle facets would hardly conduct across.
+local function gathered(shape, list, length)
+  local group_of, inside, groups = {}, {}, {}
+  for _, i in ipairs(list) do inside[i] = true end
+  for _, first in ipairs(list) do
+    if not group_of[first] then
+      local group, queue, k = {at = {0, 0, 0}, area = 0, normal = {0, 0, 0}, links = {}}, {first}, 1
+      groups[#groups + 1] = group
+      group_of[first] = #groups
+      while queue[k] do
+        for _, t in ipairs(shape.around[queue[k]]) do
+          for _, j in ipairs(shape.triangles[t]) do
+            if inside[j] and not group_of[j] and distance(shape.points[j], shape.points[first]) < length then
+              group_of[j] = #groups
+              queue[#queue + 1] = j
+            end
+          end
+        end
+        k = k + 1
+      end
+      for _, i in ipairs(queue) do
+        local p, n, area = shape.points[i], shape.normals[i], math.max(shape.areas[i], 1e-300)
+        group.area = group.area + area
+        for c = 1, 3 do
+          group.at[c], group.normal[c] = group.at[c] + area * p[c], group.normal[c] + area * n[c]
+        end
+      end
+      for c = 1, 3 do group.at[c], group.normal[c] = group.at[c] / group.area, group.normal[c] / group.area end
+    end
+  end
+  local linked = {}
   for _, i in ipairs(list) do
-    local of = {}
     for _, t in ipairs(shape.around[i]) do
-      local triangle = shape.triangles[t]
-      local x, y, z = area_vector(shape.points, triangle)
-      local size = 2 / 3 * sqrt(x * x + y * y + z * z)
-      for _, j in ipairs(triangle) do
-        local square = j ~= i and distance(shape.points[i], shape.points[j]) ^ 2 or 0
-        if square > 0 then of[j] = (of[j] or 0) + size / square end
+      for _, j in ipairs(shape.triangles[t]) do
+        local g, h = group_of[i], group_of[j]
+        local key = h and g < h and g * 4294967296 + h
+        if key and not linked[key] then
+          linked[key] = true
+          table.insert(groups[g].links, h)
+          table.insert(groups[h].links, g)
+        end
       end
     end
-    local neighbours, weights = {}, {}
-    for j in pairs(of) do neighbours[#neighbours + 1] = j end
-    table.sort(neighbours)
-    for k, j in ipairs(neighbours) do weights[k] = of[j] end
-    links[i] = {neighbours, weights}
   end
-  return links
+  return groups, group_of
 end
 
--- Solves (M + t L) x = M b at the points of a list by conjugate gradients with the diagonal as preconditioner.
-local function diffuse(shape, list, links, t, b)
-  local known, diagonal, x, r, z, p, q = {}, {}, {}, {}, {}, {}, {}
-  for _, i in ipairs(list) do known[i] = true end
+-- Solves (M + l^2 L) x = M n for a component of the groups' normals by conjugate gradients with the diagonal as
+-- preconditioner. M: areas; L: conductances between groups, those of a lattice of triangles with such areas.
+local function diffuse(groups, length, c)
+  local count, weights, diagonal, x, r, z, p, q = #groups, {}, {}, {}, {}, {}, {}, {}
+  for g, one in ipairs(groups) do
+    weights[g], diagonal[g], x[g] = {}, one.area, one.normal[c]
+    for k, h in ipairs(one.links) do
+      local other = groups[h]
+      weights[g][k] = length ^ 2 * (one.area + other.area) / 3
+        / math.max(distance(one.at, other.at), GATHERED / 2 * length) ^ 2
+      diagonal[g] = diagonal[g] + weights[g][k]
+    end
+  end
   local function multiply(v, out)
-    for _, i in ipairs(list) do
-      local neighbours, weights, own = links[i][1], links[i][2], v[i]
-      local sum = 0
-      for k = 1, #neighbours do
-        local j = neighbours[k]
-        if known[j] then sum = sum + weights[k] * (own - v[j]) end
-      end
-      out[i] = shape.areas[i] * own + t * sum
+    for g, one in ipairs(groups) do
+      local sum, own = one.area * v[g], v[g]
+      for k, h in ipairs(one.links) do sum = sum + weights[g][k] * (own - v[h]) end
+      out[g] = sum
     end
   end
   local function dot(u, v)
     local sum = 0
-    for _, i in ipairs(list) do sum = sum + u[i] * v[i] end
+    for g = 1, count do sum = sum + u[g] * v[g] end
     return sum
   end
-  for _, i in ipairs(list) do
-    local sum = 0
-    for k, j in ipairs(links[i][1]) do sum = sum + (known[j] and links[i][2][k] or 0) end
-    diagonal[i] = math.max(shape.areas[i] + t * sum, 1e-300)
-    x[i] = b[i]
-  end
   multiply(x, q)
-  for _, i in ipairs(list) do
-    r[i] = shape.areas[i] * b[i] - q[i]
-    z[i] = r[i] / diagonal[i]
-    p[i] = z[i]
+  for g, one in ipairs(groups) do
+    r[g] = one.area * one.normal[c] - q[g]
+    z[g] = r[g] / diagonal[g]
+    p[g] = z[g]
   end
   local rho = dot(r, z)
   local first = rho
@@ -192,21 +219,42 @@ local function diffuse(shape, list, links, t, b)
     if rho <= PRECISION ^ 2 * first then break end
     multiply(p, q)
     local alpha = rho / dot(p, q)
-    for _, i in ipairs(list) do
-      x[i], r[i] = x[i] + alpha * p[i], r[i] - alpha * q[i]
-      z[i] = r[i] / diagonal[i]
+    for g = 1, count do
+      x[g], r[g] = x[g] + alpha * p[g], r[g] - alpha * q[g]
+      z[g] = r[g] / diagonal[g]
     end
     local former = rho
     rho = dot(r, z)
-    for _, i in ipairs(list) do p[i] = z[i] + rho / former * p[i] end
+    for g = 1, count do p[g] = z[g] + rho / former * p[g] end
   end
   return x
 end
 
---- Normals and directions around places, once for a shape. Directions are normals that diffuse along the surface
---- over a share of the radius: the two sides of a wall do not mix, and a crumb of tiny facets takes the
---- direction of what is around it.
-function bumps.prepare(shape, places)
+-- Values of groups at a point of one of them: their mean over the groups that links connect within a distance,
+-- those nearby counting more.
+local function interpolated(groups, first, at, length, values)
+  local x, y, z, all, seen, queue, k = 0, 0, 0, 0, {[first] = true}, {first}, 1
+  while queue[k] do
+    local g = queue[k]
+    local far = distance(groups[g].at, at) / length
+    local weight = (1 - math.min(far, 0.99) ^ 2) ^ 2
+    x, y, z = x + weight * values[1][g], y + weight * values[2][g], z + weight * values[3][g]
+    all = all + weight
+    for _, h in ipairs(groups[g].links) do
+      if not seen[h] and distance(groups[h].at, at) < length then
+        seen[h] = true
+        queue[#queue + 1] = h
+      end
+    end
+    k = k + 1
+  end
+  return x / all, y / all, z / all
+end
+
+-- Normals and directions around places. Directions are normals that diffuse along the surface
+-- over a share of the radius: the two sides of a wall do not mix, and a crumb of tiny facets takes the
+-- direction of what is around it.
+local function prepare(shape, places)
   measure(shape)
   local taken, list, length = {}, {}, 0
   for _, place in ipairs(places) do
@@ -219,15 +267,13 @@ function bumps.prepare(shape, places)
     end
   end
   table.sort(list)
-  local links, parts = conductances(shape, list), {}
-  for c = 1, 3 do
-    local b = {}
-    for _, i in ipairs(list) do b[i] = shape.normals[i][c] end
-    parts[c] = diffuse(shape, list, links, (SMOOTHED * length) ^ 2, b)
-  end
+  length = SMOOTHED * length
+  local groups, group_of = gathered(shape, list, GATHERED * length)
+  local values = {}
+  for c = 1, 3 do values[c] = diffuse(groups, length, c) end
   shape.directions = {}
   for _, i in ipairs(list) do
-    local x, y, z = parts[1][i], parts[2][i], parts[3][i]
+    local x, y, z = interpolated(groups, group_of[i], shape.points[i], BLENDED * length, values)
     local size = math.max(sqrt(x * x + y * y + z * z), LEAST)
     shape.directions[i] = {x / size, y / size, z / size}
   end
@@ -262,11 +308,10 @@ local function kept_share(shape, list, keep, length)
   end
 end
 
---- The unit bump of a place on a shape: {[point] = {x, y, z}}, displacement over offset. `keep(x, y, z)` is true
---- where nothing moves. bumps.prepare comes first.
-function bumps.unit(shape, place, keep)
+-- The height of a place's bump at the points of a shape that it moves, and its share left beside kept points.
+local function heights(shape, place, keep)
   local list, nearest = within(shape, place.at, place.radius)
-  local inside, out = {}, {}
+  local inside, height_at, kept_at = {}, {}, {}
   for _, i in ipairs(list) do inside[i] = true end
   local reached = connected(shape, nearest, inside)
   local share = kept_share(shape, list, keep, KEPT * place.radius)
@@ -275,12 +320,31 @@ function bumps.unit(shape, place, keep)
     local x, y, z = p[1] - place.at[1], p[2] - place.at[2], p[3] - place.at[3]
     local far = sqrt(x * x + y * y + z * z)
     local away = x * n[1] + y * n[2] + z * n[3] > AWAY * far
-    if reached[i] or away then
-      local h = height(far / place.radius) * share(i)
-      out[i] = {h * n[1], h * n[2], h * n[3]}
-    end
+    if reached[i] or away then height_at[i], kept_at[i] = height(far / place.radius), share(i) end
   end
-  return out
+  return height_at, kept_at
+end
+
+--- The bumps of places on a shape: for each {[point] = {x, y, z}}, displacement over offset. `keep(x, y, z)` is
+--- true where nothing moves. A bump by itself has its own height. Where heights h overlap, each is scaled so that
+--- they add up to 1 - (1 - h1) (1 - h2) ..., hence to one at most: no point moves by more than the largest offset
+--- of the bumps there, and the displacement is linear in the offsets.
+function bumps.units(shape, places, keep)
+  prepare(shape, places)
+  local lists, kept, sums, rests = {}, {}, {}, {}
+  for j, place in ipairs(places) do
+    lists[j], kept[j] = heights(shape, place, keep)
+    for i, h in pairs(lists[j]) do sums[i], rests[i] = (sums[i] or 0) + h, (rests[i] or 1) * (1 - h) end
+  end
+  for j, list in ipairs(lists) do
+    local unit = {}
+    for i, h in pairs(list) do
+      local n, size = shape.directions[i], sums[i] > 0 and kept[j][i] * h * (1 - rests[i]) / sums[i] or 0
+      unit[i] = {size * n[1], size * n[2], size * n[3]}
+    end
+    lists[j] = unit
+  end
+  return lists
 end
 
 -- ---- subdivision --------------------------------------------------------------------------------------
@@ -294,10 +358,10 @@ local function to_segment(p, a, b)
   return sqrt((p[1] - a[1] - t * dx) ^ 2 + (p[2] - a[2] - t * dy) ^ 2 + (p[3] - a[3] - t * dz) ^ 2)
 end
 
-local function too_long(a, b, places)
+local function too_long(a, b, places, share)
   local length = distance(a, b)
   for _, place in ipairs(places) do
-    if length > EDGE * place.radius and to_segment(place.at, a, b) < place.radius then return true end
+    if length > share * place.radius and to_segment(place.at, a, b) < place.radius then return true end
   end
   return false
 end
@@ -321,9 +385,8 @@ local function pieces(points, t, m)
   return out
 end
 
---- Cuts edges near places in halves until they are short enough for bumps: the same surface with more triangles.
---- Returns nil and a message where it would take too many points.
-function bumps.subdivide(shape, places)
+-- The shape with edges near places cut until they are at most a share of the radius long; nil beyond MOST_POINTS.
+local function cut_to(shape, places, share)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
   for _ = 1, ROUNDS do
     local middles, known, cut, changed = {}, {}, {}, false
@@ -331,7 +394,7 @@ function bumps.subdivide(shape, places)
       if a > b then a, b = b, a end
       local key = a * 4294967296 + b
       if known[key] == nil then
-        known[key] = too_long(points[a], points[b], places)
+        known[key] = too_long(points[a], points[b], places, share)
         if known[key] then
           local p, q = points[a], points[b]
           points[#points + 1] = {(p[1] + q[1]) / 2, (p[2] + q[2]) / 2, (p[3] + q[3]) / 2}
@@ -347,22 +410,28 @@ function bumps.subdivide(shape, places)
     end
     triangles = cut
     if not changed then break end
-    if #points > MOST_POINTS then
-      return nil, ("the surface would need more than %d points around the weak places"):format(MOST_POINTS)
-    end
+    if #points > MOST_POINTS then return nil end
   end
   return {points = points, triangles = triangles}
 end
 
---- The shape with all places displaced by their offsets times their shares (1 where none is given).
-function bumps.displaced(shape, places, keep)
+--- Cuts edges near places in halves until they are short enough for bumps: the same surface with more triangles.
+--- Returns nil and a message where it would take too many points.
+function bumps.subdivide(shape, places)
+  for _, share in ipairs(EDGES) do
+    local cut = cut_to(shape, places, share)
+    if cut then return cut end
+  end
+  return nil, ("the surface would need more than %d points around the weak places"):format(MOST_POINTS)
+end
+
+--- The shape displaced by the bumps of places, `units`, times their offsets and shares (1 where none is given).
+function bumps.displaced(shape, places, units)
   local moved = {}
-  if not shape.directions then bumps.prepare(shape, places) end
   for i, p in ipairs(shape.points) do moved[i] = {p[1], p[2], p[3]} end
-  for _, place in ipairs(places) do
-    if place.shape ~= shape then place.shape, place.unit = shape, bumps.unit(shape, place, keep) end
+  for j, place in ipairs(places) do
     local size = (place.share or 1) * place.offset
-    for i, d in pairs(place.unit) do
+    for i, d in pairs(units[j]) do
       local p = moved[i]
       p[1], p[2], p[3] = p[1] + size * d[1], p[2] + size * d[2], p[3] + size * d[3]
     end

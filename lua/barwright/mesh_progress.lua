@@ -37,14 +37,15 @@ function mesh_progress:mesh(elements, planned, open)
   for _, count in ipairs(planned) do self.planned = self.planned + count end
   if open then self.planned = self.planned + (planned[#planned] or elements) end
   self.count = self.count + 1
-  self.name = ("%s; mesh %d of %s%d"):format(self.work, self.count, open and "at least " or "",
-    self.count + #planned)
+  self.name = ("%s; %s %d of %s%d"):format(self.work, self.part, self.count,
+    self.most and "at most " or open and "at least " or "", self.count + #planned)
 end
 
---- From here on the progress is that of the work, until the object is closed.
-function mesh_progress.open(work)
-  local self = setmetatable({work = work, count = 0, shown = 0, done_seconds = 0, done_elements = 0},
-    mesh_progress)
+--- From here on the progress is that of the work, until the object is closed. `part` is what it names in place
+--- of meshes; `most`: fewer than those that are planned may follow.
+function mesh_progress.open(work, part, most)
+  local self = setmetatable({work = work, part = part or "mesh", most = most, count = 0, shown = 0,
+    done_seconds = 0, done_elements = 0}, mesh_progress)
   self.before = core.progress(function(stage, fraction)
     if self.elements then stage, fraction = ("%s, %s"):format(self.name, stage), fraction_of(self) end
     if self.before then return self.before(stage, fraction) end

@@ -132,8 +132,9 @@ function bw.breaking_force(body, options) end
 ---Thickens a surface around its weak places until the lower end of its breaking force exceeds `force` (N), with at
 ---most `steps` (default 8) rounds of advice, smooth outward bumps, and analysis. A surface that is not sound is repaired
 ---first. `keep(x, y, z)` is true where the surface must not move (m). `progress(step)` is called after each step with
----{places, offset, predicted, force, low, high}: how many places, the largest offset (m), forces (N); low and high only
----of full analyses. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
+---{places, offset, predicted, force, low, high}: how many places, the largest offset (m), the predicted force, the
+---computed one and its interval (N). A step that makes it worse is undone: the next one begins from the best surface so
+---far with half of the offsets. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
 ---has them. Other options: those of bw.breaking_force. nil, message, details where the given surface cannot be
 ---computed; a force that is not reached is no failure: then it is the best surface that was found, see `reached` and
 ---`stopped`. docs/theory/strengthen.md.
@@ -1746,7 +1747,7 @@ function BreakingForce:close() end
 ---What to thicken; print tells it in sentences.
 ---@class bw.Advice
 ---@field required number N: the force that was asked for
----@field places {at: bw.Vector, radius: number, offset: number}[] m: displace the surface outwards by offset around at, up to radius; weakest first, empty where nothing needs or helps
+---@field places {at: bw.Vector, radius: number, offset: number}[] m: displace the surface outwards by offset around at, up to radius; weakest first, empty where nothing needs or helps. Where places overlap, the surface moves by the largest offset there at most
 ---@field force number N: the predicted breaking force
 ---@field low number N: the lower end of its interval
 ---@field high number N: the upper end
@@ -1763,7 +1764,7 @@ function BreakingForce:close() end
 ---@field added_volume number m3
 ---@field repaired? boolean
 ---@field length number m: radius of the judged patch
----@field breaking bw.BreakingForce the last analysis, closed
+---@field breaking bw.BreakingForce the analysis of the surface, closed
 ---@field options table
 ---@field seconds number
 

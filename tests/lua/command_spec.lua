@@ -444,6 +444,30 @@ describe("commands that compute", function()
     check.near(given.box.low[3] + 1, strong.box.low[3] + 1, 1e-9) -- kept
   end)
 
+  it("strengthen makes a real part bear 1.5 times the force", function()
+    if os.getenv "BARWRIGHT_FULL" ~= "1" then return pending "only with BARWRIGHT_FULL=1" end
+    local given = (os.getenv "BARWRIGHT_SHARED" or check.root .. "/../shared") .. "/models/fan_blade.stl"
+    local file = io.open(given)
+    if not file then return pending "no shared models here" end
+    file:close()
+    local options = "--unit mm --elements 2500 "
+    local _, before = answer(("worst %s '%s'"):format(options, given))
+    local force = 1.5 * before.breaking_force_n
+    local words = ("strengthen %s --force %.6gN --out %sblade.stl '%s'"):format(options, force, folder, given)
+    local status, object, err = answer(words)
+    assert.equal(0, status, err)
+    assert.equal("reached", object.verdict)
+    assert.is_true(object.after.breaking_force_low_n >= 0.999 * force)
+    assert.is_true(object.added_share < 0.2, object.added_share)
+    -- The file itself, analysed anew and finer.
+    local strong = assert(bw.surface.read(folder .. "blade.stl"))
+    local report, first = strong:check(), assert(bw.surface.read(given))
+    assert.is_true(report.sound)
+    assert.equal(first.point_count - first.triangle_count / 2, strong.point_count - strong.triangle_count / 2)
+    local _, after = answer(("worst --unit mm --elements 5000 %sblade.stl"):format(folder))
+    assert.is_true(after.breaking_force_n > force, after.breaking_force_n)
+  end)
+
   it("worst, statics and modes refuse a size that is implausible until the unit is given", function()
     for words, unit in pairs {["worst --elements 300 --modes 2 --regions 1 %s"] = "um",
       ["statics --elements 300 --hold low:z --gravity 0,0,-1 %s"] = "um", ["modes --elements 300 %s"] = "um"} do

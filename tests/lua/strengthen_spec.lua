@@ -63,8 +63,7 @@ describe("the shape gradient of the judged stress", function()
     local shape, rows = bumps.of_mesh(mesh), {}
     for i = 1, mesh.node_count do rows[i] = {0, 0, 0} end
     local place = {at = {0, 0, 0.0025}, radius = 0.008}
-    bumps.prepare(shape, {place})
-    for k, d in pairs(bumps.unit(shape, place)) do rows[shape.nodes[k]] = d end
+    for k, d in pairs(bumps.units(shape, {place})[1]) do rows[shape.nodes[k]] = d end
     local motion = core.array.new(rows)
     local slow, whole = gradient:dot(motion), assert(core.boundary_extend(mesh, motion))
     local step = 1e-8
@@ -82,7 +81,7 @@ describe("bumps", function()
     local wall = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.04, 0.002}})
     local place = {at = {0.02, 0.02, 0.002}, radius = 0.008, offset = 0.001}
     local shape = assert(bumps.subdivide(bumps.of_surface(wall), {place}))
-    local moved = assert(bumps.to_surface(bumps.displaced(shape, {place})))
+    local moved = assert(bumps.to_surface(bumps.displaced(shape, {place}, bumps.units(shape, {place}))))
     assert.is_true(moved:check().sound)
     check.near(0.003, moved.box.high[3], 1e-3)
     check.near(-0.001, moved.box.low[3], 3e-3)
@@ -95,14 +94,14 @@ describe("bumps", function()
       triangles[#triangles + 1] = {t[1] + before, t[2] + before, t[3] + before}
     end
     shape = assert(bumps.subdivide({points = points, triangles = triangles}, {place}))
-    bumps.prepare(shape, {place})
-    for i in pairs(bumps.unit(shape, place)) do
+    for i in pairs(bumps.units(shape, {place})[1]) do
       assert.is_true(shape.points[i][3] < 0.0025 or shape.points[i][3] > 0.0045)
     end
     -- Kept points stay, and nothing moves beyond their plane.
     local function keep(x) return x < 0.0185 end
-    local unit, kept = bumps.unit(shape, place, keep), 0
-    for i, p in ipairs(bumps.displaced(shape, {place}, keep).points) do
+    local units, kept = bumps.units(shape, {place}, keep), 0
+    local unit = units[1]
+    for i, p in ipairs(bumps.displaced(shape, {place}, units).points) do
       local x = shape.points[i][1]
       if keep(x) then
         assert.is_true(not unit[i] or unit[i][3] == 0)
@@ -126,7 +125,84 @@ describe("bumps", function()
   it("fill a concave edge without crossing themselves", function()
     local place = {at = {-0.008, 0, 0.0025}, radius = 0.006, offset = 0.0015}
     local shape = assert(bumps.subdivide(bumps.of_surface(bar), {place}))
-    assert.is_true(assert(bumps.to_surface(bumps.displaced(shape, {place}))):check().sound)
+    local moved = bumps.displaced(shape, {place}, bumps.units(shape, {place}))
+    assert.is_true(assert(bumps.to_surface(moved)):check().sound)
+  end)
+end)
+
+describe("overlapping bumps", function()
+  -- Three places on the top of a block, each within the others' bumps.
+  local block = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.04, 0.02}})
+  local places = {}
+  for j, x in ipairs {0.016, 0.02, 0.023} do
+    places[j] = {at = {x, 0.02, 0.02}, radius = 0.008, offset = j * 0.5e-3}
+  end
+  local shape = assert(bumps.subdivide(bumps.of_surface(block), places))
+  local units = bumps.units(shape, places)
+
+  it("move no point by more than the largest offset there", function()
+    local most, both = 0, 0
+    for i, p in ipairs(bumps.displaced(shape, places, units).points) do
+      local allowed, count = 0, 0
+      for j, place in ipairs(places) do
+        if units[j][i] then allowed, count = math.max(allowed, place.offset), count + 1 end
+      end
+      local q, square = shape.points[i], 0
+      for c = 1, 3 do square = square + (p[c] - q[c]) ^ 2 end
+      assert.is_true(math.sqrt(square) <= allowed * (1 + 1e-9), ("%g for %g"):format(math.sqrt(square), allowed))
+      most, both = math.max(most, math.sqrt(square)), both + (count > 1 and 1 or 0)
+    end
+    assert.is_true(most > 0.8e-3 and both > 100)
+  end)
+
+  it("are each themselves where they are alone", function()
+    local alone, count = bumps.units(shape, {places[1]})[1], 0
+    for i, d in pairs(units[1]) do
+      if not units[2][i] and not units[3][i] then
+        check.near(1 + alone[i][3], 1 + d[3], 1e-12)
+        count = count + 1
+      end
+    end
+    assert.is_true(count > 10)
+  end)
+
+  it("do not cross themselves on needle facets", function()
+    -- A step with a concave edge, its upper and lower faces cut into needles of 5 um.
+    local points, triangles = {}, {}
+    local profile = {{0, 0}, {0.02, 0}, {0.02, 0.004}, {0.010005, 0.004}, {0.01, 0.004}, {0.01, 0.01},
+      {0.009995, 0.01}, {0, 0.01}}
+    for _, y in ipairs {0, 0.02} do
+      for _, p in ipairs(profile) do points[#points + 1] = {p[1], y, p[2]} end
+    end
+    local n = #profile
+    for i = 1, n do
+      local j = i % n + 1
+      table.move({{i, i + n, j}, {j, i + n, j + n}}, 1, 2, #triangles + 1, triangles)
+    end
+    for _, t in ipairs {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 6}, {1, 6, 7}, {1, 7, 8}} do
+      table.insert(triangles, t)
+      table.insert(triangles, {t[1] + n, t[3] + n, t[2] + n})
+    end
+    local step = assert(assert(bw.surface.new {points = core.array.new(points),
+      triangles = core.array.new(triangles, "i32")}):orient())
+    assert.is_true(step:check().sound)
+    local edge = {{at = {0.01, 0.008, 0.004}, radius = 0.006, offset = 0.001},
+      {at = {0.01, 0.012, 0.004}, radius = 0.006, offset = 0.001}}
+    local cut = assert(bumps.subdivide(bumps.of_surface(step), edge))
+    assert.is_true(assert(bumps.to_surface(bumps.displaced(cut, edge, bumps.units(cut, edge)))):check().sound)
+  end)
+
+  it("do not reach beyond a kept plane", function()
+    -- Walls that are thickened towards the plane x = 0.01, which stays: places around the edge above it.
+    local around = {}
+    for j, y in ipairs {0.014, 0.017, 0.02, 0.023, 0.026} do
+      around[j] = {at = {0, y, 0.02}, radius = 0.008, offset = 0.002}
+    end
+    local function keep(x) return x < 1e-9 end
+    local cut = assert(bumps.subdivide(bumps.of_surface(block), around))
+    for _, p in ipairs(bumps.displaced(cut, around, bumps.units(cut, around, keep)).points) do
+      assert.is_true(p[1] >= 0)
+    end
   end)
 end)
 
@@ -144,9 +220,9 @@ describe("advice", function()
     -- The same bumps on the mesh: the change of the analysis against the linearised one.
     local shape, rows = bumps.of_mesh(mesh), {}
     for i = 1, mesh.node_count do rows[i] = {0, 0, 0} end
-    bumps.prepare(shape, advice.places)
-    for _, place in ipairs(advice.places) do
-      for k, d in pairs(bumps.unit(shape, place)) do
+    local units = bumps.units(shape, advice.places)
+    for j, place in ipairs(advice.places) do
+      for k, d in pairs(units[j]) do
         local row = rows[shape.nodes[k]]
         for c = 1, 3 do row[c] = row[c] + place.offset * d[c] end
       end
@@ -237,7 +313,8 @@ describe("strengthening", function()
     estimate.__index = estimate
     function estimate.advice(_, given)
       promised = 1.02 * given.estimate
-      return {force = promised, places = {{at = {0, 0, 0.0025}, radius = 0.006, offset = 1e-5}}}
+      return {predict = function() return promised end,
+        places = {{at = {0, 0, 0.0025}, radius = 0.006, offset = 1e-5}}}
     end
     local function breaking()
       if promised then force, promised = 0.96 * promised, nil end
@@ -253,7 +330,8 @@ describe("strengthening", function()
     local estimate = {length = 0.002, at = {0, 0, 0}, estimated_error = 0.1, close = function() end}
     estimate.__index = estimate
     function estimate.advice()
-      return {force = 1e3, places = {{at = place.at, radius = place.radius, offset = place.offset}}}
+      return {predict = function() return 1e3 end,
+        places = {{at = place.at, radius = place.radius, offset = place.offset}}}
     end
     return function(body)
       count[#count + 1] = core.class_name(body)
@@ -280,16 +358,53 @@ describe("strengthening", function()
 
   it("gives back the best surface where later steps are weaker", function()
     local count = {}
-    -- In full, one mesh, one mesh and in full, and in full again that of the first step.
-    local result = assert(strengthening_by(scripted({100, 120, 90, 90, 115}, top, count))(bar,
-      with {elements = 200, force = 130, steps = 2}))
-    assert.equal(5, #count)
+    local result = assert(strengthening_by(scripted({100, 120, 90}, top, count))(bar,
+      with {elements = 200, force = 150, steps = 2}))
+    assert.equal(3, #count)
     assert.is_false(result.reached)
-    assert.equal(115, result.after.force)
+    assert.equal(120, result.after.force)
     assert.equal(2, #result.steps)
-    local first = assert(strengthening_by(scripted({100, 115}, top, {}))(bar,
-      with {elements = 200, force = 130, steps = 1}))
+    local first = assert(strengthening_by(scripted({100, 120}, top, {}))(bar,
+      with {elements = 200, force = 150, steps = 1}))
     check.near(first.surface.volume, result.surface.volume, 1e-9)
+  end)
+
+  it("goes on from the best surface with smaller offsets after a step that makes it worse", function()
+    -- The second step is worse. The third begins where the second did, with half of its offset, and is worse as
+    -- well; a fourth with a quarter; then nothing helps.
+    local result = assert(strengthening_by(scripted({100, 120, 90, 95, 98, 1}, top, {}))(bar,
+      with {elements = 200, force = 150}))
+    local offsets = {}
+    for i, step in ipairs(result.steps) do offsets[i] = step.offset end
+    assert.equal(4, #offsets)
+    for i, expected in ipairs {1e-4, 1e-4, 0.5e-4, 0.25e-4} do check.near(expected, offsets[i], 1e-12) end
+    assert.equal(120, result.after.force)
+    assert.truthy(result.stopped:find "does not help any more")
+    -- A step and a half on top of each other, not two and a half.
+    local high = 0
+    result = assert(strengthening_by(scripted({100, 120, 90, 200}, top, {}))(bar,
+      with {elements = 200, force = 150}))
+    assert.is_true(result.reached)
+    for _, p in ipairs(result.surface.points:totable()) do
+      if math.abs(p[1]) < 1e-3 then high = math.max(high, p[3]) end
+    end
+    check.near(0.0025 + 1.5e-4, high, 1e-3)
+  end)
+
+  it("shows one progress over all analyses", function()
+    local stages, last = {}, 0
+    local before = bw.progress(function(stage, fraction)
+      stages[#stages + 1] = stage
+      assert.is_true(fraction >= last and fraction < 1)
+      last = fraction
+    end)
+    assert(strengthening_by(scripted({100, 110, 200}, top, {}))(bar,
+      with {elements = 200, force = 130, steps = 3}))
+    bw.progress(before)
+    assert.is_true(#stages > 2)
+    for _, stage in ipairs(stages) do
+      assert.truthy(stage:find("^strengthening; analysis [1-4] of at most 4, "), stage)
+    end
   end)
 
   -- A plate of 20 x 20 x 4 mm with a square hole of a width.

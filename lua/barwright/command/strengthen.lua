@@ -99,8 +99,7 @@ local function strengthen(wish, out)
       steps = steps + 1
       out:say("  step %d: %s thickened by up to %s mm in this step; now it breaks at %s", steps,
         model.count(step.places, "place"), model.digits(step.offset * 1e3, 2),
-        step.low and model.interval(step.force, step.low, step.high)
-          or model.digits(step.force) .. " N, estimated from one mesh")
+        model.interval(step.force, step.low, step.high))
     end})
   out:remarks()
   if not result then return nil, wish.model .. ": " .. message, details end
