@@ -22,11 +22,11 @@ local AWAY = 0.3
 -- Towards points that are kept a bump falls to zero over this share of the radius. So a bump of at most a quarter
 -- of the radius does not reach beyond a kept plane.
 local KEPT = 0.5
--- Edges longer than a share of the radius are cut in halves near a place; the first share that needs no more
--- points than MOST_POINTS is taken. Rounds at most.
+-- Edges longer than a share of the radius are cut in halves near a place; the first share that adds no more points
+-- than MOST_ADDED is taken. Rounds at most.
 local EDGES, ROUNDS = {1 / 7, 1 / 5, 1 / 3.5}, 40
 -- The work of a step grows with the points of the surface.
-local MOST_POINTS = 100000
+local MOST_ADDED = 30000
 
 local sqrt = math.sqrt
 
@@ -385,7 +385,7 @@ local function pieces(points, t, m)
   return out
 end
 
--- The shape with edges near places cut until they are at most a share of the radius long; nil beyond MOST_POINTS.
+-- The shape with edges near places cut until they are at most a share of the radius long; nil beyond MOST_ADDED.
 local function cut_to(shape, places, share)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
   for _ = 1, ROUNDS do
@@ -410,7 +410,7 @@ local function cut_to(shape, places, share)
     end
     triangles = cut
     if not changed then break end
-    if #points > MOST_POINTS then return nil end
+    if #points > #shape.points + MOST_ADDED then return nil end
   end
   return {points = points, triangles = triangles}
 end
@@ -422,7 +422,7 @@ function bumps.subdivide(shape, places)
     local cut = cut_to(shape, places, share)
     if cut then return cut end
   end
-  return nil, ("the surface would need more than %d points around the weak places"):format(MOST_POINTS)
+  return nil, ("the surface would need more than %d new points around the weak places"):format(MOST_ADDED)
 end
 
 --- The shape displaced by the bumps of places, `units`, times their offsets and shares (1 where none is given).

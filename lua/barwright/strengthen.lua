@@ -7,6 +7,7 @@ local bumps = require "barwright.bumps"
 local core = require "barwright.core"
 local mesh_progress = require "barwright.mesh_progress"
 local options = require "barwright.options"
+local distance = require("barwright.points").distance
 
 local strengthen = {}
 strengthen.__index = strengthen
@@ -33,7 +34,7 @@ local rules = {
 local HALVINGS, DEFECTS, NEAR = 3, 1000, 0.3
 -- Crossings are taken out where they are so many at most: more take long, and bumps that cross so much are too
 -- high. The volume may change by this share of what the bumps add; how often it is tried.
-local CROSSINGS, RESOLVED, ROUNDS = 500, 0.2, 3
+local CROSSINGS, RESOLVED, ROUNDS = 100, 0.2, 3
 -- The next step aims higher by what the last one fell short of its prediction, at least and at most so much: what
 -- it falls short of the goal alone is less than a new mesh changes.
 local LEAST_MORE, MOST_MORE = 1.05, 1.3
@@ -55,9 +56,7 @@ local function lower(places, report, share)
   local hit, left = false, false
   for _, place in ipairs(places) do
     for _, defect in ipairs(report.defects) do
-      local square = 0
-      for c = 1, 3 do square = square + (defect.at[c] - place.at[c]) ^ 2 end
-      if square < (1 + NEAR) ^ 2 * place.radius ^ 2 then
+      if distance(defect.at, place.at) < (1 + NEAR) * place.radius then
         hit, place.halve = true, true
         break
       end
@@ -187,6 +186,14 @@ local function stop(self, why, details)
   return true
 end
 
+-- Whether one of the bumps moves a place. One that became the weakest elsewhere says nothing about predictions.
+local function is_moved(places, at)
+  for _, place in ipairs(places) do
+    if place.share > 0 and distance(place.at, at) < place.radius then return true end
+  end
+  return false
+end
+
 -- Steps, each from the best surface so far, until its interval is on the safe side, nothing helps any more, or the
 -- steps are used up. What cannot be analysed ends them.
 local function run(self, breaking, progress)
@@ -210,7 +217,7 @@ local function run(self, breaking, progress)
       from.share = from.share / 2
     else
       goal = wish.force * current.force / current.low
-      if current.force < goal then
+      if current.force < goal and is_moved(from.advised.places, current.at) then
         aim = aim * math.max(LEAST_MORE, math.min(step.predicted / current.force, MOST_MORE))
       end
       begin(self, from, moved, current)
