@@ -166,30 +166,41 @@ describe("overlapping bumps", function()
     assert.is_true(count > 10)
   end)
 
-  it("do not cross themselves on needle facets", function()
-    -- A step with a concave edge, its upper and lower faces cut into needles of 5 um.
-    local points, triangles = {}, {}
-    local profile = {{0, 0}, {0.02, 0}, {0.02, 0.004}, {0.010005, 0.004}, {0.01, 0.004}, {0.01, 0.01},
-      {0.009995, 0.01}, {0, 0.01}}
+  -- A prism of 20 mm along y whose cross-section is star-shaped from its first corner.
+  local function extruded(profile)
+    local points, triangles, n = {}, {}, #profile
     for _, y in ipairs {0, 0.02} do
       for _, p in ipairs(profile) do points[#points + 1] = {p[1], y, p[2]} end
     end
-    local n = #profile
     for i = 1, n do
       local j = i % n + 1
       table.move({{i, i + n, j}, {j, i + n, j + n}}, 1, 2, #triangles + 1, triangles)
+      if i > 1 and i < n then table.move({{1, i, j}, {1 + n, j + n, i + n}}, 1, 2, #triangles + 1, triangles) end
     end
-    for _, t in ipairs {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 6}, {1, 6, 7}, {1, 7, 8}} do
-      table.insert(triangles, t)
-      table.insert(triangles, {t[1] + n, t[3] + n, t[2] + n})
-    end
-    local step = assert(assert(bw.surface.new {points = core.array.new(points),
+    return assert(assert(bw.surface.new {points = core.array.new(points),
       triangles = core.array.new(triangles, "i32")}):orient())
+  end
+
+  it("do not cross themselves on needle facets", function()
+    -- A step with a concave edge, its faces cut into needles of 5 um.
+    local step = extruded {{0, 0}, {0.02, 0}, {0.02, 0.004}, {0.010005, 0.004}, {0.01, 0.004}, {0.01, 0.01},
+      {0.009995, 0.01}, {0, 0.01}}
     assert.is_true(step:check().sound)
     local edge = {{at = {0.01, 0.008, 0.004}, radius = 0.006, offset = 0.001},
       {at = {0.01, 0.012, 0.004}, radius = 0.006, offset = 0.001}}
     local cut = assert(bumps.subdivide(bumps.of_surface(step), edge))
     assert.is_true(assert(bumps.to_surface(bumps.displaced(cut, edge, bumps.units(cut, edge)))):check().sound)
+  end)
+
+  it("cut surfaces of many needles less finely", function()
+    local profile = {{0, 0}, {0.02, 0}, {0.02, 0.01}}
+    for i = 200, 0, -1 do profile[#profile + 1] = {0.0095 + i * 5e-6, 0.01} end
+    profile[#profile + 1] = {0, 0.01}
+    local comb, place = extruded(profile), {at = {0.01, 0.01, 0.01}, radius = 0.006}
+    local cut = assert(bumps.subdivide(bumps.of_surface(comb), {place}))
+    local added = #cut.points - comb.point_count
+    assert.is_true(added > 5000 and added <= 30000, added)
+    check.near(comb.volume, assert(bumps.to_surface(cut)).volume, 1e-9)
   end)
 
   it("do not reach beyond a kept plane", function()
