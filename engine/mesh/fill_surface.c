@@ -29,6 +29,7 @@ typedef struct remesh_job {
   const bw_surface *from;
   bw_remesh_options options;
   bwi_face_borders borders; /* faces NULL: none are kept */
+  int64_t most_steps;
 } remesh_job;
 
 typedef struct remesh_head {
@@ -42,7 +43,8 @@ static bw_status remesh_child(bw_context *context, void *data, bwi_child_stream 
   remesh_head head = {.log.count = 0};
   bw_status status;
   BW_TRY(bwi_surface_remesh(context, job->from, &job->options,
-                            job->borders.faces ? &job->borders : NULL, &made, &head.log));
+                            job->borders.faces ? &job->borders : NULL, job->most_steps, &made,
+                            &head.log));
   head.points = made->point_count;
   head.triangles = made->triangle_count;
   head.groups = job->borders.faces ? made->triangle_count : 0;
@@ -84,8 +86,10 @@ static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
   double facets = f->area / (0.4330127 * length * length) + 0.5 * from->triangle_count;
   if (how <= WAY_BORDERS)
     facets += 8.0 * (double)f->bends + f->round_facets;
-  bwi_child_limits limits = {fmin(5 + 2.5e-4 * facets, f->options->time_limit),
-                             f->options->memory_limit};
+  /* Several times what is usual. Steps and not seconds: which way is taken must not depend on the
+   * machine. */
+  job.most_steps = (int64_t)(2e7 + 1e3 * fmin(facets, 1e12));
+  bwi_child_limits limits = {f->options->time_limit, f->options->memory_limit};
   unsigned char *bytes = NULL;
   size_t count = 0;
   remesh_head head;

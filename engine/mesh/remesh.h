@@ -30,10 +30,11 @@ typedef struct bwi_remesher {
   bwi_tree *tree, *creases;
   int32_t *crease; /* sharp edges of the original as triangles a b b */
   double length, tolerance;
-  double finest;      /* of the edge length asked for: where features are small */
-  double tiny;        /* edges so short go even where they are features */
-  double most_facets; /* no more edges are split beyond */
-  double memory;      /* bytes allowed */
+  double finest;              /* of the edge length asked for: where features are small */
+  double tiny;                /* edges so short go even where they are features */
+  double most_facets;         /* no more edges are split beyond */
+  double memory;              /* bytes allowed */
+  int64_t *looks, most_looks; /* how often loops looked up, and may (0: no limit) */
   bwi_time_limit time;
   double share;               /* done of the whole, for progress */
   const bw_size_field *sizes; /* NULL: none */
@@ -76,10 +77,11 @@ static inline bool turned_over(const double before[3], const double after[3]) {
   return bw_dot(before, after) <= turn * bw_norm(before) * bw_norm(after);
 }
 
-/* Long loops look up now and then: cancelled, out of time, out of memory? */
+/* Long loops look up now and then: cancelled, out of steps, time or memory? */
+enum { BWI_REMESH_LOOK = 10 }; /* every 2^10 steps */
 bw_status bwi_remesh_check(const bwi_remesher *r);
 static inline bw_status look_up(const bwi_remesher *r, size_t step) {
-  return step % 1024 == 0 ? bwi_remesh_check(r) : BW_OK;
+  return step % ((size_t)1 << BWI_REMESH_LOOK) == 0 ? bwi_remesh_check(r) : BW_OK;
 }
 
 /* remesh_guard.c: how far the surface may be left near a point; whether a point, a side and a facet

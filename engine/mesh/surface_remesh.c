@@ -51,6 +51,14 @@ bw_status bwi_remesh_check(const bwi_remesher *r) {
     bw_detail_text(r->context, "limit", "memory");
     return BW_LIMIT;
   }
+  if (r->most_looks > 0 && ++*r->looks > r->most_looks) {
+    bw_fail(r->context, BW_LIMIT,
+            "remeshing with edges of %g m took more than the %lld steps it may use: ask for longer "
+            "edges",
+            r->length, (long long)r->most_looks << BWI_REMESH_LOOK);
+    bw_detail_text(r->context, "limit", "steps");
+    return BW_LIMIT;
+  }
   bw_progress(r->context, "remeshing", r->share); /* who is shown it may cancel */
   return bwi_time_limit_check(r->context, &r->time);
 }
@@ -127,7 +135,7 @@ static bw_status resolve(const bwi_remesher *r, bw_surface **made, bw_surface_re
                          double *moved) {
   bw_surface *next = NULL;
   bw_surface_report after = {0};
-  bwi_child_limits limits = {fmin(60, r->time.seconds), r->memory};
+  bwi_child_limits limits = {r->time.seconds, r->memory};
   bw_status status = bwi_cgal_surface(r->context, "taking out self-intersections", &limits,
                                       bwi_cgal_resolve, *made, &next);
   if (status != BW_OK && status != BW_MEMORY && status != BW_CANCELLED) {
@@ -153,8 +161,9 @@ done:
 
 bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
                              const bw_remesh_options *given, const bwi_face_borders *borders,
-                             bw_surface **remeshed, bw_shape_log *log) {
+                             int64_t most_steps, bw_surface **remeshed, bw_shape_log *log) {
   bw_status status = BW_OK;
+  int64_t looks = 0;
   bw_remesh_options options;
   bw_surface *welded = NULL, *made = NULL;
   bw_surface_report report = {0};
@@ -166,6 +175,8 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   bwi_remesher r = {.context = context,
                     .memory = options.memory_limit,
                     .sizes = options.sizes,
+                    .looks = &looks,
+                    .most_looks = most_steps >> BWI_REMESH_LOOK,
                     .time = bwi_time_limit_begin("remeshing", options.time_limit)};
   if (!(options.edge_length >= 0) || options.triangles < 0 || !(options.sharp_angle > 0) ||
       options.iterations < 1 || options.iterations > 100 || !(options.tolerance >= 0) ||
@@ -266,5 +277,5 @@ done:
 bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
                             const bw_remesh_options *options, bw_surface **remeshed,
                             bw_shape_log *log) {
-  return bwi_surface_remesh(context, surface, options, NULL, remeshed, log);
+  return bwi_surface_remesh(context, surface, options, NULL, 0, remeshed, log);
 }

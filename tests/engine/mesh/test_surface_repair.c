@@ -1,6 +1,7 @@
 /* Repair, wrap and remesh: from broken shapes to sound ones, the distance moved told. */
 #include "check.h"
 
+#include "mesh/faces_internal.h"
 #include "mesh/surface_repair.h"
 
 static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
@@ -297,6 +298,38 @@ static void test_remesh_keeps_edges_and_volume(void **state) {
 }
 
 /* A cylinder of needles: 200 segments without a point between the ends. */
+/* Whether remeshing ends within a number of steps depends on the surface, not on threads. */
+static void test_remesh_steps(void **state) {
+  bw_context *context = check_context(state);
+  bw_surface *ball, *made;
+  bw_remesh_options options;
+  bw_remesh_options_default(&options);
+  options.edge_length = 0.1;
+  check_ok(context, bw_surface_sphere_shape(context, zero, 1, 3, &ball));
+  int64_t least[2];
+  for (int k = 0; k < 2; k++) {
+    int64_t low = 0, high = 1 << 22; /* too few, enough */
+    check_ok(context, bw_set_threads(context, 1 + 3 * k));
+    while (high - low > 1024) {
+      int64_t steps = (low + high) / 2;
+      made = NULL;
+      bw_status status = bwi_surface_remesh(context, ball, &options, NULL, steps, &made, NULL);
+      bw_release(made);
+      if (status == BW_OK)
+        high = steps;
+      else {
+        assert_int_equal(status, BW_LIMIT);
+        assert_non_null(strstr(bw_message(context), "steps it may use"));
+        low = steps;
+      }
+    }
+    assert_true(low > 0 && high < 1 << 22);
+    least[k] = high;
+  }
+  assert_int_equal(least[0], least[1]);
+  bw_release(ball);
+}
+
 static void test_remesh_needles(void **state) {
   bw_context *context = check_context(state);
   const double axis[3] = {0, 0, 4};
@@ -442,6 +475,7 @@ int main(void) {
       check_test(test_wrap),
       check_test(test_refusals),
       check_test(test_remesh_keeps_edges_and_volume),
+      check_test(test_remesh_steps),
       check_test(test_remesh_needles),
       check_test(test_remesh_thin_shell),
       check_test(test_remesh_refuses_open),
