@@ -62,7 +62,7 @@ function breaking_loads.part(self, mesh)
     if not held then return nil, message, details end
     for _, on in ipairs(held) do part:fix(on) end
     if union_of(held).facet_count == mesh.facet_count then
-      return nil, "the whole surface is held: no load stresses the part", {status = "invalid"}
+      return nil, "the whole surface is constrained: no load stresses the part", {status = "invalid"}
     end
     self.held_area = union_of(held).area
   end

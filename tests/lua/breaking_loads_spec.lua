@@ -67,7 +67,7 @@ describe("the breaking force of a held bar", function()
       given.material = bw.material.pla
       check.fails(status, what, bw.breaking_force(mesh, given))
     end
-    fails("invalid", "the whole surface is held", {hold = function(of) return of.boundary end})
+    fails("invalid", "the whole surface is constrained", {hold = function(of) return of.boundary end})
     fails("empty", "'forbidden' selects nothing", {forbidden = function() return {} end})
     raises("no surface is left on which pressure may act", {forbidden = function(of) return of.boundary end})
     fails("odd", "nothing there", {hold = function() return nil, "nothing there", {status = "odd"} end})
@@ -84,9 +84,9 @@ describe("barwright worst", function()
   it("takes supports, forbidden places, friction and hands", function()
     local status, out = worst "--hold low:x --forbid above:x:50mm --friction 0.3 --hands 1 --force 1"
     assert.is_true(status <= 1, out) -- one mesh alone leaves much open
-    assert.truthy(out:find("Held at low:x (1 cm2)", 1, true))
-    assert.truthy(out:find("Nothing presses on above:x:50mm", 1, true))
-    assert.truthy(out:find("Friction 0.3", 1, true))
+    assert.truthy(out:find("Constrained at low:x (1 cm2)", 1, true))
+    assert.truthy(out:find("No load on above:x:50mm", 1, true))
+    assert.truthy(out:find("Coefficient of friction 0.3", 1, true))
     assert.truthy(out:find("within 1 place at once", 1, true))
     status, out = worst "--hold low:x --force 5kN --json"
     assert.equal(1, status)
@@ -99,9 +99,9 @@ describe("barwright worst", function()
       ["--hold nowhere"] = "option --hold: 'nowhere' is no place",
       ["--forbid near:1"] = "option --forbid: 'near:1'",
       ["--hold near:1,1,1m:1mm"] = "holds no boundary node",
-      ["--hold all"] = "the whole surface is held",
+      ["--hold all"] = "the whole surface is constrained",
       ["--forbid all"] = "no surface is left on which pressure may act",
-      ["--hands 1"] = "option --hands: one hand pushes a part away",
+      ["--hands 1"] = "option --hands: a part without supports moves freely",
       ["--hands 0"] = "--hands", ["--friction -0.1"] = "--friction",
     } do
       local status, _, err = worst(options)

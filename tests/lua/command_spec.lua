@@ -411,7 +411,7 @@ describe("commands that compute", function()
     assert.truthy(out:find("r.html", 1, true), out)
     -- The page has the answer of the terminal, and the advised command computes the same part.
     assert.truthy(check.read(folder .. "r.html"):find(
-      '<p class="answer">breaks at [%d.]+ N %([%d.]+ to [%d.]+ N%) at [^<]+; pushed by 2000000 N: it breaks%.'))
+      '<p class="answer">breaks at [%d.]+ N %([%d.]+ to [%d.]+ N%) at [^<]+; under 2000000 N: it breaks%.'))
     local advised = "--force 2000000N --young 1GPa --strength 10MPa --elements 600 --modes 3 --regions 1 --out"
     assert.truthy(out:find(advised, 1, true), out)
     -- What cannot be written is told before anything is computed.
@@ -527,7 +527,13 @@ describe("commands that compute", function()
     assert.near(0.4555, object.growth_expected, 1e-3)
     assert.is_true(object.effective_stress_pa > 2e6 and object.effective_stress_pa < 4e6)
     assert.near(bw.material.abs.critical_distance, object.critical_distance_m, 1e-12)
-    local _, out = check.run(words .. "--error 0.05 " .. path)
+    local page = folder .. "singular.html"
+    local _, out = check.run(words .. "--error 0.05 --report " .. page .. " " .. path)
+    -- The title has the stress that is judged.
+    local judged, error = out:match("The judged stress is ([%d.]+ MPa), [%d.]+ %% of the strength of abs "
+      .. "%(estimated error ([%d.]+) %%%)")
+    assert.truthy(check.read(page):find(("angle.stl: judged mean stress %s ± %s %%"):format(judged, error), 1,
+      true), judged)
     assert.truthy(out:find("The largest stress has no finite value: it is at a re-entrant edge of 270 degrees "
       .. "inside the material at (10, 10, ", 1, true), out)
     assert.truthy(out:find("(by geometry and growth; h^-0.46 expected, ", 1, true), out)
@@ -649,6 +655,17 @@ describe("commands that compute", function()
     assert.truthy(object.error.message:find("option --length: 'critical' or a number", 1, true))
   end)
 
+  it("statics titles its picture with the number that is judged", function()
+    local about = {stress = 30e6, error = 1.05, verdict = "it holds"}
+    assert.equal("x: largest von Mises stress 30 MPa ± 105 %; it holds", static_picture.title("x", about))
+    about.judged = {used = 0.5, error = 0.2, strength = 40e6}
+    assert.equal("x: judged mean stress 20 MPa ± 20 %; it holds", static_picture.title("x", about))
+    about.judged.strength = {40e6, 40e6, 20e6}
+    assert.equal("x: judged mean stress 50 % of the strength ± 20 %; it holds", static_picture.title("x", about))
+    about.judged.used = nil
+    assert.equal("x: the largest stress has no finite value", static_picture.title("x", about))
+  end)
+
   it("statics draws loads, supports and the value that it prints", function()
     local mesh = check.beam({8, 2, 2}, 2)
     local border, length = static_picture.border(mesh.boundary:below("x", 0)), 0
@@ -679,7 +696,7 @@ describe("commands that compute", function()
     assert.equal(static.von_mises:max(), given.values:max())
     check.near(0.42, drawn.area, 1e-6)
     assert.equal("title", given.title)
-    assert.equal("border of what is held", given.line_name)
+    assert.equal("border of the supports", given.line_name)
     assert.same({#border, 1}, {#given.lines, #given.arrows})
     local path = folder .. "statics.png"
     local page = folder .. "statics.html"
@@ -687,7 +704,7 @@ describe("commands that compute", function()
       .. "--report %s"):format(beam, path, page))
     local html = check.read(page)
     for _, sentence in ipairs {out:match "The largest displacement[^\n]*", out:match "The judged stress[^\n]*",
-      "border of what is held", "MPa ±"} do
+      "border of the supports", "MPa ±"} do
       assert.truthy(html:find(sentence, 1, true), sentence)
     end
     local data = assert(bw.json.decode(html:match 'id="data">(.-)</script>'))
@@ -767,7 +784,7 @@ describe("commands that compute", function()
   it("refuse what makes no sense, with a sentence", function()
     for words, text in pairs {
       ["statics " .. beam] = "--hold PLACE is missing",
-      ["statics --hold low:x " .. beam] = "nothing loads it",
+      ["statics --hold low:x " .. beam] = "no load is given",
       ["statics --hold lwo:x --gravity 0,0,1 " .. beam] = "'lwo:x' is no place",
       ["statics --hold low:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
       ["statics --hold low:x --force low:y=3 " .. beam] = "three numbers such as",

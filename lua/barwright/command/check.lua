@@ -186,7 +186,7 @@ local function check_mesh(read, wish, out)
   local fine, message, details = tell_edges(mesh:surface(), wish, out)
   if not fine then return nil, message, details end
   if mesh.component_count > 1 then
-    out:say("The bodies do not hang together: what pushes one is not felt by the others.")
+    out:say("The bodies are not connected: a load on one has no effect on the others.")
   end
   if low < 1 then
     out:say("Its flattest element has an angle of %.2g degrees: stresses there are not to be trusted.", low)

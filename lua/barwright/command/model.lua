@@ -48,6 +48,9 @@ local function material_of(wish)
     density = wish.density or named.density, toughness = wish.toughness or named.toughness}
 end
 
+model.hold_option = {name = "hold", value = "PLACE", many = true,
+  what = "a support: all displacements are zero there"}
+
 model.length_option = {name = "length", value = "critical|LENGTH", type = "number", unit = "m", above = 0,
   word = "critical", what = "radius of the surface patch over which the stress is averaged; critical: half the "
     .. "critical distance of the material; without it, 2 % of the part's diagonal"}

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright modes MODEL: at what frequencies it rings, free or held.
+-- barwright modes MODEL: at what frequencies it rings, free or constrained.
 local bw = require "barwright"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -35,7 +35,7 @@ end
 local function tell(modes, held, errors, wish, out)
   out:say("")
   if #wish.hold > 0 then
-    out:say("Held at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
+    out:say("Constrained at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
   else
     out:say("Free, as if hung on threads, it rings at (its %d rigid motions are left out):", modes.rigid_count)
   end
@@ -59,14 +59,14 @@ end
 
 return {
   summary = "at what frequencies a part rings",
-  about = "The lowest modes of vibration of a part, free or held somewhere, with the nearest note to each. A "
+  about = "The lowest modes of vibration of a part, free or constrained, with the nearest note to each. A "
     .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help .. "\n\n"
     .. output.codes "done",
   arguments = {model.body_argument},
   options = {
     model.material_option,
     {name = "count", value = "N", type = "integer", default = 6, least = 1, most = 500, what = "how many"},
-    {name = "hold", value = "PLACE", many = true, what = "hold it there"},
+    model.hold_option,
     model.unit_option,
     model.elements_option,
     {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
@@ -80,7 +80,7 @@ return {
   },
   examples = {"barwright modes bar.stl --material aluminium",
     {"barwright modes fork.stl --hold low:z --hold near:0,0,30mm:5mm --count 10",
-      "held at its foot and at a point"}},
+      "constrained at its foot and at a point"}},
   run = function(wish, out)
     for _, place in ipairs(wish.hold) do
       local fine, message = places.check(place)

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The picture and the page of `barwright statics`: arrows for the loads, the borders of what is held as lines, the
+-- The picture and the page of `barwright statics`: arrows for the loads, the borders of the supports as lines, the
 -- edge of a finding, and a title with the answer.
 local bw = require "barwright"
 local core = require "barwright.core"
@@ -91,10 +91,26 @@ function static_picture.border(selection)
   return lines
 end
 
---- Options of static:picture for a title, loads, places that are held, and a finding.
-function static_picture.options(static, title, loads, held, singular)
+--- The title for {stress =, error =, verdict = words}: the largest von Mises stress, or where that has no finite
+--- value what is judged, `judged` = {used = over the strength, error =, strength =}.
+function static_picture.title(name, about)
+  local value, error = ("largest von Mises stress %.4g MPa"):format(about.stress / 1e6), about.error
+  local judged = about.judged
+  if judged and not judged.used then return name .. ": the largest stress has no finite value" end
+  if judged then
+    error = judged.error
+    value = type(judged.strength) == "number"
+      and ("judged mean stress %.4g MPa"):format(judged.used * judged.strength / 1e6)
+      or ("judged mean stress %s %% of the strength"):format(model.digits(100 * judged.used))
+  end
+  local verdict = about.verdict and "; " .. about.verdict or ""
+  return ("%s: %s ± %s %%%s"):format(name, value, model.percent(error), verdict)
+end
+
+--- Options of static:picture for a title, loads, places of supports, and a finding.
+function static_picture.options(static, title, loads, supports, singular)
   local mesh, lines = static.mesh, {}
-  for _, place in ipairs(held) do
+  for _, place in ipairs(supports) do
     local border = static_picture.border(assert(places.select(mesh, place)))
     table.move(border, 1, #border, #lines + 1, lines)
   end
@@ -102,7 +118,7 @@ function static_picture.options(static, title, loads, held, singular)
   table.move(edge.lines or {}, 1, #(edge.lines or {}), #lines + 1, lines)
   local density = static.material.density
   local arrows = static_picture.arrows(mesh, loads, density and density * mesh.volume)
-  return {title = title, lines = lines, arrows = arrows, line_name = "border of what is held"
+  return {title = title, lines = lines, arrows = arrows, line_name = "border of the supports"
     .. (edge.lines and "; " .. edge.line_name or "")}
 end
 

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright statics MODEL: held here, loaded there, does it bear it?
+-- barwright statics MODEL: constrained here, loaded there, does it bear it?
 local bw = require "barwright"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
@@ -45,9 +45,9 @@ local function read_loads(wish)
     local fine, message = places.check(place)
     if not fine then return nil, "option --hold: " .. message end
   end
-  if #wish.hold == 0 then return nil, "option --hold PLACE is missing: a part that nothing holds flies off" end
+  if #wish.hold == 0 then return nil, "option --hold PLACE is missing: a part without supports moves freely" end
   if #loads == 0 and not loads.gravity then
-    return nil, "nothing loads it: --force, --pressure or --gravity is missing"
+    return nil, "no load is given: --force, --pressure or --gravity is missing"
   end
   return loads
 end
@@ -61,7 +61,7 @@ local function set_up(part, wish, loads, out)
     fine, message = model.try(part.fix, part, selection)
     if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
     area = area + selection.area
-    out:say("Held at %s (%.4g cm2).", place, selection.area * 1e4)
+    out:say("Constrained at %s (%.4g cm2).", place, selection.area * 1e4)
   end
   for _, load in ipairs(loads) do
     local selection, message, details = places.select(mesh, load.place)
@@ -70,10 +70,11 @@ local function set_up(part, wish, loads, out)
     fine, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
     if not fine then return nil, load.place .. ": " .. message, {status = "invalid"} end
     if load.force then
-      out:say("Pushed at %s (%.4g cm2) by (%.4g, %.4g, %.4g) N.", load.place, selection.area * 1e4,
+      out:say("Load applied at %s (%.4g cm2): force (%.4g, %.4g, %.4g) N.", load.place, selection.area * 1e4,
         table.unpack(load.force))
     else
-      out:say("Pressed at %s (%.4g cm2) by %.4g MPa.", load.place, selection.area * 1e4, load.pressure / 1e6)
+      out:say("Load applied at %s (%.4g cm2): pressure %.4g MPa.", load.place, selection.area * 1e4,
+        load.pressure / 1e6)
     end
   end
   if loads.gravity then
@@ -81,7 +82,7 @@ local function set_up(part, wish, loads, out)
       return nil, "the density of the material is not known", {status = "invalid"}
     end
     part:gravity(loads.gravity)
-    out:say("Its weight pulls by (%.4g, %.4g, %.4g) m/s2.", table.unpack(loads.gravity))
+    out:say("Load applied to the whole part: gravity (%.4g, %.4g, %.4g) m/s2.", table.unpack(loads.gravity))
   end
   return part, area
 end
@@ -219,7 +220,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   if not used then
     say("The strength of %s is not known.", wish.material)
   else
-    say("The judged stress is %s %% of the strength of %s (estimated error %s %%): %s.",
+    say("The judged stress is %s%s %% of the strength of %s (estimated error %s %%): %s.",
+      type(material.strength) == "number" and ("%.4g MPa, "):format(used * material.strength / 1e6) or "",
       model.digits(100 * used), wish.material, model.percent(judged_error), words)
   end
   local solver = static.solver
@@ -242,8 +244,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     critical_distance_m = critical and critical.length,
     material = wish.material, energy_j = static.energy,
     solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
-  local title = ("%s: largest von Mises stress %.4g MPa ± %s %%%s"):format(model.name(wish.model), stress / 1e6,
-    model.percent(estimated), words and "; " .. words or "")
+  local title = static_picture.title(model.name(wish.model), {stress = stress, error = estimated,
+    judged = singular and {used = used, error = judged_error, strength = material.strength}, verdict = words})
   return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}
 end
 
@@ -276,11 +278,11 @@ end
 
 local options = {
   model.material_option,
-  {name = "hold", value = "PLACE", many = true, what = "hold it there"},
+  model.hold_option,
   {name = "force", value = "PLACE=FX,FY,FZ", many = true, what = "a total force, in N, spread over a place"},
   {name = "pressure", value = "PLACE=PRESSURE", many = true, what = "a pressure, in Pa, on a place"},
   {name = "gravity", value = "GX,GY,GZ",
-    what = "its own weight: an acceleration in m/s2, 0,0,-9.81 for instance"},
+    what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
   model.unit_option,
   model.elements_option,
   {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
@@ -306,8 +308,8 @@ table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
   summary = "whether a part bears a load that is known",
-  about = "Holds a part in places, loads it in others, and tells how far it gives and whether it breaks. A "
-    .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help
+  about = "Constrains a part at places, applies loads at others, and tells how far it deflects and whether it "
+    .. "breaks. A surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help
     .. "\n\n" .. output.codes("it holds", "it breaks, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
@@ -325,7 +327,7 @@ return {
     for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
       {wish.picture, function() return static:picture(wish.picture, shown) end},
       {wish.report, function()
-        return static_picture.report(static, wish.report, shown, answer.text, answer.singular)
+        return static_picture.report(static, wish.report, shown, answer.text)
       end}} do
       if how[1] then
         local fine, why, more = how[2]()

@@ -116,7 +116,7 @@ end
 
 local options = {
   {name = "force", value = "FORCE", type = "number", unit = "N", above = 0, needed = true,
-    what = "the force that it must bear: what presses on one side, the reactions press as much"},
+    what = "the force that it must bear: the load on one side, which the reactions balance"},
   {name = "out", value = "FILE.stl", type = "file", endings = {"stl", "obj", "off", "ply"}, needed = true,
     what = "where the strengthened surface goes, in the unit of the input"},
   model.material_option,

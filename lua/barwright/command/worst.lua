@@ -51,16 +51,16 @@ local function keep(breaking, verdict, large, wish, out)
 end
 
 local sentences = {
-  holds = "Pushed by %s it holds: the whole interval lies above.",
-  breaks = "Pushed by %s it breaks: the whole interval lies below.",
-  unsure = "Pushed by %s: too close to decide.",
+  holds = "Under %s it holds: the whole interval lies above.",
+  breaks = "Under %s it breaks: the whole interval lies below.",
+  unsure = "Under %s: too close to decide.",
 }
 
 -- The answer, in sentences.
 local function tell(breaking, verdict, large, mass, wish, out)
   local singular = breaking.singular
   out:say("")
-  out:say("%s breaks at %s, pushed in the worst way over at least %.3g cm2, at %s; %s%s.",
+  out:say("%s breaks at %s under the worst load, on at least %.3g cm2, at %s; %s%s.",
     model.name(wish.model), model.interval(breaking.force, breaking.low, breaking.high), breaking.contact * 1e4,
     model.place(breaking.at), wish.material, mass and ", " .. model.mass_text(mass) or "")
   out:say(sentences[verdict], newtons(wish.force))
@@ -84,7 +84,7 @@ local function tell(breaking, verdict, large, mass, wish, out)
     out:say("  Deflections there are beyond the range of linear theory: more than a tenth of the part's length.")
   end
   out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm%s, judged by %s. The "
-    .. "search for the worst way is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
+    .. "search for the worst load is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
     model.mm(breaking.length), wish.length == "critical" and ", half the critical distance" or "",
     breaking.failure == "von_mises" and "von Mises against yield"
       or "the largest principal stress")
@@ -110,7 +110,8 @@ local function read_limits(wish)
     end or nil
   end
   if wish.hands == 1 and #wish.hold == 0 then
-    return nil, "option --hands: one hand pushes a part away that nothing holds: give --hold PLACE, or more hands"
+    return nil, "option --hands: a part without supports moves freely under the load of one hand: give --hold "
+      .. "PLACE, or more hands"
   end
   return limits
 end
@@ -118,15 +119,17 @@ end
 local function tell_limits(breaking, wish, out)
   local held, forbidden = breaking.held_area, breaking.forbidden_area
   if held then
-    out:say("  Held at %s (%.4g cm2): the whole force pushes, the supports push back.",
+    out:say("  Constrained at %s (%.4g cm2): the whole force is a load, the supports react.",
       table.concat(wish.hold, ", "), held * 1e4)
   end
   if forbidden then
-    out:say("  Nothing presses on %s (%.4g cm2).", table.concat(wish.forbid, ", "), forbidden * 1e4)
+    out:say("  No load on %s (%.4g cm2).", table.concat(wish.forbid, ", "), forbidden * 1e4)
   end
-  if wish.friction > 0 then out:say("  Friction %.4g: what presses also drags.", wish.friction) end
+  if wish.friction > 0 then
+    out:say("  Coefficient of friction %.4g: loads have tangential parts too.", wish.friction)
+  end
   if wish.hands then
-    out:say("  Pressed within %s at once; where these are is a heuristic search.",
+    out:say("  Loads act within %s at once; where these are is a heuristic search.",
       model.count(wish.hands, "place"))
   end
   out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = wish.friction, hands = wish.hands}
@@ -136,7 +139,7 @@ end
 local SAME_PART = {"--unit", "--material", "--young", "--poisson", "--strength", "--density", "--toughness",
   "--contact", "--length", "--elements", "--modes", "--regions"}
 
--- What to thicken where the force is not held for certain. Advice that fails is told; the command does not fail.
+-- What to thicken where the part does not hold for certain. Advice that fails is told; the command does not fail.
 local function advise(breaking, verdict, wish, out)
   if verdict == "holds" then return end
   local advice, message = breaking:advice {force = wish.force}
@@ -218,15 +221,16 @@ local function write_files(breaking, verdict, wish, folder, out)
   if fine and folder then
     local path, von_mises = folder:path "weakness.png", breaking.failure == "von_mises"
     fine, message, details = leave(path, worst:picture(path, marked {arrows = {},
-      title = von_mises and title or "Each place under its own worst push of " .. newtons(wish.force),
+      title = von_mises and title or "Each place under its own worst load of " .. newtons(wish.force),
       region = von_mises and breaking.region or nil}))
   end
   if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
   if fine and report then
-    local answer = ("breaks at %s at %s, pushed over at least %.3g cm2; pushed by %s: %s.\nShown first: the push "
-      .. "that breaks it, with %s on one side. The colours are stresses of elements, without an estimate of their "
-      .. "error."):format(model.interval(breaking.force, breaking.low, breaking.high), model.place(breaking.at),
-      breaking.contact * 1e4, newtons(wish.force), VERDICTS[verdict], newtons(wish.force))
+    local force = newtons(wish.force)
+    local answer = ("breaks at %s at %s under the worst load, on at least %.3g cm2; under %s: %s.\nShown first: "
+      .. "the load that breaks it, with %s on one side. The colours are stresses of elements, without an estimate "
+      .. "of their error."):format(model.interval(breaking.force, breaking.low, breaking.high),
+      model.place(breaking.at), breaking.contact * 1e4, force, VERDICTS[verdict], force)
     fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
       view = view_of(breaking), answer = answer, region = breaking.region,
       title = "Worst case of " .. model.name(wish.model)}))
@@ -287,15 +291,15 @@ end
 local options = {
   model.material_option,
   {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
-    what = "the force that is judged: what presses on one side, the reactions press as much; a hand's by default"},
+    what = "the force that is judged: the load on one side, which the reactions balance; a hand's by default"},
   model.contact_option,
   {name = "hold", value = "PLACE", many = true,
-    what = "hold it there; then the whole force pushes, and the supports push back"},
-  {name = "forbid", value = "PLACE", many = true, what = "nothing presses there"},
+    what = "a support: all displacements are zero there; then the whole force is a load, and the supports react"},
+  {name = "forbid", value = "PLACE", many = true, what = "no load acts there"},
   {name = "friction", value = "MU", type = "number", default = 0, least = 0, most = 100,
-    what = "Coulomb's coefficient of friction of what presses; without it, pressure alone"},
+    what = "Coulomb's coefficient of friction of the loads; without it, pressure alone"},
   {name = "hands", value = "K", type = "integer", least = 1, most = 16,
-    what = "press within so many places at once, each as large as two contacts; without it, anywhere"},
+    what = "loads act within so many places at once, each as large as two contacts; without it, anywhere"},
   {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
     what = "refine until the estimated error is this share, 0.05 for instance, or the mesh becomes too large"},
   model.length_option,
@@ -306,7 +310,7 @@ local options = {
   {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
     what = "write a page with a 3D view that turns"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-    what = "write a picture of the place that breaks, and the push that does it"},
+    what = "write a picture of the place that breaks, and the load that does it"},
   {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
     what = "write all fields, for ParaView"},
   {name = "out", value = "FOLDER", type = "folder", what = "write all of these and result.json, manifest.json "
@@ -317,7 +321,7 @@ table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
   summary = "the least force that breaks a part, and where",
-  about = "Finds the least force that breaks a part when it is pushed in the worst way, without known loads "
+  about = "Finds the least force that breaks a part under the worst of all loads, so that none must be known "
     .. "(Zhou, Panetta, Zorin 2013). The answer is an interval, estimated from a sequence of meshes of quadratic "
     .. "tetrahedra. A surface is repaired where it must be and filled; a mesh is taken as it is.\n\n"
     .. places.help .. "\n\n"
