@@ -79,6 +79,8 @@ end)
 describe("numbers and words in sentences", function()
   it("are shares in percent and words that a shell takes", function()
     assert.equal("0.53", model.percent(0.00527))
+    assert.equal("(4.68, 15.63, 0) mm", model.place {4.68e-3, 15.63e-3, 1.45e-11})
+    assert.equal("(1e-05, 0, 0) mm", model.place {1e-8, 0, 0})
     assert.equal("8.2", model.percent(0.0823))
     assert.equal("110", model.percent(1.1))
     assert.same({"3560", "25.8", "0.00123", "1.2e-07", "-2000000"}, {model.digits(3555.5), model.digits(25.83),
@@ -141,6 +143,8 @@ describe("sentences of the engine", function()
     for text, expected in pairs {
       ["the mesh fills the box (-0.002, 0, 1e-05) to (0.25, 0.4, 0.2) m"] =
         "the mesh fills the box (-2, 0, 0.01) to (250, 400, 200) mm",
+      ["nothing deforms. Move the load or fix less; coordinates and tolerances are in metres"] =
+        "nothing deforms. Move the load or fix less",
       ["an edge length of about 0.00303 m, which moved it by up to 0.00075 m (0.0064 of its size)"] =
         "an edge length of about 3.03 mm, which moved it by up to 0.75 mm (0.0064 of its size)",
       ["at (0, 0.1, -2e-3) m, cells 0.1 x 0.2 x 1e-05 m"] = "at (0, 100, -2) mm, cells 100 x 200 x 0.01 mm",

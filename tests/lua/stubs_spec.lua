@@ -105,8 +105,8 @@ describe("the stubs", function()
     same(inner(brute), "bw.BruteForce")
     local breaking = assert(bw.breaking_force(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.01}},
       {material = bw.material.pla, elements = 300, modes = 2, regions = 1}))
-    same(inner(breaking), "bw.BreakingForce", {given_mesh = true, held_area = true,
-      forbidden_area = true})
+    same(inner(breaking), "bw.BreakingForce", {given_mesh = true, held_area = true, forbidden_area = true,
+      singular = true})
     same(inner(drops), "bw.DropTest")
     same(keys(getmetatable(part.mesh:surface():singular_edges())), "bw.SingularPlaces")
     assert(loads)

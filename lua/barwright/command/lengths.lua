@@ -23,8 +23,13 @@ local function run_of(text)
     or tonumber(last) and text:sub(1, #text - #last) .. in_mm(last) or nil
 end
 
+-- A hint for scripts, which give lengths in m; on the command line they have units.
+local HINT = "; coordinates and tolerances are in metres"
+
 --- The sentence with its lengths in mm.
 return function(text)
+  local at = text:find(HINT, 1, true)
+  if at then text = text:sub(1, at - 1) .. text:sub(at + #HINT) end
   text = text:gsub("%(([^()]+)%) to %(([^()]+)%) m%f[^%w_/^]", function(low, high)
     low, high = all_of(low, ", "), all_of(high, ", ")
     return low and high and ("(%s) to (%s) mm"):format(low, high)

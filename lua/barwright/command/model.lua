@@ -93,15 +93,21 @@ function model.interval(force, low, high)
   return ("%s N (%s to %s N)"):format(model.digits(force), model.digits(low), model.digits(high))
 end
 
+-- Of the largest coordinate of a place: single precision, as of STL files.
+local ROUNDING = 1e-7
+
 --- Where a surface lies that a step moved by a length.
 function model.moved_text(moved)
   return moved > 0 and ("at most %s mm from the input"):format(model.mm(moved)) or "on the input"
 end
 
---- "(1.5, 0, 30) mm"
+--- "(1.5, 0, 30) mm"; what rounding may have left beside the largest coordinate is 0.
 function model.place(at)
-  local texts = {}
-  for i, x in ipairs(at) do texts[i] = ("%.4g"):format(math.abs(x) < 1e-15 and 0 or x * 1e3) end
+  local texts, largest = {}, 0
+  for _, x in ipairs(at) do largest = math.max(largest, math.abs(x)) end
+  for i, x in ipairs(at) do
+    texts[i] = ("%.4g"):format(math.abs(x) < 1e-15 + ROUNDING * largest and 0 or x * 1e3)
+  end
   return "(" .. table.concat(texts, ", ") .. ") mm"
 end
 

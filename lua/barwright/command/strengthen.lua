@@ -121,7 +121,7 @@ local options = {
     what = "where the strengthened surface goes, in the unit of the input"},
   model.material_option,
   {name = "keep", value = "PLACE", many = true,
-    what = "where the surface must not move; may be repeated"},
+    what = "where the surface must not move"},
   model.contact_option,
   model.length_option,
   {name = "steps", value = "N", type = "integer", default = 8, least = 1, most = 100,
