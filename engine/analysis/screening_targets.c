@@ -82,15 +82,17 @@ static bw_status list_corners(bw_context *context, bwi_targets *t) {
     for (int a = 0; a < 3; a++)
       corner[mesh->facet[(size_t)f * (size_t)mesh->nodes_per_facet + (size_t)a]] = true;
   for (int32_t i = 0; i < mesh->boundary_node_count; i++)
-    if (corner[mesh->boundary_node[i]])
+    if (corner[mesh->boundary_node[i]] &&
+        bwi_surface_patch_exists(&t->patch, mesh->boundary_node[i]))
       t->node[t->count++] = mesh->boundary_node[i];
   bw_free(corner);
   return BW_OK;
 }
 
 bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            int32_t pressures, const double *response, const double *traction,
-                            double radius, bwi_targets *targets) {
+                            const bw_numbering *numbering, int32_t pressures,
+                            const double *response, const double *traction, double radius,
+                            bwi_targets *targets) {
   bw_status status = BW_OK;
   *targets = (bwi_targets){.mesh = mesh,
                            .material = material,
@@ -101,7 +103,7 @@ bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_m
     targets->count = mesh->element_count;
     return BW_OK;
   }
-  BW_TRY(bwi_surface_patches_begin(context, mesh, radius, &targets->patch));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &targets->patch));
   BW_TRY(list_corners(context, targets));
   targets->mark = BW_NEW0(context, int32_t, bw_threads(context));
   targets->at_corner = BW_NEW0(context, double, 18 * (size_t)mesh->facet_count * (size_t)pressures);

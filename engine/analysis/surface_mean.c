@@ -3,7 +3,7 @@
  * stress measure that stays finite where the stress itself is singular
  * (docs/theory/breaking_force.md).
  *
- * Invariant: weights are positive and sum to one, so constants are kept and no mean exceeds the
+ * Invariant: weights are not negative and sum to one, so constants are kept and no mean exceeds the
  * largest value of its patch. */
 #include "analysis/surface_patch.h"
 
@@ -41,19 +41,19 @@ static bw_status means_of(void *data, int64_t begin, int64_t end, int worker) {
     sum s = {m, 0, m->mean + (size_t)node * m->columns};
     memset(s.mean, 0, (size_t)m->columns * sizeof *s.mean);
     bwi_surface_patch_visit(&m->patches, node, (int32_t)i + 1, worker, add_facet, &s);
-    for (int c = 0; c < m->columns; c++)
+    for (int c = 0; c < m->columns && s.total > 0; c++)
       s.mean[c] /= s.total;
   }
   return BW_OK;
 }
 
-bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, double radius, int columns,
-                          const double *value, double *mean) {
+bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, const bw_numbering *numbering,
+                          double radius, int columns, const double *value, double *mean) {
   bw_status status;
   means m = {.columns = columns, .value = value, .mean = mean};
   if (columns < 1)
     return bw_fail(context, BW_INVALID, "%d columns: at least one is needed", columns);
-  BW_TRY(bwi_surface_patches_begin(context, mesh, radius, &m.patches));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &m.patches));
   memset(mean, 0, (size_t)mesh->node_count * (size_t)columns * sizeof *mean);
   BW_TRY(bw_parallel(context, mesh->boundary_node_count, 64, means_of, &m));
 done:

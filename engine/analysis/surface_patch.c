@@ -17,11 +17,21 @@ static void place_samples(double at[BWI_PATCH_SAMPLES][3]) {
       }
 }
 
-bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh, double radius,
+static bool is_constrained(const bw_numbering *numbering, int nodes, const int32_t *node) {
+  for (int k = 0; k < 3 * nodes; k++)
+    if (numbering->state[3 * (size_t)node[k / 3] + (size_t)(k % 3)] != BW_HELD)
+      return false;
+  return true;
+}
+
+bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
+                                    const bw_numbering *numbering, double radius,
                                     bwi_surface_patches *patches) {
   bw_status status;
   size_t facets = (size_t)mesh->facet_count, threads = (size_t)bw_threads(context);
   *patches = (bwi_surface_patches){.mesh = mesh, .radius = radius};
+  if (numbering && numbering->mesh != mesh)
+    return bw_fail(context, BW_INVALID, "supports of another mesh");
   if (!(radius > 0) || !isfinite(radius))
     return bw_fail(context, BW_INVALID, "a radius greater than 0 expected, got %g m", radius);
   patches->area = BW_NEW(context, double, facets);
@@ -41,7 +51,9 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh, do
     for (int k = 0; k < 3; k++)
       u[k] = b[k] - a[k], v[k] = c[k] - a[k];
     bw_cross(u, v, n);
-    patches->area[f] = 0.5 * sqrt(bw_dot(n, n));
+    patches->area[f] = 0.5 * bw_norm(n);
+    if (numbering && is_constrained(numbering, mesh->nodes_per_facet, node))
+      patches->area[f] = 0;
     for (size_t k = 0; k < BWI_PATCH_SAMPLES; k++)
       for (size_t j = 0; j < 3; j++) {
         const double *at = patches->at[k];
@@ -73,6 +85,15 @@ bool bwi_surface_patch_shares(const bwi_surface_patches *p, int32_t facet, int32
     any = any || share[k] > 0;
   }
   return any;
+}
+
+bool bwi_surface_patch_exists(const bwi_surface_patches *p, int32_t node) {
+  if (node < 0 || node >= p->mesh->node_count)
+    return false;
+  for (int64_t k = p->around.start[node]; k < p->around.start[node + 1]; k++)
+    if (p->area[p->around.element[k]] > 0)
+      return true;
+  return false;
 }
 
 /* The facets around a node, where the mesh is coarser than the radius. */

@@ -46,9 +46,9 @@ static bw_status set_region(bw_context *context, const bw_mesh *mesh, collected 
 
 static bw_status check_patch(bw_context *context, const bwi_surface_patches *patches, int64_t i,
                              int32_t node, const double stress[6]) {
-  if (node < 0 || node >= patches->mesh->node_count ||
-      patches->around.start[node] == patches->around.start[node + 1])
-    return bw_fail(context, BW_INVALID, "node %d is not on the boundary", node);
+  if (!bwi_surface_patch_exists(patches, node))
+    return bw_fail(context, BW_INVALID, "node %d is not on the boundary, or inside of a support",
+                   node);
   double largest = 0;
   for (int k = 0; k < 6; k++)
     largest = fmax(largest, fabs(stress[k]));
@@ -59,8 +59,9 @@ static bw_status check_patch(bw_context *context, const bwi_surface_patches *pat
   return BW_OK;
 }
 
-bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh, double radius,
-                                  int64_t count, const int32_t *node, const double *stress,
+bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
+                                  const bw_numbering *numbering, double radius, int64_t count,
+                                  const int32_t *node, const double *stress,
                                   bw_weak_regions **result) {
   bw_status status;
   bw_weak_regions *regions = NULL;
@@ -72,7 +73,7 @@ bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh, doub
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_surface_patches_begin(context, mesh, radius, &patches));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &patches));
   for (int64_t i = 0; i < count; i++) {
     BW_TRY(check_patch(context, &patches, i, node[i], stress + 6 * i));
     first[i] = mesh->facet_element[patches.around.element[patches.around.start[node[i]]]];

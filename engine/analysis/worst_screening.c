@@ -362,8 +362,8 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   }
   BW_TRY(solve_patches(&s, radius > 0));
   BW_TRY(subtract_fit(&s));
-  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, s.patches, s.response,
-                           s.traction, radius, &s.targets));
+  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, system->numbering, s.patches,
+                           s.response, s.traction, radius, &s.targets));
   s.rank = BW_NEW(context, ranked, s.targets.count);
   s.list = BW_NEW(context, int32_t, s.targets.count);
   s.direction = BW_NEW(context, double, 6 * (size_t)s.targets.count);

@@ -67,7 +67,7 @@ local function mean_stress(breaking, region)
   stress, message, details = core.surface_stress(breaking.mesh, breaking.material, u,
     worst.basis:force(worst.loads.pressures[region]))
   if not stress then return nil, message, details end
-  return core.surface_mean(breaking.mesh, stress, breaking.length)
+  return core.surface_mean(breaking.mesh, stress, breaking.length, worst.system)
 end
 
 -- Over all judged loads, the largest utilisation at every node (a table), the load that causes it, and the mean
@@ -138,13 +138,13 @@ end
 -- the judged component: a row for every node, by its position, inner nodes following the boundary. `mean`: mean
 -- stresses under the place's load. nil, message, details where it cannot be computed.
 local function gradient_of(breaking, judge, place, mean)
-  local worst, mesh, material = breaking.worst, breaking.mesh, breaking.material
+  local worst, mesh = breaking.worst, breaking.mesh
   if (worst.limits.hands or 0) > 0 or worst.basis.directions > 1 then
     return nil, "the shape gradient is not implemented for loads with friction or of several hands",
       {status = "unsupported"}
   end
   local slope = core.array.new {slope_of(breaking, judge, mean:rows(place.node, place.node):totable()[1])}
-  local force, by_force, details = core.patch_functional(mesh, material, breaking.length, place.node, slope)
+  local force, by_force, details = core.patch_functional(worst.system, breaking.length, place.node, slope)
   if not force then return nil, by_force, details end
   local adjoint, message
   adjoint, message, details = worst.system:solve(force)
@@ -158,7 +158,7 @@ local function gradient_of(breaking, judge, place, mean)
   u, message, details = worst.system:solve(worst.basis:force(pressure))
   if not u then return nil, message, details end
   local gradient
-  gradient, message, details = core.patch_gradient(worst.basis, material, {radius = breaking.length,
+  gradient, message, details = core.patch_gradient(worst.basis, worst.system, {radius = breaking.length,
     node = place.node, slope = slope, displacement = u, adjoint = adjoint - motion, pressure = pressure,
     price = price})
   if not gradient then return nil, message, details end

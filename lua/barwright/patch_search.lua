@@ -65,7 +65,7 @@ local function rate(self, numbers)
     if not stresses[k] then return nil, message, details end
   end
   local means
-  means, message, details = core.surface_means(self.mesh, stresses, self.radius)
+  means, message, details = core.surface_means(self.mesh, stresses, self.radius, self.system)
   if not means then return nil, message, details end
   for k, stress in ipairs(stresses) do
     local mean = means:columns(6 * k - 5, 6 * k)
@@ -86,7 +86,7 @@ end
 
 -- Loads that maximise the mean stress around nodes in the principal direction of tensors (rows), and their places.
 local function add(self, nodes, rows)
-  local patches, message, details = core.patch_regions(self.mesh, self.radius, nodes, core.array.new(rows))
+  local patches, message, details = core.patch_regions(self.system, self.radius, nodes, core.array.new(rows))
   if not patches then return nil, message, details end
   local wish, first = {one_sign = true, after = self.loads}, self.loads and self.loads.peaks.row_count or 0
   for key, value in pairs(self.limits) do wish[key] = value end

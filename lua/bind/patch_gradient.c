@@ -13,23 +13,24 @@ static const double *check_rows(lua_State *L, int index, const char *what, int c
   return data;
 }
 
-/* patch_functional(mesh, material, radius, node, slope): nodal forces of the functional of the
+/* patch_functional(system, radius, node, slope): nodal forces of the functional of the
  * displacement, its derivative by the nodal forces of the load */
 static int patch_functional(lua_State *L) {
-  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
-  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
-  double radius = lbw_check_real(L, 3, "radius");
-  int64_t node = lbw_check_index(L, 4, "node", mesh->node_count);
-  const double *slope = check_rows(L, 5, "slope", 6, 1);
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  const bw_mesh *mesh = system->mesh;
+  lua_settop(L, 4);
+  double radius = lbw_check_real(L, 2, "radius");
+  int64_t node = lbw_check_index(L, 3, "node", mesh->node_count);
+  const double *slope = check_rows(L, 4, "slope", 6, 1);
   double *force = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
   double *by_force = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
   return lbw_leave(L,
-                   bw_patch_functional(lbw_enter(L), mesh, material, radius, (int32_t)node, slope,
-                                       force, by_force),
+                   bw_patch_functional(lbw_enter(L), mesh, system->material, system->numbering,
+                                       radius, (int32_t)node, slope, force, by_force),
                    2);
 }
 
-/* patch_gradient(basis, material, {radius, node, slope, displacement, adjoint, pressure, price}):
+/* patch_gradient(basis, system, {radius, node, slope, displacement, adjoint, pressure, price}):
  * a row for every node, the value */
 static int patch_gradient(lua_State *L) {
   bw_patch_state state;
@@ -43,11 +44,13 @@ static int patch_gradient(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 1, &lbw_pressure_basis_class);
-  const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
+  const bw_system *system = (const bw_system *)lbw_check(L, 2, &lbw_system_class);
   const bw_mesh *mesh = basis->mesh;
   double value = 0;
+  lbw_argument_check(L, system->mesh == mesh, 2, "a system of the same mesh expected");
   memset(&state, 0, sizeof state);
   state.basis = basis;
+  state.numbering = system->numbering;
   lua_settop(L, 3);
   lbw_options(L, 3, "patch_gradient", list, &state);
   lbw_option_get(L, 3, "node"); /* 4 */
@@ -63,7 +66,8 @@ static int patch_gradient(lua_State *L) {
   state.adjoint = check_rows(L, 7, "adjoint", 3, mesh->node_count);
   state.pressure = check_rows(L, 8, "pressure", 1, basis->count);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
-  bw_status status = bw_patch_shape_gradient(lbw_enter(L), mesh, material, &state, &value, out);
+  bw_status status =
+      bw_patch_shape_gradient(lbw_enter(L), mesh, system->material, &state, &value, out);
   lua_pushnumber(L, value);
   return lbw_leave(L, status, 2);
 }

@@ -549,28 +549,46 @@ static int core_surface_stress(lua_State *L) {
   return lbw_leave(L, bw_surface_stress(lbw_enter(L), mesh, material, displacement, force, out), 1);
 }
 
-/* surface_mean(mesh, values, radius) */
+/* Means with the supports of argument 4: a system, a static solution, a model, or nil. */
+static int push_means(lua_State *L, const bw_mesh *mesh, double radius, int64_t columns,
+                      const double *value) {
+  const bw_system *system = (const bw_system *)lbw_test(L, 4, &lbw_system_class);
+  const bw_static *solution = (const bw_static *)lbw_test(L, 4, &lbw_static_class);
+  const bw_model *model = solution ? solution->model : NULL;
+  if (!system && !solution && !lua_isnil(L, 4))
+    model = (const bw_model *)lbw_check(L, 4, &lbw_model_class);
+  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, columns)->data;
+  bw_context *context = lbw_enter(L);
+  bw_numbering *own = NULL;
+  bw_status status = model ? bw_numbering_create(context, model, &own) : BW_OK;
+  if (status == BW_OK)
+    status = bw_surface_mean(context, mesh, system ? system->numbering : own, radius, (int)columns,
+                             value, out);
+  bw_release(own);
+  return lbw_leave(L, status, 1);
+}
+
+/* surface_mean(mesh, values, radius, system or static or model or nil) */
 static int core_surface_mean(lua_State *L) {
+  lua_settop(L, 4);
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const bw_array *array = (const bw_array *)lbw_check(L, 2, &lbw_array_class);
   int64_t rows, columns = array->columns;
   const double *value = lbw_to_doubles(L, 2, "values", (int)columns, &rows);
   lbw_argument_check(L, rows == 3 * (int64_t)mesh->facet_count, 2,
                      "values: three rows for every facet expected, as surface_stress returns");
-  double radius = lbw_number_or(L, 3, 0);
-  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, columns)->data;
-  return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)columns, value, out), 1);
+  return push_means(L, mesh, lbw_number_or(L, 3, 0), columns, value);
 }
 
-/* surface_means(mesh, fields, radius): those of a list of arrays with as many columns, side by
- * side. Patches are looked for once. */
+/* surface_means(mesh, fields, radius, as above): those of a list of arrays with as many columns,
+ * side by side. Patches are looked for once. */
 static int core_surface_means(lua_State *L) {
+  lua_settop(L, 4);
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   lbw_argument_check(L, lua_istable(L, 2) && lua_rawlen(L, 2) > 0 && lua_rawlen(L, 2) < 10000, 2,
                      "fields: a list of arrays expected");
   int64_t count = (int64_t)lua_rawlen(L, 2), width = 0, corners = 3 * (int64_t)mesh->facet_count;
   double radius = lbw_number_or(L, 3, 0), *side = NULL;
-  lua_settop(L, 2);
   for (int64_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, i + 1);
     const bw_array *array = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
@@ -582,16 +600,14 @@ static int core_surface_means(lua_State *L) {
     if (i == 0) {
       width = array->columns;
       side = (double *)lbw_push_array(L, BW_F64, corners, width * count)->data;
-      lua_insert(L, 3);
+      lua_insert(L, 5);
     }
     for (int64_t n = 0; n < corners; n++)
       for (int64_t c = 0; c < width; c++)
         side[n * width * count + i * width + c] = bw_array_get(array, n, c);
     lua_pop(L, 1);
   }
-  double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, width * count)->data;
-  return lbw_leave(L, bw_surface_mean(lbw_enter(L), mesh, radius, (int)(width * count), side, out),
-                   1);
+  return push_means(L, mesh, radius, width * count, side);
 }
 
 static int rows_of(lua_State *L, row_function *function, int64_t columns) {

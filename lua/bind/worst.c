@@ -76,9 +76,9 @@ static int directed_regions(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* patch_regions(mesh, radius, nodes, stresses) */
+/* patch_regions(system, radius, nodes, stresses) */
 static int patch_regions(lua_State *L) {
-  const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
   int64_t count, rows;
   lua_settop(L, 4);
   double radius = lbw_check_number(L, 2);
@@ -87,8 +87,8 @@ static int patch_regions(lua_State *L) {
   lbw_argument_check(L, rows == count, 4, "stresses: a row of six for every node expected");
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
-  bw_status status =
-      bw_weak_regions_patches(lbw_enter(L), mesh, radius, count, node, stress, &regions);
+  bw_status status = bw_weak_regions_patches(lbw_enter(L), system->mesh, system->numbering, radius,
+                                             count, node, stress, &regions);
   lbw_box_fill(L, box, regions);
   return lbw_leave(L, status, 1);
 }

@@ -176,7 +176,7 @@ function bw.nodal_stress(mesh, material, displacement) end
 ---Stress at the corners of the boundary's facets, three rows of six for each facet: from the displacement of the
 ---facet's own nodes and the traction on it. At a re-entrant edge it depends on the mesh far less than stresses at nodes.
 ---What supports push back is no part of the traction (docs/theory/breaking_force.md).
----`bw.surface_mean(mesh, bw.surface_stress(mesh, material, u, basis:force(pressure)), 2e-3)`
+---`bw.surface_mean(mesh, bw.surface_stress(mesh, steel, static.displacement, static.force), 2e-3, static)`
 ---@param mesh bw.Mesh
 ---@param material bw.Material
 ---@param displacement bw.Array m, a row for every node; thermal expansion is not taken off
@@ -188,15 +188,16 @@ function bw.surface_stress(mesh, material, displacement, force) end
 
 ---The mean of a field of facets' corners over the boundary that connected facets reach within `radius` of each
 ---boundary node, weighted by area and 1 - (distance / radius)^2: a nonlocal measure that has a limit under refinement
----where a stress has none. 0 at inner nodes; where the mesh is coarser than the radius, the mean by area over the
----facets around the node.
+---where a stress has none. Where the mesh is coarser than the radius, the mean by area over the facets around the
+---node. Facets that `supports` constrain in all directions do not count. 0 at inner nodes and inside of such supports.
 ---@param mesh bw.Mesh
 ---@param values bw.Array three rows for every facet, such as those of bw.surface_stress; linear between them
 ---@param radius number m, above 0
+---@param supports? bw.Static|bw.Model|bw.System whose supports count; default none
 ---@return bw.Array? mean a row for every node, of as many columns
 ---@return string? message
 ---@return table? details
-function bw.surface_mean(mesh, values, radius) end
+function bw.surface_mean(mesh, values, radius, supports) end
 
 ---Von Mises stress of rows of stress tensors.
 ---@param stress bw.Array

@@ -52,7 +52,7 @@ local function least_force(t, found)
     local force = worst.basis:force(loads.pressures[i])
     local u = t:require(worst.system:solve(force))
     local stress = t:require(bw.surface_stress(mesh, found.material, u, force))
-    local mean = t:require(bw.surface_mean(mesh, stress, found.length))
+    local mean = t:require(bw.surface_mean(mesh, stress, found.length, worst.system))
     most = math.max(most, t:require(bw.max_principal(mean)):max())
   end
   return found.material.strength / most * found.reference, regions.count

@@ -47,16 +47,16 @@ describe("the shape gradient of the judged stress", function()
     local node = mesh.boundary:near({0.001, 0.001, 0.0025}, 0.002).nodes[1]
     local function optimum(on)
       local system = assert(bw.model({mesh = on, material = bw.material.pla}):system())
-      local force, by_force = core.patch_functional(on, bw.material.pla, radius, node, slope)
+      local force, by_force = core.patch_functional(system, radius, node, slope)
       local adjoint = assert(system:solve(assert(force)))
       local basis = assert(core.pressure_basis(on, {spacing = spacing}))
       local pressure, value, motion, price = core.priced_load(system, basis,
         basis:gradient(adjoint + by_force), limits)
       return value, {displacement = assert(system:solve(basis:force(pressure))), adjoint = adjoint - motion,
-        pressure = pressure, price = price, radius = radius, node = node, slope = slope}, basis
+        pressure = pressure, price = price, radius = radius, node = node, slope = slope}, basis, system
     end
-    local value, state, basis = optimum(mesh)
-    local gradient, same = core.patch_gradient(basis, bw.material.pla, state)
+    local value, state, basis, system = optimum(mesh)
+    local gradient, same = core.patch_gradient(basis, system, state)
     check.near(value, same, 1e-9)
     gradient = assert(core.boundary_gather(mesh, gradient))
     -- A bump on the boundary, which inner nodes follow.

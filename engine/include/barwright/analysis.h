@@ -79,10 +79,11 @@ bw_status bw_surface_stress(bw_context *context, const bw_mesh *mesh, const bw_m
                             const double *displacement, const double *force, double *stress);
 /* The mean of a field of facets' corners (facet_count x 3 x columns, linear between them) over the
  * boundary that connected facets reach within `radius` of each boundary node, weighted by area and
- * 1 - (distance / radius)^2: node_count x columns, 0 at inner nodes. Where the mesh is too coarse
- * for the radius, the mean by area over the facets around the node. */
-bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, double radius, int columns,
-                          const double *value, double *mean);
+ * 1 - (distance / radius)^2: node_count x columns. Where the mesh is too coarse for the
+ * radius, the mean by area over the facets around the node. Facets that the numbering (may be NULL)
+ * constrains in all directions do not count; 0 at inner nodes and inside of such supports. */
+bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, const bw_numbering *numbering,
+                          double radius, int columns, const double *value, double *mean);
 
 /* ---- how stresses change with the shape (agile, section 7) ------------------------------------
  */
@@ -109,9 +110,10 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
  * of the displacement: its nodal forces, and its derivative by the nodal forces of the load
  * (`by_force`), node_count x 3 both (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
 bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              double radius, int32_t node, const double slope[6], double *force,
-                              double *by_force);
+                              const bw_numbering *numbering, double radius, int32_t node,
+                              const double slope[6], double *force, double *by_force);
 typedef struct bw_patch_state {
+  const bw_numbering *numbering;         /* supports; may be NULL */
   int32_t node;                          /* in the middle of the patch */
   double radius, slope[6];               /* m; by the six components of the mean stress */
   const double *displacement;            /* u: node_count x 3 */
@@ -198,8 +200,9 @@ bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int
 /* Patches of the boundary as regions: those of bw_surface_mean around boundary nodes. The objective
  * is s n . m n, m the bw_surface_mean of bw_surface_stress, n and s of stress[6 i] as above. Their
  * elements are those behind the corners of facets. */
-bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh, double radius,
-                                  int64_t count, const int32_t *node, const double *stress,
+bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
+                                  const bw_numbering *numbering, double radius, int64_t count,
+                                  const int32_t *node, const double *stress,
                                   bw_weak_regions **regions);
 /* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
 bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,

@@ -100,8 +100,9 @@ local function measure(static, mesh, material, radius)
   local found = {elements = mesh.element_count, stress = static.von_mises:max()}
   if material.strength then
     found.used = static.utilisation:max()
-    local stress = bw.surface_stress(mesh, material, static.displacement)
-    found.used_mean = stress and material:utilisation(bw.surface_mean(mesh, stress, radius)):max() or found.used
+    local stress = bw.surface_stress(mesh, material, static.displacement, static.force)
+    local mean = stress and bw.surface_mean(mesh, stress, radius, static)
+    found.used_mean = mean and material:utilisation(mean):max() or found.used
   end
   return found
 end

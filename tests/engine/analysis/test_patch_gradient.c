@@ -56,7 +56,7 @@ static double lagrangian(bw_context *context, const bw_mesh *mesh, const bw_mate
   bw_pressure_force(basis, s->pressure, force);
   value += dot(force, s->adjoint, size);
   check_ok(context, bw_surface_stress(context, mesh, material, s->displacement, force, stress));
-  check_ok(context, bw_surface_mean(context, mesh, s->radius, 6, stress, mean));
+  check_ok(context, bw_surface_mean(context, mesh, s->numbering, s->radius, 6, stress, mean));
   value += dot(s->slope, mean + 6 * (size_t)s->node, 6);
   bw_release(basis);
   free(stress), free(mean), free(force);
@@ -124,8 +124,8 @@ static void check_gradient(bw_context *context, int order, bool curved, double s
   /* The functionals are the derivatives of the value, which is linear in u and G p. */
   double *force = numbers(mesh, 3), *by_force = numbers(mesh, 3), *load = numbers(mesh, 3);
   size_t size = 3 * (size_t)mesh->node_count;
-  check_ok(context, bw_patch_functional(context, mesh, material, radius, state.node, slope, force,
-                                        by_force));
+  check_ok(context, bw_patch_functional(context, mesh, material, NULL, radius, state.node, slope,
+                                        force, by_force));
   bw_pressure_force(basis, pressure, load);
   assert_true(fabs(dot(by_force, load, size)) > 0.01 * fabs(value));
   check_near((dot(force, u, size) + dot(by_force, load, size)) / value, 1, 1e-10);
@@ -188,9 +188,9 @@ static void test_wrong_input(void **state) {
         fabs(mesh->node[3 * (size_t)i + 2] - 1.0 / 3) < 1e-9)
       inner = i;
   check_fails(context, BW_INVALID, "not on the boundary",
-              bw_patch_functional(context, mesh, material, 0.08, inner, slope, zero, zero));
+              bw_patch_functional(context, mesh, material, NULL, 0.08, inner, slope, zero, zero));
   check_fails(context, BW_INVALID, "radius",
-              bw_patch_functional(context, mesh, material, -1, 0, slope, zero, zero));
+              bw_patch_functional(context, mesh, material, NULL, -1, 0, slope, zero, zero));
   free(zero);
   bw_release(material);
   bw_release(mesh);

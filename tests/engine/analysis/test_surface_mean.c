@@ -37,7 +37,7 @@ static int node_near(const bw_mesh *mesh, double x, double y, double z) {
 static double mean_at_top(bw_context *context, bw_mesh *mesh, double radius, field *f, double top) {
   double *value = values_of(mesh, f);
   double *mean = (double *)malloc(sizeof *mean * (size_t)mesh->node_count);
-  check_ok(context, bw_surface_mean(context, mesh, radius, 1, value, mean));
+  check_ok(context, bw_surface_mean(context, mesh, NULL, radius, 1, value, mean));
   double out = mean[node_near(mesh, 0, 0, top)];
   free(value), free(mean);
   return out;
@@ -99,7 +99,7 @@ static void test_singular_field(void **state) {
     for (size_t i = 0; i < 3 * (size_t)mesh->facet_count; i++)
       if (fabs(corner(mesh, i)[0]) < 1e-9)
         value[i] = pow(h / 4, -0.4555); /* what a mesh of that size shows there */
-    check_ok(context, bw_surface_mean(context, mesh, 0.6, 1, value, out));
+    check_ok(context, bw_surface_mean(context, mesh, NULL, 0.6, 1, value, out));
     mean[k] = out[node_near(mesh, 0, 0, 0.4)];
     free(value), free(out);
     bw_release(mesh);
@@ -119,7 +119,7 @@ static void test_columns_and_threads(void **state) {
   for (int k = 0; k < 2; k++) {
     mean[k] = (double *)malloc(2 * n * sizeof **mean);
     check_ok(context, bw_set_threads(context, k ? 4 : 1));
-    check_ok(context, bw_surface_mean(context, mesh, 0.5, 2, value, mean[k]));
+    check_ok(context, bw_surface_mean(context, mesh, NULL, 0.5, 2, value, mean[k]));
   }
   check_ok(context, bw_set_threads(context, before));
   assert_memory_equal(mean[0], mean[1], 2 * n * sizeof **mean);
@@ -133,19 +133,46 @@ static void test_columns_and_threads(void **state) {
       inner++;
   }
   assert_int_equal(inner, mesh->node_count - mesh->boundary_node_count);
-  check_fails(context, BW_INVALID, "radius", bw_surface_mean(context, mesh, 0, 2, value, mean[0]));
   check_fails(context, BW_INVALID, "radius",
-              bw_surface_mean(context, mesh, NAN, 2, value, mean[0]));
+              bw_surface_mean(context, mesh, NULL, 0, 2, value, mean[0]));
+  check_fails(context, BW_INVALID, "radius",
+              bw_surface_mean(context, mesh, NULL, NAN, 2, value, mean[0]));
   free(value), free(mean[0]), free(mean[1]);
+  bw_release(mesh);
+}
+
+/* A plate that is fixed where x <= 0 has patches on the other side only. */
+static void test_supports(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = plate(context, 8, 1, 0.4, 2);
+  bw_material *material = NULL;
+  bw_model *model = NULL;
+  bw_selection *fixed = NULL;
+  bw_numbering *numbering = NULL;
+  const bw_isotropic constants = {.name = "test", .young = 1, .poisson = 0.3};
+  check_ok(context, bw_material_isotropic(context, &constants, &material));
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_select_half_space(context, mesh, (double[3]){0, 0, 0}, (double[3]){1, 0, 0},
+                                         1e-9, &fixed));
+  check_ok(context, bw_model_fix(context, model, fixed));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  double *value = values_of(mesh, slope);
+  double *mean = (double *)malloc(sizeof *mean * (size_t)mesh->node_count);
+  check_ok(context, bw_surface_mean(context, mesh, numbering, 0.5, 1, value, mean));
+  /* At the border 3 + x over half a disc: x has the mean r 16 / (15 pi) by the weight. */
+  check_near(mean[node_near(mesh, 0, 0, 0.4)], 3 + 0.5 * 16 / (15 * acos(-1)), 0.02);
+  assert_true(mean[node_near(mesh, -0.5, 0, 0.4)] == 0);
+  check_near(mean[node_near(mesh, 0.5, 0, 0.4)], 3.5, 1e-12);
+  free(value), free(mean);
+  bw_release(numbering), bw_release(fixed), bw_release(model), bw_release(material);
   bw_release(mesh);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_closed_forms),
-      check_test(test_thin_wall),
-      check_test(test_singular_field),
-      check_test(test_columns_and_threads),
+      check_test(test_closed_forms),   check_test(test_thin_wall),
+      check_test(test_singular_field), check_test(test_columns_and_threads),
+      check_test(test_supports),
   };
   return cmocka_run_group_tests_name("analysis: surface mean", tests, NULL, NULL);
 }

@@ -151,14 +151,14 @@ static void patches_are_screened_and_reached(void **state) {
         double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
         assert_true(bw_norm(d) > radius);
       }
-    check_ok(context, bw_weak_regions_patches(context, p.mesh, radius, found.count, found.target,
-                                              found.stress, &regions));
+    check_ok(context, bw_weak_regions_patches(context, p.mesh, NULL, radius, found.count,
+                                              found.target, found.stress, &regions));
     for (int32_t i = 0; i < found.count; i++) {
       double slope[6], largest = 0, difference = 0;
       direction_of(found.stress + 6 * (size_t)i, slope);
       check_ok(context, bw_region_objective(context, regions, i, p.material, region));
-      check_ok(context, bw_patch_functional(context, p.mesh, p.material, radius, found.target[i],
-                                            slope, force, by_force));
+      check_ok(context, bw_patch_functional(context, p.mesh, p.material, NULL, radius,
+                                            found.target[i], slope, force, by_force));
       for (size_t k = 0; k < size; k++) {
         largest = fmax(largest, fabs(force[k]));
         difference = fmax(difference, fabs(force[k] - region[k]));
