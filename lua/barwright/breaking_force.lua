@@ -213,7 +213,8 @@ end
 local function estimate(self)
   local last = self.history[#self.history]
   local unrefined = last.refined and 0 or UNREFINED * math.max(1, last.size / self.length)
-  return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, LEAST_ERROR)
+  local misfit = self.volume and math.abs(last.volume / self.volume - 1) or 0
+  return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, misfit, LEAST_ERROR)
 end
 
 -- Whether the largest surface stress grows without end, from the last mesh with longer edges to the last one.
@@ -232,8 +233,7 @@ end
 -- Why the stress at the weakest place has no finite value, or nil. Edges shorter than the patch's radius are
 -- facets of scans, mostly.
 local function find_singular(self)
-  local sound = self.surface and self.surface:check({limit = 1}).sound
-  local surface, long = sound and self.surface or self.mesh:surface(), {}
+  local surface, long = self.volume and self.surface or self.mesh:surface(), {}
   for _, edge in ipairs(surface and surface:singular_edges() or {}) do
     if edge.length >= self.length then long[#long + 1] = edge end
   end
@@ -322,6 +322,7 @@ function breaking_force.analyse(body, given)
   if not radius then return nil, why, about end
   self.length = radius
   self.reference, self.history, self.near = wish.force, {}, {}
+  self.volume = self.surface and self.surface:check({limit = 1}).sound and self.surface.volume or nil
   local start = core.seconds()
   local asked = next_count(self) or self.given_mesh.element_count
   local progress <close> = mesh_progress.open "breaking force"
@@ -338,7 +339,7 @@ function breaking_force.analyse(body, given)
     if not moved then return nil, message, details end
     self.history[#self.history + 1] = {elements = mesh.element_count, asked = asked,
       utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
-      force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined,
+      force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined, volume = mesh.volume,
       size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
       near = self.near, edge = self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)

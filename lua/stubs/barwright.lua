@@ -1700,10 +1700,11 @@ function BruteForce:compare(worst, p) end
 ---@field estimated_error number the larger distance of an end, over the force
 ---@field at number[] m: where it breaks
 ---@field region integer of the worst case, whose load breaks it
+---@field volume number? m3: of the surface that was given, where it is sound
 ---@field singular bw.SingularFinding? why the stress there has no finite value: a re-entrant edge within the patch, or the stress grows with finer meshes
 ---@field excess number by how much meshes may overestimate the mean at that edge, as a share; part of `high`
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
----@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, edge, size, seconds}
+---@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, volume, edge, size, seconds}
 ---@field contact number m2
 ---@field held_area number? m2: with `hold`, on the last mesh
 ---@field forbidden_area number? m2: with `forbidden`

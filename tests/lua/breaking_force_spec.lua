@@ -1,6 +1,7 @@
 -- The breaking force: beam theory, linearity, the interval and its verdicts, wrong input.
 local bw = require "barwright"
 local check = require "check"
+local core = require "barwright.core"
 
 local beam = {elements = 4800, modes = 6, regions = 2}
 
@@ -58,6 +59,17 @@ describe("the breaking force", function()
     check.near(fine.force, coarse.force, 0.25)
     assert.is_true(coarse.low < fine.force and fine.force < coarse.high,
       tostring(coarse) .. "\n" .. tostring(fine))
+  end)
+
+  it("is uncertain where the mesh is not of the part", function()
+    local thick = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.012}})
+    local fill = core.mesh.fill
+    core.mesh.fill = function(_, ask) return fill(thick, ask) end -- luacheck: ignore
+    local fine, found = pcall(breaking, assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.01}}),
+      {elements = 300})
+    core.mesh.fill = fill -- luacheck: ignore
+    assert.is_true(fine, found)
+    assert.is_true(found.estimated_error > 0.2, tostring(found))
   end)
 
   it("bounds places that no mesh has refined by the growth that was measured", function()
