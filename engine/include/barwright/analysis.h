@@ -73,8 +73,8 @@ bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t nod
 
 /* Stress at the three corners of every facet, facet_count x 3 x 6, by the displacement of the
  * facet's own nodes and the traction that acts on the surface (docs/theory/breaking_force.md).
- * `force`: the nodal forces of that traction, node_count x 3; NULL: none. What supports push back is
- * no part of it. */
+ * `force`: the nodal forces of that traction, node_count x 3; NULL: none. What supports push back
+ * is no part of it. */
 bw_status bw_surface_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, const double *force, double *stress);
 /* The mean of a field of facets' corners (facet_count x 3 x columns, linear between them) over the
@@ -106,8 +106,9 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
                                 const int32_t *node, const uint8_t *wanted, double *von_mises,
                                 double *gradient);
 
-/* slope . m, with m the bw_surface_mean of bw_surface_stress around a boundary node, as a functional
- * of the displacement: its nodal forces, and its derivative by the nodal forces of the load
+/* slope . m, with m the bw_surface_mean of bw_surface_stress around a boundary node, as a
+ * functional of the displacement: its nodal forces, and its derivative by the nodal forces of the
+ * load
  * (`by_force`), node_count x 3 both (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
 bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                               const bw_numbering *numbering, double radius, int32_t node,
@@ -172,7 +173,7 @@ typedef struct bw_weak_region {
   int rank;      /* 0-based, by energy */
   int32_t count; /* elements */
   int32_t *element;
-  double *weight; /* count signed weights (stress), count x 3 (displacement) or x 6 (direction) */
+  double *weight;  /* count signed weights (stress), count x 3 (displacement) or x 6 (direction) */
   int32_t *corner; /* count: 3 facet + its corner, where the surface stress counts; NULL: the mean
                       stress of the element does */
   double volume, energy, peak;
