@@ -549,8 +549,12 @@ describe("commands that compute", function()
       .. path)
     assert.near((3 / 53) ^ 2 / math.pi, object.critical_distance_m, 1e-12)
     _, object = answer("worst --elements 1200 --modes 4 --regions 1 " .. path)
+    assert.is_true(object.singular)
     assert.truthy(object.singular_by:find("geometry", 1, true))
     assert.equal("re-entrant edge", object.singular_place.kind)
+    _, object = answer(("strengthen --force 1N --elements 300 --modes 2 --regions 1 --out %s.stl %s"):format(path,
+      path))
+    assert.is_true(object.before.singular)
     _, out = check.run("worst --elements 1200 --modes 4 --regions 1 " .. path)
     assert.truthy(out:find("meshes overestimate it by up to 18 %, which the interval contains", 1, true), out)
     assert.truthy(out:find("The largest stress has no finite value: it is at a re-entrant edge of 270", 1,

@@ -9,7 +9,7 @@ local writable = require "barwright.writable"
 -- Fields of the object for one of before and after.
 local function fields_of(one)
   return {breaking_force_n = one.force, breaking_force_low_n = one.low, breaking_force_high_n = one.high,
-    estimated_error = one.estimated_error, at_m = one.at, singular = one.singular,
+    estimated_error = one.estimated_error, at_m = one.at, singular = one.singular ~= nil,
     contact_area_m2 = one.contact, volume_m3 = one.volume, mass_kg = one.mass}
 end
 
