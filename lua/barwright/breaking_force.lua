@@ -53,8 +53,10 @@ local MOST_MESHES = 8
 -- near to the largest; others if it is NEARLY.
 local REFINED, CLOSE, NEARLY = 8, 0.85, weak_places.NEARLY
 -- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
--- radius over edge. Edges there are at most this share of the radius.
+-- radius over edge. Edges there are at most this share of the radius. From the mesh of this number on, those of
+-- the first few places are shorter: the change from the meshes before shows what shorter edges change.
 local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
+local SHORTER_FROM, SHORTER_AT, SHORTER = 3, 2, 0.5
 -- The least error where the weakest place is not refined, for elements as large as the radius of a patch: there
 -- the change from mesh to mesh says little.
 local UNREFINED = 0.3
@@ -123,10 +125,11 @@ end
 
 -- Edge lengths near places, of `count` elements in all.
 local function sizes_near(self, places, count)
-  local finer = math.max(1 / LONGEST, (count / (#places * ELEMENTS_OF_PLACE)) ^ (1 / POWER))
-  local near = {}
+  local share, near = (#places * ELEMENTS_OF_PLACE / count) ^ (1 / POWER), {}
   for i, place in ipairs(places) do
-    near[i] = {at = place.at, radius = self.length, length = self.length / finer}
+    local shorter = #self.history + 1 >= SHORTER_FROM and i <= SHORTER_AT
+    near[i] = {at = place.at, radius = self.length,
+      length = math.min(share, shorter and SHORTER or LONGEST) * self.length}
   end
   return near
 end
