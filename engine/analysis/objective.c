@@ -110,16 +110,21 @@ static void add_element(const bw_mesh *mesh, const bw_material *material, bw_wor
   }
 }
 
-bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
-                              const bw_material *material, double *right_hand_side) {
-  const bw_mesh *mesh = regions->mesh;
+static bw_status check_region(bw_context *context, const bw_weak_regions *regions, int region,
+                              const bw_material *material) {
   if (region < 0 || region >= regions->count)
     return bw_fail(context, BW_INVALID, "region %d is asked for: there are %d (0 to %d)", region,
                    regions->count, regions->count - 1);
-  const bw_weak_region *r = &regions->region[region];
-  bw_status status = bw_material_fits(context, material, mesh->element_count);
+  return bw_material_fits(context, material, regions->mesh->element_count);
+}
+
+bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
+                              const bw_material *material, double *right_hand_side) {
+  const bw_mesh *mesh = regions->mesh;
+  bw_status status = check_region(context, regions, region, material);
   if (status != BW_OK)
     return status;
+  const bw_weak_region *r = &regions->region[region];
   memset(right_hand_side, 0, 3 * (size_t)mesh->node_count * sizeof *right_hand_side);
   for (int32_t i = 0; i < r->count; i++)
     if (r->corner)
@@ -132,8 +137,9 @@ bw_status bw_region_objective(bw_context *context, const bw_weak_regions *region
 
 bw_status bw_region_by_force(bw_context *context, const bw_weak_regions *regions, int region,
                              const bw_material *material, double *by_force) {
-  bw_status status = BW_OK;
+  bw_status status;
   double *area = NULL;
+  BW_TRY(check_region(context, regions, region, material));
   const bw_weak_region *r = &regions->region[region];
   if (!r->corner)
     return BW_OK;

@@ -130,11 +130,11 @@ done:
 /* ---- what changes with the shape at constant displacements ----------------------------------- */
 
 /* What the mean depends on at constant u and nodal forces. */
-typedef struct held {
+typedef struct constants {
   const bw_mesh *mesh;
   const bw_material *material;
   const double *u, *force, *area, *slope;
-} held;
+} constants;
 
 /* slope . sigma at a corner of a facet; gradient += factor times its derivative at a constant
  * traction t, by_traction += factor times that by t. Gradients g_a along the surface change by
@@ -142,7 +142,7 @@ typedef struct held {
  * 0. The normal changes by dn = -(grad V)^T n, and the stress by it: with q = Q^-1 (C : slope) n
  * and r = Q^-1 ((C : strain) n - t), d (slope : sigma) = -(sigma q + s r) . dn
  * (docs/theory/strengthen.md). */
-static double corner_value(const held *h, int32_t corner, double factor, double *gradient,
+static double corner_value(const constants *h, int32_t corner, double factor, double *gradient,
                            double by_traction[3]) {
   bwi_facet_corner at;
   double full[9], strain[6], t[3], conjugate[6], stress[6], s[9], sigma[9], a[9] = {0};
@@ -202,7 +202,7 @@ static void add_area(const bw_mesh *mesh, const int32_t *node, double factor, do
 
 /* gradient += the derivative by the areas by which nodal forces are spread; of_facet: by the
  * tractions of the patch's facets, 3 each. */
-static bw_status add_spread(bw_context *context, const patch *p, const held *h,
+static bw_status add_spread(bw_context *context, const patch *p, const constants *h,
                             const double *of_facet, double *gradient) {
   const bw_mesh *mesh = p->mesh;
   double *slope = BW_NEW0(context, double, mesh->node_count);
@@ -227,7 +227,7 @@ static bw_status add_spread(bw_context *context, const patch *p, const held *h,
 }
 
 /* gradient += d (mean) by the weights of the samples, `value` at the corners of the patch's facets
- * held */
+ * constant */
 static void add_weights(const patch *p, const double *value, double mean, double *gradient) {
   const bw_mesh *mesh = p->mesh;
   const double *centre = mesh->node + 3 * (size_t)p->centre;
@@ -388,7 +388,7 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
   bwi_rule_make(mesh->order, BWI_CURVED_DEGREE, &d.curved);
   BW_TRY(bw_parallel(context, mesh->element_count, ELEMENTS_PER_CHUNK, element_pass, &d));
   BW_TRY(bw_parallel(context, mesh->node_count, NODES_PER_CHUNK, gather_pass, &d));
-  const held h = {mesh, material, state->displacement, force, area, state->slope};
+  const constants h = {mesh, material, state->displacement, force, area, state->slope};
   for (size_t k = 0; k < 3 * p.facets; k++) {
     double weight = p.weight[k] / p.total;
     at_corner[k] = corner_value(&h, 3 * p.facet[k / 3] + (int32_t)(k % 3), weight, gradient,

@@ -17,6 +17,18 @@ static void place_samples(double at[BWI_PATCH_SAMPLES][3]) {
       }
 }
 
+double bwi_facet_area(const bw_mesh *mesh, int32_t facet) {
+  const int32_t *node = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+  double u[3], v[3], n[3];
+  for (size_t k = 0; k < 3; k++) {
+    double x = mesh->node[3 * (size_t)node[0] + k];
+    u[k] = mesh->node[3 * (size_t)node[1] + k] - x;
+    v[k] = mesh->node[3 * (size_t)node[2] + k] - x;
+  }
+  bw_cross(u, v, n);
+  return 0.5 * bw_norm(n);
+}
+
 static bool is_constrained(const bw_numbering *numbering, int nodes, const int32_t *node) {
   for (int k = 0; k < 3 * nodes; k++)
     if (numbering->state[3 * (size_t)node[k / 3] + (size_t)(k % 3)] != BW_HELD)
@@ -47,11 +59,7 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
     const int32_t *node = mesh->facet + f * (size_t)mesh->nodes_per_facet;
     const double *a = mesh->node + 3 * (size_t)node[0], *b = mesh->node + 3 * (size_t)node[1],
                  *c = mesh->node + 3 * (size_t)node[2];
-    double u[3], v[3], n[3];
-    for (int k = 0; k < 3; k++)
-      u[k] = b[k] - a[k], v[k] = c[k] - a[k];
-    bw_cross(u, v, n);
-    patches->area[f] = 0.5 * bw_norm(n);
+    patches->area[f] = bwi_facet_area(mesh, (int32_t)f);
     if (numbering && is_constrained(numbering, mesh->nodes_per_facet, node))
       patches->area[f] = 0;
     for (size_t k = 0; k < BWI_PATCH_SAMPLES; k++)
@@ -103,6 +111,8 @@ static void visit_around(const bwi_surface_patches *p, int32_t node,
   for (int64_t k = p->around.start[node]; k < p->around.start[node + 1]; k++) {
     int32_t facet = p->around.element[k], a = p->around.local[k];
     double weight[3] = {0};
+    if (!(p->area[facet] > 0))
+      continue;
     if (a < 3)
       weight[a] = p->area[facet];
     else

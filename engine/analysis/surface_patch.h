@@ -36,6 +36,9 @@ void bwi_surface_patches_clear(bwi_surface_patches *patches);
 bool bwi_surface_patch_shares(const bwi_surface_patches *patches, int32_t facet, int32_t node,
                               double share[BWI_PATCH_SAMPLES]);
 
+/* Of the flat triangle of a facet's corners, m2. */
+double bwi_facet_area(const bw_mesh *mesh, int32_t facet);
+
 /* Whether a node is the middle of a patch: on the boundary, and not in the inside of a support. */
 bool bwi_surface_patch_exists(const bwi_surface_patches *patches, int32_t node);
 

@@ -7,6 +7,7 @@
 #include "analysis/surface_stress.h"
 
 #include "analysis/strain.h"
+#include "analysis/surface_patch.h"
 #include "analysis/weak_internal.h"
 
 #include <string.h>
@@ -93,24 +94,13 @@ void bwi_facet_corner_functional(const bw_mesh *mesh, const bw_material *materia
       force[3 * (size_t)at.node[a] + (size_t)c] += bw_dot(full[c], at.gradient[a]);
 }
 
-static double flat_area(const bw_mesh *mesh, const int32_t *node) {
-  double u[3], v[3], n[3];
-  for (size_t k = 0; k < 3; k++) {
-    double x = mesh->node[3 * (size_t)node[0] + k];
-    u[k] = mesh->node[3 * (size_t)node[1] + k] - x;
-    v[k] = mesh->node[3 * (size_t)node[2] + k] - x;
-  }
-  bw_cross(u, v, n);
-  return 0.5 * bw_norm(n);
-}
-
 bw_status bwi_facet_areas_around(bw_context *context, const bw_mesh *mesh, double **area) {
   double *sum = *area = BW_NEW0(context, double, mesh->node_count);
   if (!sum)
     return BW_MEMORY;
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *node = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
-    double own = flat_area(mesh, node);
+    double own = bwi_facet_area(mesh, f);
     for (int a = 0; a < mesh->nodes_per_facet; a++)
       sum[node[a]] += own;
   }

@@ -88,7 +88,8 @@ static bw_status solve_patches(screen *s, bool on_surface) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_facet_areas_around(context, s->system->mesh, &area));
+  if (on_surface)
+    BW_TRY(bwi_facet_areas_around(context, s->system->mesh, &area));
   for (int32_t first = 0; first < s->patches; first += SOLVES) {
     int32_t count = s->patches - first < SOLVES ? s->patches - first : SOLVES;
     bw_progress(context, "screening", (double)first / s->patches);

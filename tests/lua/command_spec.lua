@@ -731,6 +731,9 @@ describe("commands that compute", function()
     assert.is_true(written.data.view[2] > 0) -- the arrow is on the side y = 0.1
     assert.is_true(#data.lines > 0)
     assert.truthy(out:find("%% of the strength of steel %(estimated error %d+ %%%): it holds%."), out)
+    assert.is_nil(out:find("beyond the range", 1, true))
+    _, out = check.run(("statics %s --material abs --hold low:x --force high:x=0,0,-100kN"):format(beam))
+    assert.truthy(out:find("Displacements are beyond the range of linear theory: more than a tenth", 1, true), out)
     assert.truthy(#check.read(path) > 1000)
   end)
 

@@ -155,6 +155,17 @@ function model.diagonal(box)
   return math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
 end
 
+-- Deflections above this share of the longest side are beyond the range of linear theory.
+local LARGE = 0.1
+model.large_deflection = "more than a tenth of the part's length"
+
+--- Whether linear theory does not hold for a displacement (m).
+function model.beyond_linear(displacement, box)
+  local longest = 0
+  for k = 1, 3 do longest = math.max(longest, box.high[k] - box.low[k]) end
+  return displacement > LARGE * longest
+end
+
 --- A count with its noun: "1 hole", "3 holes"; `many` where it is not the noun with an s.
 function model.count(n, one, many)
   return ("%d %s"):format(n, n == 1 and one or many or one .. "s")

@@ -209,6 +209,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
     .. "%s %%%s).", model.mm(most), model.place(at), stress / 1e6, model.percent(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
+  local large = model.beyond_linear(most, mesh.box)
+  if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if singular then
     say("%s. The mean over a surface patch of radius %s mm is judged.",
       (tostring(singular):gsub("^%l", string.upper)), model.mm(radius))
@@ -234,7 +236,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
     averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, wish),
     max_von_mises_pa = stress, max_von_mises_at_m = at,
-    max_displacement_m = most, utilisation = used, utilisation_error = used and judged_error,
+    max_displacement_m = most, beyond_linear_theory = large, utilisation = used,
+    utilisation_error = used and judged_error,
     strength_pa = material.strength, mean_error = mean,
     coarse_value = coarse and coarse.stress, coarse_elements = coarse and coarse.elements,
     singular_by = singular and singular.by, singular_place = singular and singular.place and {

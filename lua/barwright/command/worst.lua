@@ -12,13 +12,6 @@ local function newtons(force)
   return model.digits(force) .. " N"
 end
 
--- Deflections above this share of the longest side are beyond the range of linear theory.
-local LARGE = 0.1
-
-local function longest(box)
-  return math.max(box.high[1] - box.low[1], box.high[2] - box.low[2], box.high[3] - box.low[3])
-end
-
 local function keep(breaking, verdict, large, wish, out)
   local worst, contact, singular = breaking.worst, breaking.contact, breaking.singular
   local edge = singular and singular.place
@@ -81,7 +74,7 @@ local function tell(breaking, verdict, large, mass, wish, out)
       wish.contact * 1e4)
   end
   if large then
-    out:say("  Deflections there are beyond the range of linear theory: more than a tenth of the part's length.")
+    out:say("  Deflections there are beyond the range of linear theory: %s.", model.large_deflection)
   end
   out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm%s, judged by %s. The "
     .. "search for the worst load is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
@@ -269,7 +262,7 @@ local function analyse(wish, out)
   if not breaking then return nil, wish.model .. ": " .. message, details end
   local worst = breaking.worst
   local verdict = breaking:verdict(wish.force)
-  local large = worst.max_displacement * math.min(1, breaking.force / wish.force) > LARGE * longest(read.box)
+  local large = model.beyond_linear(worst.max_displacement * math.min(1, breaking.force / wish.force), read.box)
   model.tell_mesh(worst.mesh, material, out)
   out:json {unit = model.unit_of(read, wish), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}

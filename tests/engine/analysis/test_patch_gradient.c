@@ -176,6 +176,50 @@ static void test_boundary_motions(void **state) {
   bw_release(mesh);
 }
 
+/* A node at the border of a support, on a mesh that is coarser than the radius: the facets of the
+ * support do not count. */
+static void test_support_border(void **state) {
+  bw_context *context = check_context(state);
+  const bw_pressure_options options = {.spacing = 0};
+  bw_mesh *mesh = make_bar(context, straight_profile, 10, 2, 2);
+  bw_material *material = make_material(context);
+  bw_model *model = NULL;
+  bw_selection *root = NULL;
+  bw_numbering *numbering = NULL;
+  bw_pressure_basis *basis = NULL;
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context,
+           bw_select_half_space(context, mesh, mesh->node, (double[3]){1, 0, 0}, 1e-9, &root));
+  check_ok(context, bw_model_fix(context, model, root));
+  check_ok(context, bw_numbering_create(context, model, &numbering));
+  check_ok(context, bw_pressure_basis_create(context, mesh, &options, &basis));
+  double *u = numbers(mesh, 3), *gradient = numbers(mesh, 3), *zero = numbers(mesh, 3);
+  double *pressure = (double *)calloc((size_t)basis->count, sizeof *pressure), value;
+  for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
+    u[i] = sin(5 * mesh->node[i]);
+  int outside = 0;
+  for (int32_t k = 0; k < root->node_count; k++) {
+    bw_patch_state patch = {.node = root->node[k],
+                            .numbering = numbering,
+                            .radius = 1e-4,
+                            .displacement = u,
+                            .adjoint = zero,
+                            .basis = basis,
+                            .pressure = pressure};
+    memcpy(patch.slope, slope, sizeof slope);
+    bw_status status = bw_patch_shape_gradient(context, mesh, material, &patch, &value, gradient);
+    assert_true(status == BW_OK || status == BW_INVALID); /* at a border, or inside */
+    for (size_t i = 0; status == BW_OK && i < 3 * (size_t)mesh->node_count; i++)
+      assert_true(isfinite(gradient[i]));
+    outside += status == BW_OK;
+  }
+  assert_true(outside > 0 && outside < root->node_count);
+  free(u), free(gradient), free(zero), free(pressure);
+  bw_release(basis), bw_release(numbering), bw_release(root), bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
 static void test_wrong_input(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 3, 3, 3, 1);
@@ -199,6 +243,6 @@ static void test_wrong_input(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_differences),
                                      check_test(test_boundary_motions),
-                                     check_test(test_wrong_input)};
+                                     check_test(test_support_border), check_test(test_wrong_input)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
