@@ -6,38 +6,17 @@
 -- With --overkill the answers are compared with the force on one mesh of about so many unknowns, finer around all
 -- places that were found: whether each interval contains it, and the estimated error over the real one (the
 -- effectivity).
--- The bodies are the machine parts of scripts/worst_case/machine_parts.lua and, with --models, the surfaces of a
--- folder named below, scaled to a box diagonal of 100 mm.
+-- The bodies are those of bodies.lua.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
-local parts = require "machine_parts"
+local bodies = require "bodies"
 local distance = require "barwright.points".distance
-
--- Chosen before any was measured.
-local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_round.stl", "cat.obj", "chair.ply",
-  "engine_bracket.obj", "fan_blade.stl", "fandisk.obj", "fertility.off", "gear_spur.stl", "rocker_arm.obj",
-  "screwdriver.ply", "tray_bottom.stl", "triceratops.off"}
-local DIAGONAL = 0.1
 
 local wish = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0}
 local starts = {}
 for number in (wish.elements or "2500,5000,10000"):gmatch "%d+" do
   starts[#starts + 1] = math.tointeger(tonumber(number))
-end
-
-local function scaled(surface)
-  return surface:scale(DIAGONAL / distance(surface.box.low, surface.box.high))
-end
-
-local bodies = {}
-for _, part in ipairs(wish.models and {} or parts.list) do
-  bodies[#bodies + 1] = {name = part.name, surface = function() return parts.surface(part) end}
-end
-for _, file in ipairs(wish.models and surfaces or {}) do
-  bodies[#bodies + 1] = {name = file:match "^[^.]*", surface = function()
-    return scaled(assert(bw.surface.read(wish.models .. "/" .. file)))
-  end}
 end
 
 -- Whether a place, or one of its ties, lies within a patch of another.
@@ -76,39 +55,37 @@ end
 print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (interval)", "elements", "apart, r",
   "CPU, s"))
 local most, covered, all = 1, 0, 0
-for _, body in ipairs(bodies) do
-  if not wish.only or body.name:find(wish.only, 1, true) then
-    local found, low, high = {}, math.huge, 0
-    for k, elements in ipairs(starts) do
-      local clock = os.clock()
-      local one, message = bw.breaking_force(body.surface(), {material = bw.material.pla, elements = elements})
-      if one then
-        found[#found + 1] = one
-        one.start, one.cpu, one.count = elements, os.clock() - clock, one.mesh.element_count
-        low, high = math.min(low, one.force), math.max(high, one.force)
-        one:close()
-      else
-        print(("%-22s start %d: %s"):format(body.name, elements, message))
-      end
-      if k == #starts and #found > 0 then most = math.max(most, high / low) end
+for _, body in ipairs(bodies(wish.models, wish.only)) do
+  local found, low, high = {}, math.huge, 0
+  for k, elements in ipairs(starts) do
+    local clock = os.clock()
+    local one, message = bw.breaking_force(body.surface(), {material = bw.material.pla, elements = elements})
+    if one then
+      found[#found + 1] = one
+      one.start, one.cpu, one.count = elements, os.clock() - clock, one.mesh.element_count
+      low, high = math.min(low, one.force), math.max(high, one.force)
+      one:close()
+    else
+      print(("%-22s start %d: %s"):format(body.name, elements, message))
     end
-    local finest = found[#found]
-    local truth = wish.overkill > 0 and finest and overkill(body.surface(), found)
-    for k, one in ipairs(found) do
-      local inside = one.low <= finest.force and finest.force <= one.high
-      if truth then
-        inside = one.low <= truth.force and truth.force <= one.high
-        local real = math.abs(one.force / truth.force - 1)
-        print(("%-22s start %d: estimated %.3f, real %.3f, effectivity %.1f%s"):format("", one.start,
-          one.estimated_error, real, one.estimated_error / real, inside and "" or ", misses"))
-      end
-      if truth or k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
-      local interval = ("%.4g (%.4g to %.4g)%s"):format(one.force, one.low, one.high, inside and "" or " misses")
-      print(("%-22s %-8s %-30s %-8d %-8.1f %.0f"):format(k == 1 and body.name or "",
-        k == 1 and ("%.3f"):format(high / low) or "", interval, one.count, same_place(one, finest), one.cpu))
-    end
-    io.stdout:flush()
+    if k == #starts and #found > 0 then most = math.max(most, high / low) end
   end
+  local finest = found[#found]
+  local truth = wish.overkill > 0 and finest and overkill(body.surface(), found)
+  for k, one in ipairs(found) do
+    local inside = one.low <= finest.force and finest.force <= one.high
+    if truth then
+      inside = one.low <= truth.force and truth.force <= one.high
+      local real = math.abs(one.force / truth.force - 1)
+      print(("%-22s start %d: estimated %.3f, real %.3f, effectivity %.1f%s"):format("", one.start,
+        one.estimated_error, real, one.estimated_error / real, inside and "" or ", misses"))
+    end
+    if truth or k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
+    local interval = ("%.4g (%.4g to %.4g)%s"):format(one.force, one.low, one.high, inside and "" or " misses")
+    print(("%-22s %-8s %-30s %-8d %-8.1f %.0f"):format(k == 1 and body.name or "",
+      k == 1 and ("%.3f"):format(high / low) or "", interval, one.count, same_place(one, finest), one.cpu))
+  end
+  io.stdout:flush()
 end
 print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the %s"):format(most, covered,
   all, wish.overkill > 0 and "overkill mesh" or "finest start"))

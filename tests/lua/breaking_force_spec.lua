@@ -2,6 +2,8 @@
 local bw = require "barwright"
 local check = require "check"
 local core = require "barwright.core"
+package.path = check.root .. "/scripts/bench/?.lua;" .. package.path
+local impacts_of = require "impacts"
 
 local beam = {elements = 4800, modes = 6, regions = 2}
 
@@ -91,6 +93,27 @@ describe("the breaking force", function()
     levels[3].places[3].refined, levels[3].places[3].utilisation = true, 0.7 -- 1.1 is taken for 1.15
     check.near(1.15, weak_places.growth(levels, 0.1), 1e-12)
     assert.equal(4, #weak_places.settled(levels) - 1)
+  end)
+
+  it("is less than the forces of random drops", function()
+    local mesh = assert(bw.mesh.fill(bar, {elements = 600, order = 2}))
+    local found <close> = assert(breaking(mesh))
+    local impacts = impacts_of(found, {drops = 24, seed = 1})
+    assert.equal(24, #impacts)
+    assert.is_true(impacts.with_inertia.least >= found.low and impacts.with_inertia.below == 0)
+    -- An impact on 10 mm in the middle bends by P (90 mm) / 8, the worst load by F (42.5 mm) / 2. Slanted pushes
+    -- press more than their resultant.
+    local least = impacts.force.least / found.force
+    assert.is_true(least > 1.8 and least < 2.2, least)
+    check.near(0.05, impacts[1].at[1], 0.3)
+    -- With the end's contact 0.45 l from the centre, a bar is accelerated by (1 + 5.4 x / l) P / m.
+    local most = 0
+    for _, impact in ipairs(impacts) do most = math.max(most, impact.with_inertia / impact.force) end
+    check.near((1 + (3.7 ^ 2 + 1.7 ^ 2) / 10.8) / 2, most, 5e-3)
+    -- The middles of the four sides are ties.
+    local bent = 0
+    for _, impact in ipairs(impacts) do bent = bent + (math.abs(impact.at[1] - 0.05) < 0.006 and 1 or 0) end
+    assert.is_true(impacts.predicted > 0 and impacts.predicted <= bent / #impacts)
   end)
 
   it("decides nothing on a handful of elements", function()
