@@ -18,8 +18,8 @@ local rules = {
   most_offset = {type = "number", default = 0.25, above = 0, most = 1},
 }
 
--- Places at most.
-local MOST = 20
+-- Places at most. Where more are needed to cover all that is too weak, bumps are larger by this factor, and again.
+local MOST, WIDER = 20, 1.25
 -- The radius of a bump: so many times the judged patch's radius, or the thickness there times the second; at most
 -- this share of the diagonal.
 local OF_PATCH, OF_THICKNESS, OF_DIAGONAL = 3, 1.25, 0.2
@@ -70,22 +70,24 @@ local function mean_stress(breaking, region)
   return core.surface_mean(breaking.mesh, stress, breaking.length, worst.system)
 end
 
--- Over all judged loads, the largest utilisation at every node (a table), the load that causes it, and the mean
--- stresses under each load.
-local function worst_map(breaking, judge)
-  local used, by, means = {}, {}, {}
-  for _, place in ipairs(breaking.history[#breaking.history].places) do
-    if not means[place.region] then
+-- The nodes where the utilisation of one of the judged loads is above a limit: {[node] = {used, region, stress}}
+-- with the largest utilisation, and the load and mean stress that cause it.
+local function nodes_above(breaking, judge, limit)
+  local above, seen = {}, {}
+  for _, place in ipairs(breaking.worst.places) do
+    if place.utilisation > limit and not seen[place.region] then
+      seen[place.region] = true
       local mean, message, details = mean_stress(breaking, place.region)
       if not mean then return nil, message, details end
-      means[place.region] = mean
-      for i, value in ipairs(judge(breaking, mean):totable()) do
+      for node, value in ipairs(judge(breaking, mean):totable()) do
         value = type(value) == "table" and value[1] or value
-        if value > (used[i] or -1) then used[i], by[i] = value, place.region end
+        if value > (above[node] and above[node].used or limit) then
+          above[node] = {used = value, region = place.region, stress = mean:rows(node, node):totable()[1]}
+        end
       end
     end
   end
-  return used, by, means
+  return above
 end
 
 -- Thickness at a point: the median of the rays that start nearest to it.
@@ -107,43 +109,58 @@ local function thickness_meter(mesh)
   end
 end
 
--- The nodes above a utilisation, no two within one bump, weakest first: {at, node, region, used, radius}.
-local function choose(breaking, used, by, limit, keep)
+-- Of a list of nodes those of which no two lie within one bump, MOST at most, and whether there are more. Bumps
+-- are as large as the thickness asks for, times `wider`.
+local function apart(breaking, list, thickness, wider)
+  local chosen, most = {}, OF_DIAGONAL * diagonal(breaking.box)
+  for _, one in ipairs(list) do
+    local free = true
+    for _, other in ipairs(chosen) do free = free and distance(other.at, one.at) > APART * other.radius end
+    if free and #chosen == MOST then return chosen, true end
+    if free then
+      one.thickness = one.thickness or thickness(one.at)
+      local radius = math.max(OF_PATCH * breaking.length,
+        one.thickness < math.huge and OF_THICKNESS * one.thickness or 0)
+      one.radius = math.min(wider * radius, most)
+      chosen[#chosen + 1] = one
+    end
+  end
+  return chosen, false
+end
+
+-- The places to thicken, weakest first: {at, node, region, used, stress, thickness, radius}. They cover all nodes
+-- above the limit unless even the largest bumps do not.
+local function choose(breaking, above, keep)
   local thickness, message, details = thickness_meter(breaking.mesh)
   if not thickness then return nil, message, details end
-  local nodes, list, chosen = breaking.mesh.nodes, {}, {}
-  for node, value in pairs(used) do
-    if value > limit then list[#list + 1] = node end
+  local nodes, list = breaking.mesh.nodes, {}
+  for node, one in pairs(above) do
+    one.node, one.at = node, {nodes(node, 1), nodes(node, 2), nodes(node, 3)}
+    if not (keep and keep(one.at[1], one.at[2], one.at[3])) then list[#list + 1] = one end
   end
   table.sort(list, function(a, b)
-    if used[a] ~= used[b] then return used[a] > used[b] end
-    return a < b
+    if a.used ~= b.used then return a.used > b.used end
+    return a.node < b.node
   end)
-  local scale = diagonal(breaking.box)
-  for _, node in ipairs(list) do
-    local at = {nodes(node, 1), nodes(node, 2), nodes(node, 3)}
-    local free = #chosen < MOST and not (keep and keep(at[1], at[2], at[3]))
-    for _, other in ipairs(chosen) do free = free and distance(other.at, at) > APART * other.radius end
-    if free then
-      local wall = thickness(at)
-      local radius = math.max(OF_PATCH * breaking.length, wall < math.huge and OF_THICKNESS * wall or 0)
-      chosen[#chosen + 1] = {at = at, node = node, region = by[node], used = used[node], thickness = wall,
-        radius = math.min(radius, OF_DIAGONAL * scale)}
-    end
+  local most, wider = OF_DIAGONAL * diagonal(breaking.box), 1
+  local chosen, more = apart(breaking, list, thickness, wider)
+  while more and wider * OF_PATCH * breaking.length < most do
+    wider = WIDER * wider
+    chosen, more = apart(breaking, list, thickness, wider)
   end
   return chosen
 end
 
 -- The shape gradient of the judged utilisation at a place {node, region}, and its value, under the worst load of
--- the judged component: a row for every node, by its position, inner nodes following the boundary. `mean`: mean
--- stresses under the place's load. nil, message, details where it cannot be computed.
-local function gradient_of(breaking, judge, place, mean)
+-- the judged component: a row for every node, by its position, inner nodes following the boundary. nil, message,
+-- details where it cannot be computed.
+local function gradient_of(breaking, judge, place)
   local worst, mesh = breaking.worst, breaking.mesh
   if (worst.limits.hands or 0) > 0 or worst.basis.directions > 1 then
     return nil, "the shape gradient is not implemented for loads with friction or of several hands",
       {status = "unsupported"}
   end
-  local slope = core.array.new {slope_of(breaking, judge, mean:rows(place.node, place.node):totable()[1])}
+  local slope = core.array.new {slope_of(breaking, judge, place.stress)}
   local force, by_force, details = core.patch_functional(worst.system, breaking.length, place.node, slope)
   if not force then return nil, by_force, details end
   local adjoint, message
@@ -168,10 +185,10 @@ local function gradient_of(breaking, judge, place, mean)
 end
 
 -- The gradient of every place's utilisation, over the utilisation, by the positions of all points of the shape.
-local function gradients(breaking, judge, shape, places, means)
+local function gradients(breaking, judge, shape, places)
   local list = {}
   for i, place in ipairs(places) do
-    local gradient, value, details = gradient_of(breaking, judge, place, means[place.region])
+    local gradient, value, details = gradient_of(breaking, judge, place)
     if not gradient then return nil, value, details end
     place.used = math.max(place.used, value)
     list[i] = {}
@@ -218,9 +235,9 @@ end
 
 -- Places with their offsets, and the matrix of their bumps. Bumps that are not needed are left out, and the others
 -- take their share of the displacement: so the prediction is that of the bumps that are applied.
-local function solve(breaking, judge, places, means, limit, wish)
+local function solve(breaking, judge, places, limit, wish)
   local shape = bumps.of_mesh(breaking.mesh)
-  local slopes, message, details = gradients(breaking, judge, shape, places, means)
+  local slopes, message, details = gradients(breaking, judge, shape, places)
   if not slopes then return nil, message, details end
   local moved = places
   while #moved > 0 do
@@ -247,16 +264,19 @@ function advice.of(breaking, judge, given)
     high = breaking.high}, advice)
   local goal = wish.estimate or wish.force * breaking.force / breaking.low
   if breaking.force >= goal then return self end
-  local used, by, means = worst_map(breaking, judge)
-  if not used then return nil, by, means end
   local limit = breaking.reference / (MARGIN * goal) -- utilisations are those of the reference force
-  local places, message, details = choose(breaking, used, by, limit, wish.keep)
+  local extended, message, details = breaking.worst:extend(limit)
+  if not extended then return nil, message, details end
+  local above, places
+  above, message, details = nodes_above(breaking, judge, limit)
+  if not above then return nil, message, details end
+  places, message, details = choose(breaking, above, wish.keep)
   if not places then return nil, message, details end
   if #places == 0 then
     return nil, "all weak places are on faces that must not move", {status = "infeasible"}
   end
   local moved, matrix
-  moved, matrix, details = solve(breaking, judge, places, means, limit, wish)
+  moved, matrix, details = solve(breaking, judge, places, limit, wish)
   if not moved then return nil, matrix, details end
   for j, place in ipairs(moved) do
     self.places[j] = {at = place.at, radius = place.radius, offset = place.offset}

@@ -72,13 +72,13 @@ local REGULAR = 1 / (6 * math.sqrt(2))
 -- Places that are listed, and those of the mesh before that the search starts from.
 local PLACES, KNOWN = 6, 12
 -- What the search may miss of the largest stress (docs/benchmarks.md).
-local SEARCH = 0.05
+local SEARCH = 0.02
 -- The relative error that a mean displacement of the surface by the radius of the patch stands for.
 local MOVED = 2
 -- No estimate from several meshes is trusted below this, and one mesh alone leaves so much open.
 local LEAST_ERROR, ALONE = 0.02, 0.5
 -- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
-local HIGHER = 0.05
+local HIGHER = 0.045
 -- At re-entrant edges meshes of the sizes in use overestimate the mean by up to EXCESS, at those of EXCESS_FROM
 -- inside the material or less not at all: the table of docs/theory/breaking_force.md.
 local EXCESS, EXCESS_FROM, EXCESS_TO = 0.35, 1.25 * math.pi, 1.75 * math.pi
@@ -190,11 +190,13 @@ local function analyse_on(self, mesh)
   if not worst then return nil, message, details end
   if self.worst then self.worst:close() end
   self.worst, self.mesh = worst, mesh
-  for _, place in ipairs(worst.places) do
-    place.utilisation, place.point = place.utilisation / self.reference, place.point / self.reference
-    mark(self, place)
+  local places = {}
+  for i, place in ipairs(worst.places) do
+    places[i] = {at = place.at, region = place.region, stress = place.stress,
+      utilisation = place.utilisation / self.reference, point = place.point / self.reference}
+    mark(self, places[i])
   end
-  return worst.places
+  return places
 end
 
 -- The largest relative change from former meshes that refine their weakest place, back to one of fewer elements;

@@ -16,8 +16,8 @@ local MOST_BYTES = 2 ^ 29
 -- Patches that the screening ranks. Those that may come near to the largest mean get programmes, in rounds of so
 -- many; patches of one round lie SPREAD radii apart.
 local RANKED, ROUNDS, PER_ROUND, SPREAD = 300, 2, 20, 2
--- So many where places of another mesh are known.
-local ROUNDS_OF_KNOWN = 1
+-- So many where places of another mesh are known, and where all that reach a utilisation are looked for.
+local ROUNDS_OF_KNOWN, ROUNDS_OF_ALL = 1, 5
 local NEARLY, GROWTH, FIRST_RATIO = 0.5, 0.02, 1.5
 -- Places whose mean stress ascends at once if they are so near to the largest, steps at most, and the gain below
 -- which the ascent ends.
@@ -124,14 +124,14 @@ local function screen(self)
 end
 
 -- Patches that no load at hand stresses as much as their own may: so many at most, the most stressed first, no two
--- of them close together. `ratio`: what a programme is expected to gain.
-local function choose(self, screened, ratio)
+-- of them close together. `ratio`: what a programme is expected to gain; `least`: the utilisation that counts.
+local function choose(self, screened, ratio, least)
   local nodes, rows, chosen = {}, {}, {}
-  local most = self.places[1] and self.places[1].utilisation or 0
+  least = least or NEARLY * (self.places[1] and self.places[1].utilisation or 0)
   for k = screened.order.row_count, 1, -1 do
     local i = screened.order[k]
     local node, promise = screened.targets[i], ratio * screened.values[i]
-    local free = not screened.tried[i] and #nodes < PER_ROUND and promise >= NEARLY * most
+    local free = not screened.tried[i] and #nodes < PER_ROUND and promise >= least
       and promise > (1 + GROWTH) * (screened.reached[i] or 0)
     for _, other in ipairs(nodes) do
       free = free and distance(node_at(self.mesh, other), node_at(self.mesh, node)) > SPREAD * self.radius
@@ -149,12 +149,13 @@ local function median(list)
   return list[(#list + 1) // 2]
 end
 
-local function explore(self)
-  local screened, message, details = screen(self)
+local function explore(self, rounds, least)
+  local screened, message, details = self.screened, nil, nil
+  if not screened then screened, message, details = screen(self) end
   if not screened then return nil, message, details end
   local ratio = FIRST_RATIO
-  for _ = 1, self.known and ROUNDS_OF_KNOWN or ROUNDS do
-    local nodes, rows, chosen = choose(self, screened, ratio)
+  for _ = 1, rounds do
+    local nodes, rows, chosen = choose(self, screened, ratio, least)
     if #nodes == 0 then break end
     local first = self.loads and self.loads.peaks.row_count or 0
     local fine
@@ -222,7 +223,7 @@ end
 --- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of the programmes), radius (m),
 --- judge (from rows of tensors to an array), screening (whether to look for other places), and what it begins
 --- with: loads (results of core.worst_loads) or known (places of another mesh). Returns {places, loads, origins},
---- places weakest first, or nil, message, details.
+--- places weakest first, or nil, message, details. `extend` continues it.
 function patch_search.run(problem)
   local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
   local fine, message, details
@@ -231,8 +232,18 @@ function patch_search.run(problem)
   else
     fine, message, details = begin(self)
   end
-  if fine and self.screening then fine, message, details = explore(self) end
+  if fine and self.screening then
+    fine, message, details = explore(self, problem.known and ROUNDS_OF_KNOWN or ROUNDS)
+  end
   if fine then fine, message, details = ascend(self) end
+  if not fine then return nil, message, details end
+  return self
+end
+
+--- Continues a search with programmes for all patches that may reach a utilisation, not only near the largest.
+--- Returns it, or nil, message, details.
+function patch_search.extend(self, utilisation)
+  local fine, message, details = explore(self, ROUNDS_OF_ALL, utilisation)
   if not fine then return nil, message, details end
   return self
 end

@@ -42,6 +42,9 @@ local LEAST_MORE, MOST_MORE = 1.05, 1.3
 local LEAST_OFFSET = 1e-3
 -- After a step that makes it worse the next one has half the offsets, down to this share of what was advised.
 local LEAST_SHARE = 0.25
+-- What the lower end of a trimmed step aims at over the force, and the share of the offsets from which it is not
+-- worth an analysis.
+local TRIMMED, WORTHWHILE = 1.03, 0.8
 
 local function analyse(self, surface)
   local wish = self.options
@@ -194,6 +197,35 @@ local function is_moved(places, at)
   return false
 end
 
+-- A step and its analysis: the surface, the breaking force and the step, or nil, why there is none, and details.
+local function take(self, from, goal)
+  local moved, step, details = step_from(self, from, goal)
+  if not moved then return nil, step, details end
+  local current, message, about = analyse(self, moved)
+  if not current then return nil, "the surface of the next step cannot be analysed: " .. message, about end
+  step.force, step.low, step.high = current.force, current.low, current.high
+  note(self, step)
+  return moved, current, step
+end
+
+-- A step that went further than the force needs is repeated with smaller offsets: those with which the lower end
+-- is TRIMMED times the force, as far as the analyses before and after it tell. Returns the lighter surface and its
+-- analysis where they reach the force, else those of the step.
+local function trim(self, from, moved, current)
+  local wish = self.options
+  local share = math.log(TRIMMED * wish.force / from.breaking.low) / math.log(current.low / from.breaking.low)
+  if share > WORTHWHILE then return moved, current end
+  from.share = math.max(share * from.share, LEAST_SHARE)
+  local lighter, lesser = take(self, from)
+  if not lighter then return moved, current end
+  if lesser.low < wish.force then
+    lesser:close()
+    return moved, current
+  end
+  current:close()
+  return lighter, lesser
+end
+
 -- Steps, each from the best surface so far, until its interval is on the safe side, nothing helps any more, or the
 -- steps are used up. What cannot be analysed ends them.
 local function run(self, breaking, progress)
@@ -204,15 +236,16 @@ local function run(self, breaking, progress)
   begin(self, from, self.original, breaking)
   for number = 1, wish.steps do
     progress:mesh(1, planned(wish.steps - number))
-    local moved, step, details = step_from(self, from, aim * goal)
-    if not moved then return stop(self, step, details) end
-    local current, message, about = analyse(self, moved)
-    if not current then
-      return stop(self, "the surface of the next step cannot be analysed: " .. message, about)
-    end
-    step.force, step.low, step.high = current.force, current.low, current.high
-    note(self, step)
-    if current.low < wish.force and current.force <= from.breaking.force then
+    local moved, current, step = take(self, from, aim * goal)
+    if not moved then return stop(self, current, step) end
+    if current.low >= wish.force then
+      if number < wish.steps then
+        progress:mesh(1, {})
+        moved, current = trim(self, from, moved, current)
+      end
+      begin(self, from, moved, current)
+      return true
+    elseif current.low <= from.breaking.low then
       current:close()
       from.share = from.share / 2
     else
@@ -222,7 +255,6 @@ local function run(self, breaking, progress)
       end
       begin(self, from, moved, current)
     end
-    if current.low >= wish.force then break end
   end
   return true
 end

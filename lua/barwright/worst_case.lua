@@ -138,7 +138,7 @@ local function search_patches(self, wish, loads)
     screening = wish.screening})
   if not found then return nil, message, details end
   self.seconds.search = core.seconds() - start
-  self.places = found.places
+  self.search, self.places = found, found.places
   summarise(self, found.loads, found.origins)
   return self
 end
@@ -283,6 +283,20 @@ local function check_region(self, i, where)
   return i
 end
 
+--- Continues a search with `length` to all patches whose mean stress may reach a utilisation. Regions keep their
+--- numbers; new ones follow. Returns the worst case, or nil, message, details.
+function worst_case:extend(utilisation)
+  check_open(self, "extend")
+  if not self.search then raise "extend: a worst case with the option 'length' expected" end
+  if type(utilisation) ~= "number" or utilisation <= 0 then
+    raise(("extend: utilisation: a number above 0 expected, got %s"):format(tostring(utilisation)))
+  end
+  local found, message, details = patch_search.extend(self.search, utilisation)
+  if not found then return nil, message, details end
+  summarise(self, found.loads, found.origins)
+  return self
+end
+
 --- The worst pressure of a region (the worst one when left out), at every node of the mesh.
 function worst_case:pressure(i)
   i = check_region(self, i, "pressure")
@@ -412,11 +426,12 @@ function worst_case:close()
     self[key] = nil
   end
   for _, u in pairs(self.solved or {}) do u:close() end
-  self.solved, self.regions, self.loads = nil, nil, nil
+  self.solved, self.regions, self.loads, self.search = nil, nil, nil, nil
 end
 worst_case.__close = worst_case.close
 
 arguments.methods("worst case", worst_case, worst_case, {
+  extend = "utilisation: number",
   pressure = "region?: integer", force = "region?: integer", displacement = "region?: integer",
   stress = "region?: integer", arrows = "region?: integer, radius?: number", surface_weakness = "",
   write = "path: string", picture = "path: string, options?: options", report = "path: string, options?: options",

@@ -133,8 +133,9 @@ function bw.breaking_force(body, options) end
 ---most `steps` (default 8) rounds of advice, smooth outward bumps, and analysis. A surface that is not sound is repaired
 ---first. `keep(x, y, z)` is true where the surface must not move (m). `progress(step)` is called after each step with
 ---{places, offset, predicted, force, low, high}: how many places, the largest offset (m), the predicted force, the
----computed one and its interval (N). A step that makes it worse is undone: the next one begins from the best surface so
----far with half of the offsets. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
+---computed one and its interval (N). A step that makes the lower end worse is undone: the next one begins from the best
+---surface so far with half of the offsets. A step that goes further than the force needs is repeated once with smaller
+---offsets. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
 ---has them. Other options: those of bw.breaking_force. nil, message, details where the given surface cannot be
 ---computed; a force that is not reached is no failure: then it is the best surface that was found, see `reached` and
 ---`stopped`. docs/theory/strengthen.md.
@@ -1554,6 +1555,14 @@ local WorstCase = {}
 ---@param region? integer
 ---@return bw.Array
 function WorstCase:pressure(region) end
+
+---Continues a search with `length` to all patches whose mean stress may reach a utilisation. Regions keep their
+---numbers; new ones follow.
+---@param utilisation number stress over strength; without a strength, Pa
+---@return bw.WorstCase? self
+---@return string? message
+---@return table? details
+function WorstCase:extend(utilisation) end
 
 ---The nodal forces of that pressure.
 ---@param region? integer

@@ -1,9 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The bodies that breaking forces are measured on: the machine parts of scripts/worst_case/machine_parts.lua, or
--- the surfaces of a folder named below, scaled to a box diagonal of 100 mm.
+-- The bodies on which breaking forces are measured, by the options of a bench: the machine parts of
+-- scripts/worst_case/machine_parts.lua, with `unseen` those of unseen_parts.lua, with `models` the surfaces of a
+-- folder named below, scaled to a box diagonal of 100 mm; with `only` those whose name contains it.
+-- A list of {name, surface = function}.
 local bw = require "barwright"
 local distance = require "barwright.points".distance
-local parts = require "machine_parts"
 
 -- Chosen before any was measured.
 local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_round.stl", "cat.obj", "chair.ply",
@@ -11,23 +12,26 @@ local surfaces = {"anchor.off", "armadillo.obj", "boot.obj", "bottle_opener_roun
   "screwdriver.ply", "tray_bottom.stl", "triceratops.off"}
 local DIAGONAL = 0.1
 
-local function scaled(surface)
+local function scaled(path)
+  local surface = assert(bw.surface.read(path))
   return surface:scale(DIAGONAL / distance(surface.box.low, surface.box.high))
 end
 
---- Those of the folder `models`, or the machine parts where it is nil, whose name contains `only` (nil: all):
---- a list of {name =, surface = function()}.
-return function(models, only)
-  local list = {}
-  local function add(name, surface)
-    if not only or name:find(only, 1, true) then list[#list + 1] = {name = name, surface = surface} end
+return function(wish)
+  local all, list = {}, {}
+  if wish.models then
+    for _, file in ipairs(surfaces) do
+      local path = wish.models .. "/" .. file
+      all[#all + 1] = {name = file:match "^[^.]*", surface = function() return scaled(path) end}
+    end
+  else
+    local parts = require(wish.unseen and "unseen_parts" or "machine_parts")
+    for _, part in ipairs(parts.list) do
+      all[#all + 1] = {name = part.name, surface = function() return parts.surface(part) end}
+    end
   end
-  if not models then
-    for _, part in ipairs(parts.list) do add(part.name, function() return parts.surface(part) end) end
-    return list
-  end
-  for _, file in ipairs(surfaces) do
-    add(file:match "^[^.]*", function() return scaled(assert(bw.surface.read(models .. "/" .. file))) end)
+  for _, body in ipairs(all) do
+    if not wish.only or body.name:find(wish.only, 1, true) then list[#list + 1] = body end
   end
   return list
 end

@@ -2,18 +2,19 @@
 -- Breaking forces from coarse, middle and fine starts: largest over smallest force, whether each interval contains
 -- the force of the finest start, how far the places lie apart in radii of the patch, and processor seconds.
 --   build/barwright scripts/bench/breaking_force.lua [--models DIR] [--elements 2500,5000,10000] [--only NAME]
---     [--overkill 1000000]
+--     [--overkill 1000000] [--unseen]
 -- With --overkill the answers are compared with the force on one mesh of about so many unknowns, finer around all
 -- places that were found: whether each interval contains it, and the estimated error over the real one (the
 -- effectivity).
--- The bodies are those of bodies.lua.
+-- bodies.lua lists the bodies.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies"
 local distance = require "barwright.points".distance
 
-local wish = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0}
+local wish = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0,
+  unseen = true}
 local starts = {}
 for number in (wish.elements or "2500,5000,10000"):gmatch "%d+" do
   starts[#starts + 1] = math.tointeger(tonumber(number))
@@ -55,7 +56,7 @@ end
 print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (interval)", "elements", "apart, r",
   "CPU, s"))
 local most, covered, all = 1, 0, 0
-for _, body in ipairs(bodies(wish.models, wish.only)) do
+for _, body in ipairs(bodies(wish)) do
   local found, low, high = {}, math.huge, 0
   for k, elements in ipairs(starts) do
     local clock = os.clock()

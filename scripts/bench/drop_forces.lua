@@ -15,7 +15,7 @@ print("| body | breaking force, N (interval) | contact, cm2 | peg's contact over
   .. "| least contact force, N | median | below the interval, % | least with inertia, N | below the interval, % "
   .. "| at the weakest place or a tie, % | of the weakest tenth, % |")
 print "|---|---|---|---|---|---|---|---|---|---|---|---|"
-for _, body in ipairs(bodies(wish.models, wish.only)) do
+for _, body in ipairs(bodies(wish)) do
   local found <close> = assert(bw.breaking_force(body.surface(), {material = bw.material.pla,
     elements = wish.elements}))
   local impacts = impacts_of(found, {drops = wish.drops, seed = 1})

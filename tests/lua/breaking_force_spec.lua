@@ -161,3 +161,64 @@ describe("the breaking force", function()
     assert.equal("the strength of the material is not known", message)
   end)
 end)
+
+describe("a search that is extended", function()
+  -- A comb with a long tooth: the loads of the search bend this one.
+  local radius = 2e-3
+  local block = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.066, 0.006, 0.03}, cells = {22, 2, 10}})
+  local middle = block.nodes:gather(block.elements:column(1))
+  for corner = 2, 4 do middle = middle + block.nodes:gather(block.elements:column(corner)) end
+  local comb = assert(block:subset((middle / 4):map(
+    "a.z < 0.006 or a.x - 0.012 * floor(a.x / 0.012) < 0.006 and (a.x < 0.012 or a.z < 0.012)"))):with_order(2)
+  local part = bw.model {mesh = comb, material = bw.material.pla}
+
+  -- The largest utilisation at every node under loads.
+  local function largest(worst, loads)
+    local most
+    for i = 1, loads.peaks.row_count do
+      local force = worst.basis:force(loads.pressures[i])
+      local u = assert(worst.system:solve(force))
+      local stress = assert(bw.surface_stress(comb, part.material, u, force))
+      local used = part.material:utilisation(assert(bw.surface_mean(comb, stress, radius, worst.system)))
+      most = most and bw.array.map("max(a, b)", {a = most, b = used}) or used
+    end
+    return most
+  end
+
+  it("has loads for all patches that reach a utilisation, and keeps those it had", function()
+    local worst <close> = assert(bw.worst_case(part, {force = 5, pressure = 2e5, modes = 2, regions = 1,
+      length = radius}))
+    local limit, count = 0.15 * worst.places[1].utilisation, #worst.regions
+    local before, first = largest(worst, worst.loads), worst.pressures:rows(1, count):copy()
+    assert.equal(worst, worst:extend(limit))
+    assert.is_true(#worst.regions > count)
+    assert.equal(first:tostring "<f8", worst.pressures:rows(1, count):tostring "<f8")
+    local after = largest(worst, worst.loads)
+    -- Programmes for patches that are chosen here, in three directions.
+    local nodes, rows, boundary = {}, {}, comb.boundary.nodes
+    for k = 1, boundary.row_count, 38 do
+      for component = 1, 3 do
+        local row = {0, 0, 0, 0, 0, 0}
+        row[component] = 1
+        nodes[#nodes + 1], rows[#rows + 1] = boundary[k], row
+      end
+    end
+    local regions = assert(core.patch_regions(worst.system, radius, nodes, core.array.new(rows)))
+    local own = largest(worst, assert(core.worst_loads(worst.system, worst.basis, regions, {one_sign = true,
+      force = 5, pressure = 2e5})))
+    local least, former = 1, 1
+    for k = 1, #nodes, 3 do
+      local node = nodes[k]
+      if own[node] > limit then
+        least, former = math.min(least, after[node] / own[node]), math.min(former, before[node] / own[node])
+      end
+    end
+    assert.is_true(least > 0.65, ("%.3f"):format(least))
+    assert.is_true(former < 0.55, ("the search alone: %.3f"):format(former))
+    check.raises("utilisation: a number above 0 expected", worst.extend, worst, 0)
+    check.raises("with the option 'length' expected", function()
+      local other <close> = assert(bw.worst_case(part, {force = 5, pressure = 2e5, modes = 2, regions = 1}))
+      other:extend(1)
+    end)
+  end)
+end)

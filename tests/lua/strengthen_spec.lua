@@ -393,13 +393,31 @@ describe("strengthening", function()
     assert.truthy(result.stopped:find "does not help any more")
     -- A step and a half on top of each other, not two and a half.
     local high = 0
-    result = assert(strengthening_by(scripted({100, 120, 90, 200}, top, {}))(bar,
+    result = assert(strengthening_by(scripted({100, 120, 90, 170}, top, {}))(bar,
       with {elements = 200, force = 150}))
     assert.is_true(result.reached)
     for _, p in ipairs(result.surface.points:totable()) do
       if math.abs(p[1]) < 1e-3 then high = math.max(high, p[3]) end
     end
     check.near(0.0025 + 1.5e-4, high, 1e-3)
+  end)
+
+  it("takes the lighter surface where a step goes further than the force needs", function()
+    -- The first step ends at 270 N, the lower end. 130 N with a margin of 3 % need less of it.
+    local share = math.log(1.03 * 130 / 90) / math.log(270 / 90)
+    local lighter = assert(strengthening_by(scripted({100, 300, 160}, top, {}))(bar,
+      with {elements = 200, force = 130}))
+    assert.is_true(lighter.reached)
+    assert.equal(2, #lighter.steps)
+    check.near(share * 1e-4, lighter.steps[2].offset, 1e-9)
+    assert.equal(160, lighter.after.force)
+    -- Where the lighter one does not bear the force, or no step is left, it is the first.
+    for _, case in ipairs {{{100, 300, 120}, 8}, {{100, 300, 160}, 1}, {{100, 300, false}, 8}} do
+      local result = assert(strengthening_by(scripted(case[1], top, {}))(bar,
+        with {elements = 200, force = 130, steps = case[2]}))
+      assert.equal(300, result.after.force)
+      assert.is_true(result.added_volume > 2 * lighter.added_volume)
+    end
   end)
 
   it("shows one progress over all analyses", function()
