@@ -185,6 +185,18 @@ static double angle_between(const double a[3], const double b[3]) {
   return atan2(bw_norm(c), bw_dot(a, b));
 }
 
+/* Whether a facet rises above the plane through one of its nodes across a normal: then the kink is
+ * concave. */
+static bool rises(const bw_mesh *mesh, int32_t facet, int32_t node, const double normal[3]) {
+  const int32_t *corner = mesh->facet + (int64_t)facet * mesh->nodes_per_facet;
+  double height = 0;
+  for (int k = 0; k < 3; k++)
+    for (int d = 0; d < 3; d++)
+      height +=
+          (mesh->node[3 * (int64_t)corner[k] + d] - mesh->node[3 * (int64_t)node + d]) * normal[d];
+  return height > 0;
+}
+
 bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node, double limit,
                            double *kink) {
   enum { MOST = 64 };
@@ -196,13 +208,13 @@ bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t nod
       for (int a = 0; a < width; a++)
         for (int b = 0; b < width; b++) {
           double one[3], two[3];
-          if (mesh->facet[(int64_t)around[i] * width + a] !=
-              mesh->facet[(int64_t)around[j] * width + b])
+          int32_t shared = mesh->facet[(int64_t)around[i] * width + a];
+          if (shared != mesh->facet[(int64_t)around[j] * width + b])
             continue;
           bwi_boundary_normal_at(mesh, around[i], a, one);
           bwi_boundary_normal_at(mesh, around[j], b, two);
           double angle = angle_between(one, two);
-          if (angle < limit)
+          if (angle < limit && rises(mesh, around[j], shared, one))
             *kink = fmax(*kink, angle);
         }
   return bw_check_cancel(context);

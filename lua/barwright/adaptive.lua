@@ -2,6 +2,7 @@
 -- part:solve {error = , of = } and part:modes {error = }: static solutions and modes on meshes that are refined
 -- until the estimated error of what is asked for is small enough. docs/theory/error_control.md.
 local core = require "barwright.core"
+local facet_error = require "barwright.facet_error"
 local goal = require "barwright.goal"
 local options = require "barwright.options"
 local growth = require "barwright.singular_growth"
@@ -9,9 +10,6 @@ local refinement = require "barwright.refinement"
 
 local methods = core.classes.model.methods
 local solve, modes_of = methods.solve, methods.modes -- on the mesh as it is
-
--- Normals of facets that differ by more than this (radians) are at a sharp edge, which is meant.
-local SHARP = 0.6
 
 local function with_common(rules)
   for key, rule in pairs(refinement.rules) do rules[key] = rule end
@@ -50,15 +48,6 @@ local function parts_of(part, static, found)
   return parts:totable(), dual and sum or static.energy > 0 and found.value * sum / (2 * static.energy) or 0
 end
 
--- Facets that stand for a round face have kinks: the stress there changes by about 2/pi of the angle for each
--- time that the mesh becomes finer by e.
-local function geometry_error(mesh, found)
-  if not found.node then return 0 end
-  local kink, message, details = core.boundary_kink(mesh, found.node, SHARP)
-  if not kink then return nil, message, details end
-  return 2 / math.pi * kink * found.value
-end
-
 -- Elements at nodes whose value may exceed the largest one within what the recovery is unsure of.
 local function rivals_of(mesh, found)
   if not found.better then return {} end
@@ -92,15 +81,17 @@ local function static_analysis(wish, mesh)
     if not found then return nil, message, details end
     local parts, signed, more = parts_of(part, static, found)
     if not parts then return nil, signed, more end
-    local geometry
-    geometry, message, details = geometry_error(part.mesh, found)
-    if not geometry then return nil, message, details end
+    local edge, facets = found.node and growth.edge_length(part.mesh, found.at), 0
+    if edge then
+      facets, message, details = facet_error(part.mesh, found.at, growth.radius(edge))
+      if not facets then return nil, message, details end
+    end
     local rest = refinement.rest(history, function(row) return row.value end, found.value,
       part.mesh.element_count)
-    local error = math.sqrt((found.recovery_error + math.abs(signed)) ^ 2 + rest ^ 2 + geometry ^ 2)
+    local error = math.sqrt((found.recovery_error + math.abs(signed)) ^ 2 + rest ^ 2
+      + (facets * found.value) ^ 2)
     return {result = static, value = found.value, at = found.at, error = relative(error, found.value),
-      facet_error = relative(geometry, found.value),
-      edge = found.node and growth.edge_length(part.mesh, found.at), parts = parts,
+      facet_error = facets, edge = edge, parts = parts,
       rivals = rivals_of(part.mesh, found)}
   end
   return {name = wanted.name, selections = wanted.selections, step = step}

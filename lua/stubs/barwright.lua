@@ -1387,7 +1387,9 @@ function Model:close() end
 ---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, predicted_levels, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
----Zienkiewicz-Zhu: relative error in the energy norm, and the error energy of every element.
+---Zienkiewicz-Zhu: relative error of the whole body in the energy norm, and the error energy of every element. It is
+---a mean: the largest stress may be off by more, and facets that stand for a round face are not in it. The error
+---of one quantity is that of `part:solve {error = , of = }`.
 ---@return number? relative
 ---@return bw.Array elements
 function Static:error_estimate() end

@@ -290,6 +290,10 @@ describe("solve with an error", function()
     end
     assert.near(22.5, kink(straight), 0.01)
     assert.is_true(kink(curved) < 1)
+    local facet_error = require "barwright.facet_error"
+    local edge = {cos(pi / 4), sin(pi / 4), 0}
+    assert.near(0.25, facet_error(straight, edge, 0.1), 1e-3)
+    assert.equal(0, facet_error(straight, {4, 4, 0.5}, 0.01)) -- a place inside of the body
     -- an error by facets that refinement does not lessen ends the loop
     local refinement = require "barwright.refinement"
     local function step(_, part)

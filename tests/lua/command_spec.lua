@@ -503,6 +503,28 @@ describe("commands that compute", function()
     assert.truthy(err:find("b_bar", 1, true), err)
   end)
 
+  it("statics counts the facets that stand for a fillet in its error", function()
+    -- An angle of arms 10 mm wide with a fillet of 2 mm.
+    local function stress(facets)
+      local profile = {{0, 0}, {0.04, 0}, {0.04, 0.01}}
+      for k = 0, facets do
+        local angle = k / facets * math.pi / 2
+        profile[#profile + 1] = {0.012 - 0.002 * math.sin(angle), 0.012 - 0.002 * math.cos(angle)}
+      end
+      profile[#profile + 1], profile[#profile + 2] = {0.01, 0.04}, {0, 0.04}
+      local path = folder .. "fillet.stl"
+      assert(prism(profile, {0.005, 0.005}, 0.01):write(path))
+      local _, object = answer("statics --elements 8000 --hold above:y:40mm --force above:x:40mm=0,-100,0 "
+        .. "--material abs " .. path)
+      return object
+    end
+    local coarse, fine = stress(2), stress(16) -- facets of 1.6 and of 0.2 mm
+    assert.is_true(math.abs(fine.value - coarse.value) > 0.1 * coarse.value)
+    assert.is_true(math.abs(fine.value - coarse.value) < coarse.estimated_error * coarse.value)
+    assert.near(0.25, coarse.facet_error, 1e-6) -- 2/pi of 22.5 degrees
+    assert.is_true(fine.facet_error < 0.01)
+  end)
+
   it("statics names a singular place, and what says so", function()
     local profile, points, triangles = {{0, 0}, {40, 0}, {40, 10}, {10, 10}, {10, 40}, {0, 40}, {5, 5}}, {}, {}
     for i, p in ipairs(profile) do

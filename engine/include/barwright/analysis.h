@@ -65,9 +65,9 @@ bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *rel
 /* Forces at the nodes, node_count x 3, that hold a displacement without loads: K u. */
 bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                             const double *displacement, double *force);
-/* The largest angle by which the normals of boundary facets differ at the nodes of the facets
- * around a boundary node, of those below `limit` (radians): 0 on flat and on resolved round faces,
- * the angle between facets where these stand for a round face. 0 for inner nodes. */
+/* The largest concave angle by which the normals of boundary facets differ at the nodes of the
+ * facets around a boundary node, of those below `limit` (radians): 0 on flat and on resolved round
+ * faces, the angle between facets where these stand for a round face. 0 for inner nodes. */
 bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node, double limit,
                            double *kink);
 

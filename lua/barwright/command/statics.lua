@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright statics MODEL: constrained here, loaded there, does it bear it?
 local bw = require "barwright"
+local facet_error = require "barwright.facet_error"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -124,6 +125,14 @@ local function error_of(value, coarse, mean)
   return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, LEAST_ERROR)
 end
 
+-- The part of the error of the stress at a point that no finer mesh of the same surface shows: facets of the file
+-- that stand for a round face. Those that the mesh has by itself are gone where it is curved.
+local function of_facets(mesh, read, at)
+  local sound = mesh.order == 2 and read.surface and read.surface:check({limit = 1}).sound
+  local curved = sound and model.try(mesh.curved, mesh, read.surface)
+  return facet_error(curved or mesh, at, growth.radius(growth.edge_length(mesh, at)))
+end
+
 -- Of a uniform mesh, for the growth of the stress: the edge length of elements up to a factor.
 local function sized(found)
   return found and {value = found.stress, edge = found.elements ^ (-1 / 3)}
@@ -160,11 +169,13 @@ local function judge(static, part, read, loads, wish, accuracy, at)
   local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
   if not accuracy then
     found.coarse = on_coarser(read, wish, loads, material, radius)
-    found.estimated = error_of(found.fine.stress, found.coarse and found.coarse.stress, mean)
+    found.facets = of_facets(mesh, read, at)
+    found.estimated = math.sqrt(error_of(found.fine.stress, found.coarse and found.coarse.stress, mean) ^ 2
+      + found.facets ^ 2)
     found.singular = find_singular(static, part, read, at, found)
     return found
   end
-  found.estimated = accuracy.estimated_error
+  found.estimated, found.facets = accuracy.estimated_error, accuracy.history[#accuracy.history].facet_error
   if not accuracy.converged then
     local first = model.try(part.solve, part, {with = wish.with})
     found.coarse = first and measure(first, part.mesh, material, radius)
@@ -238,7 +249,7 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     max_von_mises_pa = stress, max_von_mises_at_m = at,
     max_displacement_m = most, beyond_linear_theory = large, utilisation = used,
     utilisation_error = used and judged_error,
-    strength_pa = material.strength, mean_error = mean,
+    strength_pa = material.strength, mean_error = mean, facet_error = found.facets,
     coarse_value = coarse and coarse.stress, coarse_elements = coarse and coarse.elements,
     singular_by = singular and singular.by, singular_place = singular and singular.place and {
       kind = singular.place.kind, angle_rad = singular.place.angle, at_m = singular.at},
