@@ -66,8 +66,8 @@ function drop_test:picture(path, given)
 end
 
 function drop_test:__tostring()
-  return ("%d drops: the weakest place is overloaded in %.3g %% of them"):format(self.drops,
-    100 * self:failures())
+  return ("%d drops: the weakest place is overloaded in %.3g %% of them; %s"):format(self.drops,
+    100 * self:failures(), core.error_unknown)
 end
 
 arguments.methods("drop test", drop_test, drop_test, {correlation = "other: worst_case|brute_force|array",

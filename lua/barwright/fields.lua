@@ -100,8 +100,15 @@ function modes:picture(i, path, given)
   else
     wish.values = shape:gather(nodes)
   end
-  wish.title = wish.title or frequencies and ("mode %d: %.4g Hz"):format(i, frequencies[i])
-    or ("mode %d"):format(i)
+  local title = ("mode %d"):format(i)
+  if frequencies then
+    local cents = self:error_estimate()
+    cents = cents and cents[i]
+    title = ("%s: %.4g Hz%s"):format(title, frequencies[i], cents
+      and (cents < 10 and ", about %.2g cents too high" or ", about %.0f cents too high"):format(cents)
+      or "; " .. core.error_unknown)
+  end
+  wish.title = wish.title or title
   return core.picture(surface, path, wish)
 end
 

@@ -346,7 +346,7 @@ local function place(at)
   return ("(%.4g, %.4g, %.4g) mm"):format(at[1] * 1e3, at[2] * 1e3, at[3] * 1e3)
 end
 
---- The answer in one line.
+--- The answer in one line. It is of one mesh: bw.breaking_force has an error.
 function worst_case:__tostring()
   if not self.regions then return "worst case (closed)" end
   local head
@@ -362,7 +362,8 @@ function worst_case:__tostring()
     tail = ("%s; at most %.4g MPa on this mesh%s"):format(tail, self.upper_bound / 1e6,
       self.bounded and " " .. self.bounded or "")
   end
-  return ("%s: %s; %s%s"):format(head, self.regions[self.region].label, tail, load_limits.describe(self.options))
+  return ("%s: %s; %s%s; %s"):format(head, self.regions[self.region].label, tail,
+    load_limits.describe(self.options), core.error_unknown)
 end
 
 --- Everything as a .vtu: the weakness map, and pressure, displacement and stress of the worst load.
@@ -400,7 +401,8 @@ function worst_case:picture(path, given)
     values = judged.of(stress)
     wish.displacement = self:displacement(region):gather(nodes)
     wish.unit = wish.unit or judged.name .. " under this load, MPa"
-    wish.title = wish.title or "Under the worst load of " .. self.regions[region].label
+    wish.title = wish.title or ("Under the worst load of %s; %s"):format(self.regions[region].label,
+      core.error_unknown)
   else
     values = self.weakness
     wish.unit = wish.unit or "weakness (largest principal stress), MPa"

@@ -3,8 +3,12 @@
  * computed when they are asked for and kept with the result. */
 #include "bind.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* What is said of a figure that comes from one mesh without an estimate. */
+#define LBW_ERROR_UNKNOWN "error unknown: one mesh"
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
@@ -262,12 +266,12 @@ static int static_tostring(lua_State *L) {
     double length = bw_norm(result->displacement + 3 * i);
     largest = length > largest ? length : largest;
   }
-  char text[240], how[60] = "";
+  char text[280], how[60] = "";
   if (result->report.method == BW_STATICS_LEVELS)
     snprintf(how, sizeof how, ", in %d iterations over levels", result->report.iterations);
   snprintf(text, sizeof text,
            "static solution on %d nodes: largest displacement %.4g mm, strain energy %.4g J, "
-           "residual %.1e%s",
+           "residual %.1e%s; " LBW_ERROR_UNKNOWN,
            (int)result->model->mesh->node_count, largest * 1e3, result->energy, result->residual,
            how);
   lua_pushstring(L, text);
@@ -370,20 +374,38 @@ static int modes_length(lua_State *L) {
   return modes_count(L);
 }
 
+/* The largest estimated error of the frequencies, in cents; false where it cannot be told. */
+static bool largest_error(lua_State *L, const bw_modes *modes, double *cents) {
+  double *relative = (double *)lua_newuserdatauv(L, (size_t)modes->count * sizeof *relative, 0);
+  bw_status status = bw_modes_error(lbw_enter(L), modes, relative);
+  *cents = 0;
+  for (int k = 0; k < modes->count && status == BW_OK; k++)
+    *cents = fmax(*cents, 600 * log2(1 + relative[k]));
+  lbw_leave(L, status, 0);
+  return status == BW_OK;
+}
+
 static int modes_tostring(lua_State *L) {
   const bw_modes *modes = (const bw_modes *)lbw_check(L, 1, &lbw_modes_class);
-  char text[240];
+  char text[280], error[60] = LBW_ERROR_UNKNOWN;
   int last = modes->count - 1;
   if (modes->count == 0)
     snprintf(text, sizeof text, "no modes");
-  else if (modes->frequency)
-    snprintf(text, sizeof text, "%d elastic modes, %.4g to %.4g Hz, %d rigid motions left out%s",
-             modes->count, modes->frequency[0], modes->frequency[last], modes->rigid_count,
-             modes->counted ? ", none missing" : "");
-  else
-    snprintf(text, sizeof text, "%d %s modes, eigenvalues %.4g to %.4g", modes->count,
+  else if (modes->frequency) {
+    double cents;
+    if (largest_error(L, modes, &cents))
+      snprintf(error, sizeof error,
+               cents < 10 ? "about %.2g cents too high at most"
+                          : "about %.0f cents too high at most",
+               cents);
+    snprintf(text, sizeof text,
+             "%d elastic modes, %.4g to %.4g Hz, %d rigid motions left out%s; %s", modes->count,
+             modes->frequency[0], modes->frequency[last], modes->rigid_count,
+             modes->counted ? ", none missing" : "", error);
+  } else
+    snprintf(text, sizeof text, "%d %s modes, eigenvalues %.4g to %.4g; %s", modes->count,
              modes->components == 1 ? "Laplacian" : "elastic", modes->eigenvalue[0],
-             modes->eigenvalue[last]);
+             modes->eigenvalue[last], error);
   lua_pushstring(L, text);
   return 1;
 }
@@ -641,4 +663,6 @@ void lbw_open_solve(lua_State *L) {
   lbw_class_register(L, &lbw_modes_class);
   lbw_class_register(L, &lbw_system_class);
   luaL_setfuncs(L, functions, 0);
+  lua_pushliteral(L, LBW_ERROR_UNKNOWN);
+  lua_setfield(L, -2, "error_unknown");
 }

@@ -9,9 +9,11 @@
 -- The last two lines say which loads are admissible (docs/theory/worst_case.md, section 15): --contact
 -- instead of --pressure; held and forbidden places such as low:z or near:0,0,30mm:5mm.
 -- MODEL: a surface (STL OBJ OFF PLY), which is repaired where it must be and filled, or a mesh of
--- tetrahedra (.msh .vtu .mesh .inp .node), which is taken as it is. Exit status 0: answered. 2: the
+-- tetrahedra (.msh .vtu .mesh .inp .node), which is taken as it is. The stress is that of one
+-- mesh, without a verdict. Exit status 0: answered. 2: the
 -- input was refused, one sentence on standard error. 3: the computation could not finish.
 local bw = require "barwright"
+local core = require "barwright.core"
 local places = require "barwright.command.places"
 
 local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
@@ -83,7 +85,7 @@ end
 local function suggestion(name)
   local names = {}
   for key in pairs(known) do names[#names + 1] = "--" .. key end
-  return require "barwright.core".suggestion("--" .. name, names)
+  return core.suggestion("--" .. name, names)
 end
 
 -- Sets an option; places add up.
@@ -327,11 +329,9 @@ local function main()
     .. " (%.4g, %.4g, %.4g) mm: %.4g MPa."):format(force, wish.pressure / 1e6,
     model_path:match "[^/]+$", worst.at[1] * 1e3, worst.at[2] * 1e3, worst.at[3] * 1e3,
     worst.max_principal / 1e6))
-  if used and used >= 1 then
-    print(("That is %.3g times the strength of %s: it breaks there."):format(used, wish.material))
-  elseif used then
-    print(("That is %.3g %% of the strength of %s: it holds; %.3g times the force and pressure would"
-      .. " break it."):format(100 * used, wish.material, 1 / used))
+  if used then
+    print(("On this mesh that is %.3g %% of the strength of %s; %s. `barwright worst` gives an interval and a"
+      .. " verdict."):format(100 * used, wish.material, core.error_unknown))
   else
     print(("The strength of %s is not known."):format(wish.material))
   end

@@ -357,6 +357,9 @@ describe("modes with an error", function()
   it("tell by how many cents they are too high", function()
     local modes = assert(bar {10, 2, 2}:modes {count = 5})
     local cents, fine = modes:error_estimate(), assert(bar {20, 4, 3}:modes {count = 5}).frequencies
+    assert.truthy(tostring(modes):find((" left out, none missing; about %.0f cents too high at most"):format(
+      cents:max()), 1, true), tostring(modes))
+    assert.truthy(tostring(cantilever():solve()):find "; error unknown: one mesh$")
     for k = 1, 5 do
       local excess = 1200 * math.log(modes.frequencies[k] / fine[k], 2)
       assert.is_true(excess > 0)

@@ -295,6 +295,10 @@ describe("a model", function()
     local modes = assert(part:modes {count = 2})
     assert(modes:write(folder .. "/m.vtu"))
     assert(modes:picture(1, folder .. "/m.png", {width = 300, height = 200}))
+    assert(modes:picture(1, folder .. "/titled.png", {width = 300, height = 200,
+      title = ("mode 1: %.4g Hz, about %.0f cents too high"):format(modes.frequencies[1],
+        modes:error_estimate()[1])}))
+    assert.is_true(check.read(folder .. "/m.png") == check.read(folder .. "/titled.png"))
     assert(mesh:picture(folder .. "/mesh.png", {width = 300, height = 200}))
     assert(mesh:surface():picture(folder .. "/surface.png", {width = 300, height = 200}))
     check.raises("did you mean 'von_mises'", static.picture, static, folder .. "/x.png",

@@ -206,6 +206,8 @@ describe("scripts/worst_case/run.lua", function()
     assert.equal("", err)
     assert.equal(0, status)
     assert.truthy(out:find "MPa at %(")
+    assert.truthy(out:find("On this mesh that is [%d.]+ %% of the strength of pla; error unknown: one mesh"), out)
+    assert.is_nil(out:find("holds", 1, true))
     local result = assert(bw.json.decode(check.read(folder .. "/out/result.json")))
     for _, key in ipairs {"elements", "nodes", "surface_moved_m", "max_principal_pa", "utilisation",
       "seconds_repair", "seconds_remesh", "seconds_fill", "seconds_assemble", "seconds_factor",
