@@ -570,6 +570,23 @@ describe("commands that compute", function()
     _, object = answer("statics --elements 2000 --toughness 3e6 --hold above:y:40mm --force above:x:40mm=0,-20,0 "
       .. path)
     assert.near((3 / 53) ^ 2 / math.pi, object.critical_distance_m, 1e-12)
+    local near, far, critical
+    local finer = words:gsub("2000", "4000")
+    _, near = answer(finer .. "--length 0.2mm --fillet 0.5mm " .. path)
+    _, far = answer(finer .. "--length 2mm --fillet 1mm " .. path)
+    _, critical = answer(words .. "--length critical " .. path)
+    assert.equal(2e-4, near.averaging_radius_m)
+    assert.near(bw.material.abs.critical_distance / 2, critical.averaging_radius_m, 1e-12)
+    assert.is_true(near.utilisation > 1.05 * far.utilisation)
+    assert.near(2 ^ 0.4555, near.fillet_stress_pa / far.fillet_stress_pa, 0.01)
+    assert.near(5e-4, near.fillet_radius_m, 1e-12)
+    assert.is_true(near.fillet_stress_error >= 0.1)
+    assert.near(0.01, near.fillet_at_m[1], 1e-6)
+    assert.is_nil(critical.fillet_stress_pa)
+    _, out = check.run(finer .. "--fillet 1mm " .. path)
+    assert.truthy(out:find("With a fillet of 1 mm the re-entrant edge at (10, 10, ", 1, true), out)
+    _, out = check.run("statics --hold low:x --gravity 0,0,-1 --fillet 1mm " .. beam)
+    assert.truthy(out:find("The stress of a fillet is not known: there is no re-entrant edge.", 1, true), out)
     _, object = answer("worst --elements 1200 --modes 4 --regions 1 " .. path)
     assert.is_true(object.singular)
     assert.truthy(object.singular_by:find("geometry", 1, true))
@@ -759,6 +776,20 @@ describe("commands that compute", function()
     assert.truthy(#check.read(path) > 1000)
   end)
 
+  it("modes refines until the frequencies are within an error", function()
+    local path = folder .. "bar.stl"
+    assert(prism({{0, 0}, {0.1, 0}, {0.1, 0.01}, {0, 0.01}}, {0.05, 0.005}, 0.01):write(path))
+    local words = "modes --count 2 --elements 800 --hold low:x %s" .. path
+    local _, plain = answer(words:format "--order 2 ")
+    local _, fine = answer(words:format "--error 0.01 ")
+    assert.is_true(fine.converged)
+    assert.is_true(#fine.steps >= 2 and fine.estimated_error <= 0.01)
+    check.near(1200 * math.log(1 + fine.estimated_error, 2), fine.estimated_error_cents, 1e-12)
+    check.near(plain.frequencies_hz[1], fine.frequencies_hz[1], 0.05)
+    local _, out = check.run(words:format "--error 0.01 ")
+    assert.truthy(out:find("every frequency is within [%d.]+ cents%."), out)
+  end)
+
   it("statics refuses a support without a facet", function()
     local status, _, fault = check.run("statics " .. beam .. " --hold near:0,0,0:1mm --gravity 0,0,-1")
     assert.equal(2, status)
@@ -818,6 +849,10 @@ describe("commands that compute", function()
     for words, text in pairs {
       ["statics " .. beam] = "--hold PLACE is missing",
       ["statics --hold low:x " .. beam] = "no load is given",
+      ["statics --hold low:x --gravity 0,0,1 --length 2 " .. beam] = "'2' has no unit",
+      ["statics --hold low:x --gravity 0,0,1 --fillet 0mm " .. beam] = "option --fillet",
+      ["statics --hold low:x --gravity 0,0,1 --length critical " .. beam] = "the fracture toughness of pla",
+      ["modes --error 2 " .. beam] = "option --error",
       ["statics --hold lwo:x --gravity 0,0,1 " .. beam] = "'lwo:x' is no place",
       ["statics --hold low:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
       ["statics --hold low:x --force low:y=3 " .. beam] = "three numbers such as",

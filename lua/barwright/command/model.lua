@@ -352,6 +352,34 @@ local function missing_toughness(wish, material)
     table.concat(known, ", "))
 end
 
+-- With --error the first mesh has this share of the elements asked for, the last one at most so many times them.
+local FIRST, MOST_GROWTH = 1 / 4, 10
+
+--- With --error: what is asked of the first mesh.
+function model.first_mesh(wish)
+  return setmetatable({elements = math.max(1, math.floor(FIRST * wish.elements)), order = 2}, {__index = wish})
+end
+
+--- With --error: options of part:solve and part:modes that go on from the first mesh.
+function model.refined(read, wish, mesh, given)
+  local sound = read.surface and read.surface:check({limit = 1}).sound
+  given.error, given.surface = wish.error, sound and read.surface or nil
+  given.most_elements = math.max(MOST_GROWTH * wish.elements, mesh.element_count)
+  return given
+end
+
+--- With --error: how it was reached.
+function model.tell_accuracy(accuracy, out)
+  local steps = bw.json.list {}
+  for i, row in ipairs(accuracy.history) do
+    steps[i] = {elements = row.elements, value = row.value, estimated_error = row.estimated_error}
+  end
+  out:say("")
+  out:say("%s", tostring(accuracy))
+  out:json {elements = accuracy.elements, nodes = accuracy.part.mesh.node_count, converged = accuracy.converged,
+    reason = accuracy.reason, steps = steps}
+end
+
 -- What the command is to write, told to be impossible before the work and not after it.
 local function check_outputs(wish)
   for _, name in ipairs {"report", "picture", "vtu"} do

@@ -8,9 +8,9 @@ local pitch = require "barwright.pitch"
 
 local function analyse(wish, out)
   if wish.threads then bw.threads(wish.threads) end
-  local mesh, material, details = model.body(wish, out)
-  if not mesh then return nil, material, details end
-  local message
+  local mesh, material, read = model.body(wish.error and model.first_mesh(wish) or wish, out)
+  if not mesh then return nil, material, read end
+  local message, details
   local part = bw.model {mesh = mesh, material = material}
   local held = 0
   for _, place in ipairs(wish.hold) do
@@ -22,17 +22,20 @@ local function analyse(wish, out)
     fine, message = model.try(part.fix, part, selection)
     if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
   end
-  local modes
-  modes, message, details = model.try(part.modes, part, {count = wish.count, sturm = wish.sure})
+  local modes, accuracy
+  local how = {count = wish.count, sturm = wish.sure}
+  if wish.error then model.refined(read, wish, mesh, how) end
+  modes, accuracy, details = model.try(part.modes, part, how)
   out:remarks()
-  if not modes then return nil, message, details end
+  if not modes then return nil, accuracy, details end
   local errors
   errors, message, details = modes:error_estimate()
   if not errors then return nil, message, details end
-  return modes, held, errors:totable()
+  return modes, held, errors:totable(), accuracy
 end
 
-local function tell(modes, held, errors, wish, out)
+local function tell(modes, held, errors, accuracy, wish, out)
+  if accuracy then model.tell_accuracy(accuracy, out) end
   out:say("")
   if #wish.hold > 0 then
     out:say("Constrained at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
@@ -48,6 +51,11 @@ local function tell(modes, held, errors, wish, out)
       model.digits(errors[i], 2))
   end
   out:say("The mesh makes frequencies too high; the estimate is in cents, a hundredth of a semitone.")
+  if accuracy then
+    local cents = 1200 * math.log(1 + accuracy.estimated_error, 2)
+    out:say("With what the last refinement changed, every frequency is within %s cents.", model.digits(cents, 2))
+    out:json {estimated_error = accuracy.estimated_error, estimated_error_cents = cents}
+  end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
     held = bw.json.list(wish.hold),
     material = wish.material, counted = modes.counted}
@@ -69,6 +77,9 @@ return {
     model.hold_option,
     model.unit_option,
     model.elements_option,
+    {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
+      what = "refine until the estimated error of every frequency is this share, 0.02 (34 cents) for instance, or "
+        .. "the mesh has ten times the elements; the first mesh has a quarter of them"},
     {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
       what = "linear or quadratic elements; linear ones are too stiff and ring too high"},
     {name = "sure", type = "flag", what = "count the eigenvalues, so that none is missing (twice the time)"},
@@ -86,9 +97,9 @@ return {
       local fine, message = places.check(place)
       if not fine then return out:misuse("option --hold: " .. message) end
     end
-    local modes, held, errors = analyse(wish, out)
+    local modes, held, errors, accuracy = analyse(wish, out)
     if not modes then return out:fail(held, errors) end
-    tell(modes, held, errors, wish, out)
+    tell(modes, held, errors, accuracy, wish, out)
     local written = bw.json.list {}
     for _, how in ipairs {{wish.vtu, function() return modes:write(wish.vtu) end},
       {wish.picture, function() return modes:picture(1, wish.picture) end}} do

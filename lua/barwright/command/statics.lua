@@ -1,6 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright statics MODEL: constrained here, loaded there, does it bear it?
 local bw = require "barwright"
+local averaging_radius = require "barwright.averaging_radius"
 local facet_error = require "barwright.facet_error"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
@@ -90,12 +91,9 @@ end
 
 -- The coarser mesh has this share of the elements.
 local COARSER = 1 / 4
--- With --error the last mesh has at most so many times the elements asked for.
-local MOST_GROWTH = 10
 -- Two meshes of quadratic elements show at least this much uncertainty; one alone leaves so much open.
 local LEAST_ERROR, ONE_MESH_ERROR = 0.02, 0.5
--- The radius of the patch over the diagonal of the bounding box.
-local PATCH = 0.02
+
 -- Of a solution: the largest von Mises stress, and stress over strength at nodes and in the mean over patches.
 local function measure(static, mesh, material, radius)
   local found = {elements = mesh.element_count, stress = static.von_mises:max()}
@@ -154,18 +152,10 @@ local function effective(static, finding)
   return list and list[1]
 end
 
--- Solves with the error asked for, from a first mesh of a share of the elements: static, accuracy.
-local function solve_to_error(part, read, wish)
-  local surface = read.surface and read.surface:check {limit = 1}
-  return model.try(part.solve, part, {error = wish.error, of = "von_mises", with = wish.with,
-    surface = surface and surface.sound and read.surface or nil,
-    most_elements = math.max(MOST_GROWTH * wish.elements, part.mesh.element_count)})
-end
-
 -- The largest stress, its error, stress over strength in both measures, and whether it is singular.
 local function judge(static, part, read, loads, wish, accuracy, at)
   local mesh, material = static.mesh, static.material
-  local radius, mean = PATCH * model.diagonal(mesh.box), static:error_estimate()
+  local radius, mean = wish.radius, static:error_estimate()
   local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
   if not accuracy then
     found.coarse = on_coarser(read, wish, loads, material, radius)
@@ -184,15 +174,25 @@ local function judge(static, part, read, loads, wish, accuracy, at)
   return found
 end
 
-local function tell_accuracy(accuracy, out)
-  local steps = bw.json.list {}
-  for i, row in ipairs(accuracy.history) do
-    steps[i] = {elements = row.elements, value = row.value, estimated_error = row.estimated_error}
+-- With --fillet: the largest stress that the re-entrant edges would have with a fillet.
+local function tell_fillet(static, read, wish, say, out)
+  if not wish.fillet then return end
+  local sound = read.surface and read.surface:check({limit = 1}).sound
+  local list, message = static:fillet_stress {radius = wish.fillet,
+    places = sound and read.surface:singular_edges() or nil}
+  local found = list and list[1]
+  if not found then
+    say("The stress of a fillet is not known: %s.", message and message .. " (more --elements may help)"
+      or "there is no re-entrant edge")
+    return
   end
-  out:say("")
-  out:say("%s", tostring(accuracy))
-  out:json {elements = accuracy.elements, nodes = accuracy.part.mesh.node_count, converged = accuracy.converged,
-    reason = accuracy.reason, steps = steps}
+  local strength = static.material.strength
+  local used = type(strength) == "number" and (": %.3g %% of the strength"):format(100 * found.value / strength)
+  say("With a fillet of %s mm the re-entrant edge at %s has a largest principal stress of %.4g MPa (estimated "
+    .. "error %s %%)%s.", model.mm(wish.fillet), model.place(found.at), found.value / 1e6,
+    model.percent(found.estimated_error), used or "")
+  out:json {fillet_radius_m = wish.fillet, fillet_stress_pa = found.value,
+    fillet_stress_error = found.estimated_error, fillet_at_m = found.at}
 end
 
 local function tell(static, part, read, loads, wish, accuracy, out)
@@ -204,7 +204,7 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
   local critical = effective(static, singular)
-  if accuracy then tell_accuracy(accuracy, out) end
+  if accuracy then model.tell_accuracy(accuracy, out) end
   local judged_error = estimated
   if singular and used then
     used = fine.used_mean
@@ -231,6 +231,7 @@ local function tell(static, part, read, loads, wish, accuracy, out)
         critical.value / 1e6, model.percent(critical.estimated_error), 100 * critical.utilisation)
     end
   end
+  tell_fillet(static, read, wish, say, out)
   if not used then
     say("The strength of %s is not known.", wish.material)
   else
@@ -267,20 +268,18 @@ end
 local function analyse(wish, loads, out)
   if wish.threads then bw.threads(wish.threads) end
   local start = bw.seconds()
-  local first = wish
-  if wish.error then
-    local elements = math.max(1, math.floor(COARSER * wish.elements))
-    first = setmetatable({elements = elements, order = 2}, {__index = wish})
-  end
-  local mesh, material, read = model.body(first, out)
+  local mesh, material, read = model.body(wish.error and model.first_mesh(wish) or wish, out)
   if not mesh then return nil, material, read end
   local part, message, details
+  wish.radius, message, details = averaging_radius("statics", wish.length, material, mesh.box)
+  if not wish.radius then return nil, message, details end
   part, message, details = set_up(bw.model {mesh = mesh, material = material}, wish, loads, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local static, accuracy
   if wish.error then
-    static, accuracy, details = solve_to_error(part, read, wish)
+    static, accuracy, details = model.try(part.solve, part, model.refined(read, wish, mesh,
+      {of = "von_mises", with = wish.with}))
   else
     static, accuracy, details = model.try(part.solve, part, {with = wish.with})
   end
@@ -303,6 +302,10 @@ local options = {
   {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
     what = "refine where the error of the largest stress comes from until its estimate is this share, 0.02 for "
       .. "instance, or the mesh has ten times the elements; the first mesh has a quarter of them"},
+  model.length_option,
+  {name = "fillet", value = "RADIUS", type = "number", unit = "m", above = 0,
+    what = "tell the stress that re-entrant edges would have with a fillet of this radius, which is small beside "
+      .. "the part"},
   {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
     what = "linear or quadratic elements; linear ones are too stiff"},
   {name = "formulation", value = "standard|b_bar", type = "string", default = "standard",
