@@ -390,7 +390,8 @@ click("optimise", () => {
   const limit = Number(byId("limit").value) * 1e6;
   if (!(limit > 0)) return say("give the limit first, in MPa", true);
   touched.limit = false;
-  if (send({ type: "optimise", von_mises: limit })) setBusy(true);
+  const choice = { move_supports: byId("move_supports").checked };
+  if (send({ type: "optimise", von_mises: limit, ...choice })) setBusy(true);
 });
 byId("limit").addEventListener("input", () => (touched.limit = true));
 byId("limit").addEventListener("change", () => {

@@ -229,7 +229,8 @@ function handlers.optimise(self, client, message)
   self.limit = message.von_mises
   local report, why, details = room.told_of(self, "optimising", self.session.optimise, self.session,
     {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones,
-      ties = self.ties, loads = self.loads.kind, worst = self.about.worst, move_supports = true})
+      ties = self.ties, loads = self.loads.kind, worst = self.about.worst,
+      move_supports = message.move_supports})
   if not report and room.stopped(details) then why = "stopped: the shape is as it was" end
   tell_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
   return publish(self, self.session)

@@ -132,7 +132,7 @@ local types = {
   stop = nothing,
   limit = {von_mises = {or_null(stress), true}},
   optimise = {von_mises = {stress, true}, low = {number_between(0.05, 1)}, high = {number_between(1, 20)},
-    bones = {bones}},
+    bones = {bones}, move_supports = {flag}},
   export = {format = {one_of("stl", "lua"), true}},
 }
 

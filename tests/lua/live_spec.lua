@@ -175,7 +175,7 @@ describe("a desk", function()
     talk.open(1)
     local state = talk.say(1, {type = "ties", ties = {{"arm", "nose"}}})
     assert.same({{"arm", "nose"}}, state.ties)
-    state = talk.say(1, {type = "optimise", von_mises = 0.8 * state.maximum})
+    state = talk.say(1, {type = "optimise", von_mises = 0.8 * state.maximum, move_supports = true})
     check.near(state.factors[1][2], state.factors[2][2], 1e-12)
     check.near(state.factors[1][3], state.factors[2][3], 1e-12)
     assert.is_true(state.factors[1][2] > 1.001)
@@ -260,6 +260,10 @@ describe("a desk", function()
     local talk = desk_on(hook())
     talk.open(1)
     local last, all = talk.say(1, {type = "optimise", von_mises = 30e6})
+    -- The bone with the large stresses is the one that reaches the support.
+    assert.truthy(last_of(all, "optimised").message:find("would move support 1", 1, true))
+    assert.equal(0, last.edits)
+    last, all = talk.say(1, {type = "optimise", von_mises = 30e6, move_supports = true})
     assert.is_true(last_of(all, "optimised").met)
     assert.truthy(last.maximum <= 30e6 * 1.0001)
     assert.equal(1, last.edits)
@@ -269,7 +273,7 @@ describe("a desk", function()
     assert.equal(1, last.edits)
     -- What arrives while the engine works is kept for afterwards.
     talk.server.waiting = {{1, "message", '{"type":"undo"}'}, {1, "message", '{"type":"stop"}'}}
-    last, all = talk.say(1, {type = "optimise", von_mises = 20e6})
+    last, all = talk.say(1, {type = "optimise", von_mises = 20e6, move_supports = true})
     local stopped
     for _, message in ipairs(all) do stopped = stopped or message.type == "optimised" and message end
     assert.is_false(stopped.met)
@@ -308,6 +312,7 @@ describe("a message that is none", function()
       ['{"type":"edit","bone":"arm","change":{"reset":false}}'] = "true expected",
       ['{"type":"optimise","von_mises":"NaN"}'] = "a number from",
       ['{"type":"optimise","von_mises":1e6,"bones":["arm","leg"]}'] = "a list of names",
+      ['{"type":"optimise","von_mises":1e6,"move_supports":1}'] = "true or false",
       ['{"type":"begin","seq":1}'] = "one of 'bone' and 'joint'",
       ['{"type":"begin","bone":"arm","joint":"tip","seq":1}'] = "one of 'bone' and 'joint'",
       ['{"type":"begin","joint":"arm","seq":1}'] = "the name of a joint expected",

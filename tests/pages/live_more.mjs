@@ -82,6 +82,7 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     await until(page, () => window.barwright.state().ties.length === 1);
     const { maximum } = await state(page);
     await page.fill("#limit", ((0.8 * maximum) / 1e6).toFixed(2));
+    await page.check("#move_supports");
     await page.click("#optimise");
     await until(page, (most) => window.barwright.state().maximum <= most && !window.barwright.state().busy,
       0.801 * maximum);
