@@ -481,11 +481,22 @@ describe("commands that compute", function()
     end
     local surface = assert(bw.surface.read(folder .. "sound.stl", {unit = "um"}))
     assert(surface:write(folder .. "tiny.off"))
-    for _, words in ipairs {"worst ", "statics --hold low:z --gravity 0,0,-1 ", "modes "} do
-      local status, _, err = answer(words .. folder .. "tiny.off")
-      assert.truthy(err:find("--unit", 1, true), err)
-      assert.equal(2, status, words)
+    -- A mesh of tetrahedra whose numbers are millimetres: they are taken as metres.
+    local millimetres = assert(bw.mesh.box {low = {0, 0, 0}, high = {60, 20, 10}, cells = {6, 2, 1}})
+    assert(millimetres:write(folder .. "millimetres.msh"))
+    for name, question in pairs {["tiny.off"] = "--unit m makes it 60 x 20 x 10 mm",
+      ["millimetres.msh"] = "taken as metres, which makes it 60000 x 20000 x 10000 mm: large for a part. "
+        .. "--unit mm makes it 60 x 20 x 10 mm"} do
+      for _, words in ipairs {"worst ", "statics --hold low:z --gravity 0,0,-1 ", "modes "} do
+        local status, _, err = answer(words .. folder .. name)
+        assert.truthy(err:find(question, 1, true), err)
+        assert.equal(2, status, words)
+      end
     end
+    local status, object, err = answer("statics --hold low:z --gravity 0,0,-1 --unit mm " .. folder
+      .. "millimetres.msh")
+    assert.equal(0, status, err)
+    assert.equal("mm", object.unit)
   end)
 
   it("statics warns of volumetric locking, and takes the formulation that cures it", function()

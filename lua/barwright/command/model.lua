@@ -114,7 +114,7 @@ end
 --- "45 x 64.94 x 13"
 function model.size_text(size, scale)
   local texts = {}
-  for i, x in ipairs(size) do texts[i] = ("%.4g"):format(x * (scale or 1e3)) end
+  for i, x in ipairs(size) do texts[i] = model.digits(x * (scale or 1e3), 4) end
   return table.concat(texts, " x ")
 end
 
@@ -407,10 +407,10 @@ function model.start(wish, out)
   read, message, details = model.open(wish.model, wish.unit, out)
   if not read then return nil, message, details end
   out:say("%s: %s.", model.name(wish.model), read.format)
-  if read.kind == "surface" then
+  if read.kind ~= "outline" then
     local size = {}
     for i = 1, 3 do size[i] = read.box.high[i] - read.box.low[i] end
-    local doubt, likely = model.guess_unit(size, read.metres_per_unit, wish.unit)
+    local doubt, likely = model.guess_unit(size, read.metres_per_unit or 1, wish.unit)
     if doubt then
       return nil, ("%s: %s Nothing was computed; --unit confirms a unit."):format(wish.model, doubt),
         {status = "misuse", units = likely}
