@@ -281,6 +281,31 @@ describe("solve with an error", function()
     assert.truthy(tostring(accuracy):find("it is at a border of a support of 90 degrees", 1, true))
   end)
 
+  it("ends within a limit of time or memory, with what it has", function()
+    local static, accuracy = assert(cantilever():solve {error = 1e-6, of = "displacement", time_limit = 1e-6})
+    assert.is_false(accuracy.converged)
+    assert.equal("time", accuracy.reason)
+    assert.equal(1, #accuracy.history) -- the first mesh is always solved
+    assert.equal(accuracy.elements, static.mesh.element_count)
+    assert.truthy(tostring(accuracy):find("a finer mesh would take too long", 1, true))
+    static, accuracy = assert(cantilever():solve {error = 1e-6, of = "displacement", most_elements = 500,
+      time_limit = 1e6})
+    assert.equal("elements", accuracy.reason)
+    assert.is_true(static.mesh.element_count > accuracy.history[1].elements)
+    local refinement = require "barwright.refinement"
+    local function step(history, part)
+      if #history == 2 then return nil, "out of memory", {status = "memory"} end
+      return {result = part, value = 1, error = 0.2,
+        parts = levels(part.mesh, function() return 1 end):totable()}
+    end
+    local part
+    part, accuracy = refinement.run(cantilever(), {error = 0.01, most_elements = 10000},
+      {name = "", selections = {}, step = step})
+    assert.equal("memory", accuracy.reason)
+    assert.equal(2, #accuracy.history)
+    assert.equal(accuracy.elements, part.mesh.element_count)
+  end)
+
   it("sees facets that stand for a round face", function()
     local curved = plate_with_hole(10).mesh
     local straight = curved:with_order(1):with_order(2)

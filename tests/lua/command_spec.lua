@@ -426,6 +426,69 @@ describe("commands that compute", function()
     assert.truthy(fault:find("no/such/folder/r.html", 1, true), fault)
   end)
 
+  it("worst judges a small part for the force asked, on the contact that it has", function()
+    local small = check.folder() .. "/small.vtu"
+    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {6e-3, 1e-3, 0.5e-3}, cells = {18, 3, 2}}):write(small))
+    local words = "worst --modes 2 --regions 1 " .. small
+    local status, object = answer(words)
+    assert.equal(1, status)
+    assert.equal("breaks", object.verdict)
+    assert.equal(20, object.force_n)
+    assert.equal(1e-4, object.contact_area_asked_m2)
+    check.near(object.area_m2 / 20, object.contact_area_m2, 1e-9)
+    local _, out = check.run(words .. " --force 0.1N")
+    assert.truthy(out:find("Under 0.1 N it holds", 1, true), out)
+    assert.truthy(out:find("The contact is 0.0095 cm2 instead of 1 cm2, a twentieth of the surface.", 1, true),
+      out)
+  end)
+
+  it("worst says where a soft thin ring is beyond linear theory", function()
+    local ring = check.folder() .. "/ring.vtu"
+    local grid, moved = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {24, 1, 1}, order = 2}), {}
+    for i, p in ipairs(grid.nodes:totable()) do -- open by a twentieth, of 140 mm, 2 mm thick
+      local angle, r = 1.9 * math.pi * p[1], 0.068 + 0.002 * p[2]
+      moved[i] = {r * math.sin(angle), r * math.cos(angle), 0.01 * p[3]}
+    end
+    assert(assert(grid:moved(moved)):write(ring))
+    local sentence = "Deflections there are beyond the range of linear theory: more than a tenth of the part's "
+      .. "length."
+    for young, beyond in pairs {["20MPa"] = true, ["2000GPa"] = false} do
+      local status, out = check.run(("worst --young %s --modes 3 --regions 1 %s"):format(young, ring))
+      assert.equal(1, status) -- it breaks
+      assert.equal(beyond, out:find(sentence, 1, true) ~= nil, out)
+    end
+  end)
+
+  it("worst refines until the error asked for", function()
+    local command, given = commands.load "worst", nil
+    local breaking_force, silent = bw.breaking_force, function() end
+    local deaf = {say = silent, json = silent, remarks = silent, fail = silent}
+    bw.breaking_force = function(_, options) given = options return nil, "enough", {status = "limit"} end
+    for _, words in ipairs {{}, {"--error", "0.1"}, {"--error", "0.1", "--elements", "300000"}} do
+      command.run(assert(arguments.parse(command, {beam, table.unpack(words)})), deaf)
+      assert.equal(tonumber(words[2]), given.error)
+      assert.equal(words[4] and 300000 or words[2] and 200000 or nil, given.most_elements)
+    end
+    bw.breaking_force = breaking_force
+    if os.getenv "BARWRIGHT_FULL" ~= "1" then return end
+    local path, meshes = check.folder() .. "/angle.stl", {}
+    assert(prism({{0, 0}, {0.04, 0}, {0.04, 0.01}, {0.01, 0.01}, {0.01, 0.04}, {0, 0.04}}, {0.005, 0.005}, 0.02)
+      :write(path))
+    for i, share in ipairs {1, 0.1} do
+      local _, object = answer(("worst --elements 300 --modes 3 --regions 1 --error %g %s"):format(share, path))
+      meshes[i] = #object.history
+    end
+    assert.is_true(meshes[2] > meshes[1])
+  end)
+
+  it("statics takes a density in place of the material's", function()
+    local words = "statics --material steel --hold low:x --gravity 0,0,-1g " .. beam
+    local _, steel = answer(words)
+    local _, heavy = answer(words .. " --density 31400")
+    check.near(4 * steel.mass_kg, heavy.mass_kg, 1e-9)
+    check.near(4 * steel.max_displacement_m, heavy.max_displacement_m, 1e-9)
+  end)
+
   it("strengthen thickens a part, and says by its exit code whether that is enough", function()
     local words = "strengthen --elements 200 --modes 2 --regions 1 --steps 1 --out %sstrong.stl %ssound.stl "
       .. "--force %s"
@@ -805,6 +868,14 @@ describe("commands that compute", function()
     local status, _, fault = check.run("statics " .. beam .. " --hold near:0,0,0:1mm --gravity 0,0,-1")
     assert.equal(2, status)
     assert.truthy(fault:find("near:0,0,0:1mm: a fixed support acts on area", 1, true), fault)
+  end)
+
+  it("statics refuses a part that is held everywhere", function()
+    -- All coordinates lie below 2 m.
+    local status, out, fault = check.run("statics " .. beam .. " --hold below:z:2m --force high:x=0,0,-100N")
+    assert.equal(2, status)
+    assert.is_nil(out:find("it holds", 1, true))
+    assert.truthy(fault:find("the supports fix all 290 boundary nodes: no load reaches the body", 1, true), fault)
   end)
 
   it("statics gives the beam's deflection and stress", function()

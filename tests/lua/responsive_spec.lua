@@ -41,6 +41,27 @@ describe("a steady sheet", function()
     check.near(anew.displacement:max(), s.displacement:max(), 1e-3)
   end)
 
+  it("keeps a corner at rest where two tags ask for different displacements, unless they are ordered", function()
+    local outline = assert(bw.outline.rectangle {width = 1, height = 1, tags = {left = 4, lid = 3}})
+    local fixed, lifted = {left = "fixed"}, {lid = {y = 1e-3}}
+    local function corner(conditions)
+      bw.remarks()
+      local s = assert(bw.responsive.steady {outline = outline, material = rubber, elements = 50,
+        conditions = conditions})
+      local node = s.mesh.points:map "hypot(a.x, a.y - 1)":argmin()
+      return s.displacement(node, 2), bw.remarks()
+    end
+    local sentence = "conditions conflict at (0, 1): tag 'left' prescribes y = 0, tag 'lid' 0.001; %s"
+    for _, case in ipairs {{{left = "fixed", lid = lifted.lid}, 0,
+      "0 is used; conditions in a list are ordered, and the last one decides"},
+      {{fixed, lifted}, 1e-3, "0.001 is used, of the condition that is given last"},
+      {{lifted, fixed}, 0, "0 is used, of the condition that is given last"}} do
+      local value, remarks = corner(case[1])
+      assert.equal(case[2], value)
+      assert.same({sentence:format(case[3])}, remarks)
+    end
+  end)
+
   it("says in one line what it reused", function()
     local s = assert(steady {solver = {method = "iterate"}})
     assert.truthy(tostring(s.reused):find "kept mesh")

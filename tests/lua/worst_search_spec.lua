@@ -2,6 +2,8 @@
 local bw = require "barwright"
 local check = require "check"
 
+package.path = check.root .. "/scripts/worst_case/?.lua;" .. package.path
+
 -- A plate with two holes and a rib: compact, with small features, as machine parts are.
 local function plate()
   local grid = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.04, 0.012}, cells = {15, 10, 3}})
@@ -94,6 +96,18 @@ describe("the search of the worst case", function()
     assert.truthy(search.max_principal <= 1.05 * best.max_principal)
     limits.elements = 20
     assert.equal(20, assert(bw.brute_force(part, limits)).elements)
+  end)
+
+  it("reaches brute force on a crankcase", function()
+    local parts, surface = require "machine_parts", nil
+    for _, one in ipairs(parts.list) do
+      if one.name == "crankcase" then surface = parts.surface(one) end
+    end
+    local body = assert(bw.mesh.fill(surface, {elements = 2000, tolerance = 0.1}))
+    local crankcase, limits = bw.model {mesh = body, material = bw.material.pla}, {force = 20, pressure = 2e5}
+    local brute, found = assert(bw.brute_force(crankcase, limits)), assert(bw.worst_case(crankcase, limits))
+    assert.truthy(brute:compare(found).ratio > 0.97, brute:compare(found).ratio)
+    assert.truthy(found.max_principal > 0.999 * brute.max_principal, found.max_principal / brute.max_principal)
   end)
 
   it("bounds the largest stress from above", function()
