@@ -181,7 +181,7 @@ bool bwi_fill_too_late(const bwi_filler *f) {
 
 /* ---- the whole ------------------------------------------------------------------------------ */
 
-static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
+static bw_status report(bwi_filler *f, bw_mesh *mesh, bw_fill_log *log) {
   bw_fill_log whole = {.shape = f->base_log,
                        .repaired = f->repaired,
                        .edge_length = f->best_length,
@@ -201,7 +201,7 @@ static bw_status report(bwi_filler *f, const bw_mesh *mesh, bw_fill_log *log) {
                        "the surface was remeshed to an edge length of about %.3g m%s",
                        f->best_length, describe_move(move, moved, f->diagonal));
   }
-  whole.surface_moved = f->base_log.moved + moved;
+  whole.surface_moved = mesh->surface_moved = f->base_log.moved + moved;
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
     bw_remark(
         f->context,

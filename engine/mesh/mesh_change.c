@@ -178,6 +178,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
     memcpy(node, mesh->node, 3 * (size_t)nodes * sizeof *node);
   }
   BW_TRY(bw_mesh_own(context, order, nodes, node, mesh->element_count, element, region, out));
+  (*out)->surface_moved = mesh->surface_moved;
 done:
   if (status != BW_OK) {
     bw_free(element);

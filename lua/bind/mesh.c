@@ -504,6 +504,12 @@ static int mesh_volume(lua_State *L) {
   return 1;
 }
 
+/* How far filling moved the surface. */
+static int mesh_surface_moved(lua_State *L) {
+  lua_pushnumber(L, self(L)->surface_moved);
+  return 1;
+}
+
 static int mesh_box(lua_State *L) {
   double low[3], high[3];
   bw_mesh_box(self(L), low, high);
@@ -530,8 +536,11 @@ static int mesh_tostring(lua_State *L) {
   const char *bodies = mesh->component_count > 1
                            ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)
                            : "";
-  lua_pushfstring(L, "mesh of %d tet%d and %d nodes, %s%s", (int)mesh->element_count,
-                  mesh->nodes_per_element, (int)mesh->node_count, box, bodies);
+  char moved[64] = "";
+  if (mesh->surface_moved > 0)
+    snprintf(moved, sizeof moved, ", surface moved by up to %.3g mm", 1e3 * mesh->surface_moved);
+  lua_pushfstring(L, "mesh of %d tet%d and %d nodes, %s%s%s", (int)mesh->element_count,
+                  mesh->nodes_per_element, (int)mesh->node_count, box, bodies, moved);
   return 1;
 }
 
@@ -563,6 +572,7 @@ static const luaL_Reg properties[] = {{"nodes", mesh_nodes},
                                       {"facet_count", mesh_facet_count},
                                       {"component_count", mesh_component_count},
                                       {"volume", mesh_volume},
+                                      {"surface_moved", mesh_surface_moved},
                                       {"box", mesh_box},
                                       {"boundary", mesh_boundary},
                                       {NULL, NULL}};

@@ -867,6 +867,7 @@ function mesh_module.box(options) end
 ---@field facet_count integer
 ---@field component_count integer
 ---@field volume number
+---@field surface_moved number m, the most by which bw.mesh.fill moved the surface; 0 of other meshes
 ---@field box bw.Box
 ---@field boundary bw.Selection the whole boundary, to choose from
 local Mesh = {}

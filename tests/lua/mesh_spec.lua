@@ -316,6 +316,21 @@ describe("a filled ball", function()
     return math.sqrt((node[1] - at[1]) ^ 2 + (node[2] - at[2]) ^ 2 + (node[3] - at[3]) ^ 2)
   end
 
+  it("says by how much its surface was moved", function()
+    local mesh, log = assert(bw.mesh.fill(ball, {elements = 300}))
+    assert.is_true(log.surface_moved > 0)
+    assert.equal(log.surface_moved, mesh.surface_moved)
+    assert.equal(log.surface_moved, mesh:with_order(2).surface_moved)
+    assert.truthy(tostring(mesh):find(("surface moved by up to %.3g mm"):format(1e3 * log.surface_moved), 1, true))
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    assert.equal(log.surface_moved, part.mesh.surface_moved)
+    local box = assert(bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}})
+    for _, exact in ipairs {assert(bw.mesh.fill(box, {elements = 300})), check.beam()} do
+      assert.equal(0, exact.surface_moved)
+      assert.is_nil(tostring(exact):find("moved", 1, true))
+    end
+  end)
+
   it("repeats a filling by the edge length in its log", function()
     local mesh, log = assert(bw.mesh.fill(ball, {elements = 1500}))
     local again = assert(bw.mesh.fill(ball, {edge_length = log.edge_length}))

@@ -208,6 +208,8 @@ typedef struct bw_mesh {
 
   int32_t component_count; /* bodies: parts connected through shared nodes */
   int32_t *component;      /* node_count */
+
+  double surface_moved; /* m, by filling; 0 of meshes that do not come from a surface */
 } bw_mesh;
 
 /* Checks indices, finiteness, and volume: an element of negative volume is renumbered to a positive
