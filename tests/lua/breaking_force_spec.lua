@@ -63,6 +63,33 @@ describe("the breaking force", function()
       tostring(coarse) .. "\n" .. tostring(fine))
   end)
 
+  it("has ties at the two equal necks of a symmetric bar, from one refinement to the next", function()
+    local body = assert(bw.surface.implicit(function(x, y, z)
+      local plate = math.max(math.abs(x) - 0.03, math.abs(y) - 0.008, math.abs(z) - 0.004)
+      return math.max(plate, 0.0055 - math.sqrt((math.abs(x) - 0.012) ^ 2 + (math.abs(y) - 0.008) ^ 2))
+    end, {low = {-0.032, -0.01, -0.006}, high = {0.032, 0.01, 0.006}, cells = 24}))
+    local found = assert(breaking(body, {elements = 300, modes = 4, regions = 1}))
+    -- The weakest place at each neck, as a share of the weakest one of all.
+    local function shares(places)
+      local left, right = 0, 0
+      for _, place in ipairs(places) do
+        assert.is_true(math.abs(math.abs(place.at[1]) - 0.012) < 0.004)
+        local share = place.utilisation / places[1].utilisation
+        if place.at[1] < 0 then left = math.max(left, share) else right = math.max(right, share) end
+      end
+      return left, right
+    end
+    assert.is_true(#found.history >= 3)
+    for k = 2, #found.history do -- the first mesh has no short edges
+      local left, right = shares(found.history[k].places)
+      assert.is_true(math.min(left, right) > 1 - found.estimated_error, ("mesh %d: %g %g"):format(k, left, right))
+    end
+    local other
+    for _, tie in ipairs(found.ties) do other = other or tie.at[1] * found.at[1] < 0 and tie end
+    assert.truthy(other)
+    check.near(found.force, 1 / other.utilisation, found.estimated_error)
+  end)
+
   it("is uncertain where the mesh is not of the part", function()
     local thick = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.012}})
     local fill = core.mesh.fill
