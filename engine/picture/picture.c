@@ -58,6 +58,8 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
   if (points > MOST_LINE_POINTS)
     return bw_fail(context, BW_INVALID, "lines of %lld points: at most %d can be drawn",
                    (long long)points, MOST_LINE_POINTS);
+  if (options->label_count < 0 || (options->label_count > 0 && !options->label))
+    return bw_fail(context, BW_INVALID, "%d labels without a list", options->label_count);
   return BW_OK;
 }
 
@@ -365,6 +367,49 @@ static void label_arrows(const stage *s, cairo_t *cairo) {
   bwi_draw_text(cairo, pixel[0], pixel[1] + off, 0.5, 14 * s->u, true, true, label);
 }
 
+/* Labels that are in sight, each with a dot at its place, above the dot and clear of those before.
+ */
+static bw_status label_places(bw_context *context, const stage *s, cairo_t *cairo) {
+  const bw_picture_options *options = s->options;
+  double u = s->u, size = 14 * u, w = s->image.width, h = s->image.height;
+  bw_status status = BW_OK;
+  int drawn = 0;
+  double *box = BW_NEW(context, double, 4 * (size_t)options->label_count);
+  if (!box)
+    return BW_MEMORY;
+  bwi_choose_font(cairo, size, true);
+  for (int i = 0; i < options->label_count && status == BW_OK; i++) {
+    double pixel[3];
+    bwi_view_project(&s->view, options->label[i].at, pixel);
+    if (!(pixel[0] >= 0 && pixel[1] >= 0 && pixel[0] < w && pixel[1] < h) ||
+        is_hidden(s, pixel, 6 * u))
+      continue;
+    char *text = bwi_clean_text(context, options->label[i].text);
+    if (!text) {
+      status = BW_MEMORY;
+      break;
+    }
+    cairo_text_extents_t extents;
+    cairo_text_extents(cairo, text, &extents);
+    double half = extents.x_advance / 2 + 2 * u, *b = box + 4 * (size_t)drawn;
+    double x = fmin(fmax(pixel[0], half), w - half);
+    b[0] = x - half, b[1] = pixel[1] - 6 * u - size, b[2] = x + half, b[3] = pixel[1] + 5 * u;
+    bool clear = b[1] >= 0;
+    for (const double *o = box; o < b; o += 4)
+      clear = clear && (o[2] < b[0] || o[0] > b[2] || o[3] < b[1] || o[1] > b[3]);
+    if (clear) {
+      drawn++;
+      cairo_set_source_rgb(cairo, 0.10, 0.11, 0.15);
+      cairo_arc(cairo, pixel[0], pixel[1], 3 * u, 0, 6.283185307179586);
+      cairo_fill(cairo);
+      bwi_draw_text(cairo, x, pixel[1] - 6 * u, 0.5, size, true, true, text);
+    }
+    bw_free(text);
+  }
+  bw_free(box);
+  return status;
+}
+
 static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
   const bw_picture_options *options = s->options;
   double w = s->image.width, h = s->image.height, u = s->u;
@@ -397,6 +442,8 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
   if (s->arrow_end)
     label_arrows(s, cairo);
   bwi_draw_triad(cairo, &s->view, 58 * u, h - 58 * u, 34 * u, u);
+  if (options->label_count > 0)
+    BW_TRY(label_places(context, s, cairo));
   if (lines && options->line_count > 0)
     bwi_draw_line_key(cairo, 124 * u, h - 24 * u, u, lines);
   if (options->displacement && s->factor != 0 && s->factor != 1) {

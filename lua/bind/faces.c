@@ -72,15 +72,22 @@ static int leave_faces(lua_State *L, bw_status status, bw_faces *faces) {
   return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
 }
 
-/* surface:faces{angle}: a list by descending area */
+/* surface:faces{angle}: a list by descending area, the number of every triangle's face */
 int lbw_surface_faces(lua_State *L) {
   static const lbw_option list[] = {{"angle", LBW_REAL, 0}, {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
   double angle = 0;
   bw_faces *faces = NULL;
   lbw_options(L, 2, "faces", list, &angle);
+  int32_t *number = (int32_t *)lbw_push_array(L, BW_I32, surface->triangle_count, 1)->data;
   bw_status status = bw_faces_find(lbw_enter(L), surface, angle, &faces);
-  return leave_faces(L, status, faces);
+  for (int32_t t = 0; t < surface->triangle_count && status == BW_OK; t++)
+    number[t] = faces->of_triangle[t] + 1;
+  int results = leave_faces(L, status, faces);
+  if (results > 1)
+    return results;
+  lua_insert(L, -2);
+  return 2;
 }
 
 /* Which face: by number, by name, or the nearest to a point. */

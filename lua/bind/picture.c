@@ -26,6 +26,7 @@ static const lbw_option list[] = {{"width", LBW_INT, offsetof(wish, options.widt
                                   {"arrows", LBW_OTHER, 0},
                                   {"lines", LBW_OTHER, 0},
                                   {"line_name", LBW_OTHER, 0},
+                                  {"labels", LBW_OTHER, 0},
                                   {NULL, LBW_OTHER, 0}};
 
 static const char *text_option(lua_State *L, const char *key) {
@@ -78,6 +79,31 @@ static bw_picture_line *read_lines(lua_State *L, int *count) {
   return line;
 }
 
+/* A list of {at =, text =} on top of the stack. */
+static bw_picture_label *read_labels(lua_State *L, int *count) {
+  static const lbw_option keys[] = {{"at", LBW_VECTOR, offsetof(bw_picture_label, at)},
+                                    {"text", LBW_OTHER, 0},
+                                    {NULL, LBW_OTHER, 0}};
+  size_t length = lua_istable(L, -1) ? lua_rawlen(L, -1) : SIZE_MAX;
+  if (length > 10000)
+    lbw_option_error(L, "picture", "labels", "a list of at most 10000 {at =, text =} expected");
+  *count = (int)length;
+  int from = lua_gettop(L);
+  bw_picture_label *label =
+      (bw_picture_label *)lua_newuserdatauv(L, (length + 1) * sizeof *label, 0);
+  lua_createtable(L, *count, 0); /* keeps their texts */
+  for (int i = 0; i < *count; i++) {
+    lua_rawgeti(L, from, i + 1);
+    lbw_options(L, -1, "picture: labels", keys, &label[i]);
+    if (lbw_option_get(L, -1, "text") != LUA_TSTRING)
+      lbw_option_error(L, "picture", "labels", "a text of each expected");
+    label[i].text = lua_tostring(L, -1);
+    lua_rawseti(L, -3, i + 1);
+    lua_pop(L, 1);
+  }
+  return label;
+}
+
 /* What is drawn: options at 3 of a surface at 1; its strings and arrays stay on the stack. */
 typedef struct drawn {
   const bw_surface *surface;
@@ -118,6 +144,8 @@ static void read_drawn(lua_State *L, drawn *d) {
     options->line = read_lines(L, &options->line_count);
   if (text_option(L, "line_name"))
     options->line_name = lua_tostring(L, -1);
+  if (lbw_option_get(L, 3, "labels") != LUA_TNIL)
+    options->label = read_labels(L, &options->label_count);
 }
 
 static int picture(lua_State *L) {

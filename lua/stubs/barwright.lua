@@ -395,6 +395,7 @@ function bw.version() end
 ---@field arrows? {at: bw.Vector, force: bw.Vector}[]
 ---@field lines? bw.Array[] lists of points, drawn as violet lines over the surface: edges of surface:singular_edges() for instance
 ---@field line_name? string what the lines are, for the legend
+---@field labels? {at: bw.Vector, text: string}[] texts at places on the surface; left out where the body is in front and over labels before
 ---@field title? string
 ---@field unit? string name and unit of the colour bar: "von Mises stress, MPa"
 ---@field scale? number values are multiplied by it on the bar
@@ -751,7 +752,7 @@ function Surface:distance(other) end
 ---`for _, face in ipairs(surface:faces()) do print(face.name, face.area) end`
 ---@param options? {angle?: number}
 ---@return bw.Face[]? faces
----@return string? message
+---@return bw.Array|string numbers of every triangle the number of its face, or a message
 ---@return table? details
 function Surface:faces(options) end
 

@@ -687,7 +687,7 @@ describe("commands that compute", function()
     assert.are_not.equal(check.read(none), check.read(drawn))
     status, object = answer("check --picture " .. drawn .. " " .. path)
     assert.equal(2, status)
-    assert.truthy(object.error.message:find("give --edges yes as well", 1, true))
+    assert.truthy(object.error.message:find("give --edges yes or --faces yes as well", 1, true))
     local place = assert(angle:singular_edges())[1]
     local view = model.view_of {place} -- from outside, across the edge
     assert.is_true(view[1] > 0.5 and view[2] > 0.5 and view[3] > 0)
@@ -705,6 +705,35 @@ describe("commands that compute", function()
     assert(angle:picture(none, given))
     check.raises("option 'lines': a list of lists of points", angle.picture, angle, none, {lines = 1})
     check.raises("rows of 3 numbers expected, got 2", angle.picture, angle, none, {lines = {{{1, 2}}}})
+  end)
+
+  it("check lists the faces and names them in the picture", function()
+    local path, drawn, plain = folder .. "angle.stl", folder .. "faces.png", folder .. "plain.png"
+    local angle = prism({{0, 0}, {0.04, 0}, {0.04, 0.01}, {0.01, 0.01}, {0.01, 0.04}, {0, 0.04}}, {0.005, 0.005},
+      0.01)
+    assert(angle:write(path))
+    local status, object = answer("check --faces yes --picture " .. drawn .. " " .. path)
+    assert.equal(0, status)
+    assert.equal(8, #object.faces)
+    assert.equal("plane 1", object.faces[1].name)
+    check.near(7e-4, object.faces[1].area_m2, 1e-6)
+    assert.same({drawn}, object.files)
+    local _, numbers = angle:faces()
+    assert.equal(8, numbers:max())
+    -- A label inside of the body or behind it is left out, and so is one over another.
+    local function picture(labels)
+      assert(angle:picture(plain, {title = "angle.stl", direction = {0, 0, 1}, labels = labels}))
+      return check.read(plain)
+    end
+    local none, one = picture(nil), picture {{at = {0.005, 0.005, 0.01}, text = "here"}}
+    assert.is_true(none ~= one and none ~= check.read(drawn))
+    assert.is_true(none == picture {{at = {0.005, 0.005, 0}, text = "behind"}})
+    assert.is_true(one == picture {{at = {0.005, 0.005, 0.01}, text = "here"}, {at = {0.005, 0.006, 0.01},
+      text = "over it"}})
+    check.raises("a text of each expected", angle.picture, angle, plain, {labels = {{at = {0, 0, 0}}}})
+    check.raises("a list of at most 10000", angle.picture, angle, plain, {labels = 1})
+    local _, out = check.run("check --faces yes " .. path)
+    assert.truthy(out:find("8 faces:\n  plane 1      700 mm2\n", 1, true), out)
   end)
 
   it("materials prints fracture toughness and critical distance with scatter", function()

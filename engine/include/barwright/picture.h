@@ -16,6 +16,12 @@ typedef struct bw_picture_line {
   const double *point;
 } bw_picture_line;
 
+/* A text at a place on the surface. */
+typedef struct bw_picture_label {
+  double at[3];
+  const char *text;
+} bw_picture_label;
+
 typedef struct bw_picture_options {
   int width, height;   /* pixels, default 1200 x 900 */
   double direction[3]; /* from the object to the viewer; zero (default): from the front right and
@@ -35,8 +41,10 @@ typedef struct bw_picture_options {
   const bw_picture_line
       *line;             /* in violet, hidden where the body is in front; move with the body */
   const char *line_name; /* what they are, for the legend; may be NULL */
-  double deformation;    /* factor on the displacement; 0 with a displacement: chosen so that the
-                            largest is a twentieth of the box */
+  int label_count;
+  const bw_picture_label *label; /* left out where the body is in front, and over labels before */
+  double deformation; /* factor on the displacement; 0 with a displacement: chosen so that the
+                         largest is a twentieth of the box */
   const double *displacement; /* points x 3, or NULL */
   bool ghost;                 /* draw the undeformed outline behind in grey */
 } bw_picture_options;

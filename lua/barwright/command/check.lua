@@ -1,6 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright check MODEL: what a file holds, what is wrong with it, whether that can be mended.
 local bw = require "barwright"
+local core = require "barwright.core"
+local distance = require("barwright.points").distance
 local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -107,12 +109,12 @@ local function tell_repair(surface, wish, out)
 end
 
 -- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
-local function tell_edges(surface, wish, out)
-  if not wish.edges then return true end
+local function tell_edges(surface, wish, shown, out)
+  if not wish.edges then return end
   local edges, message = surface:singular_edges()
   if not edges then
     out:say("%s.", message)
-    return true
+    return
   end
   out:say("Re-entrant edges without a fillet: %s", tostring(edges))
   local list = bw.json.list {}
@@ -122,13 +124,91 @@ local function tell_edges(surface, wish, out)
     list[i] = {length_m = edge.length, angle_rad = edge.angle, exponent = edge.exponent, points_m = points}
   end
   out:json {singular_edges = list}
-  if not wish.picture then return true end
   local lines = {}
   for i, edge in ipairs(edges) do lines[i] = edge.points end
-  local fine, why, details = surface:picture(wish.picture, {title = model.name(wish.model), lines = lines,
-    direction = model.view_of(edges),
-    line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"})
-  if not fine then return nil, why, details end
+  shown.lines, shown.direction = lines, model.view_of(edges)
+  shown.line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"
+end
+
+-- So many faces are listed and drawn.
+local MOST_FACES = 24
+-- A triangle is seen where its normal has this part of its length towards the viewer.
+local TOWARDS = 0.2
+-- A triangle may be so many times the radius of its inner circle farther away than another one.
+local WIDE = 4
+
+-- The radius of the circle that fits into a triangle.
+local function inner_radius(a, b, c, twice_area)
+  return twice_area / (distance(a, b) + distance(b, c) + distance(c, a))
+end
+
+-- Of every face a label in the middle of a triangle: near the middle of what faces the viewer, and a wide one.
+local function face_labels(surface, shown)
+  local faces, of = surface:faces()
+  local view = core.picture_direction(surface, nil, shown)
+  local length = math.sqrt(view[1] ^ 2 + view[2] ^ 2 + view[3] ^ 2)
+  local points, seen = surface.points:totable(), {}
+  for i = 1, #faces do seen[i] = {0, 0, 0, area = 0, middles = {}} end
+  for t, corners in ipairs(surface.triangles:totable()) do
+    local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
+    local normal, middle = {}, {}
+    for k = 1, 3 do
+      local i, j = k % 3 + 1, (k + 1) % 3 + 1
+      normal[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i])
+      middle[k] = (a[k] + b[k] + c[k]) / 3
+    end
+    local towards = (normal[1] * view[1] + normal[2] * view[2] + normal[3] * view[3]) / length
+    local size = math.sqrt(normal[1] ^ 2 + normal[2] ^ 2 + normal[3] ^ 2)
+    if towards > TOWARDS * size then
+      middle.room = WIDE * inner_radius(a, b, c, size)
+      local sum = seen[of(t, 1)]
+      for k = 1, 3 do sum[k] = sum[k] + towards * middle[k] end
+      sum.area = sum.area + towards
+      sum.middles[#sum.middles + 1] = middle
+    end
+  end
+  local labels = {}
+  for i = 1, math.min(#seen, MOST_FACES) do
+    local sum, best, least = seen[i], nil, nil
+    for _, middle in ipairs(sum.middles) do
+      local away = distance(middle, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area}) - middle.room
+      if not least or away < least then best, least = middle, away end
+    end
+    if best then labels[#labels + 1] = {at = best, text = faces[i].name} end
+  end
+  return labels
+end
+
+-- With --faces: the faces, the largest first.
+local function tell_faces(surface, wish, out)
+  if not wish.faces then return true end
+  local faces, message, details = surface:faces()
+  if not faces then return nil, message, details end
+  local list = bw.json.list {}
+  out:say("%s:", model.count(#faces, "face"))
+  for i, face in ipairs(faces) do
+    list[i] = {name = face.name, kind = face.kind, area_m2 = face.area, centre_m = face.centre,
+      radius_m = face.radius}
+    if i <= MOST_FACES then
+      out:say("  %-12s %.4g mm2%s", face.name, face.area * 1e6,
+        face.radius and (", radius %s mm"):format(model.mm(face.radius)) or "")
+    end
+  end
+  if #faces > MOST_FACES then out:say("  and %d smaller ones.", #faces - MOST_FACES) end
+  out:json {faces = list}
+  return true
+end
+
+-- What --edges and --faces ask for, listed and drawn.
+local function tell_marked(surface, wish, out)
+  local shown = {title = model.name(wish.model)}
+  tell_edges(surface, wish, shown, out)
+  local fine, message, details = tell_faces(surface, wish, out)
+  if not fine then return nil, message, details end
+  if not wish.picture then return true end
+  if wish.faces then shown.labels = face_labels(surface, shown) end
+  fine, message, details = surface:picture(wish.picture, shown)
+  if not fine then return nil, message, details end
   out:json {files = bw.json.list {wish.picture}}
   out:say("Written: %s.", wish.picture)
   return true
@@ -148,7 +228,7 @@ local function check_surface(read, wish, out)
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
       model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
     good = tell_thickness(surface, wish, out)
-    local fine, message, details = tell_edges(surface, wish, out)
+    local fine, message, details = tell_marked(surface, wish, out)
     if not fine then return nil, message, details end
   else
     local text = {}
@@ -159,7 +239,7 @@ local function check_surface(read, wish, out)
     local mended = tell_repair(surface, wish, out)
     if mended then
       tell_thickness(mended, wish, out)
-      local fine, message, details = tell_edges(mended, wish, out)
+      local fine, message, details = tell_marked(mended, wish, out)
       if not fine then return nil, message, details end
     end
     good = false
@@ -183,7 +263,7 @@ local function check_mesh(read, wish, out)
     quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
     volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
-  local fine, message, details = tell_edges(mesh:surface(), wish, out)
+  local fine, message, details = tell_marked(mesh:surface(), wish, out)
   if not fine then return nil, message, details end
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
@@ -226,8 +306,10 @@ return {
       what = "a fault if more than 1 % of the surface has less material under it than this"},
     {name = "edges", value = "yes|no", one_of = {"yes", "no"}, default = "no",
       what = "list the re-entrant edges without a fillet, where the stress has no finite value"},
+    {name = "faces", value = "yes|no", one_of = {"yes", "no"}, default = "no",
+      what = "list the faces: planes, cylinders, cones, spheres and free forms"},
     {name = "picture", value = "FILE.png", type = "file", endings = {"png"},
-      what = "with --edges yes: a picture with these edges as violet lines"},
+      what = "a picture: with --edges yes these edges as violet lines, with --faces yes the names of the faces"},
     {name = "repair", value = "yes|no", one_of = {"yes", "no"}, default = "yes", what = "try a repair"},
     {name = "seconds", value = "TIME", type = "number", unit = "s", default = 120, above = 0,
       what = "how long the repair may take"},
@@ -236,9 +318,9 @@ return {
     "where a stress has no finite value"}, {"barwright check --thin 0.8mm hook.stl && echo printable",
     "a wall of 0.8 mm at least, as a condition"}},
   run = function(wish, out)
-    wish.repair, wish.edges = wish.repair == "yes", wish.edges == "yes"
-    if wish.picture and not wish.edges then
-      return out:misuse "option --picture: it shows the re-entrant edges: give --edges yes as well"
+    wish.repair, wish.edges, wish.faces = wish.repair == "yes", wish.edges == "yes", wish.faces == "yes"
+    if wish.picture and not (wish.edges or wish.faces) then
+      return out:misuse "option --picture: it shows edges or faces: give --edges yes or --faces yes as well"
     end
     local fine, message, details = true, nil, nil
     if wish.picture then fine, message, details = writable(wish.picture) end
