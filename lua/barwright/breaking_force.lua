@@ -79,6 +79,9 @@ local MOVED = 2
 local LEAST_ERROR, ALONE = 0.02, 0.5
 -- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
 local HIGHER = 0.045
+-- Backgrounds hide weak places of walls that are thinner than their edges are long: the force may be lower by this
+-- share for each thickness that the edges are longer. The thickness is this quantile, from so many rays.
+local THIN, WALL, RAYS = 0.025, 0.25, 2000
 -- At re-entrant edges meshes of the sizes in use overestimate the mean by up to EXCESS, at those of EXCESS_FROM
 -- inside the material or less not at all: the table of docs/theory/breaking_force.md.
 local EXCESS, EXCESS_FROM, EXCESS_TO = 0.35, 1.25 * math.pi, 1.75 * math.pi
@@ -159,6 +162,7 @@ local function make_mesh(self, elements)
     ask.near = sizes_near(self, to_refine(self), (1 - BACKGROUND) * elements)
     ask.surface_tolerance = FOLLOWED * self.length
     ask.edge_length = background_length(self.surface, BACKGROUND * elements)
+    self.background = ask.edge_length
   end
   local mesh, log, details = core.mesh.fill(self.surface, ask)
   if not mesh then return nil, log, details end
@@ -252,10 +256,19 @@ local function excess_at(finding)
   return EXCESS * math.min(math.max((angle - EXCESS_FROM) / (EXCESS_TO - EXCESS_FROM), 0), 1)
 end
 
--- Other places that are as weak within the error, no two of them in one patch.
-local function ties(self, places, change)
-  local list = append_apart(self, {}, places, PLACES, places[1].utilisation / (1 + change))
+-- Other places that are as weak within the estimated error, no two of them in one patch.
+local function ties(self, places)
+  local list = append_apart(self, {}, places, PLACES, places[1].utilisation / (1 + self.estimated_error))
   return table.move(list, 2, #list + 1, 1)
+end
+
+-- The share by which the force may be lower at places that a background of this edge length hides.
+local function hidden_by(background, mesh)
+  local surface = background and mesh:surface()
+  local walls = surface and surface:thickness(RAYS)
+  walls = walls and walls:select(walls:below(1e300))
+  if not walls or walls.row_count == 0 then return 0 end
+  return THIN * math.max(0, background / walls:quantile(WALL) - 1)
 end
 
 -- Finer meshes show larger stresses, so the interval reaches further down than up. A surface that was moved may be
@@ -272,9 +285,10 @@ local function summarise(self)
   self.high = (1 + self.excess) / (last.utilisation * (1 - math.min(higher, 0.5)))
   local hidden, factor = weak_places.unsettled(self.history, self.length)
   local hidden_use = hidden[1] and factor * hidden[1].utilisation or 0
-  self.low = 1 / math.max(most * (1 + change + SEARCH), hidden_use)
+  local thin = hidden_by(self.background, self.mesh)
+  self.low = 1 / math.max(most * (1 + change + SEARCH + thin), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
-  self.ties = ties(self, last.places, change)
+  self.ties = ties(self, last.places)
 end
 
 -- How many elements the next mesh has, or nil. Beyond the number asked for while the error is too large and there

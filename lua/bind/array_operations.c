@@ -235,7 +235,10 @@ static int array_quantile(lua_State *L) {
   double place = p * (double)(array->rows - 1);
   int64_t below = (int64_t)place;
   int64_t above = below + 1 < array->rows ? below + 1 : below;
-  lua_pushnumber(L, data[below] + (place - (double)below) * (data[above] - data[below]));
+  double quantile = data[below], rest = place - (double)below;
+  if (rest > 0 && data[above] > quantile) /* two infinities have no difference */
+    quantile += rest * (data[above] - quantile);
+  lua_pushnumber(L, quantile);
   return 1;
 }
 

@@ -176,6 +176,15 @@ describe("the breaking force", function()
     check.raises("a length in m above 0 or 'critical' expected, got a table", breaking, mesh, {length = {}})
   end)
 
+  it("leaves room for what a coarse background hides in a thin wall", function()
+    local thickness = 0.8e-3
+    local plate = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.06, thickness}})
+    local found = assert(breaking(plate, {elements = 400, most_elements = 400}))
+    local longer = found.background / thickness - 1
+    assert.is_true(longer > 4, longer)
+    assert.is_true(1 - found.low / found.force > 1 - 1 / (1 + 0.02 * longer), tostring(found))
+  end)
+
   it("names what is wrong", function()
     check.raises("option 'material': a material expected", bw.breaking_force, bar)
     check.raises("a surface or a mesh expected, got table", breaking, {})
