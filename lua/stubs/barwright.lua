@@ -1730,6 +1730,7 @@ function BruteForce:compare(worst, p) end
 ---@field surface? bw.Surface
 ---@field given_mesh? bw.Mesh
 ---@field near? {at: bw.Vector, radius: number, length: number}[] edge lengths near places of the last mesh, m
+---@field background? number m: edge length of the last mesh away from these places
 ---@field box table
 ---@field log? table of the last filling
 ---@field options table
