@@ -35,8 +35,9 @@ local HALVINGS, DEFECTS, NEAR = 3, 1000, 0.3
 -- Crossings are taken out where they are so many at most: more take long, and bumps that cross so much are too
 -- high. The volume may change by this share of what the bumps add; how often it is tried.
 local CROSSINGS, RESOLVED, ROUNDS = 100, 0.2, 3
--- The next step aims higher by what the last one fell short of its prediction, at least and at most so much: what
--- it falls short of the goal alone is less than a new mesh changes.
+-- The next step aims higher by what the last one fell short of its prediction, at least so much: what it falls
+-- short of the goal alone is less than a new mesh changes. All steps together aim higher by at most so much: a
+-- body that is nearly as weak everywhere falls short in each step, at places that no bump covers.
 local LEAST_MORE, MOST_MORE = 1.05, 1.3
 -- A step that moves nothing by more than this share of the judged patch's radius has no effect.
 local LEAST_OFFSET = 1e-3
@@ -251,7 +252,7 @@ local function run(self, breaking, progress)
     else
       goal = wish.force * current.force / current.low
       if current.force < goal and is_moved(from.advised.places, current.at) then
-        aim = aim * math.max(LEAST_MORE, math.min(step.predicted / current.force, MOST_MORE))
+        aim = math.min(aim * math.max(LEAST_MORE, step.predicted / current.force), MOST_MORE)
       end
       begin(self, from, moved, current)
     end

@@ -159,7 +159,9 @@ local function judge(static, part, read, loads, wish, accuracy, at)
   local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
   if not accuracy then
     found.coarse = on_coarser(read, wish, loads, material, radius)
-    found.facets = of_facets(mesh, read, at)
+    local message, details
+    found.facets, message, details = of_facets(mesh, read, at)
+    if not found.facets then return nil, message, details end
     found.estimated = math.sqrt(error_of(found.fine.stress, found.coarse and found.coarse.stress, mean) ^ 2
       + found.facets ^ 2)
     found.singular = find_singular(static, part, read, at, found)
@@ -200,7 +202,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   local node = static.von_mises:argmax()
   local most = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
-  local found = judge(static, part, read, loads, wish, accuracy, at)
+  local found, message, details = judge(static, part, read, loads, wish, accuracy, at)
+  if not found then return nil, message, details end
   local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
   local critical = effective(static, singular)
@@ -285,7 +288,8 @@ local function analyse(wish, loads, out)
   end
   out:remarks()
   if not static then return nil, accuracy, details end
-  local answer = tell(static, part, read, loads, wish, accuracy, out)
+  local answer, why, about = tell(static, part, read, loads, wish, accuracy, out)
+  if not answer then return nil, why, about end
   out:json {seconds = bw.seconds() - start}
   return static, answer
 end
