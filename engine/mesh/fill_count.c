@@ -17,6 +17,9 @@ static const double bend_share = 12;
 static const double volume_of_length = 0.5;
 enum { MOST_ATTEMPTS = 14 };
 
+/* Elements without volume at planes are taken off, within this share of the diagonal. */
+static const double of_rounding = 1e-12;
+
 /* TetGen's last step may leave elements of no volume, which no mesh may have. */
 static bw_status check_volumes(bw_context *context, const bwi_tetgen_result *result) {
   for (int64_t i = 0; i < result->element_count; i++) {
@@ -65,6 +68,11 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
   if (status != BW_OK)
     return status;
   status = check_volumes(f->context, &result);
+  if (status == BW_GEOMETRY && !o->keep_surface) {
+    status = bwi_peel_degenerate(f->context, &result, of_rounding * f->diagonal);
+    if (status == BW_OK)
+      status = check_volumes(f->context, &result);
+  }
   if (status != BW_OK) {
     bw_free(result.node);
     bw_free(result.element);

@@ -41,6 +41,10 @@ bw_status bwi_coarsen_surface(bw_context *context, const bw_surface *surface,
 bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, double highest,
                         int64_t *gone, double *moved);
 
+/* Take elements without volume off the boundary of what TetGen made, as bwi_peel_flat does. Those
+ * inside, and those whose removal moves the boundary by more than `most`, stay. */
+bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double most);
+
 /* How the surface for TetGen is made from the base, from the mildest to the last resort. */
 typedef enum bwi_fill_way {
   WAY_AS_IS, /* the base itself */

@@ -11,15 +11,23 @@
  *   three                         the common corner goes.
  *
  * In each case the boundary stays a manifold. It moves by about the smallest height of the element:
- * one that lies against the boundary with a needle would uncover a point far inside, and stays. */
+ * one that lies against the boundary with a needle would uncover a point far inside, and stays.
+ *
+ * Points that were put onto a plane lie in it exactly: then TetGen may leave elements without any
+ * volume there. They go the same way, from its arrays, because no mesh may have them. */
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
 #include "mesh/surface_tree.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The boundary moves by so many smallest heights of an element at most. */
 static const double MOST_HEIGHTS = 2;
+/* What goes may uncover more of the kind: so many rounds at most. */
+enum { ROUNDS = 4 };
+/* The sine of the smallest angle of elements without volume: rounding. */
+static const double DEGENERATE = 1e-12;
 
 /* Smallest height and smallest dihedral angle (its sine). */
 static void flatness(const bw_mesh *mesh, int32_t element, double *height, double *sine) {
@@ -51,9 +59,13 @@ static void flatness(const bw_mesh *mesh, int32_t element, double *height, doubl
   }
 }
 
+static uint64_t edge_key(int32_t a, int32_t b) {
+  return a < b ? (uint64_t)a << 32 | (uint64_t)b : (uint64_t)b << 32 | (uint64_t)a;
+}
+
 /* Is there a boundary facet with both nodes? Asked only for the few candidates. */
 static bool on_boundary_edge(const bwi_keyed *edge, int64_t count, int32_t a, int32_t b) {
-  uint64_t key = a < b ? (uint64_t)a << 32 | (uint64_t)b : (uint64_t)b << 32 | (uint64_t)a;
+  uint64_t key = edge_key(a, b);
   int64_t low = 0, high = count;
   while (low < high) {
     int64_t middle = (low + high) / 2;
@@ -74,13 +86,13 @@ static bw_status boundary_edges(bw_context *context, const bw_mesh *mesh, const 
     for (int k = 0; k < 3; k++) {
       int32_t a = mesh->facet[3 * (size_t)f + (size_t)k];
       int32_t b = mesh->facet[3 * (size_t)f + (size_t)(k + 1) % 3];
-      if (a > b || !asked[a] || !asked[b])
+      if (!asked[a] || !asked[b])
         continue;
       if (!bw_grow(context, (void **)&list, &capacity, found, 1, sizeof *list)) {
         bw_free(list);
         return BW_MEMORY;
       }
-      list[found++] = (bwi_keyed){.key = (uint64_t)a << 32 | (uint64_t)b};
+      list[found++] = (bwi_keyed){.key = edge_key(a, b)};
     }
   bwi_sort_keyed(list, (int64_t)found);
   *edge = list;
@@ -144,16 +156,17 @@ static bool may_go(const bw_mesh *mesh, int32_t element, unsigned faces, const u
   return false;
 }
 
-static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine_limit,
-                           double highest, bw_mesh **out, int64_t *gone, double *moved) {
+/* Which elements to keep. Those that go have no angle above sine_limit, no larger height than
+ * `highest`, and move the boundary by MOST_HEIGHTS of them or by `most`. */
+static bw_status choose(bw_context *context, const bw_mesh *mesh, double sine_limit, double highest,
+                        double most, uint8_t *keep, int64_t *gone, double *moved) {
   bw_status status = BW_OK;
   bwi_keyed *edge = NULL;
   int64_t edges = 0;
-  uint8_t *keep = BW_NEW(context, uint8_t, mesh->element_count);
   uint8_t *asked = BW_NEW0(context, uint8_t, mesh->node_count);
   uint8_t *outside = BW_NEW0(context, uint8_t, mesh->node_count);
   *gone = 0;
-  if (!keep || !asked || !outside) {
+  if (!asked || !outside) {
     status = BW_MEMORY;
     goto done;
   }
@@ -188,7 +201,7 @@ static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine
       far = uncovered(mesh, i, faces);
     else
       free = false;
-    if (!free || far > MOST_HEIGHTS * height) {
+    if (!free || far > fmax(MOST_HEIGHTS * height, most)) {
       keep[i] = 1;
       continue;
     }
@@ -199,11 +212,8 @@ static bw_status peel_once(bw_context *context, const bw_mesh *mesh, double sine
   }
   if (*gone == mesh->element_count) /* never eat all of it */
     *gone = 0;
-  if (*gone > 0)
-    BW_TRY(bw_mesh_subset(context, mesh, keep, out));
 done:
   bw_free(edge);
-  bw_free(keep);
   bw_free(asked);
   bw_free(outside);
   return status;
@@ -211,19 +221,54 @@ done:
 
 bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, double highest,
                         int64_t *gone, double *moved) {
+  bw_status status = BW_OK;
+  uint8_t *keep = BW_NEW(context, uint8_t, (*mesh)->element_count);
   *gone = 0;
   *moved = 0;
-  for (int round = 0; round < 4; round++) {
+  if (!keep)
+    return BW_MEMORY;
+  for (int round = 0; round < ROUNDS; round++) {
     bw_mesh *made;
     int64_t now;
-    bw_status status = peel_once(context, *mesh, sin(angle), highest, &made, &now, moved);
-    if (status != BW_OK)
-      return status;
+    BW_TRY(choose(context, *mesh, sin(angle), highest, 0, keep, &now, moved));
     if (now == 0)
       break;
+    BW_TRY(bw_mesh_subset(context, *mesh, keep, &made));
     bw_release(*mesh);
     *mesh = made;
     *gone += now;
   }
-  return BW_OK;
+done:
+  bw_free(keep);
+  return status;
+}
+
+bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double most) {
+  bw_status status = BW_OK;
+  bw_mesh *mesh = NULL;
+  uint8_t *keep = BW_NEW(context, uint8_t, result->element_count);
+  if (!keep)
+    return BW_MEMORY;
+  for (int round = 0; round < ROUNDS; round++) {
+    int64_t gone, kept = 0;
+    double moved = 0;
+    BW_TRY(bwi_mesh_own(context, 1, result->node_count, result->node, result->element_count,
+                        result->element, NULL, true, &mesh));
+    status = choose(context, mesh, DEGENERATE, most, most, keep, &gone, &moved);
+    result->node_count = mesh->node_count; /* the arrays go back */
+    result->node = mesh->node;
+    result->element = mesh->element;
+    mesh->node = NULL;
+    mesh->element = NULL;
+    bw_release(mesh);
+    if (status != BW_OK || gone == 0)
+      break;
+    for (int64_t i = 0; i < result->element_count; i++)
+      if (keep[i])
+        memmove(result->element + 4 * kept++, result->element + 4 * i, 4 * sizeof(int32_t));
+    result->element_count = kept;
+  }
+done:
+  bw_free(keep);
+  return status;
 }

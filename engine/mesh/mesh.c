@@ -171,7 +171,7 @@ static void turn_element(int32_t *e, int order) {
   }
 }
 
-static bw_status find_volumes(bw_context *context, bw_mesh *mesh) {
+static bw_status find_volumes(bw_context *context, bw_mesh *mesh, bool flat) {
   for (int32_t i = 0; i < mesh->element_count; i++) {
     int32_t *e = mesh->element + (size_t)i * (size_t)mesh->nodes_per_element;
     const double *x[4];
@@ -179,6 +179,10 @@ static bw_status find_volumes(bw_context *context, bw_mesh *mesh) {
       x[k] = mesh->node + 3 * (size_t)e[k];
     double error;
     double determinant = bwi_tet_determinant(x[0], x[1], x[2], x[3], &error);
+    if (flat && fabs(determinant) <= error) {
+      mesh->volume[i] = 0;
+      continue;
+    }
     if (!(fabs(determinant) > error) || !isfinite(determinant)) {
       bw_fail(context, BW_GEOMETRY,
               "element %d (nodes %d %d %d %d) near (%g, %g, %g) has no volume: its corners lie in "
@@ -255,7 +259,8 @@ static bw_status join_faces(bw_context *context, bw_mesh *mesh, const bwi_keyed 
   int shift = 0; /* the place in face b of corner 0 of face a */
   while (shift < 2 && eb[fb[shift]] != ea[fa[0]])
     shift++;
-  if (eb[fb[(shift + 2) % 3]] != ea[fa[1]])
+  const bool solid = mesh->volume[a->item] > 0 && mesh->volume[b->item] > 0;
+  if (solid && eb[fb[(shift + 2) % 3]] != ea[fa[1]])
     return fail_pair(context, mesh, a, b, "lie on the same side of it: they overlap");
   if (mesh->order == 2) {
     const int *ma = bw_tet_face_middle[a->part], *mb = bw_tet_face_middle[b->part];
@@ -399,8 +404,9 @@ static bw_status find_components(bw_context *context, bw_mesh *mesh) {
 
 /* ---- constructors --------------------------------------------------------------------------- */
 
-bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node, int64_t elements,
-                      int32_t *element, int32_t *region, bw_mesh **out) {
+bw_status bwi_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
+                       int64_t elements, int32_t *element, int32_t *region, bool flat,
+                       bw_mesh **out) {
   bw_status status = check_sizes(context, order, nodes, node, elements, element);
   if (status != BW_OK)
     return status;
@@ -421,7 +427,7 @@ bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *nod
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(find_volumes(context, mesh));
+  BW_TRY(find_volumes(context, mesh, flat));
   BW_TRY(drop_unused_nodes(context, mesh));
   BW_TRY(find_neighbours(context, mesh));
   BW_TRY(find_boundary(context, mesh));
@@ -435,6 +441,11 @@ done:
     bw_release(mesh);
   }
   return status;
+}
+
+bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node, int64_t elements,
+                      int32_t *element, int32_t *region, bw_mesh **mesh) {
+  return bwi_mesh_own(context, order, nodes, node, elements, element, region, false, mesh);
 }
 
 bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,

@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Advice: which places of a body to thicken, and by how much, so that it bears a force. The judged stresses of
 -- the weak places, under their worst loads, are linearised by shape gradients (one adjoint solution for each),
--- and a small quadratic programme finds the least offsets. docs/theory/strengthen.md has the mathematics.
+-- and a small quadratic program finds the least offsets. docs/theory/strengthen.md has the mathematics.
 local bumps = require "barwright.bumps"
 local core = require "barwright.core"
 local options = require "barwright.options"
@@ -37,6 +37,8 @@ local OFF = 0.5
 local STEP = 1e-5
 -- What is aimed at beyond the force, as the linearised stresses fall short of it.
 local MARGIN = 1.02
+-- The estimate over the lower end that is allowed for, at most.
+local WIDEST = 2
 
 local function diagonal(box)
   return distance(box.low, box.high)
@@ -255,6 +257,12 @@ local function solve(breaking, judge, places, limit, wish)
   return moved, {}
 end
 
+--- The estimate that is needed for the lower end of the interval to reach a force, as far as an analysis tells. An
+--- interval that decides nothing begins at 0.
+function advice.goal(breaking, force)
+  return force * math.min(breaking.force / breaking.low, WIDEST)
+end
+
 --- Advice for a breaking force (see bw.breaking_force). `judge(breaking, stress)` is the utilisation of rows of
 --- stresses.
 function advice.of(breaking, judge, given)
@@ -262,7 +270,7 @@ function advice.of(breaking, judge, given)
   if not breaking.worst then core.raise "advice: this breaking force is closed" end
   local self = setmetatable({required = wish.force, places = {}, force = breaking.force, low = breaking.low,
     high = breaking.high}, advice)
-  local goal = wish.estimate or wish.force * breaking.force / breaking.low
+  local goal = wish.estimate or advice.goal(breaking, wish.force)
   if breaking.force >= goal then return self end
   local limit = breaking.reference / (MARGIN * goal) -- utilisations are those of the reference force
   local extended, message, details = breaking.worst:extend(limit)

@@ -217,10 +217,19 @@ local function change_of(levels)
   return change or ALONE
 end
 
+-- Whether filling had to wrap the surface, which closes slots and holes narrower than the edges.
+local function is_wrapped(log)
+  for _, step in ipairs(log.steps) do
+    if step.name == "wrap" then return true end
+  end
+  return false
+end
+
 -- The relative error: the change, or what an unrefined place leaves open; at least what a surface that was moved
--- by filling may change.
+-- by filling may change. A sound surface that was wrapped is another part.
 local function estimate(self)
   local last = self.history[#self.history]
+  if last.wrapped then return 1 end
   local unrefined = last.refined and 0 or UNREFINED * math.max(1, last.size / self.length)
   local misfit = self.volume and math.abs(last.volume / self.volume - 1) or 0
   return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, misfit, LEAST_ERROR)
@@ -288,6 +297,7 @@ local function summarise(self)
   local thin = hidden_by(self.background, self.mesh)
   self.low = 1 / math.max(most * (1 + change + SEARCH + thin), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
+  if self.estimated_error >= 1 then self.low = 0 end -- which decides nothing
   self.ties = ties(self, last.places)
 end
 
@@ -360,7 +370,8 @@ function breaking_force.analyse(body, given)
       utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
       force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined, volume = mesh.volume,
       size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
-      near = self.near, edge = self.near[1] and self.near[1].length, seconds = core.seconds() - start}
+      wrapped = self.volume ~= nil and is_wrapped(self.log), near = self.near,
+      edge = self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)
   end
   summarise(self)

@@ -2,6 +2,7 @@
 -- Strengthening: a surface is thickened around its weak places until it bears a force. Advice (advice.lua) says
 -- where and by how much, bumps (bumps.lua) move the surface, and the breaking force is computed again.
 -- docs/theory/strengthen.md has the mathematics.
+local advice = require "barwright.advice"
 local breaking_force = require "barwright.breaking_force"
 local bumps = require "barwright.bumps"
 local core = require "barwright.core"
@@ -214,6 +215,7 @@ end
 -- analysis where they reach the force, else those of the step.
 local function trim(self, from, moved, current)
   local wish = self.options
+  if from.breaking.low == 0 then return moved, current end
   local share = math.log(TRIMMED * wish.force / from.breaking.low) / math.log(current.low / from.breaking.low)
   if share > WORTHWHILE then return moved, current end
   from.share = math.max(share * from.share, LEAST_SHARE)
@@ -232,7 +234,7 @@ end
 local function run(self, breaking, progress)
   local wish, aim = self.options, 1
   -- The estimate that is needed for the lower end to reach the force, as far as the best analysis tells.
-  local goal = wish.force * breaking.force / breaking.low
+  local goal = advice.goal(breaking, wish.force)
   local from <close> = setmetatable({}, {__close = function(from) from.breaking:close() end})
   begin(self, from, self.original, breaking)
   for number = 1, wish.steps do
@@ -250,7 +252,7 @@ local function run(self, breaking, progress)
       current:close()
       from.share = from.share / 2
     else
-      goal = wish.force * current.force / current.low
+      goal = advice.goal(current, wish.force)
       if current.force < goal and is_moved(from.advised.places, current.at) then
         aim = math.min(aim * math.max(LEAST_MORE, step.predicted / current.force), MOST_MORE)
       end

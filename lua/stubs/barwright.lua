@@ -1708,7 +1708,7 @@ function BruteForce:compare(worst, p) end
 
 ---@class bw.BreakingForce
 ---@field force number N: the estimate
----@field low number N: the lower end of the interval
+---@field low number N: the lower end of the interval; 0 where the estimated error is 100 %
 ---@field high number N: the upper end
 ---@field estimated_error number the larger distance of an end, over the force
 ---@field at number[] m: where it breaks
@@ -1717,7 +1717,7 @@ function BruteForce:compare(worst, p) end
 ---@field singular bw.SingularFinding? why the stress there has no finite value: a re-entrant edge within the patch, or the stress grows with finer meshes
 ---@field excess number by how much meshes may overestimate the mean at that edge, as a share; part of `high`
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
----@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, volume, edge, size, seconds}
+---@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, wrapped (a sound surface could not be filled, one wrapped around it was), volume, edge, size, seconds}
 ---@field contact number m2
 ---@field held_area number? m2: with `hold`, on the last mesh
 ---@field forbidden_area number? m2: with `forbidden`

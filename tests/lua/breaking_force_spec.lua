@@ -2,8 +2,9 @@
 local bw = require "barwright"
 local check = require "check"
 local core = require "barwright.core"
-package.path = check.root .. "/scripts/bench/?.lua;" .. package.path
+package.path = check.root .. "/scripts/bench/?.lua;" .. check.root .. "/scripts/worst_case/?.lua;" .. package.path
 local impacts_of = require "impacts"
+local full = os.getenv "BARWRIGHT_FULL" == "1"
 
 local beam = {elements = 4800, modes = 6, regions = 2}
 
@@ -149,6 +150,32 @@ describe("the breaking force", function()
     local found = assert(breaking(few))
     assert.is_true(found.estimated_error >= 1, tostring(found))
     assert.equal("unsure", found:verdict(1e-3 * found.force))
+    assert.equal(0, found.low)
+  end)
+
+  it("decides nothing where a sound surface had to be wrapped", function()
+    local fill = core.mesh.fill
+    finally(function() core.mesh.fill = fill end)
+    local step = "wrap"
+    core.mesh.fill = function(...)
+      local mesh, log = fill(...)
+      log.steps[#log.steps + 1] = {name = step, count = 1, moved = 0, text = "as if it was wrapped"}
+      return mesh, log
+    end
+    local wrapped = assert(breaking(bar, {elements = 300}))
+    assert.equal(0, wrapped.low)
+    assert.equal("unsure", wrapped:verdict(1e-3 * wrapped.force))
+    step = "project"
+    assert.equal("holds", assert(breaking(bar, {elements = 300})):verdict(0.1 * wrapped.force))
+  end)
+
+  it("is that of the part where points lie in planes exactly", function()
+    if not full then return pending "only with BARWRIGHT_FULL=1" end
+    local surface = require "bodies" {unseen = true, only = "vented case"}[1].surface()
+    local coarse = assert(breaking(surface, {elements = 2500}))
+    local finer = assert(breaking(surface, {elements = 5000}))
+    for _, level in ipairs(coarse.history) do assert.is_false(level.wrapped) end
+    check.near(finer.force, coarse.force, 0.1)
   end)
 
   it("judges metals by von Mises against yield", function()

@@ -519,6 +519,37 @@ static void test_needle_is_not_peeled(void **state) {
 
 /* A tolerance bounds how far the surface moves; near a point with short edges it is followed more
  * closely than elsewhere. */
+/* A pyramid over a square of two elements, and below it a third one that lies in the base: it has
+ * no volume, and goes. One that does not lie on the boundary stays. */
+static void test_degenerate_is_peeled(void **state) {
+  bw_context *context = check_context(state);
+  const double node[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, 1, 0.5, 0.5, -1};
+  const int32_t element[] = {0, 1, 2, 4, 0, 2, 3, 4, 0, 1, 2, 3, 0, 1, 3, 5, 1, 2, 3, 5};
+  for (int inside = 0; inside < 2; inside++) {
+    bwi_tetgen_result result = {.node_count = 6, .element_count = inside ? 5 : 3};
+    result.node = BW_NEW(context, double, 18);
+    result.element = BW_NEW(context, int32_t, 20);
+    assert_non_null(result.node);
+    assert_non_null(result.element);
+    memcpy(result.node, node, sizeof node);
+    memcpy(result.element, element, sizeof element);
+    check_ok(context, bwi_peel_degenerate(context, &result, 1e-12));
+    assert_int_equal(result.element_count, inside ? 5 : 2);
+    assert_int_equal(result.node_count, inside ? 6 : 5);
+    if (!inside) {
+      bw_mesh *mesh;
+      check_ok(context, bw_mesh_own(context, 1, result.node_count, result.node,
+                                    result.element_count, result.element, NULL, &mesh));
+      check_near(bw_mesh_volume(mesh), 1.0 / 3, 1e-15);
+      assert_int_equal(mesh->facet_count, 6);
+      bw_release(mesh);
+    } else {
+      bw_free(result.node);
+      bw_free(result.element);
+    }
+  }
+}
+
 static void test_surface_tolerance(void **state) {
   bw_context *context = check_context(state);
   bw_surface *fine = marching(context, two_limbs, 40), *remeshed;
@@ -628,6 +659,7 @@ int main(void) {
       check_test(test_marching),
       check_test(test_surface_tolerance),
       check_test(test_needle_is_not_peeled),
+      check_test(test_degenerate_is_peeled),
       check_test(test_tunnels),
       check_test(test_models),
   };
