@@ -304,9 +304,9 @@ describe("strengthening", function()
   it("thickens a neck in one step, and says that the force is not reached", function()
     local steps = {}
     local result = assert(strengthening_by(by_one_mesh)(bar, with {elements = 200, modes = 2, regions = 1,
-      force = 250, steps = 1, length = 0.0013, progress = function(step) steps[#steps + 1] = step end}))
+      force = 250, steps = 1, length = 0.002, progress = function(step) steps[#steps + 1] = step end}))
     assert.is_false(result.reached)
-    assert.equal(0.0013, result.length)
+    assert.equal(0.002, result.length)
     assert.equal(1, #result.steps)
     assert.equal(result.steps[1], steps[1])
     assert.is_true(result.before.low < 250 and result.after.low < 250)

@@ -82,6 +82,9 @@ for word in ([[io format geometry free singular convergence infeasible limit mem
   statuses[word] = true
 end
 
+-- The place of a line of the library; the folder of the tests may be in one of its name.
+local LIBRARY = "lua/barwright/[%w_/]+%.lua:%d+:"
+
 --- Why an error value that was raised is a finding, or nil.
 local function bad_error(message)
   -- A callback's own: coroutine.wrap names the line that called it.
@@ -91,7 +94,7 @@ local function bad_error(message)
     local meta = debug.getmetatable(message)
     return not (meta and meta.__tostring and special.raises[meta.__name or ""]) and "raises a " .. type(message)
   end
-  if message:find "barwright/[%w_/]+%.lua:%d+:" then return "names a line of the library" end
+  if message:find(LIBRARY) then return "names a line of the library" end
   if message:find "attempt to"
     and not message:find "^[^\n]-fuzz/api/" and not message:find "attempt to yield" then
     return "is Lua's own"
@@ -104,7 +107,7 @@ local function bad_results(entry, results)
   local first, message, details = results[1], results[2], results[3]
   if first ~= nil or type(message) ~= "string" then return nil end
   message = message:match "^[^\n]*" -- what is behind is the way to an error of the script's own
-  if message:find "barwright/[%w_/]+%.lua:%d+:" then return "names a line of the library" end
+  if message:find(LIBRARY) then return "names a line of the library" end
   if type(details) == "table" and details.status ~= nil and not statuses[details.status] then
     return "has the status " .. tostring(details.status)
   end

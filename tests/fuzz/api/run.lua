@@ -157,7 +157,7 @@ end
 -- What is the same in two findings of the same defect.
 local function signature(finding)
   local text = tostring(finding.message or "")
-  local place = text:match "barwright/[%w_/]+%.lua:%d+:[^\n]*"
+  local place = text:match "lua/barwright/[%w_/]+%.lua:%d+:[^\n]*"
   if not place then place = finding.name .. ": " .. text end
   return finding.finding .. " " .. place:gsub("0x%x+", ""):gsub("'[^']*'", ""):sub(1, 120)
 end

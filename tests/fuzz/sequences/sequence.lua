@@ -83,7 +83,7 @@ end
 -- An error that tells of a slip in the library, not of misuse.
 local function is_slip(message)
   message = tostring(message)
-  return message:find "attempt to " or message:find "barwright/[%w_/]+%.lua:%d+:" or message:find "stack overflow"
+  return message:find "attempt to " or message:find "lua/barwright/[%w_/]+%.lua:%d+:" or message:find "stack overflow"
     or message:find "check: "
 end
 
