@@ -16,6 +16,8 @@ static const double bend_share = 12;
  * half as long again as those on the surface. */
 static const double volume_of_length = 0.5;
 enum { MOST_ATTEMPTS = 14 };
+/* Edges of the next try over those of the last one, where filling failed. */
+static const double shorter = 0.96;
 
 /* Elements without volume at planes are taken off, within this share of the diagonal. */
 static const double of_rounding = 1e-12;
@@ -97,17 +99,22 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
   return BW_OK;
 }
 
+/* How often a way is tried, each time with edges a little shorter: what TetGen stumbles over is
+ * often an accident of this very surface. More often before a wrap, which may close holes and
+ * slots. */
+static int tries_of(bwi_fill_way how) {
+  return how == WAY_AS_IS ? 1 : how + 1 == WAY_WRAP ? 4 : 2;
+}
+
 /* Make the surface for an edge length and fill it, by the mildest way from *how on that works. */
 static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double max_volume,
                          int64_t *count) {
   bw_status status = BW_OK;
   char why[300] = "";
   for (; *how < WAYS; ++*how) {
-    /* What TetGen stumbles over is often an accident of this very surface: one of slightly other
-     * edges is tried before the next way. */
     bool filled = false;
-    for (int try = 0; try < (*how == WAY_AS_IS ? 1 : 2); try++) {
-      status = bwi_fill_make_surface(f, *how, try ? 0.96 * length : length);
+    for (int try = 0; try < tries_of(*how); try++) {
+      status = bwi_fill_make_surface(f, *how, length * pow(shorter, try));
       if (status != BW_OK)
         break;
       filled = true;

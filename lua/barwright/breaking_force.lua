@@ -38,6 +38,8 @@ local rules = breaking_loads.rules {
   seed = {type = "integer", default = 1},
 }
 
+-- A sound surface that filling wrapped is filled again with FEWER times the elements, so often at most.
+local OTHERS, FEWER = 2, 0.9
 -- A contact takes at most this share of the surface; with more, few loads are admissible.
 local MOST_OF_SURFACE = 0.05
 -- The first mesh is uniform and has this share of the elements that are asked for, but not fewer than FEWEST. The
@@ -152,9 +154,16 @@ local function background_length(surface, count)
   return math.sqrt(low * high) * scale
 end
 
--- A mesh of about so many elements: a uniform one at first, then finer near the weakest places.
-local function make_mesh(self, elements)
-  if self.given_mesh then return self.given_mesh end
+-- Whether filling had to wrap the surface, which closes slots and holes narrower than the edges.
+local function is_wrapped(log)
+  for _, step in ipairs(log.steps) do
+    if step.name == "wrap" then return true end
+  end
+  return false
+end
+
+-- What filling is asked for: about so many elements, uniform ones at first, then finer near the weakest places.
+local function to_ask(self, elements)
   local ask = {order = 2}
   if #self.history == 0 then
     ask.elements = elements
@@ -162,11 +171,23 @@ local function make_mesh(self, elements)
     ask.near = sizes_near(self, to_refine(self), (1 - BACKGROUND) * elements)
     ask.surface_tolerance = FOLLOWED * self.length
     ask.edge_length = background_length(self.surface, BACKGROUND * elements)
-    self.background = ask.edge_length
   end
-  local mesh, log, details = core.mesh.fill(self.surface, ask)
-  if not mesh then return nil, log, details end
-  self.log, self.near = log, ask.near or {}
+  return ask
+end
+
+-- A mesh of about so many elements. Where a sound surface had to be wrapped, other numbers of elements are tried.
+local function make_mesh(self, elements)
+  self.wrapped = false
+  if self.given_mesh then return self.given_mesh end
+  local mesh, log, details
+  for try = 0, OTHERS do
+    local ask = to_ask(self, math.ceil(FEWER ^ try * elements))
+    mesh, log, details = core.mesh.fill(self.surface, ask)
+    if not mesh then return nil, log, details end
+    self.near, self.background = ask.near or {}, ask.edge_length
+    self.wrapped = self.volume ~= nil and is_wrapped(log)
+    if not self.wrapped then break end
+  end
   return mesh
 end
 
@@ -215,14 +236,6 @@ local function change_of(levels)
     if former.refined and former.asked < last.asked then break end
   end
   return change or ALONE
-end
-
--- Whether filling had to wrap the surface, which closes slots and holes narrower than the edges.
-local function is_wrapped(log)
-  for _, step in ipairs(log.steps) do
-    if step.name == "wrap" then return true end
-  end
-  return false
 end
 
 -- The relative error: the change, or what an unrefined place leaves open; at least what a surface that was moved
@@ -359,6 +372,10 @@ function breaking_force.analyse(body, given)
     progress:mesh(asked, to_follow(self), not self.given_mesh)
     local mesh, message, details = make_mesh(self, asked)
     if not mesh then return nil, message, details end
+    -- A mesh of another part says nothing beside those of this one, and hides its places.
+    local last = self.history[#self.history]
+    if last and self.wrapped and not last.wrapped then break end
+    if last and last.wrapped and not self.wrapped then self.history = {} end
     self.contact = self.contact or math.min(wish.contact, MOST_OF_SURFACE * mesh.boundary.area)
     local places, moved
     places, message, details = analyse_on(self, mesh)
@@ -370,7 +387,7 @@ function breaking_force.analyse(body, given)
       utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
       force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined, volume = mesh.volume,
       size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
-      wrapped = self.volume ~= nil and is_wrapped(self.log), near = self.near,
+      wrapped = self.wrapped, near = self.near,
       edge = self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)
   end

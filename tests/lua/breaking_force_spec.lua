@@ -153,20 +153,47 @@ describe("the breaking force", function()
     assert.equal(0, found.low)
   end)
 
-  it("decides nothing where a sound surface had to be wrapped", function()
-    local fill = core.mesh.fill
-    finally(function() core.mesh.fill = fill end)
-    local step = "wrap"
+  -- The breaking force where the fillings whose numbers `is_wrapped` accepts log a wrap, and how many there were.
+  local function wrapping(is_wrapped)
+    local fill, count = core.mesh.fill, 0
     core.mesh.fill = function(...)
+      count = count + 1
       local mesh, log = fill(...)
-      log.steps[#log.steps + 1] = {name = step, count = 1, moved = 0, text = "as if it was wrapped"}
+      if is_wrapped(count) then
+        log.steps[#log.steps + 1] = {name = "wrap", count = 1, moved = 0, text = "as if it was wrapped"}
+      end
       return mesh, log
     end
-    local wrapped = assert(breaking(bar, {elements = 300}))
+    local fine, found, message = pcall(breaking, bar, {elements = 300})
+    core.mesh.fill = fill
+    assert(fine, found)
+    return assert(found, message), count
+  end
+
+  it("decides nothing where a sound surface had to be wrapped", function()
+    local wrapped = wrapping(function() return true end)
     assert.equal(0, wrapped.low)
     assert.equal("unsure", wrapped:verdict(1e-3 * wrapped.force))
-    step = "project"
-    assert.equal("holds", assert(breaking(bar, {elements = 300})):verdict(0.1 * wrapped.force))
+    for _, level in ipairs(wrapped.history) do assert.is_true(level.wrapped) end
+  end)
+
+  it("fills with other numbers where a sound surface had to be wrapped", function()
+    local plain, meshes = wrapping(function() return false end)
+    assert.equal(#plain.history, meshes)
+    local once, fillings = wrapping(function(number) return number == 2 end)
+    assert.equal(#once.history + 1, fillings)
+    assert.equal("holds", once:verdict(0.1 * once.force))
+    check.near(once.force, plain.force, 0.15)
+  end)
+
+  it("looks at no wrapped mesh beside meshes of the part", function()
+    local first = wrapping(function(number) return number <= 3 end)
+    local last = wrapping(function(number) return number > 1 end)
+    for _, found in ipairs {first, last} do
+      for _, level in ipairs(found.history) do assert.is_false(level.wrapped) end
+    end
+    assert.equal("holds", first:verdict(0.1 * first.force))
+    assert.equal(1, #last.history)
   end)
 
   it("is that of the part where points lie in planes exactly", function()
