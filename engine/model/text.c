@@ -45,14 +45,14 @@ void bwi_text_integer(bwi_text *text, int64_t value) {
 }
 
 void bwi_vector_string(char *buffer, size_t size, const double v[3], int digits, double zero) {
-  char number[3][40];
+  char number[3][64];
   for (int k = 0; k < 3; k++)
     bwi_number_string(number[k], sizeof number[k], v[k], digits, zero);
   snprintf(buffer, size, "(%s, %s, %s)", number[0], number[1], number[2]);
 }
 
 void bwi_text_vector(bwi_text *text, const double v[3], int digits, double zero) {
-  char vector[128];
+  char vector[208];
   bwi_vector_string(vector, sizeof vector, v, digits, zero);
   bwi_text_add(text, vector);
 }

@@ -11,79 +11,88 @@ extern "C" {
 /* ---- stress fields: tensors xx yy zz yz zx xy ---------------------------------------------- */
 
 /* Mean stress of every element (exact for tet4; the volume mean for tet10): element_count x 6. */
-bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const double *displacement, double *stress);
+BW_API bw_status bw_element_stress(bw_context *context, const bw_mesh *mesh,
+                                   const bw_material *material, const double *displacement,
+                                   double *stress);
 /* Stress at nodes: the stresses of the elements around a node, each at the node itself, averaged by
  * volume: node_count x 6. */
-bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                          const double *displacement, double *stress);
+BW_API bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh,
+                                 const bw_material *material, const double *displacement,
+                                 double *stress);
 /* Stress of a static solution with what its model knows (thermal expansion taken off): as
  * bw_nodal_stress or bw_element_stress. */
-bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
-                           double *stress);
+BW_API bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
+                                  double *stress);
 /* Strain energy of every element, J. */
-bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const double *displacement, double *energy);
+BW_API bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh,
+                                   const bw_material *material, const double *displacement,
+                                   double *energy);
 /* Row-wise over `count` tensors. `values` count x 3 descending; `directions` count x 9 or NULL. */
-bw_status bw_von_mises_field(bw_context *context, int64_t count, const double *stress,
-                             double *von_mises);
-bw_status bw_principal_field(bw_context *context, int64_t count, const double *stress,
-                             double *values, double *directions);
+BW_API bw_status bw_von_mises_field(bw_context *context, int64_t count, const double *stress,
+                                    double *von_mises);
+BW_API bw_status bw_principal_field(bw_context *context, int64_t count, const double *stress,
+                                    double *values, double *directions);
 /* max_i |sigma_i| (worst-case eq. 6). */
-bw_status bw_max_principal_field(bw_context *context, int64_t count, const double *stress,
-                                 double *value);
+BW_API bw_status bw_max_principal_field(bw_context *context, int64_t count, const double *stress,
+                                        double *value);
 /* Of a material turned by element: of the stresses of all elements. */
-bw_status bw_utilisation_field(bw_context *context, const bw_material *material, int64_t count,
-                               const double *stress, double *value);
+BW_API bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
+                                      int64_t count, const double *stress, double *value);
 /* Zienkiewicz-Zhu: error energy of every element, J, against the averaged nodal stress (element may
  * be NULL); *relative is the estimated energy-norm error over the energy norm of the solution, for
  * tet10 times the factor 1.5 of the agile paper (section 8), without which it falls short. */
-bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const double *displacement, double *element, double *relative);
+BW_API bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh,
+                                   const bw_material *material, const double *displacement,
+                                   double *element, double *relative);
 
 /* Superconvergent patch recovery (Zienkiewicz and Zhu 1992): at every corner a polynomial of the
  * elements' order fits the stresses inside of the elements around it; middles take the mean of both
  * ends. Stress at nodes, node_count x 6. */
-bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              const double *displacement, double *stress);
+BW_API bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh,
+                                     const bw_material *material, const double *displacement,
+                                     double *stress);
 /* The recovered error in a goal: the integral over every element of e_u . D^-1 e_z with
  * e = N sigma* - sigma of a primal and a dual displacement, sigma* as bw_recovered_stress. Their
  * sum estimates J(u) - J(u_h) for the functional J that z is the dual of
  * (docs/theory/error_control.md). */
-bw_status bw_error_product(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                           const double *primal, const double *dual, double *element);
+BW_API bw_status bw_error_product(bw_context *context, const bw_mesh *mesh,
+                                  const bw_material *material, const double *primal,
+                                  const double *dual, double *element);
 /* Nodal forces, node_count x 3, of the functional sum over i of weight_i . sigma(node_i), with
  * sigma as bw_nodal_stress and six weights for each of `count` nodes: its derivative by the
  * displacement. */
-bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
-                               const bw_material *material, int64_t count, const int32_t *node,
-                               const double *weight, double *force);
+BW_API bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
+                                      const bw_material *material, int64_t count,
+                                      const int32_t *node, const double *weight, double *force);
 
 /* By how much every elastic mode's eigenvalue is too high, as a share of it, by the recovered
  * stress of its shape (docs/theory/error_control.md). BW_INVALID for Laplacian modes. */
-bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative);
+BW_API bw_status bw_modes_error(bw_context *context, const bw_modes *modes, double *relative);
 /* Forces at the nodes, node_count x 3, that hold a displacement without loads: K u. */
-bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const double *displacement, double *force);
+BW_API bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh,
+                                   const bw_material *material, const double *displacement,
+                                   double *force);
 /* The largest concave angle by which the normals of boundary facets differ at the nodes of the
  * facets around a boundary node, of those below `limit` (radians): 0 on flat and on resolved round
  * faces, the angle between facets where these stand for a round face. 0 for inner nodes. */
-bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node, double limit,
-                           double *kink);
+BW_API bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node,
+                                  double limit, double *kink);
 
 /* Stress at the three corners of every facet, facet_count x 3 x 6, by the displacement of the
  * facet's own nodes and the traction that acts on the surface (docs/theory/breaking_force.md).
  * `force`: the nodal forces of that traction, node_count x 3; NULL: none. What supports push back
  * is no part of it. */
-bw_status bw_surface_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const double *displacement, const double *force, double *stress);
+BW_API bw_status bw_surface_stress(bw_context *context, const bw_mesh *mesh,
+                                   const bw_material *material, const double *displacement,
+                                   const double *force, double *stress);
 /* The mean of a field of facets' corners (facet_count x 3 x columns, linear between them) over the
  * boundary that connected facets reach within `radius` of each boundary node, weighted by area and
  * 1 - (distance / radius)^2: node_count x columns. Where the mesh is too coarse for the
  * radius, the mean by area over the facets around the node. Facets that the numbering (may be NULL)
  * constrains in all directions do not count; 0 at inner nodes and inside of such supports. */
-bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, const bw_numbering *numbering,
-                          double radius, int columns, const double *value, double *mean);
+BW_API bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh,
+                                 const bw_numbering *numbering, double radius, int columns,
+                                 const double *value, double *mean);
 
 /* ---- how stresses change with the shape (agile, section 7) ------------------------------------
  */
@@ -100,19 +109,20 @@ typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t cou
  * (node_count, may be NULL): which nodes will move; elsewhere the gradient is of no meaning.
  * Straight elements only. BW_UNSUPPORTED: a slide along the surface's own normals, and a body held
  * in part that turns freely under its load. */
-bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
-                                const bw_numbering *numbering, const double *displacement,
-                                bw_solve_function *solve, void *data, int64_t count,
-                                const int32_t *node, const uint8_t *wanted, double *von_mises,
-                                double *gradient);
+BW_API bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
+                                       const bw_numbering *numbering, const double *displacement,
+                                       bw_solve_function *solve, void *data, int64_t count,
+                                       const int32_t *node, const uint8_t *wanted,
+                                       double *von_mises, double *gradient);
 
 /* slope . m, with m the bw_surface_mean of bw_surface_stress around a boundary node, as a
  * functional of the displacement: its nodal forces, and its derivative by the nodal forces of the
  * load
  * (`by_force`), node_count x 3 both (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
-bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              const bw_numbering *numbering, double radius, int32_t node,
-                              const double slope[6], double *force, double *by_force);
+BW_API bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh,
+                                     const bw_material *material, const bw_numbering *numbering,
+                                     double radius, int32_t node, const double slope[6],
+                                     double *force, double *by_force);
 typedef struct bw_patch_state {
   const bw_numbering *numbering;         /* supports; may be NULL */
   int32_t node;                          /* in the middle of the patch */
@@ -129,16 +139,16 @@ typedef struct bw_patch_state {
  * constant. With K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's
  * multipliers, it is the derivative of the largest value over admissible p. *value: slope . m.
  * Curved elements count as they are. BW_UNSUPPORTED for the B-bar formulation. */
-bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
-                                  const bw_material *material, const bw_patch_state *state,
-                                  double *value, double *gradient);
+BW_API bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
+                                         const bw_material *material, const bw_patch_state *state,
+                                         double *value, double *gradient);
 
 /* A motion (node_count x 3) of the boundary carried into the body, in place: inner nodes follow by
  * sweeps of averaging. */
-bw_status bw_boundary_extend(bw_context *context, const bw_mesh *mesh, double *motion);
+BW_API bw_status bw_boundary_extend(bw_context *context, const bw_mesh *mesh, double *motion);
 /* The transpose, in place: a derivative by the position of every node becomes that by the boundary
  * nodes, which inner nodes follow; 0 at inner nodes. */
-bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *covector);
+BW_API bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *covector);
 
 /* A convex quadratic programme: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
  * NLopt's SLSQP. H n x n positive definite, A m x n; bounds may be infinite. Where no x fulfils
@@ -146,10 +156,10 @@ bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *c
  * (so give the rows a common scale), and x the point of least objective with it; else it is 0.
  * multiplier (may be NULL): m, of the rows, so that H x + g + A^T multiplier is 0 but for the
  * bounds. */
-bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, const double *g,
-                                 int m, const double *A, const double *b, const double *low,
-                                 const double *high, double *x, double *violation,
-                                 double *multiplier);
+BW_API bw_status bw_quadratic_programme(bw_context *context, int n, const double *H,
+                                        const double *g, int m, const double *A, const double *b,
+                                        const double *low, const double *high, double *x,
+                                        double *violation, double *multiplier);
 
 /* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 
@@ -166,7 +176,7 @@ typedef struct bw_weak_options {
   int regions;             /* per mode; default 5 */
   bw_worst_target target; /* stress: w from the modal stress; displacement: from the modal motion */
 } bw_weak_options;
-void bw_weak_options_default(bw_weak_options *options);
+BW_API void bw_weak_options_default(bw_weak_options *options);
 
 typedef struct bw_weak_region {
   int mode;      /* 0-based; -1 for a region that no mode gave */
@@ -186,32 +196,34 @@ typedef struct bw_weak_regions {
   bw_weak_region *region; /* by mode, then rank */
 } bw_weak_regions;
 /* The regions of all modes (elastic or Laplacian). */
-bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
-                               const bw_material *material, const bw_modes *modes,
-                               const bw_weak_options *options, bw_weak_regions **regions);
+BW_API bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
+                                      const bw_material *material, const bw_modes *modes,
+                                      const bw_weak_options *options, bw_weak_regions **regions);
 /* Every element (or the given ones) as a region of its own with weight `sign`: brute force. */
-bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64_t count,
-                                 const int32_t *element, double sign, bw_weak_regions **regions);
+BW_API bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64_t count,
+                                        const int32_t *element, double sign,
+                                        bw_weak_regions **regions);
 /* Elements as regions of their own whose objective is the mean normal stress s n . sigma n of the
  * element, n the direction and s the sign of the principal stress of largest magnitude of
  * stress[6 i]. A maximisation of it keeps or raises that principal stress. */
-bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int64_t count,
-                                   const int32_t *element, const double *stress,
-                                   bw_weak_regions **regions);
+BW_API bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int64_t count,
+                                          const int32_t *element, const double *stress,
+                                          bw_weak_regions **regions);
 /* Patches of the boundary as regions: those of bw_surface_mean around boundary nodes. The objective
  * is s n . m n, m the bw_surface_mean of bw_surface_stress, n and s of stress[6 i] as above. Their
  * elements are those behind the corners of facets. */
-bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
-                                  const bw_numbering *numbering, double radius, int64_t count,
-                                  const int32_t *node, const double *stress,
-                                  bw_weak_regions **regions);
+BW_API bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
+                                         const bw_numbering *numbering, double radius,
+                                         int64_t count, const int32_t *node, const double *stress,
+                                         bw_weak_regions **regions);
 /* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
-bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions, int region,
-                              const bw_material *material, double *right_hand_side);
+BW_API bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions,
+                                     int region, const bw_material *material,
+                                     double *right_hand_side);
 /* What the nodal forces of a load add to the objective by their traction in the patch of a region:
  * its derivative by them, node_count x 3, is added. Nothing but for patches. */
-bw_status bw_region_by_force(bw_context *context, const bw_weak_regions *regions, int region,
-                             const bw_material *material, double *by_force);
+BW_API bw_status bw_region_by_force(bw_context *context, const bw_weak_regions *regions, int region,
+                                    const bw_material *material, double *by_force);
 
 /* ---- worst loads (worst-case, eq. 14) ------------------------------------------------------ */
 
@@ -250,12 +262,14 @@ typedef struct bw_pressure_options {
                         */
 } bw_pressure_options;
 /* options may be NULL: all of the boundary, no friction. */
-bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
-                                   const bw_pressure_options *options, bw_pressure_basis **basis);
+BW_API bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
+                                          const bw_pressure_options *options,
+                                          bw_pressure_basis **basis);
 /* force (node_count x 3, overwritten) = G p */
-void bw_pressure_force(const bw_pressure_basis *basis, const double *pressure, double *force);
+BW_API void bw_pressure_force(const bw_pressure_basis *basis, const double *pressure,
+                              double *force);
 /* f = G^T q */
-void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q, double *f);
+BW_API void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q, double *f);
 
 typedef enum bw_programme_solver {
   BW_PROGRAMME_OWN, /* dual simplex of our own, every answer judged; GLPK where it fails */
@@ -282,10 +296,10 @@ enum { BW_MOST_HANDS = 16 };
  * fulfils balance to 1e-9 of the force and its duality gap is below 1e-8. `dual` (may be NULL):
  * count x (motion_count + 1) multipliers y, so that with reduced costs d_j = f_j - sum_m y_m
  * <motion m, G e_j> - y_last A_j the optimum is y_last F_tot + p_max sum_j max(0, d_j). */
-bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
-                         const bw_numbering *numbering, const bw_worst_load_options *options,
-                         int64_t count, const double *objective, double *pressure, double *value,
-                         double *dual);
+BW_API bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
+                                const bw_numbering *numbering, const bw_worst_load_options *options,
+                                int64_t count, const double *objective, double *pressure,
+                                double *value, double *dual);
 
 /* Regions -> right-hand sides -> solves -> programmes -> solves -> stresses, in batches of
  * `batch` (0: 16) with progress "worst loads". `visit` is called in region order. */
@@ -299,11 +313,11 @@ typedef struct bw_worst_case_visit {
   bool flipped;                /* reached with the weights' signs turned over */
   double seconds;              /* the region's share of its batch */
 } bw_worst_case_visit;
-bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                            const bw_weak_regions *regions, const bw_worst_load_options *options,
-                            int batch,
-                            bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
-                            void *data);
+BW_API bw_status bw_worst_case_run(bw_context *context, bw_system *system,
+                                   const bw_pressure_basis *basis, const bw_weak_regions *regions,
+                                   const bw_worst_load_options *options, int batch,
+                                   bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
+                                   void *data);
 
 /* Screening: which targets a load can stress most, estimated for all of them with pressures that
  * are constant over `patches` patches of the boundary (more where the balance rows need more). Such
@@ -318,10 +332,11 @@ typedef struct bw_screening {
   int32_t *target; /* elements, or nodes in the middles of patches */
   double *stress;  /* count x 6 */
 } bw_screening;
-bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                             const bw_worst_load_options *options, int32_t patches, double radius,
-                             int32_t wanted, bw_screening *screening);
-void bw_screening_clear(bw_screening *screening);
+BW_API bw_status bw_worst_screening(bw_context *context, bw_system *system,
+                                    const bw_pressure_basis *basis,
+                                    const bw_worst_load_options *options, int32_t patches,
+                                    double radius, int32_t wanted, bw_screening *screening);
+BW_API void bw_screening_clear(bw_screening *screening);
 
 /* An upper bound of the principal stress of largest magnitude (mean over an element) that any
  * admissible pressure causes in any element of this mesh, by branch and bound over elements and
@@ -355,12 +370,13 @@ typedef struct bw_bound_leaves {
   bw_bound_leaf *leaf;
   int32_t *number;
 } bw_bound_leaves;
-void bw_bound_leaves_clear(bw_bound_leaves *leaves);
+BW_API void bw_bound_leaves_clear(bw_bound_leaves *leaves);
 /* leaves: NULL, or an empty list that is filled; the caller clears it, also after a failure. */
-bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
-                              const bw_pressure_basis *basis, const bw_worst_load_options *options,
-                              double incumbent, double tolerance, bw_worst_bound *bound,
-                              bw_bound_leaves *leaves);
+BW_API bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
+                                     const bw_pressure_basis *basis,
+                                     const bw_worst_load_options *options, double incumbent,
+                                     double tolerance, bw_worst_bound *bound,
+                                     bw_bound_leaves *leaves);
 
 /* Sum a pressure's forces into a few arrows, largest first: clusters of loaded nodes within
  * `radius` (0: a twentieth of the box diagonal) that push the same way. Together they carry the
@@ -369,8 +385,9 @@ typedef struct bw_arrow {
   double at[3], force[3];
   double area; /* loaded */
 } bw_arrow;
-bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basis,
-                              const double *pressure, double radius, int *count, bw_arrow **arrows);
+BW_API bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basis,
+                                     const double *pressure, double radius, int *count,
+                                     bw_arrow **arrows);
 
 /* ---- drop test (worst-case, section 5) ----------------------------------------------------- */
 
@@ -382,7 +399,7 @@ typedef struct bw_drop_options {
                         mass m_e of the body at the contact; default 1e-3 */
   uint64_t seed;
 } bw_drop_options;
-void bw_drop_options_default(bw_drop_options *options);
+BW_API void bw_drop_options_default(bw_drop_options *options);
 typedef struct bw_drop_result {
   double *exceedance; /* element_count: fraction of drops whose stress is beyond the strength: whose
                          utilisation exceeds one, or, where no strength is known, whose max
@@ -400,19 +417,19 @@ typedef struct bw_drop_result {
   int64_t drops;
 } bw_drop_result;
 /* The body must be free (no supports) and its density known. */
-bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_options *options,
-                       bw_drop_result *result);
-void bw_drop_result_clear(bw_drop_result *result);
+BW_API bw_status bw_drop_test(bw_context *context, bw_system *system,
+                              const bw_drop_options *options, bw_drop_result *result);
+BW_API void bw_drop_result_clear(bw_drop_result *result);
 
 /* Spearman's rank correlation of two series, ties averaged. */
-bw_status bw_rank_correlation(bw_context *context, int64_t count, const double *a, const double *b,
-                              double *rho);
+BW_API bw_status bw_rank_correlation(bw_context *context, int64_t count, const double *a,
+                                     const double *b, double *rho);
 /* The same with weights (areas, volumes): a sample of twice the weight counts as two. */
-bw_status bw_weighted_rank_correlation(bw_context *context, int64_t count, const double *a,
-                                       const double *b, const double *weight, double *rho);
+BW_API bw_status bw_weighted_rank_correlation(bw_context *context, int64_t count, const double *a,
+                                              const double *b, const double *weight, double *rho);
 /* The p-th quantile (0..1) of values weighted (volumes); e.g. 0.9975 in figure 7. */
-bw_status bw_weighted_quantile(bw_context *context, int64_t count, const double *value,
-                               const double *weight, double p, double *quantile);
+BW_API bw_status bw_weighted_quantile(bw_context *context, int64_t count, const double *value,
+                                      const double *weight, double p, double *quantile);
 
 #ifdef __cplusplus
 }

@@ -27,39 +27,42 @@ typedef struct bw_graph {
   int32_t *gather_element;
   uint8_t *gather_local; /* (a << 4) | b: local row and column nodes */
 } bw_graph;
-bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph);
+BW_API bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph);
 /* The same of any elements with up to 16 nodes: element (element_count x nodes_per_element). The
  * graph's mesh is NULL: it serves products and factors, not the functions that take a mesh. Every
  * node must have an element. */
-bw_status bw_graph_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
-                               int nodes_per_element, const int32_t *element, bw_graph **graph);
+BW_API bw_status bw_graph_of_elements(bw_context *context, int32_t node_count,
+                                      int32_t element_count, int nodes_per_element,
+                                      const int32_t *element, bw_graph **graph);
 
 /* Stiffness: 9 numbers per pair, row by row (row = node i). Closed form for straight elements,
  * quadrature for curved tet10. `values` has room for 9 * pair_count. */
-bw_status bw_stiffness(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
-                       const bw_material *material, double *values);
+BW_API bw_status bw_stiffness(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+                              const bw_material *material, double *values);
 /* A sentence that warns of volumetric locking and names the cure, or NULL where none is expected:
  * nearly incompressible materials (mean Poisson's ratio above 0.48) in elements of the standard
  * formulation. */
-const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
+BW_API const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
 /* Consistent mass per unit density: one number per pair (times the 3x3 identity), m3. */
-bw_status bw_mass(bw_context *context, const bw_graph *graph, const bw_mesh *mesh, double *values);
+BW_API bw_status bw_mass(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+                         double *values);
 /* Lumped mass per unit density: one number per node, positive, summing to the volume (diagonal
  * scaling for tet10). */
-bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values);
+BW_API bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values);
 /* Stiffness of the scalar Laplacian: one number per pair. */
-bw_status bw_laplacian(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
-                       double *values);
+BW_API bw_status bw_laplacian(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+                              double *values);
 /* One element's stiffness (12x12 or 30x30, full) and mass (4x4 or 10x10): also the readable
  * reference in the tests. */
-bw_status bw_element_stiffness(bw_context *context, int order, const double (*x)[3],
-                               const bw_material *material, double *stiffness);
-void bw_element_mass(int order, const double (*x)[3], double *mass);
+BW_API bw_status bw_element_stiffness(bw_context *context, int order, const double (*x)[3],
+                                      const bw_material *material, double *stiffness);
+BW_API void bw_element_mass(int order, const double (*x)[3], double *mass);
 
 /* y = A x for `count` vectors (node_count x 3 each, one after the other); `block` 9: a stiffness,
  * 1: a mass or Laplacian acting on each of the `components` (1 or 3) alike. */
-bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const double *values,
-                            int block, int components, int64_t count, const double *x, double *y);
+BW_API bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const double *values,
+                                   int block, int components, int64_t count, const double *x,
+                                   double *y);
 
 /* ---- stiffness kept domain by domain (agile, sections 5 and 6) ---------------------------------
  */
@@ -78,7 +81,7 @@ typedef struct bw_domain_motion {
   bool reshaped; /* its nodes moved otherwise: they are read from the mesh, and linear is not used.
                     Any domain may become so and stop being so again */
 } bw_domain_motion;
-void bw_domain_motion_rest(bw_domain_motion *motion);
+BW_API void bw_domain_motion_rest(bw_domain_motion *motion);
 
 typedef struct bw_domain_change {
   /* how many domains: left alone; written by the polynomials; gathered from coordinates anew */
@@ -107,11 +110,12 @@ typedef struct bw_domain_stiffness {
 /* All domains at rest in `mesh`. element_domain (element_count) and node_domain (node_count; -1:
  * the global frame, for nodes some but not all of whose components are held) are copied. Curved
  * elements are BW_INVALID, as they have no closed form. */
-bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
-                                     const bw_mesh *mesh, const bw_material *material,
-                                     bool material_turns, int32_t domain_count,
-                                     const int32_t *element_domain, const int32_t *node_domain,
-                                     bw_domain_stiffness **stiffness);
+BW_API bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
+                                            const bw_mesh *mesh, const bw_material *material,
+                                            bool material_turns, int32_t domain_count,
+                                            const int32_t *element_domain,
+                                            const int32_t *node_domain,
+                                            bw_domain_stiffness **stiffness);
 /* Bring it to another shape: motion[domain_count] says how every domain lies now; `mesh` has the
  * nodes as they are now, and is read for reshaped domains only. Only entries of domains whose
  * global entries changed are written (contributions of the others at shared pairs are kept). What
@@ -126,17 +130,18 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
  * turned is true though nothing was. On failure everything is as it was: BW_INVALID for a motion
  * that is none (not finite, determinant not positive, frame no rotation) or a curved element,
  * BW_GEOMETRY for an inverted one. `change` may be NULL. */
-bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *stiffness,
-                                     const bw_mesh *mesh, const bw_domain_motion *motion,
-                                     bw_domain_change *change);
+BW_API bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *stiffness,
+                                            const bw_mesh *mesh, const bw_domain_motion *motion,
+                                            bw_domain_change *change);
 /* y += (d K / d p) x where a domain's map changes by d linear / d p = direction (9 numbers), the
  * material's directions staying: the polynomials' derivative. x, y node_count x 3 in global
  * directions. BW_INVALID for a domain that is reshaped now: it has no map. */
-bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_stiffness *stiffness,
-                                         int32_t domain, const double direction[9], const double *x,
-                                         double *y);
+BW_API bw_status bw_domain_stiffness_derivative(bw_context *context,
+                                                const bw_domain_stiffness *stiffness,
+                                                int32_t domain, const double direction[9],
+                                                const double *x, double *y);
 /* Bytes of coefficients, contribution lists and entries, for the benchmarks. */
-size_t bw_domain_stiffness_bytes(const bw_domain_stiffness *stiffness);
+BW_API size_t bw_domain_stiffness_bytes(const bw_domain_stiffness *stiffness);
 
 #ifdef __cplusplus
 }

@@ -31,8 +31,9 @@ typedef struct bw_dual_claims {
  * `bound` for the stresses under the computed displacements, rounding of the sums included, and
  * `solve_error`, what the residuals of the linear solves may add to it. Nothing of the branch and
  * bound is used. One solve for each pressure; progress "certificate". */
-bw_status bw_dual_bounds(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                         const bw_dual_claims *claims, double *bound, double *solve_error);
+BW_API bw_status bw_dual_bounds(bw_context *context, bw_system *system,
+                                const bw_pressure_basis *basis, const bw_dual_claims *claims,
+                                double *bound, double *solve_error);
 
 #ifdef __cplusplus
 }

@@ -11,26 +11,26 @@
 extern "C" {
 #endif
 
-bw_status bw_confine_read_also(bw_context *context, const char *path);
-bw_status bw_confine(bw_context *context, const char *folder);
-bool bw_confined(void);
-const char *bw_confined_to(void); /* the folder; NULL where the process is not confined */
+BW_API bw_status bw_confine_read_also(bw_context *context, const char *path);
+BW_API bw_status bw_confine(bw_context *context, const char *folder);
+BW_API bool bw_confined(void);
+BW_API const char *bw_confined_to(void); /* the folder; NULL where the process is not confined */
 
 /* Asked before every file is opened: BW_OK, or BW_IO with a message. Links are followed, so that
  * where a path leads is what counts; to replace or remove a file is to change its folder. */
 typedef enum bw_use { BW_TO_READ, BW_TO_WRITE, BW_TO_REPLACE } bw_use;
-bw_status bw_may_use(bw_context *context, const char *path, bw_use use);
+BW_API bw_status bw_may_use(bw_context *context, const char *path, bw_use use);
 /* As open, mkdir, remove and rename, with errno. In a confined process they refuse with EACCES what
  * bw_may_use refuses, and follow no link that is put in the way after that. A descriptor is closed
  * when a program is started. */
-int bw_open(const char *path, int flags, unsigned mode);
-int bw_make_folder(const char *path);
-int bw_remove(const char *path);
-int bw_rename(const char *from, const char *to);
+BW_API int bw_open(const char *path, int flags, unsigned mode);
+BW_API int bw_make_folder(const char *path);
+BW_API int bw_remove(const char *path);
+BW_API int bw_rename(const char *from, const char *to);
 
 /* Asked before a server or a job is started: BW_UNSUPPORTED where the process is confined. Children
  * that the engine forks for a library's sake (child.h) need no leave: they run no script. */
-bw_status bw_may_start(bw_context *context, const char *what);
+BW_API bw_status bw_may_start(bw_context *context, const char *what);
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,7 @@ typedef enum bw_face_kind {
   BW_FACE_SPHERE,
   BW_FACE_FREE /* none of these */
 } bw_face_kind;
-const char *bw_face_word(bw_face_kind kind); /* "plane", ... */
+BW_API const char *bw_face_word(bw_face_kind kind); /* "plane", ... */
 
 typedef struct bw_face {
   bw_face_kind kind;
@@ -40,25 +40,26 @@ typedef struct bw_faces {
 
 /* Facets whose normals differ by at most `angle` (radians; 0: 30 degrees) are of one face, unless
  * primitives part them (docs/theory/faces.md). */
-bw_status bw_faces_find(bw_context *context, const bw_surface *surface, double angle,
-                        bw_faces **faces);
+BW_API bw_status bw_faces_find(bw_context *context, const bw_surface *surface, double angle,
+                               bw_faces **faces);
 /* The number of the face nearest to a point of the surface that the faces were found on; -1 where
  * the surface has no facets. */
-int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface, const double point[3]);
+BW_API int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface,
+                             const double point[3]);
 /* The signed distance of a point from a face's primitive and its gradient (unit, may be NULL); 0
  * for a free one. Inside a cylinder, cone or sphere it is negative. */
-double bw_face_distance(const bw_face *face, const double x[3], double gradient[3]);
+BW_API double bw_face_distance(const bw_face *face, const double x[3], double gradient[3]);
 
 /* The number of the face of the surface that each facet of a mesh's boundary lies on (label:
  * facet_count), -1 where it is not clear. */
-bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface, const bw_faces *faces,
-                           const bw_mesh *mesh, int32_t *label);
+BW_API bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface,
+                                  const bw_faces *faces, const bw_mesh *mesh, int32_t *label);
 
 /* A mesh of order 2 with the nodes of its boundary's edges on the primitives of the surface that it
  * was filled from. Nodes stay where an element would become too distorted. `count`, when asked
  * for: how many moved. BW_INVALID for a mesh of order 1. */
-bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surface *surface,
-                         bw_mesh **curved, int64_t *count);
+BW_API bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surface *surface,
+                                bw_mesh **curved, int64_t *count);
 
 #ifdef __cplusplus
 }

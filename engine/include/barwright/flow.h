@@ -36,7 +36,7 @@ typedef struct bw_flow_options {
                shape is changed between steps, as in the paper */
   bw_stale_options linear; /* default tolerance 1e-6 */
 } bw_flow_options;
-void bw_flow_options_default(bw_flow_options *options);
+BW_API void bw_flow_options_default(bw_flow_options *options);
 
 /* A fluid on a mesh that follows an outline. Mutable. */
 typedef struct bw_flow {
@@ -49,39 +49,41 @@ typedef struct bw_flow {
   double time;
   struct bwi_flow *inner;
 } bw_flow;
-bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
-                         const bw_flow_description *description, bw_flow **flow);
-bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
-                         bw_kept *kept);
+BW_API bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
+                                const bw_flow_description *description, bw_flow **flow);
+BW_API bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
+                                bw_kept *kept);
 /* One implicit time step, or the steady state. BW_CONVERGENCE leaves the state as it was. */
-bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                       bw_kept *kept);
+BW_API bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
+                              bw_kept *kept);
 /* What a flow is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh, fields, time and what the next step starts from bit for bit,
  * and fails only for the state of another flow. A flow's operations put a new state in the place of
  * the one that stands when all is done: those that fail change nothing. */
 typedef struct bw_flow_state bw_flow_state;
-const bw_flow_state *bw_flow_keep(const bw_flow *flow);
+BW_API const bw_flow_state *bw_flow_keep(const bw_flow *flow);
 /* The mesh that it was kept on. */
-const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
-bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
+BW_API const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
+BW_API bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
 /* Whether its parts belong together: see bw_plane_mesh_check. */
-bw_status bw_flow_check(bw_context *context, const bw_flow *flow);
+BW_API bw_status bw_flow_check(bw_context *context, const bw_flow *flow);
 
 /* Force of the fluid on the segments of a tag, per depth (N/m), as the reaction of the discrete
  * equations (the consistent one, twice the order of integrating stresses), and heat flow into the
  * fluid through them (W/m over density times heat capacity: K m2/s): reactions where temperatures
  * are prescribed, and what fluxes and convection bring. Functions of conditions are asked again. */
-bw_status bw_flow_force(bw_context *context, const bw_flow *flow, int32_t tag, double force[2]);
-bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, double *heat);
+BW_API bw_status bw_flow_force(bw_context *context, const bw_flow *flow, int32_t tag,
+                               double force[2]);
+BW_API bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, double *heat);
 /* Velocity, pressure (and temperature) at a place (`components` numbers). */
-bw_status bw_flow_at(bw_context *context, const bw_flow *flow, const double at[2], double *values);
+BW_API bw_status bw_flow_at(bw_context *context, const bw_flow *flow, const double at[2],
+                            double *values);
 /* Vorticity at the nodes, stream function (zero at the lowest node of the boundary). */
-bw_status bw_flow_vorticity(bw_context *context, const bw_flow *flow, double *vorticity);
+BW_API bw_status bw_flow_vorticity(bw_context *context, const bw_flow *flow, double *vorticity);
 
 /* Frequency of a signal sampled at equal steps, by zero crossings about its mean over the last
  * `periods` whole periods; 0 where there is none. */
-double bw_flow_frequency(int64_t count, const double *signal, double step, int periods);
+BW_API double bw_flow_frequency(int64_t count, const double *signal, double step, int periods);
 
 #ifdef __cplusplus
 }

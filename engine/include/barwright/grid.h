@@ -32,9 +32,9 @@ typedef struct bw_grid {
 /* `material` (one per cell; 0: void; NULL: all 1) and `fraction` (one per cell; NULL: full) are
  * copied. BW_INVALID names the cell of a fraction or material that is none; BW_EMPTY without any
  * element; BW_LIMIT where lattice points pass 2^31. */
-bw_status bw_grid_create(bw_context *context, const double origin[3], const double spacing[3],
-                         const int32_t cells[3], const int32_t *material, const double *fraction,
-                         bw_grid **grid);
+BW_API bw_status bw_grid_create(bw_context *context, const double origin[3],
+                                const double spacing[3], const int32_t cells[3],
+                                const int32_t *material, const double *fraction, bw_grid **grid);
 
 typedef struct bw_voxel_options {
   double spacing;   /* side of the cubes; 0: from `cells` */
@@ -46,35 +46,36 @@ typedef struct bw_voxel_options {
   int32_t multiple; /* cells in each direction are a multiple of this, so that so many cells
                        become one; default 1 */
 } bw_voxel_options;
-void bw_voxel_options_default(bw_voxel_options *options);
+BW_API void bw_voxel_options_default(bw_voxel_options *options);
 /* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY
  * for a surface that is not closed. Nodes' lattice begins at the low corner of the surface's box
  * (or half the slack before it, where cells do not fit the box). A remark says when the grid falls
  * into parts. */
-bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
-                             const bw_voxel_options *options, bw_grid **grid);
+BW_API bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
+                                    const bw_voxel_options *options, bw_grid **grid);
 /* The part of each cell of a lattice that a closed surface holds, exact but for rounding; what lies
  * outside the lattice does not matter. Facets that disagree or face inwards are turned as
  * bw_surface_orient does; a remark says where shells overlap. */
-bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, const double origin[3],
-                            const double spacing[3], const int32_t cells[3], double *fraction);
+BW_API bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface,
+                                   const double origin[3], const double spacing[3],
+                                   const int32_t cells[3], double *fraction);
 /* The grid with `material` in `count` cells (0 takes the element away, another adds it, full);
  * everything else stays, a cut cell keeps its fraction. Of a cell named twice the last counts. The
  * same object, retained, where nothing changes; shared lists where no element comes or goes. */
-bw_status bw_grid_edited(bw_context *context, const bw_grid *grid, int64_t count,
-                         const int32_t *cell, const int32_t *material, bw_grid **edited);
+BW_API bw_status bw_grid_edited(bw_context *context, const bw_grid *grid, int64_t count,
+                                const int32_t *cell, const int32_t *material, bw_grid **edited);
 /* The grid with other materials (element_count, 1 and above), which shares all other lists. */
-bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid, const int32_t *material,
-                                 bw_grid **out);
+BW_API bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid,
+                                        const int32_t *material, bw_grid **out);
 /* The same elements on the same nodes: graph and order of one serve the other. */
-bool bw_grid_same_elements(const bw_grid *a, const bw_grid *b);
-void bw_grid_position(const bw_grid *grid, int32_t node, double at[3]);
+BW_API bool bw_grid_same_elements(const bw_grid *a, const bw_grid *b);
+BW_API void bw_grid_position(const bw_grid *grid, int32_t node, double at[3]);
 /* Low and high corner of the elements. */
-void bw_grid_box(const bw_grid *grid, double low[3], double high[3]);
-double bw_grid_volume(const bw_grid *grid); /* fractions counted */
+BW_API void bw_grid_box(const bw_grid *grid, double low[3], double high[3]);
+BW_API double bw_grid_volume(const bw_grid *grid); /* fractions counted */
 /* Groups of elements connected by nodes; group (element_count) may be NULL. */
-bw_status bw_grid_components(bw_context *context, const bw_grid *grid, int32_t *group,
-                             int32_t *count);
+BW_API bw_status bw_grid_components(bw_context *context, const bw_grid *grid, int32_t *group,
+                                    int32_t *count);
 
 /* Faces of elements without a neighbour. `side` 0..5: low x, high x, low y, ... */
 typedef struct bw_grid_face {
@@ -82,12 +83,12 @@ typedef struct bw_grid_face {
   int32_t side;
   int32_t node[4]; /* counter-clockwise seen from outside */
 } bw_grid_face;
-bw_status bw_grid_boundary(bw_context *context, const bw_grid *grid, bw_grid_face **face,
-                           int64_t *count); /* release with bw_free */
+BW_API bw_status bw_grid_boundary(bw_context *context, const bw_grid *grid, bw_grid_face **face,
+                                  int64_t *count); /* release with bw_free */
 /* The boundary as a surface (two triangles a face) whose points are nodes: node (point_count, may
  * be NULL, release with bw_free) says which. For pictures. */
-bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface **surface,
-                          int32_t **node);
+BW_API bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface **surface,
+                                 int32_t **node);
 
 /* ---- choosing by geometry -------------------------------------------------------------------
  *
@@ -117,17 +118,18 @@ typedef struct bw_region {
 } bw_region;
 /* The nodes in a region, ascending. BW_EMPTY without any: the message has the box of the elements
  * and the node nearest to the region. Release with bw_free. */
-bw_status bw_grid_nodes(bw_context *context, const bw_grid *grid, const bw_region *region,
-                        int32_t **node, int32_t *count);
+BW_API bw_status bw_grid_nodes(bw_context *context, const bw_grid *grid, const bw_region *region,
+                               int32_t **node, int32_t *count);
 /* The elements' cells whose middle is in a region, ascending; with `voids` the others' too. */
-bw_status bw_grid_cells(bw_context *context, const bw_grid *grid, const bw_region *region,
-                        bool voids, int32_t **cell, int32_t *count);
+BW_API bw_status bw_grid_cells(bw_context *context, const bw_grid *grid, const bw_region *region,
+                               bool voids, int32_t **cell, int32_t *count);
 /* Materials by place, for `count` cells of a lattice (`cell` NULL: the first ones). A value that is
  * no whole number from 0 is BW_INVALID with its place. */
-bw_status bw_cell_materials(bw_context *context, const double origin[3], const double spacing[3],
-                            const int32_t cells[3], int64_t count, const int32_t *cell,
-                            double (*at)(void *data, const double at[3]), void *data,
-                            int32_t *material);
+BW_API bw_status bw_cell_materials(bw_context *context, const double origin[3],
+                                   const double spacing[3], const int32_t cells[3], int64_t count,
+                                   const int32_t *cell,
+                                   double (*at)(void *data, const double at[3]), void *data,
+                                   int32_t *material);
 
 /* ---- what is embedded ------------------------------------------------------------------------ */
 
@@ -142,14 +144,14 @@ typedef struct bw_embedding {
   double *local;    /* point_count x 3: 0..1 in the element (beyond where extrapolated) */
   double *weight;   /* point_count x 8: of its corners */
 } bw_embedding;
-bw_status bw_embedding_create(bw_context *context, const bw_grid *grid, int64_t points,
-                              const double *point, double reach, bw_embedding **embedding);
+BW_API bw_status bw_embedding_create(bw_context *context, const bw_grid *grid, int64_t points,
+                                     const double *point, double reach, bw_embedding **embedding);
 /* values (node_count x components) at the points (point_count x components) */
-void bw_embedding_values(const bw_embedding *embedding, int components, const double *values,
-                         double *at_points);
+BW_API void bw_embedding_values(const bw_embedding *embedding, int components, const double *values,
+                                double *at_points);
 /* The transpose, added: forces at points become forces at nodes. */
-void bw_embedding_add(const bw_embedding *embedding, int components, const double *at_points,
-                      double *values);
+BW_API void bw_embedding_add(const bw_embedding *embedding, int components, const double *at_points,
+                             double *values);
 
 /* ---- two, four, ... cells become one --------------------------------------------------------- */
 
@@ -164,23 +166,23 @@ typedef struct bw_coarsening {
   int32_t *stencil; /* fine node_count x 8: the coarse nodes whose mean is trilinear interpolation
                        at the fine node; those count repeatedly that have a larger weight */
 } bw_coarsening;
-bw_status bw_coarsening_create(bw_context *context, const bw_grid *fine,
-                               bw_coarsening **coarsening);
+BW_API bw_status bw_coarsening_create(bw_context *context, const bw_grid *fine,
+                                      bw_coarsening **coarsening);
 /* Trilinear interpolation of values (components per node) from coarse to fine nodes, and the
  * transpose (fine to coarse, overwritten). */
-void bw_coarsening_prolong(const bw_coarsening *coarsening, int components, const double *coarse,
-                           double *fine);
-void bw_coarsening_restrict(const bw_coarsening *coarsening, int components, const double *fine,
-                            double *coarse);
+BW_API void bw_coarsening_prolong(const bw_coarsening *coarsening, int components,
+                                  const double *coarse, double *fine);
+BW_API void bw_coarsening_restrict(const bw_coarsening *coarsening, int components,
+                                   const double *fine, double *coarse);
 /* Mean distance of the nodes moved by u and v over the longest side of the elements' box (the
  * error measure of data-driven, section 6.2). */
-double bw_grid_difference(const bw_grid *grid, const double *u, const double *v);
+BW_API double bw_grid_difference(const bw_grid *grid, const double *u, const double *v);
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
 /* .vtu with hexahedra; material and fraction are written too. */
-bw_status bw_grid_write_vtu(bw_context *context, const bw_grid *grid, const char *path,
-                            int field_count, const bw_field *fields);
+BW_API bw_status bw_grid_write_vtu(bw_context *context, const bw_grid *grid, const char *path,
+                                   int field_count, const bw_field *fields);
 
 #ifdef __cplusplus
 }

@@ -18,23 +18,24 @@ extern "C" {
  * discard removes. The first error sticks: it is enough to look at what commit returns. Printing is
  * independent of the locale. A failed write, a full disk say, leaves the old file. */
 typedef struct bw_writer bw_writer;
-bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writer);
-bw_status bw_writer_bytes(bw_writer *writer, const void *bytes, size_t count);
-bw_status bw_writer_print(bw_writer *writer, const char *format, ...) BW_PRINTF(2, 3);
+BW_API bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writer);
+BW_API bw_status bw_writer_bytes(bw_writer *writer, const void *bytes, size_t count);
+BW_API bw_status bw_writer_print(bw_writer *writer, const char *format, ...) BW_PRINTF(2, 3);
 /* Flushes, syncs, renames, closes; the writer is gone whatever comes back. */
-bw_status bw_writer_commit(bw_writer *writer);
-void bw_writer_discard(bw_writer *writer);                   /* NULL is fine */
-bw_status bw_writer_number(bw_writer *writer, double value); /* as bw_format_number */
-bw_status bw_writer_integer(bw_writer *writer, int64_t value);
+BW_API bw_status bw_writer_commit(bw_writer *writer);
+BW_API void bw_writer_discard(bw_writer *writer);                   /* NULL is fine */
+BW_API bw_status bw_writer_number(bw_writer *writer, double value); /* as bw_format_number */
+BW_API bw_status bw_writer_integer(bw_writer *writer, int64_t value);
 /* The shortest of 15, 16 or 17 digits that reads back as the same number; a point whatever the
  * locale. Returns the length. */
 enum { BW_NUMBER_BYTES = 32 };
-int bw_format_number(double value, char text[BW_NUMBER_BYTES]);
+BW_API int bw_format_number(double value, char text[BW_NUMBER_BYTES]);
 /* A whole text as a finite decimal number, correctly rounded, whatever the locale. */
-bool bw_parse_number(const char *text, double *value);
+BW_API bool bw_parse_number(const char *text, double *value);
 
 /* The whole file in memory, followed by a 0 byte that is not counted. Release with bw_free. */
-bw_status bw_read_file(bw_context *context, const char *path, unsigned char **bytes, size_t *count);
+BW_API bw_status bw_read_file(bw_context *context, const char *path, unsigned char **bytes,
+                              size_t *count);
 
 /* ---- surfaces: STL OBJ OFF PLY MSH VTU ---------------------------------------------------- */
 
@@ -47,15 +48,15 @@ typedef struct bw_read_info {
 
 /* Points as in the file (no unit conversion); exactly equal points of STL facets are welded.
  * `info` may be NULL. A volume mesh (MSH, VTU) gives its boundary. */
-bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,
-                          bw_read_info *info);
+BW_API bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,
+                                 bw_read_info *info);
 /* From memory, for fuzzing and tests; `name` stands for the file in messages and its ending
  * decides where the content does not. */
-bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
-                           size_t count, bw_surface **surface, bw_read_info *info);
+BW_API bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                                  size_t count, bw_surface **surface, bw_read_info *info);
 /* By the ending of the path: .stl (binary; `ascii` for text), .obj .ply .off .vtu .msh */
-bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
-                           bool ascii);
+BW_API bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
+                                  bool ascii);
 
 /* ---- tetrahedral meshes: VTU MSH MEDIT TetGen INP ------------------------------------------ */
 
@@ -84,30 +85,30 @@ typedef struct bw_mesh_file {
   bw_named_set *set;
   bw_read_info info;
 } bw_mesh_file;
-void bw_mesh_file_clear(bw_mesh_file *file);
+BW_API void bw_mesh_file_clear(bw_mesh_file *file);
 /* .vtu (ascii, base64 and appended raw, zlib or not), .msh 2.2 and 4.1 (ascii, binary), .mesh
  * (MEDIT), .node/.ele (either name finds both), .inp (nodes, C3D4, C3D10, NSET, ELSET).
  * Nodes are kept in file order except unused ones. Elements that are not tetrahedra are counted in
  * info.skipped; none at all is BW_FORMAT. */
-bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file);
-bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
-                        size_t count, bw_mesh_file *file);
+BW_API bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file);
+BW_API bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                               size_t count, bw_mesh_file *file);
 /* By the ending: .vtu (appended raw, zlib), .msh (4.1 binary), .mesh, .node or .ele (writes both),
  * .inp (nodes and elements only). Fields go where the format has a place (.vtu, .msh). */
-bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path, int field_count,
-                        const bw_field *fields);
-bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *path,
-                         int field_count, const bw_field *fields);
-/* A surface with fields on its points or facets, as .vtu (BW_ON_ELEMENTS = facets). */
-bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface, const char *path,
+BW_API bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path,
                                int field_count, const bw_field *fields);
+BW_API bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *path,
+                                int field_count, const bw_field *fields);
+/* A surface with fields on its points or facets, as .vtu (BW_ON_ELEMENTS = facets). */
+BW_API bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *surface,
+                                      const char *path, int field_count, const bw_field *fields);
 /* A plane mesh with fields on its nodes or elements, as .vtu at z = 0. */
-bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh, const char *path,
-                             int field_count, const bw_field *fields);
+BW_API bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh,
+                                    const char *path, int field_count, const bw_field *fields);
 
 /* Sound, -1 to 1 (clipped), one channel of 16-bit samples. */
-bw_status bw_wav_write(bw_context *context, const char *path, int32_t rate, int64_t count,
-                       const double *sample);
+BW_API bw_status bw_wav_write(bw_context *context, const char *path, int32_t rate, int64_t count,
+                              const double *sample);
 
 /* ---- outlines: SVG DXF ---------------------------------------------------------------------- */
 
@@ -122,14 +123,14 @@ typedef struct bw_outline_read_options {
  * Names are the id (SVG), tags the class (SVG) or layer (DXF). `options` and `info` may be NULL.
  * What the writers below wrote comes back with its regions, names and tags (SVG) or its layers as
  * tags (DXF). */
-bw_status bw_outline_read(bw_context *context, const char *path,
-                          const bw_outline_read_options *options, bw_outline **outline,
-                          bw_read_info *info);
-bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned char *bytes,
-                           size_t count, const bw_outline_read_options *options,
-                           bw_outline **outline, bw_read_info *info);
+BW_API bw_status bw_outline_read(bw_context *context, const char *path,
+                                 const bw_outline_read_options *options, bw_outline **outline,
+                                 bw_read_info *info);
+BW_API bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                                  size_t count, const bw_outline_read_options *options,
+                                  bw_outline **outline, bw_read_info *info);
 /* By the ending: .svg, .dxf; in millimetres. */
-bw_status bw_outline_write(bw_context *context, const bw_outline *outline, const char *path);
+BW_API bw_status bw_outline_write(bw_context *context, const bw_outline *outline, const char *path);
 
 /* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). */
 typedef struct bw_inp_deck {
@@ -153,7 +154,7 @@ typedef struct bw_inp_deck {
   const double *temperature;     /* node_count: changes of temperature (K), or NULL */
   int modes;                     /* > 0: a *FREQUENCY step for so many modes instead */
 } bw_inp_deck;
-bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);
+BW_API bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);
 
 #ifdef __cplusplus
 }

@@ -34,20 +34,20 @@ typedef struct bw_job_options {
  * further ado: nothing registered with atexit runs. */
 typedef bw_status bw_job_work(bw_context *context, void *data, bw_job_stream *out);
 /* Append bytes to the job's result. BW_IO when the starter is gone. */
-bw_status bw_job_write(bw_job_stream *out, const void *bytes, size_t count);
+BW_API bw_status bw_job_write(bw_job_stream *out, const void *bytes, size_t count);
 /* A bw_progress_function for the child; `out` is the stream. What finds no room in the pipe is
  * dropped: the work does not wait for a starter that is busy. */
-void bw_job_tell(void *out, const char *stage, double fraction);
+BW_API void bw_job_tell(void *out, const char *stage, double fraction);
 
 /* Fork and begin. Nothing of the context's threads may be at work. */
-bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_job_work *work,
-                       void *data, bw_job **job);
+BW_API bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_job_work *work,
+                              void *data, bw_job **job);
 
 /* Wait until one of the jobs has ended; *which is its place, or -1 when `seconds` have passed
  * (INFINITY: no end) or the list is empty. A job that ended before counts at once. BW_CANCELLED
  * leaves the jobs as they are. */
-bw_status bw_jobs_wait(bw_context *context, int count, bw_job *const *jobs, double seconds,
-                       int *which);
+BW_API bw_status bw_jobs_wait(bw_context *context, int count, bw_job *const *jobs, double seconds,
+                              int *which);
 
 typedef enum bw_job_state {
   BW_JOB_RUNNING,
@@ -69,8 +69,8 @@ typedef struct bw_job_usage {
   double fraction;
 } bw_job_usage;
 
-void bw_job_read_usage(const bw_job *job, bw_job_usage *usage);
-const char *bw_job_name(const bw_job *job);
+BW_API void bw_job_read_usage(const bw_job *job, bw_job_usage *usage);
+BW_API const char *bw_job_name(const bw_job *job);
 
 /* What the work wrote; the bytes are the job's. Otherwise, with message and details:
  *   the work's own status      it failed
@@ -78,18 +78,18 @@ const char *bw_job_name(const bw_job *job);
  *   BW_INTERNAL                it crashed (detail "signal") or left early (detail "exit")
  *   BW_CANCELLED               bw_job_cancel
  *   BW_INVALID                 it is running */
-bw_status bw_job_result(bw_context *context, const bw_job *job, const unsigned char **bytes,
-                        size_t *count);
+BW_API bw_status bw_job_result(bw_context *context, const bw_job *job, const unsigned char **bytes,
+                               size_t *count);
 
 /* End it with all processes of its group, and collect it; nothing where it has ended. The last
  * release of a running job does the same. */
-void bw_job_cancel(bw_job *job);
+BW_API void bw_job_cancel(bw_job *job);
 
 /* Bytes that this process may still take: the least of what the machine has free and of what a
  * job's limit, one on address space and one on the control group leave; INFINITY where nothing of
  * this can be told. Memory given out is there only once it is touched, so that asking for more than
  * this succeeds, and ends the process later. */
-double bw_free_memory(void);
+BW_API double bw_free_memory(void);
 
 #ifdef __cplusplus
 }

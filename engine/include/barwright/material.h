@@ -65,8 +65,8 @@ typedef struct bw_isotropic {
   double young, poisson, density, strength, toughness; /* the last three may be 0 */
 } bw_isotropic;
 /* young > 0 and -1 < poisson < 1/2, or BW_INVALID. */
-bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constants,
-                                bw_material **material);
+BW_API bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constants,
+                                       bw_material **material);
 
 typedef struct bw_orthotropic {
   const char *name;
@@ -83,54 +83,56 @@ typedef struct bw_orthotropic {
 } bw_orthotropic;
 /* Checked for positive definiteness, for the reciprocal relation (relative 1e-6) and for axes being
  * a rotation: BW_INVALID names the constants. */
-bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *constants,
-                                  bw_material **material);
+BW_API bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *constants,
+                                         bw_material **material);
 /* The same material turned by a rotation (3x3, row by row): axes' = axes * rotation^T, so that each
  * material axis e_i goes to rotation * e_i. BW_INVALID when the matrix is not a rotation. */
-bw_status bw_material_rotated(bw_context *context, const bw_material *material,
-                              const double rotation[9], bw_material **rotated);
+BW_API bw_status bw_material_rotated(bw_context *context, const bw_material *material,
+                                     const double rotation[9], bw_material **rotated);
 /* The same material with axes by element: those of group of_element[e] (element_count numbers)
  * turned by rotation[9 * group] as by bw_material_rotated. It fits meshes of element_count elements
  * only. An isotropic material is itself, retained. BW_INVALID for a group that is not there, a
  * rotation that is none, and a material that is turned by element already. */
-bw_status bw_material_turned(bw_context *context, const bw_material *material,
-                             int32_t element_count, int32_t group_count, const int32_t *of_element,
-                             const double *rotation, bw_material **turned);
+BW_API bw_status bw_material_turned(bw_context *context, const bw_material *material,
+                                    int32_t element_count, int32_t group_count,
+                                    const int32_t *of_element, const double *rotation,
+                                    bw_material **turned);
 /* BW_INVALID where a material turned by element does not fit the number of elements. */
-bw_status bw_material_fits(bw_context *context, const bw_material *material, int32_t element_count);
+BW_API bw_status bw_material_fits(bw_context *context, const bw_material *material,
+                                  int32_t element_count);
 
 /* The same material for elements of a formulation. BW_INVALID for a material turned by element:
  * turn the formulated one. */
-bw_status bw_material_formulated(bw_context *context, const bw_material *material,
-                                 bw_formulation formulation, bw_material **formulated);
+BW_API bw_status bw_material_formulated(bw_context *context, const bw_material *material,
+                                        bw_formulation formulation, bw_material **formulated);
 /* The bulk modulus under uniform pressure, 1 / (1 : S : 1) (Reuss); a part of C not above it leaves
  * the rest of C positive. The shear modulus is Voigt's mean over all directions. */
-double bw_material_bulk(const bw_material *material);
-double bw_material_mean_shear(const bw_material *material);
+BW_API double bw_material_bulk(const bw_material *material);
+BW_API double bw_material_mean_shear(const bw_material *material);
 /* The part of the bulk modulus that acts on the mean of the volumetric strain of an element, in the
  * B-bar formulation; 0 in the standard one, and for materials that do not lock. */
-double bw_material_projected_bulk(const bw_material *material);
+BW_API double bw_material_projected_bulk(const bw_material *material);
 
 /* The library: steel, aluminium, pla, abs, resin, green_state_stainless_steel, nylon_pa2200, zp150
  * (engine/material/library.c). NULL past the end. */
-int bw_material_library_count(void);
-const char *bw_material_library_name(int i);
+BW_API int bw_material_library_count(void);
+BW_API const char *bw_material_library_name(int i);
 /* BW_INVALID lists the names there are. */
-bw_status bw_material_named(bw_context *context, const char *name, bw_material **material);
+BW_API bw_status bw_material_named(bw_context *context, const char *name, bw_material **material);
 
 /* Strength in direction n (any length), interpolated over the material axes e_i by
  * 1/s(n)^2 = sum_i (n . e_i)^2 / s_i^2; 0 when not known along all three. */
-double bw_material_strength(const bw_material *material, const double direction[3]);
+BW_API double bw_material_strength(const bw_material *material, const double direction[3]);
 /* The critical distance (K_Ic / strength)^2 / pi of the theory of critical distances, by the
  * largest of the strengths; 0 when one of both is not known (docs/theory/singular.md). */
-double bw_material_critical_distance(const bw_material *material);
+BW_API double bw_material_critical_distance(const bw_material *material);
 /* The same with its standard deviation, 2 L ((s_K / K)^2 + (s_s / s)^2)^1/2 by those of toughness
  * and strength, where one of them is known. `source` where that of the toughness is known. */
-bw_value bw_material_critical_distance_value(const bw_material *material);
+BW_API bw_value bw_material_critical_distance_value(const bw_material *material);
 /* Utilisation of a stress tensor: the largest over the principal stresses of
  * |sigma_i| / strength(direction i); 0 when the strength is not known. Where principal stresses
  * coincide every direction between theirs is principal, and the weakest of them counts. */
-double bw_material_utilisation(const bw_material *material, const double stress[6]);
+BW_API double bw_material_utilisation(const bw_material *material, const double stress[6]);
 
 #ifdef __cplusplus
 }

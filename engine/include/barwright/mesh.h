@@ -21,30 +21,32 @@ typedef struct bw_surface {
 } bw_surface;
 
 /* Indices are checked to lie in range and coordinates to be finite (BW_GEOMETRY otherwise). */
-bw_status bw_surface_copy(bw_context *context, int64_t points, const double *point,
-                          int64_t triangles, const int32_t *triangle, const int32_t *group,
-                          bw_surface **surface);
+BW_API bw_status bw_surface_copy(bw_context *context, int64_t points, const double *point,
+                                 int64_t triangles, const int32_t *triangle, const int32_t *group,
+                                 bw_surface **surface);
 /* Takes the blocks over on success only. */
-bw_status bw_surface_own(bw_context *context, int64_t points, double *point, int64_t triangles,
-                         int32_t *triangle, int32_t *group, bw_surface **surface);
+BW_API bw_status bw_surface_own(bw_context *context, int64_t points, double *point,
+                                int64_t triangles, int32_t *triangle, int32_t *group,
+                                bw_surface **surface);
 
 /* Low and high corner; all zero for an empty surface. */
-void bw_surface_box(const bw_surface *surface, double low[3], double high[3]);
-double bw_surface_area(const bw_surface *surface);
-double bw_surface_volume(const bw_surface *surface); /* signed: negative when it faces inwards */
+BW_API void bw_surface_box(const bw_surface *surface, double low[3], double high[3]);
+BW_API double bw_surface_area(const bw_surface *surface);
+BW_API double
+bw_surface_volume(const bw_surface *surface); /* signed: negative when it faces inwards */
 /* Points moved by x -> factor * x (unit conversion), or by a 3x4 matrix, rows of [A | b]. */
-bw_status bw_surface_scale(bw_context *context, const bw_surface *surface, double factor,
-                           bw_surface **scaled);
-bw_status bw_surface_transform(bw_context *context, const bw_surface *surface,
-                               const double matrix[12], bw_surface **moved);
+BW_API bw_status bw_surface_scale(bw_context *context, const bw_surface *surface, double factor,
+                                  bw_surface **scaled);
+BW_API bw_status bw_surface_transform(bw_context *context, const bw_surface *surface,
+                                      const double matrix[12], bw_surface **moved);
 /* Merge points closer than tolerance (0: exactly equal ones) and drop unused ones. Facets are kept
  * even when they collapse. */
-bw_status bw_surface_weld(bw_context *context, const bw_surface *surface, double tolerance,
-                          bw_surface **welded);
+BW_API bw_status bw_surface_weld(bw_context *context, const bw_surface *surface, double tolerance,
+                                 bw_surface **welded);
 /* Make neighbouring facets agree and every outermost shell face outwards, inner shells (cavities)
  * inwards. *flipped counts the facets that were turned. */
-bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_surface **oriented,
-                            int64_t *flipped);
+BW_API bw_status bw_surface_orient(bw_context *context, const bw_surface *surface,
+                                   bw_surface **oriented, int64_t *flipped);
 
 typedef enum bw_defect_kind {
   BW_DEFECT_OPEN_EDGE,         /* an edge with one facet; other = -1 */
@@ -57,7 +59,7 @@ typedef enum bw_defect_kind {
   BW_DEFECT_FLIPPED_SHELL,     /* a closed shell whose volume has the wrong sign */
   BW_DEFECT_KINDS
 } bw_defect_kind;
-const char *bw_defect_word(bw_defect_kind kind); /* "open edge", ... */
+BW_API const char *bw_defect_word(bw_defect_kind kind); /* "open edge", ... */
 
 typedef struct bw_defect {
   bw_defect_kind kind;
@@ -81,9 +83,9 @@ typedef struct bw_surface_report {
 
 /* The surface is welded exactly for the check; facet numbers are those of the surface given.
  * `limit`: how many defects of each kind are listed (counts are always complete). */
-bw_status bw_surface_check(bw_context *context, const bw_surface *surface, int64_t limit,
-                           bw_surface_report *report);
-void bw_surface_report_clear(bw_surface_report *report);
+BW_API bw_status bw_surface_check(bw_context *context, const bw_surface *surface, int64_t limit,
+                                  bw_surface_report *report);
+BW_API void bw_surface_report_clear(bw_surface_report *report);
 
 /* What was done to a surface, step by step. */
 typedef struct bw_shape_step {
@@ -98,8 +100,8 @@ typedef struct bw_shape_log {
   bw_shape_step step[BW_SHAPE_STEPS];
   double moved; /* the sum of the steps' distances: a bound on the total */
 } bw_shape_log;
-void bw_shape_log_add(bw_shape_log *log, const char *name, int64_t count, double moved,
-                      const char *format, ...) BW_PRINTF(5, 6);
+BW_API void bw_shape_log_add(bw_shape_log *log, const char *name, int64_t count, double moved,
+                             const char *format, ...) BW_PRINTF(5, 6);
 
 typedef struct bw_repair_options {
   double weld;         /* tolerance in m; negative: 1e-6 of the box diagonal */
@@ -111,13 +113,13 @@ typedef struct bw_repair_options {
   double time_limit;   /* seconds for the whole repair; default 120 */
   double memory_limit; /* bytes of one step; default 6e9 */
 } bw_repair_options;
-void bw_repair_options_default(bw_repair_options *options);
+BW_API void bw_repair_options_default(bw_repair_options *options);
 /* Weld, drop duplicates and degenerates, orient, fill holes, resolve intersections, wrap: each only
  * where the check calls for it; a sound surface comes back as it is with an empty log. The result
  * is sound, or BW_GEOMETRY says what could not be mended. */
-bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
-                            const bw_repair_options *options, bw_surface **repaired,
-                            bw_shape_log *log);
+BW_API bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
+                                   const bw_repair_options *options, bw_surface **repaired,
+                                   bw_shape_log *log);
 
 typedef struct bw_size_point {
   double at[3];
@@ -143,13 +145,13 @@ typedef struct bw_remesh_options {
   double time_limit;          /* seconds of computing, BW_LIMIT beyond; default 300 */
   double memory_limit;        /* bytes, BW_LIMIT beyond; default 6e9 */
 } bw_remesh_options;
-void bw_remesh_options_default(bw_remesh_options *options);
+BW_API void bw_remesh_options_default(bw_remesh_options *options);
 /* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
  * than the edge length, edges there are shorter (down to a twelfth of it), so that there may be
  * more facets than asked for. A sound surface gives a sound one. */
-bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
-                            const bw_remesh_options *options, bw_surface **remeshed,
-                            bw_shape_log *log);
+BW_API bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
+                                   const bw_remesh_options *options, bw_surface **remeshed,
+                                   bw_shape_log *log);
 
 typedef struct bw_wrap_options {
   double alpha;        /* m; 0: 1/50 of the box's diagonal */
@@ -157,34 +159,35 @@ typedef struct bw_wrap_options {
   double time_limit;   /* seconds of computing, BW_LIMIT beyond; default 300 */
   double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
 } bw_wrap_options;
-void bw_wrap_options_default(bw_wrap_options *options);
+BW_API void bw_wrap_options_default(bw_wrap_options *options);
 /* Alpha wrap (CGAL, in a child process): a closed manifold around anything, holes up to alpha
  * bridged. */
-bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
-                          const bw_wrap_options *options, bw_surface **wrapped, bw_shape_log *log);
+BW_API bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
+                                 const bw_wrap_options *options, bw_surface **wrapped,
+                                 bw_shape_log *log);
 /* The larger of the two one-sided distances between surfaces, by sampling points, edge and facet
  * middles of both; 0 where it is rounding. */
-bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
-                              double *distance);
+BW_API bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
+                                     double *distance);
 /* How far points are from a surface: distance[count]. */
-bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int64_t count,
-                             const double *point, double *distance);
+BW_API bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int64_t count,
+                                    const double *point, double *distance);
 /* How thick the body is under `samples` places that have equal shares of the area: the way straight
  * in until the wall on the other side, INFINITY where there is none (an open surface, or one that
  * faces inwards). thickness[samples]; place[3 * samples] may be NULL. */
-bw_status bw_surface_thickness(bw_context *context, const bw_surface *surface, int32_t samples,
-                               double *thickness, double *place);
+BW_API bw_status bw_surface_thickness(bw_context *context, const bw_surface *surface,
+                                      int32_t samples, double *thickness, double *place);
 
 /* ---- tetrahedral meshes ---------------------------------------------------------------- */
 
 /* Node order of an element: corners 0 1 2 3 with positive volume det[x1-x0, x2-x0, x3-x0]; tet10
  * adds the middles of the edges 01 12 20 03 13 23 (the order of VTK and of CalculiX's C3D10). */
-extern const int bw_tet_edge[6][2];
+BW_API extern const int bw_tet_edge[6][2];
 /* Faces, counter-clockwise seen from outside: opposite corner 3 2 0 1 for k = 0..3:
  * {0,2,1} {0,1,3} {1,2,3} {0,3,2}. */
-extern const int bw_tet_face[4][3];
+BW_API extern const int bw_tet_face[4][3];
 /* The middle nodes (4..9) of a face's edges, in the order ab, bc, ca of bw_tet_face. */
-extern const int bw_tet_face_middle[4][3];
+BW_API extern const int bw_tet_face_middle[4][3];
 
 typedef struct bw_mesh {
   bw_object object;
@@ -215,32 +218,33 @@ typedef struct bw_mesh {
 /* Checks indices, finiteness, and volume: an element of negative volume is renumbered to a positive
  * one, one of no volume is BW_GEOMETRY with its number. Nodes that no element uses are dropped. A
  * face shared by three elements is BW_GEOMETRY. `region` may be NULL. */
-bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,
-                       int64_t elements, const int32_t *element, const int32_t *region,
-                       bw_mesh **mesh);
-bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node, int64_t elements,
-                      int32_t *element, int32_t *region, bw_mesh **mesh);
+BW_API bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,
+                              int64_t elements, const int32_t *element, const int32_t *region,
+                              bw_mesh **mesh);
+BW_API bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
+                             int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh);
 /* Same topology, other node positions (node_count x 3): topology arrays are shared with `mesh`.
  * An inverted element is BW_GEOMETRY, the worst one named. */
-bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *node,
-                        bw_mesh **moved);
+BW_API bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *node,
+                               bw_mesh **moved);
 /* tet4 -> tet10 with straight edges; tet10 -> tet4. The same order returns a new reference. */
-bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order, bw_mesh **out);
+BW_API bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order,
+                                    bw_mesh **out);
 /* Nodes and elements along a curve that fills space, so that what is near in space is near in
  * memory: edits and their equations take less time than with a mesh generator's numbers
  * (docs/benchmarks.md). The old numbers, when asked for, are blocks of node_count and element_count
  * for the caller to bw_free. */
-bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t **node_from,
-                             int32_t **element_from, bw_mesh **out);
+BW_API bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t **node_from,
+                                    int32_t **element_from, bw_mesh **out);
 /* The elements with keep[e] != 0 only, unused nodes dropped. */
-bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t *keep,
-                         bw_mesh **subset);
+BW_API bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t *keep,
+                                bw_mesh **subset);
 /* The boundary as a surface (corners only). *node_of_point, when asked for, is a block of
  * point_count mesh nodes for the caller to bw_free. */
-bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface **surface,
-                           int32_t **node_of_point);
-void bw_mesh_box(const bw_mesh *mesh, double low[3], double high[3]);
-double bw_mesh_volume(const bw_mesh *mesh);
+BW_API bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface **surface,
+                                  int32_t **node_of_point);
+BW_API void bw_mesh_box(const bw_mesh *mesh, double low[3], double high[3]);
+BW_API double bw_mesh_volume(const bw_mesh *mesh);
 
 typedef struct bw_mesh_quality {
   double dihedral_low, dihedral_high; /* radians, over all elements */
@@ -249,14 +253,14 @@ typedef struct bw_mesh_quality {
   double volume_low, volume_high;
   int32_t worst; /* the element with the smallest dihedral angle */
 } bw_mesh_quality;
-void bw_mesh_quality_of(const bw_mesh *mesh, bw_mesh_quality *quality);
+BW_API void bw_mesh_quality_of(const bw_mesh *mesh, bw_mesh_quality *quality);
 
 /* Which element holds a point (barycentric coordinates in weight), or the nearest one with clamped
  * weights (*inside false). Built once, used from any thread. */
 typedef struct bw_locator bw_locator; /* reference-counted */
-bw_status bw_locator_create(bw_context *context, const bw_mesh *mesh, bw_locator **locator);
-int32_t bw_locator_find(const bw_locator *locator, const double point[3], double weight[4],
-                        bool *inside);
+BW_API bw_status bw_locator_create(bw_context *context, const bw_mesh *mesh, bw_locator **locator);
+BW_API int32_t bw_locator_find(const bw_locator *locator, const double point[3], double weight[4],
+                               bool *inside);
 
 /* ---- refining ---------------------------------------------------------------------------- */
 
@@ -272,9 +276,9 @@ typedef struct bw_refinement {
  * conforms: longest-edge bisection, so angles stay bounded however often it is done. Curved edges
  * stay the curves that they are. order: of the result, that of the mesh or 2. BW_LIMIT beyond
  * most_elements. */
-bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t *levels, int order,
-                         int64_t most_elements, bw_refinement *refinement);
-void bw_refinement_clear(bw_refinement *refinement);
+BW_API bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t *levels,
+                                int order, int64_t most_elements, bw_refinement *refinement);
+BW_API void bw_refinement_clear(bw_refinement *refinement);
 
 /* ---- filling ----------------------------------------------------------------------------- */
 
@@ -299,7 +303,7 @@ typedef struct bw_fill_options {
   double memory_limit; /* bytes of one attempt; default 6e9 */
   double tolerance;    /* on the wanted number of elements; default 0.15 */
 } bw_fill_options;
-void bw_fill_options_default(bw_fill_options *options);
+BW_API void bw_fill_options_default(bw_fill_options *options);
 
 typedef struct bw_fill_log {
   bw_shape_log shape;   /* repair, remesh, wrap */
@@ -312,29 +316,30 @@ typedef struct bw_fill_log {
 /* Fill a surface with tetrahedra by TetGen, in a child process with limits on time and memory.
  * Where TetGen refuses, repair, remesh or wrap and try again; remarks and log say so. `log` may be
  * NULL. BW_GEOMETRY, BW_LIMIT or BW_CANCELLED otherwise. */
-bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
-                       const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log);
+BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
+                              const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log);
 
 /* ---- shapes by formula --------------------------------------------------------------------- */
 
 /* A box of nx x ny x nz cells, each cut into six tetrahedra alike (Kuhn), between two corners. */
-bw_status bw_mesh_box_grid(bw_context *context, const double low[3], const double high[3],
-                           const int cells[3], int order, bw_mesh **mesh);
+BW_API bw_status bw_mesh_box_grid(bw_context *context, const double low[3], const double high[3],
+                                  const int cells[3], int order, bw_mesh **mesh);
 /* The same topology with nodes sent through `map` (corners and middles alike: curved edges). */
-bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
-                             void (*map)(void *data, const double unit[3], double out[3]),
-                             void *data, bw_mesh **mesh);
-bw_status bw_surface_box_shape(bw_context *context, const double low[3], const double high[3],
-                               bw_surface **surface);
-bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], double radius,
-                                  int subdivisions, bw_surface **surface);
-bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], const double axis[3],
-                                    double radius, int segments, bw_surface **surface);
+BW_API bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
+                                    void (*map)(void *data, const double unit[3], double out[3]),
+                                    void *data, bw_mesh **mesh);
+BW_API bw_status bw_surface_box_shape(bw_context *context, const double low[3],
+                                      const double high[3], bw_surface **surface);
+BW_API bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], double radius,
+                                         int subdivisions, bw_surface **surface);
+BW_API bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3],
+                                           const double axis[3], double radius, int segments,
+                                           bw_surface **surface);
 /* The zero set of f (negative inside) in a box, by marching tetrahedra on `cells` along the longest
  * side: closed and manifold as long as f is positive on the box's surface. */
-bw_status bw_surface_implicit(bw_context *context, const double low[3], const double high[3],
-                              int cells, double (*f)(void *data, const double at[3]), void *data,
-                              bw_surface **surface);
+BW_API bw_status bw_surface_implicit(bw_context *context, const double low[3], const double high[3],
+                                     int cells, double (*f)(void *data, const double at[3]),
+                                     void *data, bw_surface **surface);
 
 #ifdef __cplusplus
 }

@@ -31,7 +31,7 @@ typedef struct bw_library_options {
                           default 400 */
   uint64_t seed;
 } bw_library_options;
-void bw_library_options_default(bw_library_options *options);
+BW_API void bw_library_options_default(bw_library_options *options);
 
 /* How well a fit does, on deformations that it was not fitted to: of |fitted - exact| energies over
  * the exact ones, and the same of the naive material. */
@@ -60,30 +60,31 @@ typedef struct bw_library {
  * options is BW_INVALID. The same library, bit for bit, for any number of threads and kills.
  * BW_LIMIT for palettes whose keys are too many (more than 2^24). BW_CANCELLED keeps the
  * checkpoint. */
-bw_status bw_library_build(bw_context *context, const bw_palette *palette,
-                           const bw_library_options *options, const char *checkpoint,
-                           bw_library **library);
+BW_API bw_status bw_library_build(bw_context *context, const bw_palette *palette,
+                                  const bw_library_options *options, const char *checkpoint,
+                                  bw_library **library);
 /* The library with fits of its own for all blocks of a grid that have none: keys of level 1 that
  * were left out, and with `levels` 2 each block of 64 for which a representative would stand. They
  * are fitted as those of the library are, with its options, and are found before anything else.
  * `palette` as for bw_coarsen. Runs on all threads, with progress; `checkpoint` (may be NULL) keeps
  * what is done, for any grid that the library is grown for. The result depends on the library and
  * the set of blocks alone. */
-bw_status bw_library_grow(bw_context *context, const bw_library *library, const bw_palette *palette,
-                          const bw_grid *fine, int levels, const char *checkpoint,
-                          bw_library **grown);
+BW_API bw_status bw_library_grow(bw_context *context, const bw_library *library,
+                                 const bw_palette *palette, const bw_grid *fine, int levels,
+                                 const char *checkpoint, bw_library **grown);
 /* One file (.bwm): version, palette, options, fits, errors, tables; zlib, with a checksum. A file
  * that is damaged, foreign or of another version is BW_FORMAT with the reason. */
-bw_status bw_library_write(bw_context *context, const bw_library *library, const char *path);
-bw_status bw_library_read(bw_context *context, const char *path, bw_library **library);
-bw_status bw_library_parse(bw_context *context, const char *name, const unsigned char *bytes,
-                           size_t count, bw_library **library);
+BW_API bw_status bw_library_write(bw_context *context, const bw_library *library, const char *path);
+BW_API bw_status bw_library_read(bw_context *context, const char *path, bw_library **library);
+BW_API bw_status bw_library_parse(bw_context *context, const char *name, const unsigned char *bytes,
+                                  size_t count, bw_library **library);
 /* A few lines: palette, levels, fits, errors by class of block. Release with bw_free. */
-bw_status bw_library_describe(bw_context *context, const bw_library *library, char **text);
+BW_API bw_status bw_library_describe(bw_context *context, const bw_library *library, char **text);
 /* The fitted material of a key (level 1: 8 numbers; level 2: 64, child by child), and of which fit
  * (may be NULL): grown ones are numbered behind those of the library as it was built; -1: none. */
-bw_status bw_library_material(bw_context *context, const bw_library *library, int level,
-                              const int32_t *key, bw_solid_material **material, int32_t *fit);
+BW_API bw_status bw_library_material(bw_context *context, const bw_library *library, int level,
+                                     const int32_t *key, bw_solid_material **material,
+                                     int32_t *fit);
 
 /* ---- coarsening --------------------------------------------------------------------------------
  */
@@ -111,15 +112,15 @@ typedef struct bw_coarse {
 /* In time linear in the elements. `library` NULL for baselines; `palette` is that of the grid, and
  * must be the library's (same laws and constants, BW_INVALID names the first that differs).
  * A library is of cubes: for lookup spacing must be the same in all directions (BW_INVALID). */
-bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_library *library,
-                     const bw_palette *palette, const bw_grid *fine, int levels,
-                     bw_coarse **coarse);
+BW_API bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_library *library,
+                            const bw_palette *palette, const bw_grid *fine, int levels,
+                            bw_coarse **coarse);
 /* The same for an edited fine grid on the same lattice: only blocks in which something differs are
  * looked up again, and where no element came or went the coarse grid's lists are shared. */
-bw_status bw_coarse_follow(bw_context *context, const bw_coarse *coarse, const bw_grid *fine,
-                           bw_coarse **followed);
+BW_API bw_status bw_coarse_follow(bw_context *context, const bw_coarse *coarse, const bw_grid *fine,
+                                  bw_coarse **followed);
 /* Displacements of the coarse grid at fine nodes (node_count x 3 each), through all levels. */
-void bw_coarse_to_fine(const bw_coarse *coarse, const double *u, double *fine);
+BW_API void bw_coarse_to_fine(const bw_coarse *coarse, const double *u, double *fine);
 
 #ifdef __cplusplus
 }

@@ -28,43 +28,48 @@ typedef struct bw_selection {
   double missed_area;
 } bw_selection;
 
-bw_status bw_select_all(bw_context *context, const bw_mesh *mesh, bw_selection **selection);
-bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],
-                        const double high[3], bw_selection **selection);
+BW_API bw_status bw_select_all(bw_context *context, const bw_mesh *mesh, bw_selection **selection);
+BW_API bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],
+                               const double high[3], bw_selection **selection);
 /* (x - point) . normal <= tolerance */
-bw_status bw_select_half_space(bw_context *context, const bw_mesh *mesh, const double point[3],
-                               const double normal[3], double tolerance, bw_selection **selection);
+BW_API bw_status bw_select_half_space(bw_context *context, const bw_mesh *mesh,
+                                      const double point[3], const double normal[3],
+                                      double tolerance, bw_selection **selection);
 /* |(x - point) . normal| <= tolerance */
-bw_status bw_select_plane(bw_context *context, const bw_mesh *mesh, const double point[3],
-                          const double normal[3], double tolerance, bw_selection **selection);
-bw_status bw_select_sphere(bw_context *context, const bw_mesh *mesh, const double centre[3],
-                           double radius, bw_selection **selection);
+BW_API bw_status bw_select_plane(bw_context *context, const bw_mesh *mesh, const double point[3],
+                                 const double normal[3], double tolerance,
+                                 bw_selection **selection);
+BW_API bw_status bw_select_sphere(bw_context *context, const bw_mesh *mesh, const double centre[3],
+                                  double radius, bw_selection **selection);
 /* Facets whose outward normal is within `angle` of `direction`. */
-bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const double direction[3],
-                                double angle, bw_selection **selection);
+BW_API bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh,
+                                       const double direction[3], double angle,
+                                       bw_selection **selection);
 /* Facets reached from the one nearest to `point` without crossing an edge whose facets' normals
  * differ by more than `angle`. */
-bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double point[3],
-                          double angle, bw_selection **selection);
+BW_API bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double point[3],
+                                 double angle, bw_selection **selection);
 /* The `count` boundary nodes nearest to a point (and the facets they span): a node set. */
-bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const double point[3],
-                            int32_t count, bw_selection **selection);
+BW_API bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const double point[3],
+                                   int32_t count, bw_selection **selection);
 /* By masks: facet_mask (facet_count) or node_mask (node_count); either may be NULL. A mask of nodes
  * alone makes a node set. */
-bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
-                         const uint8_t *node_mask, bw_selection **selection);
+BW_API bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
+                                const uint8_t *node_mask, bw_selection **selection);
 typedef enum bw_set_operation { BW_UNION, BW_INTERSECTION, BW_DIFFERENCE } bw_set_operation;
 /* Facets and nodes are combined each by themselves, and the nodes of the facets that stay are kept:
  * the difference of the boundary and a foot still holds the foot's rim. */
-bw_status bw_select_combine(bw_context *context, const bw_selection *a, const bw_selection *b,
-                            bw_set_operation operation, bw_selection **selection);
+BW_API bw_status bw_select_combine(bw_context *context, const bw_selection *a,
+                                   const bw_selection *b, bw_set_operation operation,
+                                   bw_selection **selection);
 /* The same facets and nodes as a node set, for supports on points and edges. */
-bw_status bw_select_node_set(bw_context *context, const bw_selection *from,
-                             bw_selection **selection);
-double bw_selection_area(const bw_selection *selection);
-void bw_selection_centre(const bw_selection *selection,
-                         double centre[3]); /* of area, or of nodes */
-void bw_selection_normal(const bw_selection *selection, double normal[3]); /* mean outward, unit */
+BW_API bw_status bw_select_node_set(bw_context *context, const bw_selection *from,
+                                    bw_selection **selection);
+BW_API double bw_selection_area(const bw_selection *selection);
+BW_API void bw_selection_centre(const bw_selection *selection,
+                                double centre[3]); /* of area, or of nodes */
+BW_API void bw_selection_normal(const bw_selection *selection,
+                                double normal[3]); /* mean outward, unit */
 
 /* ---- models -------------------------------------------------------------------------------- */
 
@@ -109,74 +114,78 @@ typedef struct bw_model {
   bw_support *support;
 } bw_model;
 
-bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                          bw_model **model);
+BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
+                                 const bw_material *material, bw_model **model);
 /* A support or load on a selection without a facet is BW_EMPTY, but for a support on a node set:
  * the nodes that a geometric selection finds on a face that is not quite flat hold points, and the
  * stress at points has no limit. */
 /* Give the model its material turned by element (bw_material_turned): element e by rotation 9 *
  * of_element[e]. */
-bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
-                                 const int32_t *of_element, const double *rotation);
+BW_API bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
+                                        const int32_t *of_element, const double *rotation);
 /* The formulation of the model's elements; BW_INVALID for B-bar on linear elements. */
-bw_status bw_model_formulate(bw_context *context, bw_model *model, bw_formulation formulation);
-bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on);
-bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
-                         const double normal[3]); /* NULL: along each node's surface */
-bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
-                             const bool held[3], const double value[3]);
-bw_status bw_model_gravity(bw_context *context, bw_model *model, const double acceleration[3]);
-bw_status bw_model_pressure(bw_context *context, bw_model *model, const bw_selection *on,
-                            double pressure);
-bw_status bw_model_traction(bw_context *context, bw_model *model, const bw_selection *on,
-                            const double traction[3]);
-bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selection *on,
-                         const double force[3]);
+BW_API bw_status bw_model_formulate(bw_context *context, bw_model *model,
+                                    bw_formulation formulation);
+BW_API bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on);
+BW_API bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
+                                const double normal[3]); /* NULL: along each node's surface */
+BW_API bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
+                                    const bool held[3], const double value[3]);
+BW_API bw_status bw_model_gravity(bw_context *context, bw_model *model,
+                                  const double acceleration[3]);
+BW_API bw_status bw_model_pressure(bw_context *context, bw_model *model, const bw_selection *on,
+                                   double pressure);
+BW_API bw_status bw_model_traction(bw_context *context, bw_model *model, const bw_selection *on,
+                                   const double traction[3]);
+BW_API bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selection *on,
+                                const double force[3]);
 /* About NULL: a couple, which has the moment `torque` about every point and no net force. About a
  * point: the traction turns about it, and has a net force where the area's centre is elsewhere. */
-bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
-                          const double torque[3], const double about[3]);
-bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
+BW_API bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
+                                 const double torque[3], const double about[3]);
+BW_API bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
 /* As bw_model_prescribe, each node with its own value: rows of `field` (node_count x 3). */
-bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const bw_selection *on,
-                                   const bool held[3], const bw_array *field);
+BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
+                                          const bw_selection *on, const bool held[3],
+                                          const bw_array *field);
 /* Change of temperature at the nodes (node_count x 1, K) of a body that expands alike in all
  * directions, 1/K. Stresses of such a model: bw_static_stress (analysis.h). */
-bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
-                               double expansion);
+BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
+                                      double expansion);
 /* Stress that free expansion would not have, C : (alpha dT 1), summed over the temperature loads:
  * node_count x 6, or element means, element_count x 6 (overwritten). */
-bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
-                                  double *stress);
+BW_API bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
+                                         double *stress);
 /* The same material, supports and loads on a mesh of the same topology (an edited shape):
  * selections keep their facets and nodes, so that supports and loads go with the surface; areas,
  * resultants and normals are those of the new shape, forces and gravity keep their directions. */
-bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,
-                         bw_model **moved);
+BW_API bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                                bw_model **moved);
 /* The same on a mesh whose boundary facets are those of the model's mesh in the same order (a
  * refilled one); node_from[i] is the old node of node i, or -1. Loads on single inner nodes and a
  * material turned by element are BW_UNSUPPORTED. */
-bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
-                               const int32_t *node_from, bw_model **transferred);
+BW_API bw_status bw_model_transferred(bw_context *context, const bw_model *model,
+                                      const bw_mesh *mesh, const int32_t *node_from,
+                                      bw_model **transferred);
 /* The same on a refined mesh (bw_mesh_refine of the model's mesh) or on one of its topology that
  * was moved: facets of supports and loads become the facets inside of them, fields at nodes are
  * interpolated. `also`: further selections, carried the same way into also_refined (the caller's
  * references). A material turned by element is BW_UNSUPPORTED. */
-bw_status bw_model_refined(bw_context *context, const bw_model *model,
-                           const bw_refinement *refinement, const bw_mesh *mesh, int also_count,
-                           const bw_selection *const *also, bw_selection **also_refined,
-                           bw_model **refined);
+BW_API bw_status bw_model_refined(bw_context *context, const bw_model *model,
+                                  const bw_refinement *refinement, const bw_mesh *mesh,
+                                  int also_count, const bw_selection *const *also,
+                                  bw_selection **also_refined, bw_model **refined);
 /* Drop all supports or all loads. */
-void bw_model_clear_supports(bw_model *model);
-void bw_model_clear_loads(bw_model *model);
+BW_API void bw_model_clear_supports(bw_model *model);
+BW_API void bw_model_clear_loads(bw_model *model);
 /* Consistent nodal forces of all loads, node_count x 3 (overwritten). */
-bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force);
+BW_API bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force);
 /* Several lines that say mesh, material, each support and each load with area and resultant.
  * Release with bw_free. */
-bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
+BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
 /* As an .inp for CalculiX; modes > 0 writes a frequency step instead of a static one. */
-bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
-                             int modes);
+BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
+                                    int modes);
 
 /* ---- rigid motions and unknowns ------------------------------------------------------------ */
 
@@ -225,9 +234,11 @@ typedef struct bw_numbering {
                             function times (x - body centre) over V: all that W R needs */
 } bw_numbering;
 /* From a model's supports. Contradicting prescriptions are BW_INVALID. */
-bw_status bw_numbering_create(bw_context *context, const bw_model *model, bw_numbering **numbering);
+BW_API bw_status bw_numbering_create(bw_context *context, const bw_model *model,
+                                     bw_numbering **numbering);
 /* Without any support: every body free. */
-bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering);
+BW_API bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh,
+                                   bw_numbering **numbering);
 /* The numbering of an edited model, with the unknowns of `previous` (its pins too, unless they have
  * become poor on the new shape), and the unknowns of nodes that no support holds, or that are held
  * wholly, taken in the frame of their domain: node_domain (node_count; -1: none), frame
@@ -235,34 +246,35 @@ bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numberi
  * the frame of their support. The frames of the domains are the last domain_count rows of the
  * numbering's. previous may be NULL. *same says whether state and unknown are those of `previous`.
  */
-bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
-                              const bw_numbering *previous, int32_t domain_count,
-                              const int32_t *node_domain, const double *frame, bool *same,
-                              bw_numbering **numbering);
+BW_API bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
+                                     const bw_numbering *previous, int32_t domain_count,
+                                     const int32_t *node_domain, const double *frame, bool *same,
+                                     bw_numbering **numbering);
 /* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
  * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on
  * supports only. A load of which a part of the area lies on supports is a remark with the share;
  * so is any where some prescribed displacement is not zero. */
-bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
-                                  const bw_numbering *numbering);
+BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
+                                         const bw_numbering *numbering);
 /* The free motions as text, for messages: "3 rigid motions are free: ...". Release with bw_free. */
-bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
-                                     char **text);
+BW_API bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
+                                            char **text);
 
 /* Force and displacement are node_count x 3 in global directions; a has motion_count numbers. These
  * allocate nothing and may run from any thread. */
 /* a = R^T f (plain sum over the nodes) */
-void bw_motions_dot(const bw_numbering *numbering, const double *force, double *a);
+BW_API void bw_motions_dot(const bw_numbering *numbering, const double *force, double *a);
 /* a = R^T W u */
-void bw_motions_measure(const bw_numbering *numbering, const double *displacement, double *a);
+BW_API void bw_motions_measure(const bw_numbering *numbering, const double *displacement,
+                               double *a);
 /* u += R a */
-void bw_motions_add(const bw_numbering *numbering, const double *a, double *displacement);
+BW_API void bw_motions_add(const bw_numbering *numbering, const double *a, double *displacement);
 /* f = W R a (overwritten) */
-void bw_motions_weighted(const bw_numbering *numbering, const double *a, double *force);
+BW_API void bw_motions_weighted(const bw_numbering *numbering, const double *a, double *force);
 /* f -= W R (R^T f): balanced by inertia */
-void bw_motions_balance(const bw_numbering *numbering, double *force);
+BW_API void bw_motions_balance(const bw_numbering *numbering, double *force);
 /* u -= R (R^T W u): no rigid motion left */
-void bw_motions_remove(const bw_numbering *numbering, double *displacement);
+BW_API void bw_motions_remove(const bw_numbering *numbering, double *displacement);
 
 #ifdef __cplusplus
 }

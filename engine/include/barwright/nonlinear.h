@@ -26,21 +26,21 @@ typedef enum bw_law {
   BW_FIXED_COROTATED,
   BW_LAWS
 } bw_law;
-const char *bw_law_word(bw_law law); /* "neo_hookean", ... */
+BW_API const char *bw_law_word(bw_law law); /* "neo_hookean", ... */
 
 /* Each returns false where the law is not defined (neo-Hookean at J <= 0); the outputs are then
  * not to be used. stress and tangent may be NULL. `project`: the tangent with negative eigenvalues
  * set to zero. */
-bool bw_law_energy(bw_law law, double mu, double lambda, const double f[9], double *energy);
-bool bw_law_evaluate(bw_law law, double mu, double lambda, const double f[9], bool project,
-                     double *energy, double *stress, double *tangent);
+BW_API bool bw_law_energy(bw_law law, double mu, double lambda, const double f[9], double *energy);
+BW_API bool bw_law_evaluate(bw_law law, double mu, double lambda, const double f[9], bool project,
+                            double *energy, double *stress, double *tangent);
 /* The anisotropic term C (|F v| - 1)^2 of data-driven, formula (2): added to what is there. v is
  * of unit length; stress and tangent may be NULL. */
-void bw_fibre_add(double stiffness, const double v[3], const double f[9], bool project,
-                  double *energy, double *stress, double *tangent);
+BW_API void bw_fibre_add(double stiffness, const double v[3], const double f[9], bool project,
+                         double *energy, double *stress, double *tangent);
 /* F = U diag(s) V^T with U and V rotations, s descending in size, its last with the sign of det F.
  */
-void bw_svd3(const double f[9], double u[9], double s[3], double v[9]);
+BW_API void bw_svd3(const double f[9], double u[9], double s[3], double v[9]);
 
 /* ---- materials of elements ---------------------------------------------------------------------
  */
@@ -61,12 +61,12 @@ typedef struct bw_rule {
   double *value;    /* count x 8: shape functions of the corners */
   double *gradient; /* count x 8 x 3: in the unit cube */
 } bw_rule;
-bw_status bw_rule_create(bw_context *context, int level, bw_rule **rule);
-bw_status bw_rule_create_spread(bw_context *context, int level, const double spread[3],
-                                bw_rule **rule); /* 0 < spread <= 1 */
+BW_API bw_status bw_rule_create(bw_context *context, int level, bw_rule **rule);
+BW_API bw_status bw_rule_create_spread(bw_context *context, int level, const double spread[3],
+                                       bw_rule **rule); /* 0 < spread <= 1 */
 /* Points 0 to 7 as of level 0, and as many in the middle of the cell: selective reduced integration
  * (bw_solid_material_b_bar). */
-bw_status bw_rule_create_selective(bw_context *context, bw_rule **rule);
+BW_API bw_status bw_rule_create_selective(bw_context *context, bw_rule **rule);
 
 /* What an element is made of: a law and constants at every point of its rule: the metamaterial of
  * data-driven, formula (2), of which one law and the same constants everywhere is the simple case.
@@ -90,23 +90,26 @@ typedef struct bw_solid_material {
   uint8_t *empty;
 } bw_solid_material;
 /* young > 0, -1 < poisson < 1/2; density may be 0. */
-bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law, double young,
-                                   double poisson, double density, bw_solid_material **material);
+BW_API bw_status bw_solid_material_create(bw_context *context, const char *name, bw_law law,
+                                          double young, double poisson, double density,
+                                          bw_solid_material **material);
 /* The same for elements with B-bar, which do not lock where poisson is near 1/2: the terms with
  * lambda are evaluated in the middle of the cell, where the volumetric strain of small deformations
  * has its mean (docs/theory/elements.md). For poisson <= 0, where nothing locks, the standard one.
  */
-bw_status bw_solid_material_b_bar(bw_context *context, const char *name, bw_law law, double young,
-                                  double poisson, double density, bw_solid_material **material);
+BW_API bw_status bw_solid_material_b_bar(bw_context *context, const char *name, bw_law law,
+                                         double young, double poisson, double density,
+                                         bw_solid_material **material);
 /* Lame's constants of the law at the first point. */
-void bw_solid_material_constants(const bw_solid_material *material, double *mu, double *lambda);
+BW_API void bw_solid_material_constants(const bw_solid_material *material, double *mu,
+                                        double *lambda);
 /* Copies; fibre arrays may be NULL when fibre_count is 0. Constants must be finite and not
  * negative, or BW_INVALID. */
-bw_status bw_solid_material_points(bw_context *context, const char *name, const bw_rule *rule,
-                                   double density, const uint8_t *law, const double *mu,
-                                   const double *lambda, int fibre_count,
-                                   const double *fibre_stiffness, const double *fibre,
-                                   bw_solid_material **material);
+BW_API bw_status bw_solid_material_points(bw_context *context, const char *name,
+                                          const bw_rule *rule, double density, const uint8_t *law,
+                                          const double *mu, const double *lambda, int fibre_count,
+                                          const double *fibre_stiffness, const double *fibre,
+                                          bw_solid_material **material);
 /* The materials that a grid's numbers mean: material[0] is NULL, void. */
 typedef struct bw_palette {
   bw_object object;
@@ -114,8 +117,8 @@ typedef struct bw_palette {
   const bw_solid_material **material; /* count, retained */
 } bw_palette;
 /* `material` has count - 1 entries, those of 1 and above. */
-bw_status bw_palette_create(bw_context *context, int32_t count,
-                            const bw_solid_material *const *material, bw_palette **palette);
+BW_API bw_status bw_palette_create(bw_context *context, int32_t count,
+                                   const bw_solid_material *const *material, bw_palette **palette);
 
 /* ---- solids ------------------------------------------------------------------------------------
  */
@@ -133,8 +136,9 @@ typedef struct bw_solid {
 } bw_solid;
 /* `previous` (may be NULL): a solid whose graph is reused where the elements are the same.
  * BW_INVALID names the first element whose material is not in the palette. */
-bw_status bw_solid_create(bw_context *context, const bw_grid *grid, const bw_palette *palette,
-                          const bw_solid *previous, bw_solid **solid);
+BW_API bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
+                                 const bw_palette *palette, const bw_solid *previous,
+                                 bw_solid **solid);
 
 /* How bad a shape is. */
 typedef struct bw_solid_shape {
@@ -147,29 +151,29 @@ typedef struct bw_solid_shape {
  * graph, N/m); each of the three may be NULL. With `project` each point's tangent is made positive
  * semidefinite, so that the matrix is. BW_OK with shape->defined false (and nothing else to be
  * used) where the energy does not exist: for line searches. Same bits for any number of threads. */
-bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
-                            bool project, double *energy, double *gradient, double *stiffness,
-                            bw_solid_shape *shape);
+BW_API bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
+                                   bool project, double *energy, double *gradient,
+                                   double *stiffness, bw_solid_shape *shape);
 /* A sentence that warns of volumetric locking and names the cure, or NULL: elements of a uniform
  * material with a Poisson's ratio above 0.48 in the standard formulation. */
-const char *bw_solid_locking(const bw_solid *solid);
+BW_API const char *bw_solid_locking(const bw_solid *solid);
 /* Element stiffnesses kept for products without a matrix: 300 numbers an element, and 24 to work
  * in, so one product at a time. Setting it where the energy does not exist is BW_GEOMETRY. */
 typedef struct bw_solid_linear bw_solid_linear;
-bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
-                                 bw_solid_linear **linear);
-void bw_solid_linear_free(bw_solid_linear *linear);
-bw_status bw_solid_linear_set(bw_context *context, bw_solid_linear *linear, const double *u,
-                              bool project);
-bw_status bw_solid_linear_multiply(bw_context *context, const bw_solid_linear *linear,
-                                   const double *x, double *y);
-bw_status bw_solid_linear_diagonal(bw_context *context, const bw_solid_linear *linear,
-                                   double *blocks); /* node_count x 9 */
+BW_API bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
+                                        bw_solid_linear **linear);
+BW_API void bw_solid_linear_free(bw_solid_linear *linear);
+BW_API bw_status bw_solid_linear_set(bw_context *context, bw_solid_linear *linear, const double *u,
+                                     bool project);
+BW_API bw_status bw_solid_linear_multiply(bw_context *context, const bw_solid_linear *linear,
+                                          const double *x, double *y);
+BW_API bw_status bw_solid_linear_diagonal(bw_context *context, const bw_solid_linear *linear,
+                                          double *blocks); /* node_count x 9 */
 /* Cauchy stress (element_count x 6, means over the deformed volume, xx yy zz yz zx xy) and the same
  * at nodes (node_count x 6, means of the elements around by their volume at rest); either may be
  * NULL. BW_GEOMETRY names an element whose energy does not exist. */
-bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const double *u,
-                          double *of_elements, double *of_nodes);
+BW_API bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const double *u,
+                                 double *of_elements, double *of_nodes);
 
 /* ---- what acts on a solid ----------------------------------------------------------------------
  */
@@ -204,34 +208,36 @@ typedef struct bw_solid_case {
   int32_t floor_count;
   bw_floor *floor;
 } bw_solid_case;
-bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_solid_case **it);
+BW_API bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_solid_case **it);
 /* Components with hold[c] of the nodes are prescribed. A contradiction with an earlier call is
  * BW_INVALID and names the node. */
-bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t count,
-                             const int32_t *node, const bool hold[3], const double value[3]);
+BW_API bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t count,
+                                    const int32_t *node, const bool hold[3], const double value[3]);
 /* A total force on the boundary faces all of whose nodes are among those given, by area; where no
  * face is, on the nodes alike. */
-bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
-                              const int32_t *node, const double total[3]);
-bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it, const double gravity[3]);
+BW_API bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
+                                     const int32_t *node, const double total[3]);
+BW_API bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it,
+                                       const double gravity[3]);
 /* Pressures (Pa, finite, one a triangle) on triangles between points of the embedding, which is of
  * the case's grid; copied. */
-bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
-                                 const bw_embedding *embedding, int64_t triangles,
-                                 const int32_t *triangle, const double *pressure, bool follower);
+BW_API bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
+                                        const bw_embedding *embedding, int64_t triangles,
+                                        const int32_t *triangle, const double *pressure,
+                                        bool follower);
 /* The same on the free faces all of whose nodes are among those given: exact for faces that bend,
  * a quarter of it at each node of one that does not. The pressure is `factor` times
  * pressure(data, middle of a face at rest), or `factor` where that is NULL. BW_EMPTY without a
  * face. */
-bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t count,
-                              const int32_t *node,
-                              double (*pressure)(void *data, const double at[3]), void *data,
-                              double factor, bool follower);
+BW_API bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t count,
+                                     const int32_t *node,
+                                     double (*pressure)(void *data, const double at[3]), void *data,
+                                     double factor, bool follower);
 /* Nothing of the solid passes the plane, and nothing is held back by it: no friction. Points whose
  * nodes are all held along the normal are left out. `rest` is copied. */
-bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
-                              const double normal[3], const double move[3],
-                              const bw_embedding *embedding, const double *rest);
+BW_API bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
+                                     const double normal[3], const double move[3],
+                                     const bw_embedding *embedding, const double *rest);
 
 /* ---- statics -----------------------------------------------------------------------------------
  */
@@ -264,7 +270,7 @@ typedef struct bw_newton_options {
   bool by_cost; /* BW_NEWTON_COARSE only as long as that costs less than factors, by counted
                    operations and bytes, and by the iterations that were needed so far */
 } bw_newton_options;
-void bw_newton_options_default(bw_newton_options *options);
+BW_API void bw_newton_options_default(bw_newton_options *options);
 
 /* One Newton iteration, for reports and convergence plots. */
 typedef struct bw_newton_entry {
@@ -291,7 +297,7 @@ typedef struct bw_newton_report {
 /* What can be kept between solves of solids with the same elements: order, analysis, memory. An
  * object; mutable, one thread at a time. */
 typedef struct bw_newton bw_newton;
-bw_status bw_newton_create(bw_context *context, bw_newton **newton);
+BW_API bw_status bw_newton_create(bw_context *context, bw_newton **newton);
 
 typedef struct bw_solid_static {
   bw_object object;
@@ -309,16 +315,17 @@ typedef struct bw_solid_static {
  * floors alone do not hold. BW_CONVERGENCE, and BW_GEOMETRY for inverted elements, name load
  * factor, residual, worst element and its place, and still give the last converged state in *result
  * (complete = false), as BW_FREE does where that shows on the way. `newton` may be NULL. */
-bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
-                           bw_newton *newton, const bw_newton_options *options,
-                           bw_solid_static **result);
+BW_API bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
+                                  const bw_solid_case *the, bw_newton *newton,
+                                  const bw_newton_options *options, bw_solid_static **result);
 
 /* A few Newton steps from options->start, which is needed, at full load: options->iterations of
  * them with options->cg_iterations of conjugate gradients each. They do not reach an equilibrium,
  * but show where and about how far away it is; each lowers the potential. *defined false: there is
  * no energy at the start, and `displacement` (node_count x 3) is not written. */
-bw_status bw_solid_correct(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
-                           const bw_newton_options *options, double *displacement, bool *defined);
+BW_API bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
+                                  const bw_solid_case *the, const bw_newton_options *options,
+                                  double *displacement, bool *defined);
 
 /* ---- dynamics ----------------------------------------------------------------------------------
  */
@@ -334,7 +341,7 @@ typedef struct bw_motion_options {
   bool allow_inverted;                    /* as in bw_newton_options */
   bw_newton_linear linear; /* BW_NEWTON_DIRECT, or _JACOBI: without a matrix, for large solids */
 } bw_motion_options;
-void bw_motion_options_default(bw_motion_options *options);
+BW_API void bw_motion_options_default(bw_motion_options *options);
 /* A solid in motion under a constant case, its loads at full. Mutable. */
 typedef struct bw_solid_motion {
   bw_object object;
@@ -353,17 +360,18 @@ typedef struct bw_solid_motion {
 } bw_solid_motion;
 /* u and v (node_count x 3) may be NULL: at rest. What is held is where the case has it from the
  * start. BW_INVALID for a solid without density. */
-bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
-                                 const bw_solid_case *the, const bw_motion_options *options,
-                                 const double *u, const double *v, bw_solid_motion **motion);
+BW_API bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
+                                        const bw_solid_case *the, const bw_motion_options *options,
+                                        const double *u, const double *v, bw_solid_motion **motion);
 /* One step further. On failure the motion is as it was: BW_CONVERGENCE where no solution was found
  * (never with one iteration, unless nothing lowers the potential), BW_GEOMETRY where it has
  * inverted elements; both name time, residual, worst element and its place. */
-bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion);
+BW_API bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion);
 /* So many steps, with progress: all of them, or where one fails none. */
-bw_status bw_solid_motion_advance(bw_context *context, bw_solid_motion *motion, int64_t count);
+BW_API bw_status bw_solid_motion_advance(bw_context *context, bw_solid_motion *motion,
+                                         int64_t count);
 /* Whether its parts belong together: see bw_plane_mesh_check. */
-bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *motion);
+BW_API bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *motion);
 
 #ifdef __cplusplus
 }

@@ -50,19 +50,19 @@ typedef struct bw_outline {
  * segment and place (segments counted from 1 through all loops; details "segment", "other_segment",
  * "x", "y") of a crossing, a doubled point, a loop that lies outside of everything it should be in,
  * or an empty area. */
-bw_status bw_outline_create(bw_context *context, int32_t points, const double *point,
-                            int32_t segments, const bw_segment *segment, int32_t loops,
-                            const bw_loop *loop, int32_t tags, const bw_name *tag,
-                            bw_outline **outline);
+BW_API bw_status bw_outline_create(bw_context *context, int32_t points, const double *point,
+                                   int32_t segments, const bw_segment *segment, int32_t loops,
+                                   const bw_loop *loop, int32_t tags, const bw_name *tag,
+                                   bw_outline **outline);
 /* The same topology with other points: what dragging makes. Crossings are refused with their place
  * ("segment 4 of loop 'hole' crosses segment 1 of loop 'body' at (0.1, 0.2)"), the outline given
  * stays as it is. */
-bw_status bw_outline_moved(bw_context *context, const bw_outline *outline, const double *point,
-                           bw_outline **moved);
+BW_API bw_status bw_outline_moved(bw_context *context, const bw_outline *outline,
+                                  const double *point, bw_outline **moved);
 /* Whether one was made from the other by moving points. */
-bool bw_outline_same_topology(const bw_outline *a, const bw_outline *b);
-int32_t bw_outline_find_loop(const bw_outline *outline, const char *name); /* -1: none */
-int32_t bw_outline_find_tag(const bw_outline *outline, const char *name);  /* -1: none */
+BW_API bool bw_outline_same_topology(const bw_outline *a, const bw_outline *b);
+BW_API int32_t bw_outline_find_loop(const bw_outline *outline, const char *name); /* -1: none */
+BW_API int32_t bw_outline_find_tag(const bw_outline *outline, const char *name);  /* -1: none */
 
 typedef enum bw_handle_kind {
   BW_HANDLE_VERTEX,  /* a point; the control points beside a vertex go with it */
@@ -72,16 +72,17 @@ typedef enum bw_handle_kind {
 } bw_handle_kind;
 /* Displacement of every outline point under a unit move of a handle: weight[i] in 0..1 for each
  * point (the move is the same in x and y). */
-bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_handle_kind kind,
-                            int32_t index, double *weight);
+BW_API bw_status bw_outline_handle(bw_context *context, const bw_outline *outline,
+                                   bw_handle_kind kind, int32_t index, double *weight);
 
 /* Position, first and second derivative (by t) at parameter t in 0..1 of a segment; the
  * derivatives may be NULL. */
-void bw_outline_evaluate(const bw_outline *outline, int32_t segment, double t, double position[2],
-                         double derivative[2], double second[2]);
+BW_API void bw_outline_evaluate(const bw_outline *outline, int32_t segment, double t,
+                                double position[2], double derivative[2], double second[2]);
 /* d position / d points: weights of the (at most) four points, in the order of bw_segment; lines
  * have (1-t, 0, 0, t). */
-void bw_outline_basis(const bw_outline *outline, int32_t segment, double t, double weight[4]);
+BW_API void bw_outline_basis(const bw_outline *outline, int32_t segment, double t,
+                             double weight[4]);
 
 typedef struct bw_outline_measures {
   double area, perimeter; /* of the material: holes left out, inner boundaries not counted */
@@ -90,58 +91,62 @@ typedef struct bw_outline_measures {
   double low[2], high[2];
 } bw_outline_measures;
 /* Exact for lines and cubics (Green's theorem on polynomials); `region` -1: all of them. */
-bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int32_t region,
-                             bw_outline_measures *measures);
+BW_API bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int32_t region,
+                                    bw_outline_measures *measures);
 /* d area / d points (point_count x 2), of all regions. */
-bw_status bw_outline_area_gradient(bw_context *context, const bw_outline *outline,
-                                   double *gradient);
+BW_API bw_status bw_outline_area_gradient(bw_context *context, const bw_outline *outline,
+                                          double *gradient);
 
 /* Laplacian smoothing of a loop's vertices and controls, `strength` in 0..1, `rounds` times;
  * vertices at which the loop turns by more than `corner` radians are kept. */
-bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, int32_t loop,
-                              double strength, int rounds, double corner, bw_outline **smoothed);
+BW_API bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, int32_t loop,
+                                     double strength, int rounds, double corner,
+                                     bw_outline **smoothed);
 /* A loop more (a hole or a region), its points and segments given from 0, its tags those of the
  * outline. Or one fewer, with the loops inside it: points behind those that go move up, and regions
  * close up. */
-bw_status bw_outline_with_loop(bw_context *context, const bw_outline *outline, int32_t points,
-                               const double *point, int32_t segments, const bw_segment *segment,
-                               const bw_loop *loop, bw_outline **larger);
-bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline, int32_t loop,
-                                  bw_outline **smaller);
+BW_API bw_status bw_outline_with_loop(bw_context *context, const bw_outline *outline,
+                                      int32_t points, const double *point, int32_t segments,
+                                      const bw_segment *segment, const bw_loop *loop,
+                                      bw_outline **larger);
+BW_API bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline,
+                                         int32_t loop, bw_outline **smaller);
 /* Push-pin pulling of a curve: the vertex goes to `to`, pinned vertices stay, the points of the
  * loop between (up to the first vertex `reach` away along the curve; 0: up to the pins) follow as
  * rigidly as possible. Without pins and reach the loop moves as a whole; about a single pin it
  * turns. */
-bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int32_t vertex,
-                            const double to[2], int32_t pins, const int32_t *pin, double reach,
-                            bw_outline **pulled);
+BW_API bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int32_t vertex,
+                                   const double to[2], int32_t pins, const int32_t *pin,
+                                   double reach, bw_outline **pulled);
 /* A segment cut in two at t in (0, 1) by de Casteljau: the second half is the next segment, and the
  * new points are the last: first the vertex, then the second half's control points. */
-bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32_t segment,
-                           double t, bw_outline **finer);
+BW_API bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32_t segment,
+                                  double t, bw_outline **finer);
 /* A vertex between two segments taken out: one segment remains of the two, with the tag of the
  * first; two lines give a line, else a cubic with the same directions at its ends, which undoes a
  * split exactly. Points behind those that go move up. */
-bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int32_t vertex,
-                            bw_outline **coarser);
+BW_API bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int32_t vertex,
+                                   bw_outline **coarser);
 
 /* The same with another tag on some segments; the tag is added when it is new. */
-bw_status bw_outline_tagged(bw_context *context, const bw_outline *outline, int32_t segments,
-                            const int32_t *segment, const char *tag, bw_outline **tagged);
+BW_API bw_status bw_outline_tagged(bw_context *context, const bw_outline *outline, int32_t segments,
+                                   const int32_t *segment, const char *tag, bw_outline **tagged);
 
 /* The place on the outline nearest to a point: segment, parameter, distance. */
 typedef struct bw_outline_place {
   int32_t segment;
   double t, distance;
 } bw_outline_place;
-bw_outline_place bw_outline_nearest(const bw_outline *outline, const double at[2]);
+BW_API bw_outline_place bw_outline_nearest(const bw_outline *outline, const double at[2]);
 /* The same for one segment. */
-bw_outline_place bw_segment_nearest(const bw_outline *outline, int32_t segment, const double at[2]);
+BW_API bw_outline_place bw_segment_nearest(const bw_outline *outline, int32_t segment,
+                                           const double at[2]);
 /* Length and box (of the curve, not of its control points) of a segment. */
-double bw_segment_length(const bw_outline *outline, int32_t segment);
-void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2], double high[2]);
+BW_API double bw_segment_length(const bw_outline *outline, int32_t segment);
+BW_API void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2],
+                           double high[2]);
 /* The loop of a segment. */
-int32_t bw_segment_loop(const bw_outline *outline, int32_t segment);
+BW_API int32_t bw_segment_loop(const bw_outline *outline, int32_t segment);
 
 /* Points along the curves no farther than `tolerance` from them, loop by loop (as polygons without
  * the closing point): for pictures, cutting files, tests. */
@@ -150,9 +155,9 @@ typedef struct bw_polygons {
   int32_t *start; /* loop_count + 1 */
   double *point;  /* x 2 */
 } bw_polygons;
-bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline, double tolerance,
-                             bw_polygons *polygons);
-void bw_polygons_clear(bw_polygons *polygons);
+BW_API bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline,
+                                    double tolerance, bw_polygons *polygons);
+BW_API void bw_polygons_clear(bw_polygons *polygons);
 
 #ifdef __cplusplus
 }

@@ -48,21 +48,22 @@ typedef struct bw_picture_options {
   const double *displacement; /* points x 3, or NULL */
   bool ghost;                 /* draw the undeformed outline behind in grey */
 } bw_picture_options;
-void bw_picture_options_default(bw_picture_options *options);
+BW_API void bw_picture_options_default(bw_picture_options *options);
 /* A shaded surface coloured by values at its points (or by facets when `on_facets`; NULL: plain),
  * with a colour bar, to a PNG file, written whole or not at all. The largest value is marked on the
  * body and on the bar; values that are not finite are grey. `options` may be NULL. The same input
  * gives the same bytes, for any number of threads. */
-bw_status bw_picture_surface(bw_context *context, const bw_surface *surface, const double *value,
-                             bool on_facets, const bw_picture_options *options, const char *path);
+BW_API bw_status bw_picture_surface(bw_context *context, const bw_surface *surface,
+                                    const double *value, bool on_facets,
+                                    const bw_picture_options *options, const char *path);
 /* From where such a picture sees the body: the direction of the options, or the chosen one. */
-bw_status bw_picture_direction(bw_context *context, const bw_surface *surface, const double *value,
-                               bool on_facets, const bw_picture_options *options,
-                               double direction[3]);
+BW_API bw_status bw_picture_direction(bw_context *context, const bw_surface *surface,
+                                      const double *value, bool on_facets,
+                                      const bw_picture_options *options, double direction[3]);
 /* An outline, flat, to a PNG file: regions, edges coloured by their tags, with `numbers` those of
  * the edges (from 1). */
-bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int width, int height,
-                             bool numbers, const char *path);
+BW_API bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int width,
+                                    int height, bool numbers, const char *path);
 
 /* ---- grids ----------------------------------------------------------------------------------- */
 
@@ -93,15 +94,15 @@ typedef struct bw_grid_picture_options {
   int name_count;             /* of materials, for the legend: name[m - 1], or NULL: its number */
   const char *const *name;
 } bw_grid_picture_options;
-void bw_grid_picture_options_default(bw_grid_picture_options *options);
+BW_API void bw_grid_picture_options_default(bw_grid_picture_options *options);
 /* Grids with the edges of their elements, deformed, coloured by material or by values, all with the
  * same camera, scale and colours, to one PNG file. `options` may be NULL. */
-bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_panel *panel,
-                           const bw_grid_picture_options *options, const char *path);
+BW_API bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_panel *panel,
+                                  const bw_grid_picture_options *options, const char *path);
 /* PNG files of one size as an animated PNG, which browsers play and other programs show the first
  * picture of. `seconds` of each picture; it starts over again `rounds` times (0: for ever). */
-bw_status bw_animation_write(bw_context *context, int count, const char *const *png, double seconds,
-                             int rounds, const char *path);
+BW_API bw_status bw_animation_write(bw_context *context, int count, const char *const *png,
+                                    double seconds, int rounds, const char *path);
 /* ---- drawings ---------------------------------------------------------------------------------
  */
 
@@ -140,54 +141,54 @@ typedef struct bw_label {
 } bw_label;
 
 /* `name`: what it shows, for those who cannot see it (SVG); may be NULL. 1 to 20000 pixels. */
-bw_status bw_canvas_create(bw_context *context, double width, double height, const char *name,
-                           bw_canvas **canvas);
-void bw_canvas_size(const bw_canvas *canvas, double size[2]);
+BW_API bw_status bw_canvas_create(bw_context *context, double width, double height,
+                                  const char *name, bw_canvas **canvas);
+BW_API void bw_canvas_size(const bw_canvas *canvas, double size[2]);
 /* A line through points (count x 2), or a closed one, filled by the even-odd rule. A point that is
  * not finite breaks it: what follows is a piece of its own. */
-bw_status bw_canvas_line(bw_context *context, bw_canvas *canvas, const bw_pen *pen, bool closed,
-                         int64_t count, const double *point);
-bw_status bw_canvas_rectangle(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
-                              const double box[4], double radius);
+BW_API bw_status bw_canvas_line(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
+                                bool closed, int64_t count, const double *point);
+BW_API bw_status bw_canvas_rectangle(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
+                                     const double box[4], double radius);
 /* Markers of `size` pixels across; points that are not finite are passed over. `note`: what SVG
  * shows where the pointer rests, for each point, or NULL. */
-bw_status bw_canvas_markers(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
-                            bw_marker marker, double size, int64_t count, const double *point,
-                            const char *const *note);
-bw_status bw_canvas_text(bw_context *context, bw_canvas *canvas, const bw_label *label,
-                         const char *text);
+BW_API bw_status bw_canvas_markers(bw_context *context, bw_canvas *canvas, const bw_pen *pen,
+                                   bw_marker marker, double size, int64_t count,
+                                   const double *point, const char *const *note);
+BW_API bw_status bw_canvas_text(bw_context *context, bw_canvas *canvas, const bw_label *label,
+                                const char *text);
 /* How wide a text will be. */
-bw_status bw_canvas_text_width(bw_context *context, const bw_canvas *canvas, double size, bool bold,
-                               const char *text, double *width);
+BW_API bw_status bw_canvas_text_width(bw_context *context, const bw_canvas *canvas, double size,
+                                      bool bold, const char *text, double *width);
 /* What is drawn until bw_canvas_leave is cut at the box x, y, width, height; there the part `view`
  * (likewise) of a drawing of its own is seen, centred and as large as fits. NULL: no change of
  * coordinates. */
-bw_status bw_canvas_enter(bw_context *context, bw_canvas *canvas, const double box[4],
-                          const double view[4]);
-bw_status bw_canvas_leave(bw_context *context, bw_canvas *canvas);
+BW_API bw_status bw_canvas_enter(bw_context *context, bw_canvas *canvas, const double box[4],
+                                 const double view[4]);
+BW_API bw_status bw_canvas_leave(bw_context *context, bw_canvas *canvas);
 /* Rows of red, green, blue bytes from the top, stretched to the box. */
-bw_status bw_canvas_pixels(bw_context *context, bw_canvas *canvas, const double box[4], int columns,
-                           int rows, const unsigned char *rgb);
+BW_API bw_status bw_canvas_pixels(bw_context *context, bw_canvas *canvas, const double box[4],
+                                  int columns, int rows, const unsigned char *rgb);
 /* A PNG file, as large as fits in the box, centred; one of more pixels than are seen is reduced to
  * twice the box. */
-bw_status bw_canvas_image(bw_context *context, bw_canvas *canvas, const double box[4],
-                          const char *path);
+BW_API bw_status bw_canvas_image(bw_context *context, bw_canvas *canvas, const double box[4],
+                                 const char *path);
 
 /* The drawing as one <svg> element without ids, so that many can stand in one page. Text is text of
  * the width that it has here, whatever fonts there are; or, with `outlines`, paths. Release with
  * bw_free. The same drawing gives the same bytes. */
-bw_status bw_canvas_svg(bw_context *context, const bw_canvas *canvas, bool outlines, char **text,
-                        size_t *length);
+BW_API bw_status bw_canvas_svg(bw_context *context, const bw_canvas *canvas, bool outlines,
+                               char **text, size_t *length);
 /* By the ending: .svg, or .png with `scale` pixels for each of the drawing's (0.1 to 8). */
-bw_status bw_canvas_write(bw_context *context, const bw_canvas *canvas, double scale, bool outlines,
-                          const char *path);
+BW_API bw_status bw_canvas_write(bw_context *context, const bw_canvas *canvas, double scale,
+                                 bool outlines, const char *path);
 
 /* Colours that tell things apart (0, 1, ...), a dozen before they repeat. */
-void bw_category_colour(int64_t index, unsigned char rgb[3]);
+BW_API void bw_category_colour(int64_t index, unsigned char rgb[3]);
 
 /* The colour map (0..1 -> sRGB bytes; nan: grey), shared with the report: even in the OKLab space,
  * lightness falling from a pale blue to a dark red. */
-void bw_colour(double t, unsigned char rgb[3]);
+BW_API void bw_colour(double t, unsigned char rgb[3]);
 
 #ifdef __cplusplus
 }

@@ -67,25 +67,25 @@ typedef struct bw_plane_options {
   double time_limit;   /* seconds of computing, BW_LIMIT beyond; default 300 */
   double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
 } bw_plane_options;
-void bw_plane_options_default(bw_plane_options *options);
+BW_API void bw_plane_options_default(bw_plane_options *options);
 /* Boundary nodes are placed along the segments first (vertices of the outline always are nodes),
  * then the inside is filled (CGAL: constrained Delaunay, refinement; then smoothing with flips).
  * Deterministic. Where a limit is reached, the detail "limit" says which: "elements", "time",
  * "memory". bw_cancel ends it within a fraction of a second. */
-bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
-                        const bw_plane_options *options, bw_plane_mesh **mesh);
+BW_API bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
+                               const bw_plane_options *options, bw_plane_mesh **mesh);
 /* From arrays (checked: indices, corners first, orientation, neighbours), for tests and bodies by
  * formula; region NULL: all 0. The outline is made of the boundary edges, one segment each (with
  * middles off the chord: the parabola through them), tag "boundary", region 0 inside. */
-bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, const double *point,
-                             int32_t elements, const int32_t *element, const int32_t *region,
-                             bw_plane_mesh **mesh);
+BW_API bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes,
+                                    const double *point, int32_t elements, const int32_t *element,
+                                    const int32_t *region, bw_plane_mesh **mesh);
 /* The same on an outline given: each node's segment (-1: inside) and parameter, 0 <= parameter < 1.
  * Every vertex of the outline must be a node. */
-bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int order, int32_t nodes,
-                           const double *point, const int32_t *segment, const double *parameter,
-                           int32_t elements, const int32_t *element, const int32_t *region,
-                           bw_plane_mesh **mesh);
+BW_API bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int order,
+                                  int32_t nodes, const double *point, const int32_t *segment,
+                                  const double *parameter, int32_t elements, const int32_t *element,
+                                  const int32_t *region, bw_plane_mesh **mesh);
 typedef enum bw_diagonal {
   BW_DIAGONAL_RIGHT, /* from lower left to upper right */
   BW_DIAGONAL_LEFT,
@@ -93,19 +93,19 @@ typedef enum bw_diagonal {
 } bw_diagonal;
 /* A rectangle of nx x ny squares cut in two. Corners are numbered row by row from below; the
  * outline has four segments with the tags bottom, right, top, left. */
-bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2],
-                             const double high[2], int32_t nx, int32_t ny, bw_diagonal diagonal,
-                             bw_plane_mesh **mesh);
+BW_API bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2],
+                                    const double high[2], int32_t nx, int32_t ny,
+                                    bw_diagonal diagonal, bw_plane_mesh **mesh);
 /* Other positions for the same topology: those of boundary nodes must be those of the outline.
  * BW_GEOMETRY names an inverted element. */
-bw_status bw_plane_mesh_moved(bw_context *context, const bw_plane_mesh *mesh,
-                              const bw_outline *outline, const double *point,
-                              bw_plane_mesh **moved);
+BW_API bw_status bw_plane_mesh_moved(bw_context *context, const bw_plane_mesh *mesh,
+                                     const bw_outline *outline, const double *point,
+                                     bw_plane_mesh **moved);
 
 /* Whether all that a mesh is made of belongs together: finite places, nodes on their segments,
  * sound elements, neighbours that know each other. For tests and debuggers, like all checks of
  * objects. */
-bw_status bw_plane_mesh_check(bw_context *context, const bw_plane_mesh *mesh);
+BW_API bw_status bw_plane_mesh_check(bw_context *context, const bw_plane_mesh *mesh);
 
 typedef struct bw_plane_quality {
   double worst; /* 2 sqrt(3) inradius / longest edge: 1 equilateral, 0 flat, < 0 inverted; with
@@ -115,22 +115,23 @@ typedef struct bw_plane_quality {
   double area;
   int32_t inverted; /* elements */
 } bw_plane_quality;
-void bw_plane_measure(const bw_plane_mesh *mesh, bw_plane_quality *quality);
-double bw_plane_element_quality(const bw_plane_mesh *mesh, int32_t element);
+BW_API void bw_plane_measure(const bw_plane_mesh *mesh, bw_plane_quality *quality);
+BW_API double bw_plane_element_quality(const bw_plane_mesh *mesh, int32_t element);
 
 /* Point location: the element that holds `at` (or the nearest one, then *outside is its distance)
  * and barycentric coordinates clipped to it. Built once per mesh. */
 typedef struct bw_plane_locator bw_plane_locator;
-bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh,
-                                  bw_plane_locator **locator);
-void bw_plane_locator_free(bw_plane_locator *locator);
-int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[2], double barycentric[3],
-                        double *outside);
+BW_API bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh,
+                                         bw_plane_locator **locator);
+BW_API void bw_plane_locator_free(bw_plane_locator *locator);
+BW_API int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[2],
+                               double barycentric[3], double *outside);
 /* Values at the nodes of `from` (x components) carried to the nodes of `to`: copied where the nodes
  * are the same (middles of flipped edges are read from the field as it was), interpolated at the
  * nodes' places otherwise (the nearest place of `from` where they lie outside). */
-bw_status bw_plane_carry(bw_context *context, const bw_plane_mesh *from, const bw_plane_mesh *to,
-                         int components, const double *value, double *carried);
+BW_API bw_status bw_plane_carry(bw_context *context, const bw_plane_mesh *from,
+                                const bw_plane_mesh *to, int components, const double *value,
+                                double *carried);
 
 /* ---- a mesh that follows its outline (responsive, section 3.3) ---------------------------------
  */
@@ -156,7 +157,7 @@ typedef struct bw_follow_options {
   bw_plane_options fill; /* of reconstructions; the order is the mesh's, elements 0 (the default):
                             as many as the mesh has */
 } bw_follow_options;
-void bw_follow_options_default(bw_follow_options *options);
+BW_API void bw_follow_options_default(bw_follow_options *options);
 
 typedef struct bw_follow_report {
   bw_level level;
@@ -174,25 +175,25 @@ typedef struct bw_mover {
   bw_follow_options options;
   struct bwi_mover *inner;
 } bw_mover;
-bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
-                          const bw_follow_options *options, bw_mover **mover);
+BW_API bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
+                                 const bw_follow_options *options, bw_mover **mover);
 /* Take the mesh to an outline of the same topology (bw_outline_moved); an outline of another
  * topology means reconstruction. On failure (a wall thinner than any mesh, no memory, cancelled)
  * the mover is as it was. */
-bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
-                          bw_follow_report *report);
+BW_API bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
+                                 bw_follow_report *report);
 /* What a mover stands at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back its mesh and all that following starts from, bit for bit (following
  * the outline back may end elsewhere), and fails only for the state of a mover of another order. */
 typedef struct bw_mover_state bw_mover_state;
-const bw_mover_state *bw_mover_keep(const bw_mover *mover);
-bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state);
-bw_status bw_mover_check(bw_context *context, const bw_mover *mover);
+BW_API const bw_mover_state *bw_mover_keep(const bw_mover *mover);
+BW_API bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state);
+BW_API bw_status bw_mover_check(bw_context *context, const bw_mover *mover);
 /* d J / d outline points (of mesh->outline, point_count x 2) from d J / d nodes (node_count x 2):
  * the adjoint of harmonic relocation. For shape optimisation. The mesh is the mover's, or one that
  * has its nodes; BW_INVALID otherwise. */
-bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh,
-                             const double *node_gradient, double *point_gradient);
+BW_API bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh,
+                                    const double *node_gradient, double *point_gradient);
 
 #ifdef __cplusplus
 }

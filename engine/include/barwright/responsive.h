@@ -30,23 +30,23 @@ typedef struct bw_plane_graph {
   int32_t *gather_element;
   uint8_t *gather_local; /* a * 6 + b */
 } bw_plane_graph;
-bw_status bw_plane_graph_create(bw_context *context, const bw_plane_topology *topology,
-                                bw_plane_graph **graph);
+BW_API bw_status bw_plane_graph_create(bw_context *context, const bw_plane_topology *topology,
+                                       bw_plane_graph **graph);
 /* Add the elements' matrices (element_count x (n c) x (n c), row by row, unknown = node c +
  * component; only as many elements at a time as the caller likes: `element_matrix` fills one) into
  * values (zeroed first). */
 typedef bw_status bw_element_matrix(void *data, int32_t element, double *matrix);
-bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
-                            bw_element_matrix *element_matrix, void *data, double *values);
+BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+                                   bw_element_matrix *element_matrix, void *data, double *values);
 /* y = A x */
-bw_status bw_plane_multiply(bw_context *context, const bw_plane_graph *graph, int components,
-                            const double *values, const double *x, double *y);
+BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_graph *graph, int components,
+                                   const double *values, const double *x, double *y);
 /* Prescribed unknowns (held[i] != 0): their rows and columns become those of the identity times the
  * mean size of the component's diagonal entries, and `rhs` (may be NULL) follows, so that the
  * number of unknowns never changes. */
-bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, int components,
-                             const uint8_t *held, const double *prescribed, double *values,
-                             double *rhs);
+BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph,
+                                    int components, const uint8_t *held, const double *prescribed,
+                                    double *values, double *rhs);
 
 /* ---- stale factors (responsive, sections 3.2 and 3.3)
  * --------------------------------------------
@@ -66,7 +66,7 @@ typedef struct bw_stale_options {
   double tolerance; /* relative residual |b - A x| / |b|; default 1e-8 */
   int iterations;   /* before refactoring; default 60 */
 } bw_stale_options;
-void bw_stale_options_default(bw_stale_options *options);
+BW_API void bw_stale_options_default(bw_stale_options *options);
 /* What one solve, or one frame of an application, reused and what it cost. Sums over the solves of
  * a frame; clear with memset before. */
 typedef struct bw_kept {
@@ -82,19 +82,20 @@ typedef struct bw_kept {
 
 typedef struct bw_stale bw_stale; /* mutable; one thread at a time */
 /* 1 to 4 components at a node, 1 to 3 where symmetric. */
-bw_status bw_stale_create(bw_context *context, bool symmetric, int components, bw_stale **stale);
-void bw_stale_free(bw_stale *stale);
+BW_API bw_status bw_stale_create(bw_context *context, bool symmetric, int components,
+                                 bw_stale **stale);
+BW_API void bw_stale_free(bw_stale *stale);
 /* x: the first guess on entry, the solution on return. The factor and its elimination order are
  * kept as long as the graph's nodes are the same object, the analysis as long as its topology is.
  * BW_SINGULAR, or BW_CONVERGENCE with the residual reached; x is then as it was. `options` and
  * `kept` may be NULL; `kept` is added to. */
-bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
-                         const double *values, const double *rhs, double *x,
-                         const bw_stale_options *options, bw_kept *kept);
+BW_API bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
+                                const double *values, const double *rhs, double *x,
+                                const bw_stale_options *options, bw_kept *kept);
 /* Apply the factor alone (z = B r, current or stale): for eigenvalue iterations. */
-bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z);
+BW_API bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z);
 /* Drop everything kept. */
-void bw_stale_forget(bw_stale *stale);
+BW_API void bw_stale_forget(bw_stale *stale);
 
 /* ---- conditions by tag -------------------------------------------------------------------------
  */
@@ -123,13 +124,14 @@ typedef struct bw_condition {
  * prescribes is prescribed. Where tags of one order prescribe different values, the displacement or
  * velocity nearest to 0 holds (0 between values of both signs), and the middle of temperatures.
  * Conflicts are remarked unless *reported, which is then set; `reported` may be NULL. */
-bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
-                                  int32_t count, const bw_condition *condition, double time,
-                                  uint8_t *held, double *prescribed, bool *reported);
+BW_API bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh,
+                                         int components, int32_t count,
+                                         const bw_condition *condition, double time, uint8_t *held,
+                                         double *prescribed, bool *reported);
 /* Consistent nodal forces of tractions and pressures, times thickness. */
-bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
-                              int32_t count, const bw_condition *condition, double time,
-                              double thickness, double *force);
+BW_API bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
+                                     int32_t count, const bw_condition *condition, double time,
+                                     double thickness, double *force);
 
 /* ---- elastic sheets
  * -------------------------------------------------------------------------------- */
@@ -158,25 +160,25 @@ typedef struct bw_sheet {
   double time;
   struct bwi_sheet *inner;
 } bw_sheet;
-bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
-                          const bw_sheet_description *description, bw_sheet **sheet);
+BW_API bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
+                                 const bw_sheet_description *description, bw_sheet **sheet);
 /* Go over to another mesh of the same problem; the solution is carried over (bw_plane_carry).
  * Conditions go by the names of their tags: the outline may be another one. On failure all is as it
  * was. */
-bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
-                          bw_kept *kept);
+BW_API bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
+                                 bw_kept *kept);
 /* What a sheet is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh, fields and time bit for bit, and fails only for the state of a
  * sheet with other conditions. A sheet's operations put a new state in the place of the one that
  * stands when all is done: those that fail change nothing. */
 typedef struct bw_sheet_state bw_sheet_state;
-const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
-bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
+BW_API const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
+BW_API bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
 /* Whether its parts belong together: see bw_plane_mesh_check. */
-bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
+BW_API bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
 /* (e) Linear statics. BW_FREE when rigid motions are free. */
-bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
-                          bw_kept *kept);
+BW_API bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
+                                 const bw_stale_options *options, bw_kept *kept);
 /* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2): beta, gamma (defaults 1/4, 1/2),
  * Rayleigh damping. Prescribed displacements are of the ground, as functions of time (read at the
  * new time and a step before and after it, at 0 and after; never below 0); the other conditions'
@@ -185,9 +187,9 @@ typedef struct bw_newmark {
   double step, beta, gamma;
   double damping_mass, damping_stiffness;
 } bw_newmark;
-void bw_newmark_default(bw_newmark *newmark);
-bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                         const bw_stale_options *options, bw_kept *kept);
+BW_API void bw_newmark_default(bw_newmark *newmark);
+BW_API bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                                const bw_stale_options *options, bw_kept *kept);
 /* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
  * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
  * load went. */
@@ -197,25 +199,25 @@ typedef struct bw_bend_options {
   int load_steps;   /* at most; default 64 */
   bw_stale_options linear;
 } bw_bend_options;
-void bw_bend_options_default(bw_bend_options *options);
+BW_API void bw_bend_options_default(bw_bend_options *options);
 typedef struct bw_bend_report {
   int iterations, load_steps;
   double residual, energy;
 } bw_bend_report;
-bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
-                        bw_bend_report *report, bw_kept *kept);
+BW_API bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
+                               bw_bend_report *report, bw_kept *kept);
 /* Stress xx yy xy zz at element points averaged to nodes (node_count x 4; Cauchy stress after
  * bw_sheet_bend) and von Mises (node_count); either may be NULL. */
-bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,
-                          double *von_mises);
+BW_API bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,
+                                 double *von_mises);
 /* Zienkiewicz-Zhu estimate of the relative error in energy. */
-bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *relative);
+BW_API bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *relative);
 /* J = (integral of von Mises^p / area)^(1/p), which tends to the largest stress from below as p
  * grows (1 to 1000), and dJ / d node positions (node_count x 2; NULL: J alone), exact, by one
  * adjoint solve on the current factor: for shape optimisation. After bw_sheet_static on the same
  * mesh. Values of conditions that are functions of place are taken to go with their nodes. */
-bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p, double *norm,
-                                   double *gradient);
+BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p,
+                                          double *norm, double *gradient);
 
 /* ---- plates that ring (responsive, appendix A)
  * --------------------------------------------------------- */
@@ -236,30 +238,31 @@ typedef struct bw_plate {
   const double *residual;  /* sqrt(r . B r / lambda): error in the energy norm, B the factor used */
   struct bwi_plate *inner;
 } bw_plate;
-bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
-                          const bw_material *material, double thickness, bw_plate **plate);
-bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
-                          bw_kept *kept);
+BW_API bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
+                                 const bw_material *material, double thickness, bw_plate **plate);
+BW_API bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
+                                 bw_kept *kept);
 /* What a plate is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh and modes bit for bit. A plate's operations put a new state in
  * the place of the one that stands when all is done: those that fail change nothing. */
 typedef struct bw_plate_state bw_plate_state;
-const bw_plate_state *bw_plate_keep(const bw_plate *plate);
-bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state);
-bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
+BW_API const bw_plate_state *bw_plate_keep(const bw_plate *plate);
+BW_API bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state);
+BW_API bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
 typedef struct bw_plate_options {
   int modes;        /* default 1 */
   double tolerance; /* of `residual`; the frequency's error is its square; default 1e-6 */
   bool scratch;     /* random start, fresh factor: for checks and baselines */
 } bw_plate_options;
-void bw_plate_options_default(bw_plate_options *options);
+BW_API void bw_plate_options_default(bw_plate_options *options);
 /* Rayleigh-Ritz iteration with the rigid motions projected out, from the last frame's modes on the
  * last frame's factor; with a fresh factor at least as fast as inverse iteration. BW_CONVERGENCE
  * leaves the plate as it was. */
-bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *options,
-                         bw_kept *kept);
+BW_API bw_status bw_plate_solve(bw_context *context, bw_plate *plate,
+                                const bw_plate_options *options, bw_kept *kept);
 /* d frequency[mode] / d node positions (node_count x 2), Hz/m. */
-bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode, double *gradient);
+BW_API bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode,
+                                   double *gradient);
 /* What a stroke at a place sounds like: modes k in proportion to their deflection there, each dying
  * away as exp(-pi loss f t), softened by the mallet's time of contact. Scaled so that the loudest
  * sample is 0.9; `sample` has room for seconds * rate (rounded down) numbers. */
@@ -270,20 +273,20 @@ typedef struct bw_tone {
   double seconds; /* default 2 */
   int32_t rate;   /* samples per second; default 44100 */
 } bw_tone;
-void bw_tone_default(bw_tone *tone);
-bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone,
-                        double *sample);
+BW_API void bw_tone_default(bw_tone *tone);
+BW_API bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone,
+                               double *sample);
 /* How loudly each mode sounds in it (mode_count numbers): with its sign, the loudest 1 in size. */
-bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_tone *tone,
-                         double *gain);
+BW_API bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_tone *tone,
+                                double *gain);
 /* Where the mode's deflection vanishes: pieces of line, 4 numbers each (x0 y0 x1 y1); free with
  * bw_free. For the mounting holes. */
-bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int mode, int32_t *count,
-                               double **lines);
+BW_API bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int mode,
+                                      int32_t *count, double **lines);
 /* The lowest frequencies of motion in the plane of the plate (plane stress, free), to see whether
  * one lies below: `count` of them. */
-bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count,
-                           double *frequency);
+BW_API bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count,
+                                  double *frequency);
 #ifdef __cplusplus
 }
 #endif

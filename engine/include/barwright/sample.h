@@ -11,9 +11,9 @@ extern "C" {
 /* A nodal field (node_count x columns) at `count` points: out count x columns, by the shape
  * functions of the element that holds the point, or at the nearest place of the mesh. `locator`: of
  * the mesh. `outside` (count, may be NULL): the distance of that place from the point, 0 inside. */
-bw_status bw_mesh_sample(bw_context *context, const bw_mesh *mesh, const bw_locator *locator,
-                         int columns, const double *value, int64_t count, const double *point,
-                         double *out, double *outside);
+BW_API bw_status bw_mesh_sample(bw_context *context, const bw_mesh *mesh, const bw_locator *locator,
+                                int columns, const double *value, int64_t count,
+                                const double *point, double *out, double *outside);
 
 #ifdef __cplusplus
 }

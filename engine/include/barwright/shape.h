@@ -29,11 +29,11 @@ typedef struct bw_skeleton {
  * have empty entries. `root`: a joint, or -1: the joint whose farthest joint along the tree is
  * nearest. BW_INVALID names the bone or joint: not connected, a cycle, a bone of no length, an
  * index out of range, a name used twice. */
-bw_status bw_skeleton_create(bw_context *context, int64_t joints, const double *joint,
-                             const bw_name *joint_name, int64_t bones, const int32_t *bone,
-                             const bw_name *bone_name, int32_t root, bw_skeleton **skeleton);
-int32_t bw_skeleton_find_joint(const bw_skeleton *skeleton, const char *name); /* or -1 */
-int32_t bw_skeleton_find_bone(const bw_skeleton *skeleton, const char *name);
+BW_API bw_status bw_skeleton_create(bw_context *context, int64_t joints, const double *joint,
+                                    const bw_name *joint_name, int64_t bones, const int32_t *bone,
+                                    const bw_name *bone_name, int32_t root, bw_skeleton **skeleton);
+BW_API int32_t bw_skeleton_find_joint(const bw_skeleton *skeleton, const char *name); /* or -1 */
+BW_API int32_t bw_skeleton_find_bone(const bw_skeleton *skeleton, const char *name);
 
 typedef struct bw_skeleton_options {
   int bones;      /* wanted; 0: as many as the shape's branches and bends ask for */
@@ -42,42 +42,43 @@ typedef struct bw_skeleton_options {
   double bend;    /* a bone strays at most this many local radii from the curve; default 0.5 */
   double minutes; /* of the contraction, in a child process; default 5 */
 } bw_skeleton_options;
-void bw_skeleton_options_default(bw_skeleton_options *options);
+BW_API void bw_skeleton_options_default(bw_skeleton_options *options);
 /* CGAL's mean-curvature skeleton of a closed surface, pruned and simplified into joints and bones,
  * numbered from the root (the middle joint) outwards, long limbs first. All joints lie inside;
  * those at the ends of limbs half a radius below the surface. A cycle (a ring) is cut open at its
  * place farthest from the root, with a remark. An open or badly connected surface is repaired
  * first, with a remark; one of several shells is BW_GEOMETRY. */
-bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
-                              const bw_skeleton_options *options, bw_skeleton **skeleton);
+BW_API bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
+                                     const bw_skeleton_options *options, bw_skeleton **skeleton);
 
 /* Trivial graph format: "number x y z [name]" per joint, "#", "from to [name]" per bone. Lengths
  * are multiplied by `unit` (m per unit of the file) on reading, divided on writing. Bones are
  * written pointing away from the root, which tells it when they are read again. */
-bw_status bw_skeleton_read_tgf(bw_context *context, const char *path, double unit,
-                               bw_skeleton **skeleton);
-bw_status bw_skeleton_write_tgf(bw_context *context, const bw_skeleton *skeleton, const char *path,
-                                double unit);
+BW_API bw_status bw_skeleton_read_tgf(bw_context *context, const char *path, double unit,
+                                      bw_skeleton **skeleton);
+BW_API bw_status bw_skeleton_write_tgf(bw_context *context, const bw_skeleton *skeleton,
+                                       const char *path, double unit);
 
 /* Edits; each gives a new skeleton and leaves the old one. */
 /* A joint on a bone at `fraction` (0 to 1) of its length: the bone keeps its name on the side of
  * its head. */
-bw_status bw_skeleton_insert_joint(bw_context *context, const bw_skeleton *skeleton, int32_t bone,
-                                   double fraction, const char *name, bw_skeleton **out);
-bw_status bw_skeleton_move_joint(bw_context *context, const bw_skeleton *skeleton, int32_t joint,
-                                 const double at[3], bw_skeleton **out);
+BW_API bw_status bw_skeleton_insert_joint(bw_context *context, const bw_skeleton *skeleton,
+                                          int32_t bone, double fraction, const char *name,
+                                          bw_skeleton **out);
+BW_API bw_status bw_skeleton_move_joint(bw_context *context, const bw_skeleton *skeleton,
+                                        int32_t joint, const double at[3], bw_skeleton **out);
 /* Two bones that meet at a joint of no other bone become one, with the name of the first. Where
  * that joint was the root, the other end of the first is. */
-bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skeleton, int32_t a,
-                                  int32_t b, bw_skeleton **out);
+BW_API bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skeleton,
+                                         int32_t a, int32_t b, bw_skeleton **out);
 /* Leave out a bone and all below it. */
-bw_status bw_skeleton_remove_bone(bw_context *context, const bw_skeleton *skeleton, int32_t bone,
-                                  bw_skeleton **out);
-bw_status bw_skeleton_with_root(bw_context *context, const bw_skeleton *skeleton, int32_t joint,
-                                bw_skeleton **out);
+BW_API bw_status bw_skeleton_remove_bone(bw_context *context, const bw_skeleton *skeleton,
+                                         int32_t bone, bw_skeleton **out);
+BW_API bw_status bw_skeleton_with_root(bw_context *context, const bw_skeleton *skeleton,
+                                       int32_t joint, bw_skeleton **out);
 /* The rest frame of every bone, bone_count x 9, rows are its axes: x along the bone, y and z across
  * it (y is the global axis least along the bone, made orthogonal), right-handed. */
-void bw_skeleton_frames(const bw_skeleton *skeleton, double *frame);
+BW_API void bw_skeleton_frames(const bw_skeleton *skeleton, double *frame);
 
 /* ---- skinning weights --------------------------------------------------------------------------
  */
@@ -92,8 +93,9 @@ typedef struct bw_weights_options {
  * (-Laplace + H) w = H p with H = heat / d^2 to the nearest bones that a surface point sees;
  * inside, a Laplace solve with these as boundary values (eq. 2 of agile); negative values, which
  * cotangents can cause, are cut and rows scaled. Middle nodes get the mean of their edge's ends. */
-bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
-                              const bw_weights_options *options, double *weight);
+BW_API bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh,
+                                     const bw_skeleton *skeleton, const bw_weights_options *options,
+                                     double *weight);
 
 /* ---- domains (agile, section 4) ----------------------------------------------------------------
  */
@@ -150,31 +152,33 @@ typedef struct bw_domains_options {
  * left is grouped by faces (and through shared nodes that no type R domain has). Type F is blended
  * by weights from Laplace solves with ones and zeros on the interfaces. `weight` as from
  * bw_skinning_weights. A bone without a domain gets a remark. */
-bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
-                            const double *weight, const bw_domains_options *options,
-                            bw_domains **domains);
+BW_API bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh,
+                                   const bw_skeleton *skeleton, const double *weight,
+                                   const bw_domains_options *options, bw_domains **domains);
 /* Give elements to a bone's type R domain, or (bone -1) take them out of type R. BW_INVALID names
  * the element when the domain would fall apart or touch another bone's. */
-bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int64_t count,
-                            const int32_t *element, int32_t bone, bw_domains **changed);
+BW_API bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int64_t count,
+                                   const int32_t *element, int32_t bone, bw_domains **changed);
 /* The same domains from labels: element_domain as numbered in `bone_of` (count entries). For meshes
  * refilled in a session. */
-bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
-                                 const bw_skeleton *skeleton, int32_t count, const int32_t *bone_of,
-                                 const int32_t *element_domain, bw_domains **domains);
+BW_API bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
+                                        const bw_skeleton *skeleton, int32_t count,
+                                        const int32_t *bone_of, const int32_t *element_domain,
+                                        bw_domains **domains);
 
 /* Whether the invariants hold, for tests and debuggers: BW_INVALID or BW_INTERNAL names the first
  * element or node where they do not. */
-bw_status bw_domains_check(bw_context *context, const bw_domains *domains);
+BW_API bw_status bw_domains_check(bw_context *context, const bw_domains *domains);
 
 /* The domains on `mesh`, which bw_mesh_refill made of the posed shape with `replace` (whole domains
  * of type F), node_from and element_from. Kept nodes keep their places at rest and what moves them;
  * a new one gets weights from Laplace on `mesh` and the place at rest that its own blended map, of
  * the bones' maps at hand, takes to where it is. The rest mesh of these domains carries positions:
  * elements in it may be inverted. BW_GEOMETRY where bones blend to a plane. */
-bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains, const double *map,
-                              const uint8_t *replace, const bw_mesh *mesh, const int32_t *node_from,
-                              const int32_t *element_from, bw_domains **refilled);
+BW_API bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains,
+                                     const double *map, const uint8_t *replace, const bw_mesh *mesh,
+                                     const int32_t *node_from, const int32_t *element_from,
+                                     bw_domains **refilled);
 
 /* ---- poses ----------------------------------------------------------------------------------- */
 
@@ -185,26 +189,27 @@ typedef struct bw_bone_pose {
   double scale[3];       /* along the bone's own axes (bw_skeleton_frames), positive */
   double translation[3]; /* of the head, m, in the parent's moved directions */
 } bw_bone_pose;
-void bw_bone_pose_rest(bw_bone_pose *pose);
+BW_API void bw_bone_pose_rest(bw_bone_pose *pose);
 /* Forward kinematics. map: bone_count x 12, rows of [A | b], rest -> posed; rotation: bone_count x
  * 9, the rotation in A (A = rotation F^T S F with F the rest frame). Either may be NULL. */
-bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton, const bw_bone_pose *pose,
-                       double *map, double *rotation);
+BW_API bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton,
+                              const bw_bone_pose *pose, double *map, double *rotation);
 /* Posed joints, joint_count x 3 (the root's bones' heads, else tails). */
-void bw_pose_joints(const bw_skeleton *skeleton, const double *map, double *joint);
+BW_API void bw_pose_joints(const bw_skeleton *skeleton, const double *map, double *joint);
 /* Posed nodes, node_count x 3: corners blended, middle nodes half-way. */
-bw_status bw_pose_nodes(bw_context *context, const bw_domains *domains, const double *map,
-                        double *node);
+BW_API bw_status bw_pose_nodes(bw_context *context, const bw_domains *domains, const double *map,
+                               double *node);
 /* d node / d scale[axis] of one bone (agile, eq. 20: node positions are linear in the scales):
  * node_count x 3. */
-bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
-                             const bw_bone_pose *pose, int32_t bone, int axis, double *derivative);
+BW_API bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
+                                    const bw_bone_pose *pose, int32_t bone, int axis,
+                                    double *derivative);
 
 /* How each piece moved since rest (piece_count): see bw_domain_motion (assemble.h). A piece all of
  * whose bones moved by one affine map moves with it as a whole. Its frame is the rotation of its
  * first bone. */
-bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const double *map,
-                         const double *rotation, bw_domain_motion *motion);
+BW_API bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const double *map,
+                                const double *rotation, bw_domain_motion *motion);
 
 /* ---- inverse kinematics ---------------------------------------------------------------------- */
 
@@ -214,7 +219,7 @@ typedef struct bw_joint_limit {
   double twist_low; /* about the bone's own axis */
   double twist_high;
 } bw_joint_limit;
-void bw_joint_limit_none(bw_joint_limit *limit);
+BW_API void bw_joint_limit_none(bw_joint_limit *limit);
 typedef struct bw_reach_target {
   int32_t bone;
   double along; /* which point of the bone: 0 head, 1 tail */
@@ -230,9 +235,10 @@ typedef struct bw_reach_report {
 /* Turn the bones of the chains so that all targets are met at once, as nearly as the limits allow
  * (damped least squares on the rotations, projected on the limits). `limit` may be NULL. tolerance
  * 0: 1e-6 of the skeleton's size. */
-bw_status bw_pose_reach(bw_context *context, const bw_skeleton *skeleton,
-                        const bw_joint_limit *limit, int count, const bw_reach_target *target,
-                        double tolerance, bw_bone_pose *pose, bw_reach_report *report);
+BW_API bw_status bw_pose_reach(bw_context *context, const bw_skeleton *skeleton,
+                               const bw_joint_limit *limit, int count,
+                               const bw_reach_target *target, double tolerance, bw_bone_pose *pose,
+                               bw_reach_report *report);
 
 /* ---- mending an edited mesh --------------------------------------------------------------------
  */
@@ -247,25 +253,26 @@ typedef struct bw_mend_report {
 } bw_mend_report;
 /* Mean ratio quality of the straight tetrahedron: 12 (3V)^(2/3) / sum of squared edge lengths,
  * signed by the volume; 1 for a regular one. */
-double bw_shape_quality(const double *a, const double *b, const double *c, const double *d);
+BW_API double bw_shape_quality(const double *a, const double *b, const double *c, const double *d);
 /* Inverted (or, with floor > 0, poorer than `floor`) elements of `mesh`'s topology at the positions
  * `node`: count, and the worst. */
-void bw_mesh_judge(const bw_mesh *mesh, const double *node, double floor, bw_mend_report *report);
+BW_API void bw_mesh_judge(const bw_mesh *mesh, const double *node, double floor,
+                          bw_mend_report *report);
 /* Move nodes with may_move (corners off the boundary; others are left) until no element is inverted
  * and the worst quality stops growing: local untangling of the worst elements' neighbourhoods.
  * Middle nodes stay half-way. BW_GEOMETRY, the worst element named, when it cannot; `node` is then
  * as it was. */
-bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t *may_move,
-                        double *node, bw_mend_report *report);
+BW_API bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t *may_move,
+                               double *node, bw_mend_report *report);
 /* New tetrahedra by TetGen in the part of the mesh with replace[e] != 0, at the positions `node`:
  * the facets between it and the rest, and those on the boundary, stay exactly. The boundary facets
  * of `refilled` are those of `mesh`, in the same order, with the same positions; boundary and kept
  * nodes come first: node_from[i] is the old node or -1; element_from[e] the old element (kept ones,
  * in order, first) or -1 - k with k the part's piece (face-connected parts of `replace`, by lowest
  * element). BW_GEOMETRY when the part's own boundary intersects itself. Blocks for bw_free. */
-bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double *node,
-                         const uint8_t *replace, bw_mesh **refilled, int32_t **node_from,
-                         int32_t **element_from);
+BW_API bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double *node,
+                                const uint8_t *replace, bw_mesh **refilled, int32_t **node_from,
+                                int32_t **element_from);
 
 #ifdef __cplusplus
 }

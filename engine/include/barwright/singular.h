@@ -17,7 +17,7 @@ typedef enum bw_corner { BW_CORNER_FREE, BW_CORNER_FIXED, BW_CORNER_SLIDING } bw
  * 2 pi): displacements go like r^lambda and stresses like r^(lambda - 1) with the distance r. The
  * least real part in (0, 1) of the roots of plane strain, symmetric ones only where both faces are
  * free; 1 where stresses stay finite. `poisson` counts for a fixed face only. */
-double bw_williams_exponent(bw_corner corner, double angle, double poisson);
+BW_API double bw_williams_exponent(bw_corner corner, double angle, double poisson);
 
 typedef enum bw_singular_kind {
   BW_SINGULAR_EDGE,    /* re-entrant, without a fillet */
@@ -27,7 +27,7 @@ typedef enum bw_singular_kind {
   BW_SINGULAR_POINT_LOAD,
   BW_SINGULAR_POINT_SUPPORT
 } bw_singular_kind;
-const char *bw_singular_word(bw_singular_kind kind); /* "re-entrant edge", ... */
+BW_API const char *bw_singular_word(bw_singular_kind kind); /* "re-entrant edge", ... */
 
 typedef struct bw_singular_place {
   bw_singular_kind kind;
@@ -52,8 +52,9 @@ typedef struct bw_singular_places {
  * degrees by more than `margin` (radians; 0: 10 degrees) between two recognised faces, and by more
  * than 30 degrees where one is free form (docs/theory/singular.md). `faces`: of this surface, or
  * NULL. BW_GEOMETRY for a surface that is open, or not turned outwards. */
-bw_status bw_singular_edges(bw_context *context, const bw_surface *surface, const bw_faces *faces,
-                            double margin, bw_singular_places **edges);
+BW_API bw_status bw_singular_edges(bw_context *context, const bw_surface *surface,
+                                   const bw_faces *faces, double margin,
+                                   bw_singular_places **edges);
 
 #ifdef __cplusplus
 }

@@ -13,9 +13,9 @@ extern "C" {
  * `margin` as bw_singular_edges); borders of supports whose exponent is below one; loads and
  * supports at single nodes, and along lines of them. An angle beside a support is that of the
  * mesh's boundary. Facets held otherwise than along their normal count as fixed. */
-bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
-                                  const bw_surface *surface, double margin,
-                                  bw_singular_places **places);
+BW_API bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
+                                         const bw_surface *surface, double margin,
+                                         bw_singular_places **places);
 
 #ifdef __cplusplus
 }

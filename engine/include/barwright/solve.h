@@ -38,19 +38,19 @@ struct bw_system {
 };
 /* `previous` (may be NULL): a system of the same topology whose graph, ordering and analysis are
  * reused where they fit. BW_SINGULAR when a held body's matrix is not positive definite. */
-bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                           const bw_numbering *numbering, const bw_system *previous,
-                           bw_system **system);
+BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
+                                  const bw_material *material, const bw_numbering *numbering,
+                                  const bw_system *previous, bw_system **system);
 /* Mass and factor, where the system has none yet: then it is one as bw_system_create makes it. On
  * failure it is as it was. BW_MEMORY, before any is taken, where the factor is larger than what is
  * free (bw_free_memory): so says bw_system_create too. */
-bw_status bw_system_factor(bw_context *context, bw_system *system);
+BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once (node_count x 3 each, one
  * after the other; force and displacement may be the same block). Where rigid motions are free, the
  * force is first balanced by inertia (f - M r <r, f>; no change for a balanced force) and the
  * displacement made free of rigid motion (eq. 5 of worst-case): u = P K^+ P^T f, symmetric. */
-bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
-                          const double *force, double *displacement);
+BW_API bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
+                                 const double *force, double *displacement);
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
@@ -107,8 +107,8 @@ typedef struct bw_statics_options {
  * account of: when the next one would make their sum more than the factor, that is made. Where
  * iterating does not converge, a factor takes its place, and a remark says so; BW_CONVERGENCE where
  * there is no room for one, or levels were asked for. */
-bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
-                     const bw_statics_options *options, bw_static **result);
+BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
+                            const bw_statics_options *options, bw_static **result);
 
 /* ---- a system that follows edits (agile, section 6, and beyond) -------------------------------
  */
@@ -170,7 +170,7 @@ typedef struct bw_local_options {
      rule, are not looked at. */
   bool energy;
 } bw_local_options;
-void bw_local_options_default(bw_local_options *options);
+BW_API void bw_local_options_default(bw_local_options *options);
 
 /* The equations of a body cut into domains, kept up to date through edits of its shape. Mutable:
  * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
@@ -194,27 +194,30 @@ typedef struct bw_edits {
  * `material_turns`: an orthotropic material's axes turn with the frames of the domains, and models
  * that are followed come with their material turned so (bw_model_turn_material).
  * Orders with the edits in mind (NULL: of each domain by itself), factors. */
-bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
-                                 int32_t domain_count, const int32_t *element_domain,
-                                 const int32_t *node_domain, const bw_edits *edits,
-                                 bw_local_system **local);
+BW_API bw_status bw_local_system_create(bw_context *context, const bw_model *model,
+                                        bool material_turns, int32_t domain_count,
+                                        const int32_t *element_domain, const int32_t *node_domain,
+                                        const bw_edits *edits, bw_local_system **local);
 /* Follow an edit: `model` is the edited one (bw_model_moved). Where the supports are no longer the
  * same, the whole factor is made again on the next solve. On failure the shape is as it was. */
-bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
-                                 const bw_domain_motion *motion, bw_reuse *reuse);
+BW_API bw_status bw_local_system_update(bw_context *context, bw_local_system *local,
+                                        const bw_model *model, const bw_domain_motion *motion,
+                                        bw_reuse *reuse);
 /* u = K^-1 f as bw_system_solve: `count` right-hand sides, by the method asked for or chosen.
  * `reuse` (may be NULL) is completed, not cleared. */
-bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
-                                const bw_local_options *options, int64_t count, const double *force,
-                                double *displacement, bw_reuse *reuse);
+BW_API bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
+                                       const bw_local_options *options, int64_t count,
+                                       const double *force, double *displacement, bw_reuse *reuse);
 /* Bring the factor up to date, and the view's: where the system keeps its own in single precision,
  * that is another one, made from scratch. */
-bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, bw_reuse *reuse);
+BW_API bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local,
+                                          bw_reuse *reuse);
 /* The static solution of a model that was last synchronised, as bw_statics; result->system is NULL.
  */
-bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw_model *model,
-                           const bw_statics_options *statics, const bw_local_options *options,
-                           bw_static **result, bw_reuse *reuse);
+BW_API bw_status bw_local_statics(bw_context *context, bw_local_system *local,
+                                  const bw_model *model, const bw_statics_options *statics,
+                                  const bw_local_options *options, bw_static **result,
+                                  bw_reuse *reuse);
 /* What the same shape costs from scratch, with the same graph: its stiffness gathered from all
  * elements, CHOLMOD's analysis, numeric factorisation and one solve, with the unknowns in the order
  * that was chosen for edits or (`own_order`) in the one it would be given for a single solution,
@@ -224,12 +227,12 @@ typedef struct bw_baseline_times {
   double stiffness, analysis, factor, solve; /* s */
   double flops, entries;                     /* of the factor, as CHOLMOD counts them */
 } bw_baseline_times;
-bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, bool own_order,
-                            bw_baseline_times *times);
+BW_API bw_status bw_local_baseline(bw_context *context, const bw_local_system *local,
+                                   bool own_order, bw_baseline_times *times);
 /* Bytes: of the factor, and of the update matrices kept beside it. */
-void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
+BW_API void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
 /* Bytes of what solves over levels of elements; 0 until it is first used. */
-size_t bw_local_system_levels_bytes(const bw_local_system *local);
+BW_API size_t bw_local_system_levels_bytes(const bw_local_system *local);
 
 /* ---- modes --------------------------------------------------------------------------------- */
 
@@ -239,7 +242,7 @@ typedef struct bw_modes_options {
   bool sturm;    /* count eigenvalues below the last one from an indefinite factor; default true */
   uint64_t seed; /* of the start vector */
 } bw_modes_options;
-void bw_modes_options_default(bw_modes_options *options);
+BW_API void bw_modes_options_default(bw_modes_options *options);
 
 typedef struct bw_modes {
   bw_object object;
@@ -262,12 +265,12 @@ typedef struct bw_modes {
 /* The lowest elastic modes K u = lambda M u (consistent mass) by block Lanczos on the inverse, with
  * the system's own factor; free rigid motions are projected out exactly. Fewer than asked for where
  * the body has fewer. */
-bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *options,
-                           bw_modes **modes);
+BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
+                                  const bw_modes_options *options, bw_modes **modes);
 /* The lowest nonconstant modes of the scalar Laplacian on the mesh (free boundary), section 4 of
  * worst-case. */
-bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                             const bw_modes_options *options, bw_modes **modes);
+BW_API bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                                    const bw_modes_options *options, bw_modes **modes);
 
 /* ---- solvers outside of the engine --------------------------------------------------------- */
 
@@ -285,7 +288,7 @@ typedef struct bw_outside_options {
   double rtol;    /* |K u - f| / |f| to be reached; default 1e-10 */
   int iterations; /* of conjugate gradients, at most; default 2000 */
 } bw_outside_options;
-void bw_outside_options_default(bw_outside_options *options);
+BW_API void bw_outside_options_default(bw_outside_options *options);
 
 typedef struct bw_outside_report {
   char method[96];           /* "conjugate gradients, GAMG" */
@@ -325,22 +328,22 @@ typedef struct bw_outside {
   void (*close)(bw_context *context, bw_outside_report *report);
 } bw_outside;
 /* One for the process; NULL takes it away. Not copied. */
-void bw_outside_register(const bw_outside *outside);
-const bw_outside *bw_outside_registered(void);
+BW_API void bw_outside_register(const bw_outside *outside);
+BW_API const bw_outside *bw_outside_registered(void);
 
 /* As bw_statics and bw_modes_elastic: BW_UNSUPPORTED when none is registered, BW_CONVERGENCE when
  * the residual, computed with the engine's own K, is above what was asked for. result->system is
  * NULL. */
-bw_status bw_statics_outside(bw_context *context, const bw_model *model,
-                             const bw_statics_options *statics, const bw_outside_options *options,
-                             bw_static **result);
-bw_status bw_modes_outside(bw_context *context, const bw_model *model,
-                           const bw_modes_options *options, const bw_outside_options *outside,
-                           bw_modes **modes);
+BW_API bw_status bw_statics_outside(bw_context *context, const bw_model *model,
+                                    const bw_statics_options *statics,
+                                    const bw_outside_options *options, bw_static **result);
+BW_API bw_status bw_modes_outside(bw_context *context, const bw_model *model,
+                                  const bw_modes_options *options,
+                                  const bw_outside_options *outside, bw_modes **modes);
 
 /* Name and version of the BLAS in use, the thread libraries, CHOLMOD, METIS, GLPK...: one line
  * each. A BLAS known to be slow here (OpenMP variant) is said. Release with bw_free. */
-bw_status bw_library_versions(bw_context *context, char **text);
+BW_API bw_status bw_library_versions(bw_context *context, char **text);
 
 #ifdef __cplusplus
 }

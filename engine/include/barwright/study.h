@@ -36,35 +36,37 @@ typedef struct bw_database_options {
   bool read_only;      /* the file must exist */
   double busy_seconds; /* to wait for another process */
 } bw_database_options;
-void bw_database_options_default(bw_database_options *options);
+BW_API void bw_database_options_default(bw_database_options *options);
 
 /* A file that does not exist, or is empty, becomes a database. */
-bw_status bw_database_open(bw_context *context, const char *path,
-                           const bw_database_options *options, bw_database **database);
-const char *bw_database_path(const bw_database *database);
-bool bw_database_inside_transaction(const bw_database *database);
+BW_API bw_status bw_database_open(bw_context *context, const char *path,
+                                  const bw_database_options *options, bw_database **database);
+BW_API const char *bw_database_path(const bw_database *database);
+BW_API bool bw_database_inside_transaction(const bw_database *database);
 /* Statements one after the other; rows that they give are dropped. */
-bw_status bw_database_execute(bw_context *context, bw_database *database, const char *sql);
+BW_API bw_status bw_database_execute(bw_context *context, bw_database *database, const char *sql);
 /* Rows that the last statement changed. */
-int64_t bw_database_changed(const bw_database *database);
+BW_API int64_t bw_database_changed(const bw_database *database);
 /* What SQLite's own check finds, one line each, at most `most`, to be released with bw_free; NULL
  * when the file is sound. */
-bw_status bw_database_check(bw_context *context, bw_database *database, int most, char **problems);
+BW_API bw_status bw_database_check(bw_context *context, bw_database *database, int most,
+                                   char **problems);
 
 /* The statement for one SQL text, kept by it with the database; its parameters are NULL again. It
  * is in use until it has been stepped to the end or put back. */
-bw_status bw_database_prepare(bw_context *context, bw_database *database, const char *sql,
-                              bw_statement **statement);
-int bw_statement_parameters(const bw_statement *statement);
+BW_API bw_status bw_database_prepare(bw_context *context, bw_database *database, const char *sql,
+                                     bw_statement **statement);
+BW_API int bw_statement_parameters(const bw_statement *statement);
 /* Parameters are counted from 0. NaN, which SQL does not know, becomes NULL. Text with zero bytes
  * is kept as a blob. */
-bw_status bw_statement_bind_integer(bw_context *context, bw_statement *s, int i, int64_t value);
-bw_status bw_statement_bind_real(bw_context *context, bw_statement *s, int i, double value);
-bw_status bw_statement_bind_text(bw_context *context, bw_statement *s, int i, const char *text,
-                                 size_t length);
+BW_API bw_status bw_statement_bind_integer(bw_context *context, bw_statement *s, int i,
+                                           int64_t value);
+BW_API bw_status bw_statement_bind_real(bw_context *context, bw_statement *s, int i, double value);
+BW_API bw_status bw_statement_bind_text(bw_context *context, bw_statement *s, int i,
+                                        const char *text, size_t length);
 /* *row is false at the end, and then the statement is put back. */
-bw_status bw_statement_step(bw_context *context, bw_statement *statement, bool *row);
-void bw_statement_put_back(bw_statement *statement);
+BW_API bw_status bw_statement_step(bw_context *context, bw_statement *statement, bool *row);
+BW_API void bw_statement_put_back(bw_statement *statement);
 
 typedef enum bw_sql_type { BW_SQL_NONE, BW_SQL_INTEGER, BW_SQL_REAL, BW_SQL_TEXT } bw_sql_type;
 typedef struct bw_sql_value {
@@ -74,10 +76,10 @@ typedef struct bw_sql_value {
   const char *text; /* until the next step */
   size_t length;
 } bw_sql_value;
-int bw_statement_columns(const bw_statement *statement);
-const char *bw_statement_column_name(const bw_statement *statement, int column);
-bw_status bw_statement_value(bw_context *context, bw_statement *statement, int column,
-                             bw_sql_value *value);
+BW_API int bw_statement_columns(const bw_statement *statement);
+BW_API const char *bw_statement_column_name(const bw_statement *statement, int column);
+BW_API bw_status bw_statement_value(bw_context *context, bw_statement *statement, int column,
+                                    bw_sql_value *value);
 
 /* Copy what can be read of a damaged file into a new one: tables row by row, past what is
  * unreadable, then indices and views. The damaged file is not touched. What was saved and what was
@@ -92,8 +94,8 @@ typedef struct bw_salvage_report {
   bool whole;    /* nothing was in the way */
   bool relisted; /* the list of tables is the schema's */
 } bw_salvage_report;
-bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
-                              const char *schema, bool relist, bw_salvage_report *report);
+BW_API bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
+                                     const char *schema, bool relist, bw_salvage_report *report);
 
 /* ---- points that fill a cube evenly ---------------------------------------------------------- */
 
@@ -109,8 +111,8 @@ typedef struct bw_sobol_options {
  * that begin at a multiple of 2^k, each dyadic interval of length 2^-k holds one in every
  * dimension. Point 0 is the origin, unless scrambled. A dimension's numbers do not depend on how
  * many there are. */
-bw_status bw_sobol(bw_context *context, int64_t count, int dimensions,
-                   const bw_sobol_options *options, double *point);
+BW_API bw_status bw_sobol(bw_context *context, int64_t count, int dimensions,
+                          const bw_sobol_options *options, double *point);
 
 /* ---- minimisers ------------------------------------------------------------------------------ */
 
@@ -128,10 +130,10 @@ typedef enum bw_minimiser {
   BW_LBFGS       /* gradients */
 } bw_minimiser;
 
-const char *bw_minimiser_word(bw_minimiser minimiser); /* "cobyla"; NULL past the last */
-bool bw_minimiser_takes_gradients(bw_minimiser minimiser);
-bool bw_minimiser_takes_constraints(bw_minimiser minimiser);
-bool bw_minimiser_is_global(bw_minimiser minimiser); /* needs finite bounds */
+BW_API const char *bw_minimiser_word(bw_minimiser minimiser); /* "cobyla"; NULL past the last */
+BW_API bool bw_minimiser_takes_gradients(bw_minimiser minimiser);
+BW_API bool bw_minimiser_takes_constraints(bw_minimiser minimiser);
+BW_API bool bw_minimiser_is_global(bw_minimiser minimiser); /* needs finite bounds */
 
 /* The value, and where `gradient` is not NULL its derivatives, at x: of the objective (which 0) or
  * a constraint (from 1). A failure ends the run and is what bw_minimise returns. */
@@ -149,7 +151,7 @@ typedef struct bw_minimise_options {
   const double *step;          /* first steps without gradients; NULL: NLopt's */
   uint64_t seed;               /* of crs2 and isres */
 } bw_minimise_options;
-void bw_minimise_options_default(bw_minimise_options *options);
+BW_API void bw_minimise_options_default(bw_minimise_options *options);
 
 typedef enum bw_minimise_end {
   BW_END_TOLERANCE,
@@ -158,7 +160,7 @@ typedef enum bw_minimise_end {
   BW_END_ROUNDOFF, /* no better in these digits: most often a minimum */
   BW_END_STUCK     /* the method found no way on */
 } bw_minimise_end;
-const char *bw_minimise_end_word(bw_minimise_end end);
+BW_API const char *bw_minimise_end_word(bw_minimise_end end);
 
 typedef struct bw_minimise_result {
   double value;
@@ -172,9 +174,10 @@ typedef struct bw_minimise_result {
  *   BW_INFEASIBLE   a constraint is violated at the end (detail "violation"); x and result are set
  *   BW_CONVERGENCE  a value that is not a number
  *   the function's own status */
-bw_status bw_minimise(bw_context *context, int n, double *x, const double *least,
-                      const double *most, int constraints, bw_minimised *function, void *data,
-                      const bw_minimise_options *options, bw_minimise_result *result);
+BW_API bw_status bw_minimise(bw_context *context, int n, double *x, const double *least,
+                             const double *most, int constraints, bw_minimised *function,
+                             void *data, const bw_minimise_options *options,
+                             bw_minimise_result *result);
 
 #ifdef __cplusplus
 }

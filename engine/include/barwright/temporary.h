@@ -21,21 +21,23 @@ typedef struct bw_temporary bw_temporary;
 
 /* An empty file beside the target. `with_others`: files whose names begin with its name are to be
  * removed with it. */
-bw_status bw_temporary_create(bw_context *context, const char *target, bool with_others,
-                              bw_temporary **temporary);
+BW_API bw_status bw_temporary_create(bw_context *context, const char *target, bool with_others,
+                                     bw_temporary **temporary);
 /* An empty folder under a name that nobody can foresee, which only this user can enter: in $TMPDIR,
  * else in /tmp; in a confined process in its own. */
-bw_status bw_temporary_folder_create(bw_context *context, bw_temporary **temporary);
-const char *bw_temporary_path(const bw_temporary *temporary); /* of the file, or of the folder */
-int bw_temporary_file(const bw_temporary *temporary); /* its descriptor, for reading and writing */
+BW_API bw_status bw_temporary_folder_create(bw_context *context, bw_temporary **temporary);
+BW_API const char *
+bw_temporary_path(const bw_temporary *temporary); /* of the file, or of the folder */
+BW_API int
+bw_temporary_file(const bw_temporary *temporary); /* its descriptor, for reading and writing */
 /* Renames it over the target; nothing of it is left to be removed. Returns 0, or -1 and errno. */
-int bw_temporary_put_in_place(bw_temporary *temporary, const char *target);
+BW_API int bw_temporary_put_in_place(bw_temporary *temporary, const char *target);
 
 /* Removes what killed processes left behind in a folder. Making a temporary file does so once for
  * each folder and process. */
-void bw_temporaries_sweep(const char *folder);
+BW_API void bw_temporaries_sweep(const char *folder);
 /* Removes those of this process, for a handler of a signal that ends it: async-signal-safe. */
-void bw_temporaries_abandon(void);
+BW_API void bw_temporaries_abandon(void);
 
 #ifdef __cplusplus
 }
