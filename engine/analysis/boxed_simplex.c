@@ -22,11 +22,11 @@
 enum { AT_LOWER = 0, AT_UPPER = 1, BASIC = 2 };
 
 static double upper(const bwi_simplex *s, int32_t j) {
-  return j < 0 ? 0 : s->stretch * s->programme->upper[j]; /* unit columns are held at zero */
+  return j < 0 ? 0 : s->stretch * s->program->upper[j]; /* unit columns are held at zero */
 }
 
 static void start(bwi_simplex *s) {
-  for (int32_t i = 0; i < s->programme->rows; i++)
+  for (int32_t i = 0; i < s->program->rows; i++)
     s->basic[i] = -1 - i;
   s->reach = INFINITY;
 }
@@ -40,7 +40,7 @@ static void basis_row(const bwi_simplex *s, int32_t i, double *row) {
 
 /* Everything afresh from the basic columns. */
 static void restart(bwi_simplex *s) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   if (!bwi_invert(s)) {
     for (int32_t i = 0; i < m; i++)
       s->basic[i] = -1 - i;
@@ -70,7 +70,7 @@ static void restart(bwi_simplex *s) {
 
 /* The row to leave the basis, or -1 at the optimum. */
 static int32_t leaving_row(const bwi_simplex *s, double *length) {
-  int32_t m = s->programme->rows, found = -1;
+  int32_t m = s->program->rows, found = -1;
   double best = 0;
   for (int32_t i = 0; i < m; i++) {
     double bound = upper(s, s->basic[i]);
@@ -101,7 +101,7 @@ static int32_t breakpoints(bwi_simplex *s, double sign, double smallest, double 
 }
 
 static bwi_step iterate(bwi_simplex *s) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   double length = 1;
   int32_t r = leaving_row(s, &length);
   if (r < 0)
@@ -186,8 +186,8 @@ static bwi_step iterate(bwi_simplex *s) {
 }
 
 static void hand_over(bwi_simplex *s, bwi_vertex *vertex) {
-  memcpy(vertex->basic, s->basic, (size_t)s->programme->rows * sizeof *s->basic);
-  for (int32_t j = 0; j < s->programme->columns; j++)
+  memcpy(vertex->basic, s->basic, (size_t)s->program->rows * sizeof *s->basic);
+  for (int32_t j = 0; j < s->program->columns; j++)
     vertex->at_upper[j] = s->state[j] == AT_UPPER;
 }
 

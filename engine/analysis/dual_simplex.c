@@ -1,11 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The dual simplex method for the worst-load programme: few rows (seven for one free body), many
- * columns. It walks down the convex, piecewise linear dual function along the rows of the basis's
- * inverse, searching each exactly: boxed_simplex.c and grouped_simplex.c have the iteration.
+/* The dual simplex method for the worst-load linear program: few rows (seven for one free body),
+ * many columns. It walks down the convex, piecewise linear dual function along the rows of the
+ * basis's inverse, searching each exactly: boxed_simplex.c and grouped_simplex.c have the
+ * iteration.
  *
  * Work per iteration is one product with all columns. A nested sample of the columns is solved
- * first (levels of the programme, coarse to fine) and its basis starts the next one, so that the
- * full set sees only a few iterations. */
+ * first (levels of the linear program, coarse to fine) and its basis starts the next one, so that
+ * the full set sees only a few iterations. */
 #include "analysis/simplex.h"
 
 #include <string.h>
@@ -22,7 +23,7 @@ typedef struct simplex_array {
 
 /* All arrays of a method; those of the other one are empty. */
 static void arrays_of(bwi_simplex *s, simplex_array list[ARRAYS]) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   size_t n = (size_t)p->columns, m = (size_t)p->rows, g = (size_t)p->groups;
   bool grouped = s->method == &bwi_grouped;
   size_t own = grouped ? 0 : n, groups = grouped ? g : 0, rows = grouped ? m : 0;
@@ -61,14 +62,14 @@ void bwi_simplex_free(bwi_simplex *s) {
   bw_free(s);
 }
 
-bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme,
+bw_status bwi_simplex_create(bw_context *context, const bwi_linear_program *program,
                              bwi_simplex **simplex) {
   simplex_array list[ARRAYS];
   bwi_simplex *s = BW_NEW0(context, bwi_simplex, 1);
   if (!s)
     return BW_MEMORY;
-  s->programme = programme;
-  s->method = programme->directions > 1 ? &bwi_grouped : &bwi_boxed;
+  s->program = program;
+  s->method = program->directions > 1 ? &bwi_grouped : &bwi_boxed;
   arrays_of(s, list);
   for (int i = 0; i < ARRAYS; i++) {
     if (list[i].count == 0)
@@ -84,7 +85,7 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme
 }
 
 void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   if (j < 0)
     return;
   double *local = sum + p->first_row[j];
@@ -94,7 +95,7 @@ void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum)
 }
 
 void bwi_times_columns(const bwi_simplex *s, const double *row, double *out) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   size_t n = (size_t)p->columns;
   double last = row[p->rows - 1];
   for (int32_t k = 0; k < s->segments; k++) {
@@ -120,7 +121,7 @@ void bwi_times_columns(const bwi_simplex *s, const double *row, double *out) {
 }
 
 bool bwi_invert(bwi_simplex *s) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   size_t square = (size_t)m * (size_t)m;
   memset(s->factor, 0, square * sizeof *s->factor);
   for (int32_t i = 0; i < m; i++) /* the transpose of the basis */
@@ -138,7 +139,7 @@ bool bwi_invert(bwi_simplex *s) {
 }
 
 void bwi_basic_values(bwi_simplex *s) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   for (int32_t i = 0; i < m; i++) {
     double sum = 0;
     for (int32_t k = 0; k < m; k++)
@@ -148,7 +149,7 @@ void bwi_basic_values(bwi_simplex *s) {
 }
 
 double bwi_row_square(const bwi_simplex *s, int32_t i) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   const double *row = s->inverse + (size_t)i * (size_t)m;
   double square = 0;
   for (int32_t k = 0; k < m; k++)
@@ -163,7 +164,7 @@ static double scatter(int32_t j) {
 
 /* To the optimum of one level. The last word is had by a basis and costs computed afresh. */
 static bwi_step optimise(bwi_simplex *s) {
-  int limit = 400 + 120 * s->programme->rows, since = 0, unstable = 0;
+  int limit = 400 + 120 * s->program->rows, since = 0, unstable = 0;
   s->method->restart(s);
   bool fresh = true;
   for (int i = 0; i < limit; i++) {
@@ -186,7 +187,7 @@ static bwi_step optimise(bwi_simplex *s) {
 
 bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *s, const double *cost, bool sampled,
                             bwi_vertex *vertex) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   double capacity = 0, sample = 0;
   bwi_step result = BWI_OPTIMAL;
   for (int32_t g = 0; g < p->groups; g++)

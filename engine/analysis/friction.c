@@ -10,8 +10,8 @@
  *
  * Invariants: columns of a pressure are consecutive and have the rows of the column without
  * friction; for every pressure the columns' mean is that column. */
+#include "analysis/linear_program.h"
 #include "analysis/pressure.h"
-#include "analysis/programme.h"
 #include "barwright/element.h"
 
 #include <math.h>

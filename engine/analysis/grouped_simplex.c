@@ -26,7 +26,7 @@
 enum { NONE = -1, NO_GROUP = -1 };
 
 static double upper(const bwi_simplex *s, int32_t g) {
-  return s->stretch * s->programme->upper[s->programme->group_start[g]];
+  return s->stretch * s->program->upper[s->program->group_start[g]];
 }
 
 static double value(const double *list, int32_t j) {
@@ -41,11 +41,11 @@ static void make_unit(bwi_simplex *s, int32_t i) {
 }
 
 static void start(bwi_simplex *s) {
-  for (int32_t g = 0; g < s->programme->groups; g++) {
+  for (int32_t g = 0; g < s->program->groups; g++) {
     s->key[g] = NONE;
     s->ties[g] = 0;
   }
-  for (int32_t i = 0; i < s->programme->rows; i++) {
+  for (int32_t i = 0; i < s->program->rows; i++) {
     s->group[i] = NO_GROUP;
     s->member[i] = NONE;
     s->unit[i] = i;
@@ -69,7 +69,7 @@ static void set_key(bwi_simplex *s, int32_t g, int32_t to) {
 
 /* Multipliers and reduced costs of the basis; keys of groups without a basic column. */
 static void price(bwi_simplex *s) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   int32_t m = p->rows;
   memset(s->y, 0, (size_t)m * sizeof *s->y);
   for (int32_t i = 0; i < m; i++) {
@@ -97,7 +97,7 @@ static void price(bwi_simplex *s) {
 
 /* A basic column whose tie others overtake cannot stay: its place goes to the unit column. */
 static bool overtaken(bwi_simplex *s) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   bool found = false;
   for (int32_t i = 0; i < p->rows; i++) {
     int32_t g = s->group[i];
@@ -116,7 +116,7 @@ static bool overtaken(bwi_simplex *s) {
 
 /* Everything afresh from the basic columns and their keys. */
 static void restart(bwi_simplex *s) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   do {
     if (!bwi_invert(s)) {
       for (int32_t i = 0; i < m; i++) {
@@ -133,7 +133,7 @@ static void restart(bwi_simplex *s) {
 /* A key that is negative changes places with the largest basic column of its group. Returns
  * whether any did. */
 static bool turn_keys(bwi_simplex *s) {
-  int32_t m = s->programme->rows;
+  int32_t m = s->program->rows;
   bool turned = false;
   for (int32_t i = 0; i < m; i++) {
     int32_t g = s->group[i], largest = i;
@@ -158,7 +158,7 @@ static bool turn_keys(bwi_simplex *s) {
 
 /* The row to leave the basis, or -1 at the optimum. */
 static int32_t leaving_row(const bwi_simplex *s, double *length) {
-  int32_t m = s->programme->rows, found = -1;
+  int32_t m = s->program->rows, found = -1;
   double best = 0;
   for (int32_t i = 0; i < m; i++) {
     bool unit = s->group[i] == NO_GROUP;
@@ -180,12 +180,12 @@ static int32_t leaving_row(const bwi_simplex *s, double *length) {
  * one does. */
 static int32_t next_key(const bwi_simplex *s, int32_t g, int32_t p, double sign, double smallest,
                         double *step) {
-  const bwi_programme *programme = s->programme;
+  const bwi_linear_program *program = s->program;
   int32_t found = NONE - 1;
   double d = value(s->reduced, p), a = sign * value(s->alpha, p), most = 0;
   *step = INFINITY;
-  for (int32_t j = programme->group_start[g] - 1; j < programme->group_start[g + 1]; j++) {
-    int32_t q = j < programme->group_start[g] ? NONE : j;
+  for (int32_t j = program->group_start[g] - 1; j < program->group_start[g + 1]; j++) {
+    int32_t q = j < program->group_start[g] ? NONE : j;
     double steeper = a - sign * value(s->alpha, q);
     if (q == p || !(steeper > smallest))
       continue;
@@ -230,8 +230,8 @@ static double pivot_of(const bwi_simplex *s, int32_t p, int32_t q) {
 }
 
 static bwi_step iterate(bwi_simplex *s) {
-  const bwi_programme *programme = s->programme;
-  int32_t m = programme->rows;
+  const bwi_linear_program *program = s->program;
+  int32_t m = program->rows;
   double length = 1;
   do {
     if (!bwi_invert(s))
@@ -286,7 +286,7 @@ static bwi_step iterate(bwi_simplex *s) {
 
 /* As bwi_vertex wants it: no column of zeros in the basis. */
 static void hand_over(bwi_simplex *s, bwi_vertex *vertex) {
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   memset(vertex->at_upper, 0, (size_t)p->columns * sizeof *vertex->at_upper);
   for (int32_t i = 0; i < p->rows; i++)
     if (s->group[i] != NO_GROUP && s->member[i] == NONE) {

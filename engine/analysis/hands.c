@@ -3,14 +3,14 @@
  * (docs/theory/worst_case.md, section 15).
  *
  * Which patches is a combinatorial choice; with the patches given the best pressure is a small
- * linear programme. A local search exchanges patches. Multipliers of the small programme price all
- * other patches, and those that promise most are tried, together with the patches opposite to those
- * at hand. On the way the total force may be smaller than asked for, at a cost: so a set of patches
- * that cannot be in balance has a value as well.
+ * linear program. A local search exchanges patches. Multipliers of the small linear program price
+ * all other patches, and those that promise most are tried, together with the patches opposite to
+ * those at hand. On the way the total force may be smaller than asked for, at a cost: so a set of
+ * patches that cannot be in balance has a value as well.
  *
  * Invariant: a set holds distinct centres; `seed` is a set that carries the whole force, so that
  * every objective has an answer. */
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 
 #include <math.h>
 #include <string.h>
@@ -49,7 +49,7 @@ typedef struct bench {
   double *score;            /* nodes */
   double *price;            /* nodes: of the patch around each */
   double *dual;             /* motions and one */
-  double *given, *pressure; /* columns of the patches' programme */
+  double *given, *pressure; /* columns of the patches' linear program */
 } bench;
 
 void bwi_hands_free(bwi_hands *hands) {
@@ -95,7 +95,7 @@ static int32_t body_of(const bwi_hands *h, int32_t node) {
   return basis->mesh->component[basis->node[node * basis->directions]];
 }
 
-/* ---- the programme of given patches ---------------------------------------------------------- */
+/* ---- the linear program of given patches ----------------------------------------------------- */
 
 static void take(const bwi_hands *h, const set *s, uint8_t *taken) {
   memset(taken, 0, (size_t)h->nodes);
@@ -399,7 +399,7 @@ done:
   return status;
 }
 
-/* The pressure of the last programme, spread over all columns. */
+/* The pressure of the last linear program, spread over all columns. */
 static void spread(const bench *b, double *pressure) {
   int32_t from = 0;
   for (int32_t j = 0; j < b->hands->basis->count; j++)

@@ -5,7 +5,7 @@
  *
  * Its answer is then judged: the multipliers of the rows that are active come from non-negative
  * least squares, the rows with positive ones are made exactly active, and a point that fulfils all
- * rows with them is the optimum, because the programme is strictly convex. */
+ * rows with them is the optimum, because the linear program is strictly convex. */
 #include "analysis/nearest_point.h"
 
 #include <math.h>
@@ -52,7 +52,7 @@ static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
   *word = "SUCCESS";
   if (!opt || !tolerance) {
     status =
-        bw_fail(p->context, BW_MEMORY, "no memory for a quadratic programme of %d unknowns", p->n);
+        bw_fail(p->context, BW_MEMORY, "no memory for a quadratic program of %d unknowns", p->n);
     goto done;
   }
   for (int i = 0; i < p->rows; i++)
@@ -70,9 +70,9 @@ static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
   *word = nlopt_result_to_string(result);
   if (result == NLOPT_OUT_OF_MEMORY)
     status =
-        bw_fail(p->context, BW_MEMORY, "no memory for a quadratic programme of %d unknowns", p->n);
+        bw_fail(p->context, BW_MEMORY, "no memory for a quadratic program of %d unknowns", p->n);
   else if (result == NLOPT_INVALID_ARGS)
-    status = bw_fail(p->context, BW_INTERNAL, "NLopt refused a quadratic programme: %s", *word);
+    status = bw_fail(p->context, BW_INTERNAL, "NLopt refused a quadratic program: %s", *word);
   for (int j = 0; j < p->n; j++)
     if (!isfinite(z[j]))
       z[j] = 0;

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The point of a polyhedron nearest to the origin: what the quadratic programme comes down to. */
+/* The point of a polyhedron nearest to the origin: what the quadratic program comes down to. */
 #ifndef BARWRIGHT_NEAREST_POINT_H
 #define BARWRIGHT_NEAREST_POINT_H
 

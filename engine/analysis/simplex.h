@@ -6,7 +6,7 @@
 #ifndef BARWRIGHT_ANALYSIS_SIMPLEX_H
 #define BARWRIGHT_ANALYSIS_SIMPLEX_H
 
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 
 typedef enum bwi_step { BWI_DONE, BWI_OPTIMAL, BWI_INFEASIBLE, BWI_UNSTABLE } bwi_step;
 
@@ -28,7 +28,7 @@ typedef struct bwi_method {
 extern const bwi_method bwi_boxed, bwi_grouped;
 
 struct bwi_simplex {
-  const bwi_programme *programme;
+  const bwi_linear_program *program;
   const bwi_method *method;
   double *cost, *reduced, *alpha; /* columns: c, d, and the row that is searched along */
   bwi_breakpoint *point;          /* columns and groups */

@@ -6,8 +6,8 @@
  * directions are covered by spherical triangles. A triangle whose points are within the angle delta
  * of its centre n holds no stress larger than max over both signs and all pressures of  s n . sigma
  * n  /  cos(2 delta). That maximum is bounded by a knapsack, with the multipliers of the triangle
- * above; where this does not suffice, the programme is solved; where that does not suffice, the
- * triangle is divided into four.
+ * above; where this does not suffice, the linear program is solved; where that does not suffice,
+ * the triangle is divided into four.
  *
  * Every bound is evaluated with multipliers of few digits, which are those of the certificate
  * (worst_leaves.c): any multipliers give a bound.
@@ -30,7 +30,7 @@ static const double LEAST_BYTES = 1 << 29, MOST_BYTES = 4.0 * (1 << 30);
 typedef struct found {
   double upper, largest; /* of one element */
   double stress[6];
-  int64_t programmes;
+  int64_t programs;
   bw_bound_leaves leaves;
 } found;
 
@@ -171,7 +171,7 @@ static bool closed(const search *s, worker *w, const double *response, const nod
       *status = bwi_loads_solve(s->context, w->loads, 1, w->objective, w->pressure, &value, own);
       if (*status != BW_OK)
         return true;
-      out->programmes++;
+      out->programs++;
       double proved = knapsack(s, w->objective, own, w->gain); /* of the dual: proved again */
       if (proved > most)
         memcpy(own, former, width * sizeof *own);
@@ -271,7 +271,7 @@ static bw_status bound_batch(search *s, int32_t count, bw_worst_bound *bound) {
     const found *f = &s->result[i];
     int32_t element = s->responses.order[s->begin + i];
     bound->upper = fmax(bound->upper, f->upper);
-    bound->programmes += f->programmes;
+    bound->linear_programs += f->programs;
     if (f->largest > bound->largest) {
       bound->largest = f->largest;
       bound->element = element;

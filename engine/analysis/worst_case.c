@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The worst-case run: for every weak region its functional, one adjoint solve, the programme, one
- * solve under the optimal pressure, the stresses that it causes.
+/* The worst-case run: for every weak region its functional, one adjoint solve, the linear program,
+ * one solve under the optimal pressure, the stresses that it causes.
  *
  * All with one factor, a batch of regions at a time: solves take many right-hand sides at once,
  * everything between them runs over the regions in parallel. Memory is that of one batch whatever
  * the number of regions. */
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 
 #include <string.h>
 
@@ -161,11 +161,11 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
   size_t fit = side_by_side / (elements * 7 * sizeof(double));
   r.group = fit < 1 ? 1 : fit < (size_t)batch ? (int)fit : batch;
   BW_TRY(bwi_loads_create(context, basis, system->numbering, options, &loads));
-  size_t programmes = (size_t)batch * (size_t)r.signs;
+  size_t programs = (size_t)batch * (size_t)r.signs;
   r.block = BW_NEW(context, double, (size_t)batch * 3 * nodes);
-  r.objective = BW_NEW(context, double, programmes *(size_t)basis->count);
-  r.pressure = BW_NEW(context, double, programmes *(size_t)basis->count);
-  r.value = BW_NEW(context, double, programmes);
+  r.objective = BW_NEW(context, double, programs *(size_t)basis->count);
+  r.pressure = BW_NEW(context, double, programs *(size_t)basis->count);
+  r.value = BW_NEW(context, double, programs);
   r.stress = BW_NEW(context, double, (size_t)r.group *elements * 6);
   r.principal = BW_NEW(context, double, (size_t)r.group *elements);
   if (!r.block || !r.objective || !r.pressure || !r.value || !r.stress || !r.principal) {

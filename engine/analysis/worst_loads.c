@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Worst loads: one linear programme per objective, solved in parallel, every answer judged by its
+/* Worst loads: one linear program per objective, solved in parallel, every answer judged by its
  * own violation and duality gap before it is believed.
  *
  * Our dual simplex goes first; where its answer fails the judgement, GLPK is asked, with its dual
- * and then its primal simplex. Every programme starts from the same place, so an answer depends
- * neither on its neighbours nor on the number of threads. */
-#include "analysis/programme.h"
+ * and then its primal simplex. Every linear program starts from the same place, so an answer
+ * depends neither on its neighbours nor on the number of threads. */
+#include "analysis/linear_program.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,7 +21,7 @@ typedef struct loads_scratch {
 } loads_scratch;
 
 struct bwi_loads {
-  bwi_programme *programme;
+  bwi_linear_program *program;
   bw_worst_load_options options;
   int32_t pressures;
   int workers;
@@ -37,7 +37,7 @@ typedef struct loads_work {
 } loads_work;
 
 static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
-  size_t n = (size_t)work->loads->programme->columns, m = (size_t)work->loads->programme->rows;
+  size_t n = (size_t)work->loads->program->columns, m = (size_t)work->loads->program->rows;
   bw_context *context = work->context;
   if (!scratch->cost)
     scratch->cost = BW_NEW(context, double, n);
@@ -46,7 +46,7 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
   if (!scratch->multiplier)
     scratch->multiplier = BW_NEW(context, double, m);
   if (!scratch->dual)
-    scratch->dual = BW_NEW(context, double, (size_t)work->loads->programme->motion_count + 1);
+    scratch->dual = BW_NEW(context, double, (size_t)work->loads->program->motion_count + 1);
   if (!scratch->vertex.basic)
     scratch->vertex.basic = BW_NEW(context, int32_t, m);
   if (!scratch->vertex.at_upper)
@@ -54,9 +54,9 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
   if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->dual ||
       !scratch->vertex.basic || !scratch->vertex.at_upper)
     return BW_MEMORY;
-  if (work->loads->options.solver != BW_PROGRAMME_OWN || scratch->simplex)
+  if (work->loads->options.solver != BW_LP_OWN || scratch->simplex)
     return BW_OK;
-  return bwi_simplex_create(context, work->loads->programme, &scratch->simplex);
+  return bwi_simplex_create(context, work->loads->program, &scratch->simplex);
 }
 
 static void scratch_clear(loads_scratch *scratch) {
@@ -71,18 +71,18 @@ static void scratch_clear(loads_scratch *scratch) {
 
 /* Gains per share of the total force, scaled to a largest one of 1. Returns the scale. */
 static bw_status gains(const loads_work *work, int64_t i, double *cost, double *scale) {
-  const bwi_programme *programme = work->loads->programme;
+  const bwi_linear_program *program = work->loads->program;
   const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
   *scale = 0;
-  for (int32_t j = 0; j < programme->columns; j++) {
-    int32_t from = programme->source[j];
-    cost[j] = from < 0 ? 0 : f[from] / programme->area[j];
+  for (int32_t j = 0; j < program->columns; j++) {
+    int32_t from = program->source[j];
+    cost[j] = from < 0 ? 0 : f[from] / program->area[j];
     if (!isfinite(cost[j]))
       return bw_fail(work->context, BW_INVALID, "objective %lld has the entry %g for pressure %d",
                      (long long)i, f[from], from);
     *scale = fmax(*scale, fabs(cost[j]));
   }
-  for (int32_t j = 0; j<programme->columns && * scale> 0; j++)
+  for (int32_t j = 0; j<program->columns && * scale> 0; j++)
     cost[j] /= *scale;
   return BW_OK;
 }
@@ -90,25 +90,25 @@ static bw_status gains(const loads_work *work, int64_t i, double *cost, double *
 /* Pressures, value and raw multipliers from scaled ones. */
 static void hand_over(const loads_work *work, int64_t i, const bwi_solution *solution, double scale,
                       double *dual) {
-  const bwi_programme *programme = work->loads->programme;
+  const bwi_linear_program *program = work->loads->program;
   double *p = work->pressure + (size_t)i * (size_t)work->loads->pressures;
   const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
   double value = 0;
-  for (int32_t j = 0; j < programme->columns; j++) {
-    if (programme->source[j] < 0)
+  for (int32_t j = 0; j < program->columns; j++) {
+    if (program->source[j] < 0)
       continue;
     /* At its bound a pressure is p_max exactly. */
-    p[programme->source[j]] =
-        solution->share[j] >= programme->upper[j]
-            ? programme->pressure
-            : fmin(programme->pressure, solution->share[j] * programme->force / programme->area[j]);
+    p[program->source[j]] =
+        solution->share[j] >= program->upper[j]
+            ? program->pressure
+            : fmin(program->pressure, solution->share[j] * program->force / program->area[j]);
   }
   for (int32_t j = 0; j < work->loads->pressures; j++)
     value += f[j] * p[j];
   work->value[i] = value;
-  memset(dual, 0, ((size_t)programme->motion_count + 1) * sizeof *dual);
-  for (int32_t k = 0; k < programme->body_count; k++) {
-    const bwi_balance *body = &programme->body[k];
+  memset(dual, 0, ((size_t)program->motion_count + 1) * sizeof *dual);
+  for (int32_t k = 0; k < program->body_count; k++) {
+    const bwi_balance *body = &program->body[k];
     for (int m = 0; m < body->motions; m++) {
       double sum = 0;
       for (int l = 0; l < body->rows; l++)
@@ -116,7 +116,7 @@ static void hand_over(const loads_work *work, int64_t i, const bwi_solution *sol
       dual[body->motion[m]] = sum * scale;
     }
   }
-  dual[programme->motion_count] = solution->multiplier[programme->rows - 1] * scale;
+  dual[program->motion_count] = solution->multiplier[program->rows - 1] * scale;
 }
 
 static bool good(const bwi_solution *solution) {
@@ -130,7 +130,7 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
   bw_status status = BW_OK;
   bwi_solution solution = {scratch->share, scratch->multiplier, 0, INFINITY, INFINITY};
   double scale;
-  bool own = work->loads->options.solver == BW_PROGRAMME_OWN;
+  bool own = work->loads->options.solver == BW_LP_OWN;
   BW_TRY(bw_check_cancel(work->context));
   BW_TRY(gains(work, i, scratch->cost, &scale));
   for (int attempt = own ? 0 : OWN_ATTEMPTS; attempt < OWN_ATTEMPTS + GLPK_ATTEMPTS; attempt++) {
@@ -139,7 +139,7 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
                                  &scratch->vertex);
     } else {
       if (!*glpk)
-        BW_TRY(bwi_glpk_create(work->context, work->loads->programme, glpk));
+        BW_TRY(bwi_glpk_create(work->context, work->loads->program, glpk));
       status = bwi_glpk_solve(work->context, *glpk, scratch->cost, attempt - OWN_ATTEMPTS,
                               &scratch->vertex);
     }
@@ -147,12 +147,12 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
       continue;
     if (status != BW_OK)
       goto done;
-    BW_TRY(bwi_programme_evaluate(work->context, work->loads->programme, scratch->cost,
-                                  &scratch->vertex, &solution));
+    BW_TRY(bwi_linear_program_evaluate(work->context, work->loads->program, scratch->cost,
+                                       &scratch->vertex, &solution));
     if (good(&solution)) {
-      double *dual =
-          work->dual ? work->dual + (size_t)i * ((size_t)work->loads->programme->motion_count + 1)
-                     : scratch->dual;
+      double *dual = work->dual
+                         ? work->dual + (size_t)i * ((size_t)work->loads->program->motion_count + 1)
+                         : scratch->dual;
       hand_over(work, i, &solution, scale, dual);
       if (work->loads->hands)
         BW_TRY(bwi_hands_solve(work->context, work->loads->hands,
@@ -184,7 +184,8 @@ done:
 }
 
 /* Uniform pressure is in balance. Where the basis does not hold it, the largest total force in
- * balance is a programme of its own, which no pressure at all fulfils: it is always feasible. */
+ * balance is a linear program of its own, which no pressure at all fulfils: it is always feasible.
+ */
 static bw_status check_balance(bw_context *context, const bw_pressure_basis *basis,
                                const bw_numbering *numbering,
                                const bw_worst_load_options *options) {
@@ -238,7 +239,7 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_programme_create(context, basis, numbering, options, &loads->programme));
+  BW_TRY(bwi_linear_program_create(context, basis, numbering, options, &loads->program));
   if (options->hands != 0)
     BW_TRY(bwi_hands_create(context, basis, numbering, options, &loads->hands));
 done:
@@ -256,7 +257,7 @@ void bwi_loads_free(bwi_loads *loads) {
     scratch_clear(&loads->scratch[w]);
   bw_free(loads->scratch);
   bwi_hands_free(loads->hands);
-  bwi_programme_free(loads->programme);
+  bwi_linear_program_free(loads->program);
   bw_free(loads);
 }
 

@@ -5,9 +5,9 @@
  * K patches of pressure, one solve each: then the stress of any target under any pressure that is
  * constant on patches is a product with a 6 x K matrix. Combinations of the balance rows are
  * subtracted from the responses (a least-squares fit): no balanced load sees the difference.
- * Without the balance rows the programme is a knapsack, which gives every target a bound. The
- * targets of the largest bounds get exact programmes in the K pressures, followed by an ascent of
- * the principal stress.
+ * Without the balance rows the linear program is a knapsack, which gives every target a bound. The
+ * targets of the largest bounds get exact linear programs in the K pressures, followed by an ascent
+ * of the principal stress.
  *
  * Invariants: `response` holds K numbers for a degree of freedom, its displacement under a unit
  * share of the total force on each patch, less the fit; what follows is by target and does not
@@ -35,16 +35,16 @@ typedef struct screen {
   bw_system *system;
   const bw_worst_load_options *options;
   bw_pressure_basis *coarse;
-  bwi_programme *programme;
+  bwi_linear_program *program;
   int32_t patches;
   double *response;  /* 3 node_count x patches */
   double *traction;  /* 3 facet_count x patches; NULL where elements are targets */
-  double *row;       /* balance rows x patches: entries of the programme by patch */
+  double *row;       /* balance rows x patches: entries of the linear program by patch */
   double *projector; /* patches x balance rows: the multipliers of the fit of c are projector^T c */
   double *upper;     /* patches */
   double *scratch;   /* threads x 8 x patches, or x rows where these are more */
   bwi_targets targets;
-  int32_t *list; /* targets by descending bound, then those that get programmes */
+  int32_t *list; /* targets by descending bound, then those that get linear programs */
   int32_t wanted;
   ranked *rank;      /* targets */
   double *direction; /* targets x 6: tensor of the first direction */
@@ -119,7 +119,7 @@ done:
 
 static bw_status fit_body(void *data, int64_t begin, int64_t end, int worker) {
   const screen *s = (const screen *)data;
-  size_t k = (size_t)s->patches, m = (size_t)s->programme->rows - 1;
+  size_t k = (size_t)s->patches, m = (size_t)s->program->rows - 1;
   double *y = s->scratch + (size_t)worker * (8 * k > m ? 8 * k : m + 1);
   for (int64_t i = begin; i < end; i++) {
     double *c = s->response + (size_t)i * k;
@@ -138,7 +138,7 @@ static bw_status fit_body(void *data, int64_t begin, int64_t end, int worker) {
 static bw_status subtract_fit(screen *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
-  const bwi_programme *p = s->programme;
+  const bwi_linear_program *p = s->program;
   size_t m = (size_t)p->rows - 1, k = (size_t)s->patches;
   double *gram = BW_NEW0(context, double, m *m + 1);
   int32_t *pivot = BW_NEW(context, int32_t, m + 1);
@@ -236,7 +236,8 @@ static int by_bound(const void *a, const void *b) {
   return (x->target > y->target) - (x->target < y->target);
 }
 
-/* ---- programmes in the patches' pressures -------------------------------------------------- */
+/* ---- linear programs in the patches' pressures --------------------------------------------------
+ */
 
 /* Step 0: the first direction, with the sign of the larger bound; then that of the best stress. */
 static bw_status objective_body(void *data, int64_t begin, int64_t end, int worker) {
@@ -283,7 +284,7 @@ static bw_status stress_body(void *data, int64_t begin, int64_t end, int worker)
   return BW_OK;
 }
 
-static bw_status solve_programmes(screen *s) {
+static bw_status solve_linear_programs(screen *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
   bwi_loads *loads = NULL;
@@ -354,8 +355,8 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   int32_t fewest = PATCHES_PER_ROW * (system->numbering->motion_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;
-  BW_TRY(bwi_programme_create(context, s.coarse, system->numbering, options, &s.programme));
-  size_t room = 8 * (size_t)s.patches, rows = (size_t)s.programme->rows;
+  BW_TRY(bwi_linear_program_create(context, s.coarse, system->numbering, options, &s.program));
+  size_t room = 8 * (size_t)s.patches, rows = (size_t)s.program->rows;
   s.scratch = BW_NEW(context, double, (size_t)bw_threads(context) * (room > rows ? room : rows));
   if (!s.scratch) {
     status = BW_MEMORY;
@@ -377,13 +378,13 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   for (int32_t i = 0; i < s.targets.count; i++)
     s.list[i] = s.rank[i].target;
   s.wanted = bwi_targets_apart(&s.targets, wanted, s.list);
-  BW_TRY(solve_programmes(&s));
+  BW_TRY(solve_linear_programs(&s));
   BW_TRY(hand_over(&s, screening));
 done:
   if (status != BW_OK)
     bw_screening_clear(screening);
   bw_release(s.coarse);
-  bwi_programme_free(s.programme);
+  bwi_linear_program_free(s.program);
   bw_free(s.response);
   bw_free(s.traction);
   bw_free(s.row);

@@ -228,7 +228,7 @@ local function offsets(places, moved, matrix, limit, most)
     A[i], b[i] = {}, math.log(limit / place.used)
     for j, other in ipairs(moved) do A[i][j] = matrix[i][j] * other.radius end
   end
-  local x, violation, details = core.quadratic_programme {H = core.array.new(H), g = core.array.new(g),
+  local x, violation, details = core.quadratic_program {H = core.array.new(H), g = core.array.new(g),
     A = core.array.new(A), b = core.array.new(b), low = core.array.new(low), high = core.array.new(high)}
   if not x then return nil, violation, details end
   for j, place in ipairs(moved) do place.offset = math.max(0, x[j]) * place.radius end

@@ -22,7 +22,7 @@ local rules = load_limits.rules {
 -- Steps of the ascent at most, and the share by which some element must gain for another one.
 local ASCENT_STEPS, GAIN = 6, 1e-3
 
---- Ascent of the principal stress in every element tried: its programme with the principal direction of
+--- Ascent of the principal stress in every element tried: its linear program with the principal direction of
 --- the stress under its load as the objective, until none gains. Results as those of the first run.
 local function ascend(mesh, system, basis, elements, loads, limits)
   local count, stresses = loads.peaks.row_count, loads.own_stresses
@@ -65,7 +65,7 @@ function brute_force.analyse(part, given)
   local regions, loads
   regions, message, details = core.single_regions(mesh, chosen)
   if not regions then return nil, message, details end
-  local limits = load_limits.programme(wish)
+  local limits = load_limits.linear_program(wish)
   limits.one_sign, limits.batch, limits.keep_pressures = wish.one_sign, wish.batch, false
   loads, message, details = core.worst_loads(system, basis, regions, limits)
   if not loads then return nil, message, details end

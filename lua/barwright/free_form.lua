@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Free forms: outlines whose curves are uniform cubic B-splines, for shapes that a programme moves.
+-- Free forms: outlines whose curves are uniform cubic B-splines, for shapes that a quadratic program moves.
 --
 -- A form is a list of loops with the material on the left, a loop a list of pieces that follow each
 -- other:

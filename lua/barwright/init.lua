@@ -60,7 +60,7 @@ local bw = {
   study = require("barwright.study").module,
   von_mises_gradient = core.von_mises_gradient,
   von_mises_slopes = core.von_mises_slopes,
-  quadratic_programme = core.quadratic_programme,
+  quadratic_program = core.quadratic_program,
 }
 require "barwright.fields"
 require "barwright.adaptive"

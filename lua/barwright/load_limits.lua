@@ -99,8 +99,8 @@ function load_limits.bounded(wish)
   return #words > 0 and table.concat(words, ", ") or nil
 end
 
---- What the engine's programmes take.
-function load_limits.programme(wish)
+--- What the engine's linear programs take.
+function load_limits.linear_program(wish)
   return {pressure = wish.pressure, force = wish.force, at_most = wish.at_most, glpk = wish.glpk,
     hands = wish.hands, hand_area = wish.hands and wish.hand}
 end

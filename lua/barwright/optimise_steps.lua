@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Steps of the scaling optimisation: the least change of shape by which the models meet the limits, by
--- quadratic programmes one after the other without solving a shape, and how much of it is taken.
+-- quadratic programs one after the other without solving a shape, and how much of it is taken.
 local core = require "barwright.core"
 local models = require "barwright.optimise_models"
 local unknowns = require "barwright.optimise_unknowns"
@@ -8,7 +8,7 @@ local unknowns = require "barwright.optimise_unknowns"
 local steps = {}
 
 local foretell, objective = models.foretell, unknowns.objective
-local programmes = 50 -- of one step, at most
+local programs = 50 -- of one step, at most
 local least_radius = 0.005 -- of the trust region, where the mesh stops steps
 local spared = 0.2 -- of what the objective may be off by at the end, that a margin in h may cost
 
@@ -67,9 +67,9 @@ local function hessian(self, at, list, multipliers, convex, plain)
   return hessian(self, at, list, multipliers, true, convex)
 end
 
--- One quadratic programme: the models linearised `at` some factors, with the curvature that they have
+-- One quadratic program: the models linearised `at` some factors, with the curvature that they have
 -- by the multipliers of the last one.
-local function programme(self, at, list, multipliers, low, high)
+local function program(self, at, list, multipliers, low, high)
   local n, scale = #at, 0
   local B, g, A, b = hessian(self, at, list, multipliers), {}, {}, {}
   for k, model in ipairs(list) do
@@ -93,7 +93,7 @@ local function programme(self, at, list, multipliers, low, high)
   for i = 1, n do
     for j = 1, n do B[i][j] = B[i][j] / scale end
   end
-  local x, violation, prices = core.quadratic_programme {H = B, g = g, A = #list > 0 and A or nil,
+  local x, violation, prices = core.quadratic_program {H = B, g = g, A = #list > 0 and A or nil,
     b = #list > 0 and b or nil, low = low, high = high}
   if not x then return nil, violation, prices end
   prices = prices:totable()
@@ -115,7 +115,7 @@ local function largest_step(t, to)
 end
 
 -- The least change of shape from the start by which the models meet the limit, or nearly do so where
--- none does, within the bounds and the trust region around t: quadratic programmes in turn.
+-- none does, within the bounds and the trust region around t: quadratic programs in turn.
 local function solve_models(self, t, list, radius)
   local low, high = {}, {}
   for i = 1, #t do
@@ -123,9 +123,9 @@ local function solve_models(self, t, list, radius)
     high[i] = math.min(self.groups[i].high, t[i] * (1 + radius))
   end
   local at, multipliers, step = t, {}, nil
-  for _ = 1, programmes do
+  for _ = 1, programs do
     local message, details
-    step, message, details = programme(self, at, list, multipliers, low, high)
+    step, message, details = program(self, at, list, multipliers, low, high)
     if not step then return nil, message, details end
     local moved = largest_step(at, step.t)
     at, multipliers = step.t, step.violation == 0 and step.multipliers or {}

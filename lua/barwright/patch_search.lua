@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The search for loads that maximise the mean stress over patches of the boundary, on one mesh. A screening with
--- coarse pressures rates all patches; the best of them get a linear programme each; the largest means ascend.
+-- coarse pressures rates all patches; the best of them get a linear program each; the largest means ascend.
 -- docs/theory/breaking_force.md has the mathematics.
 local core = require "barwright.core"
 local points = require "barwright.points"
@@ -13,7 +13,7 @@ local PRESSED, FEWEST, MOST = 8, 96, 128
 -- For each patch the responses take 24 bytes for each node, and surface stresses 168 for each facet: so many
 -- at most, but FEWEST patches always.
 local MOST_BYTES = 2 ^ 29
--- Patches that the screening ranks. Those that may come near to the largest mean get programmes, in rounds of so
+-- Patches that the screening ranks. Those that may come near the largest mean get linear programs, in rounds of so
 -- many; patches of one round lie SPREAD radii apart.
 local RANKED, ROUNDS, PER_ROUND, SPREAD = 300, 2, 20, 2
 -- So many where places of another mesh are known, and where all that reach a utilisation are looked for.
@@ -124,7 +124,7 @@ local function screen(self)
 end
 
 -- Patches that no load at hand stresses as much as their own may: so many at most, the most stressed first, no two
--- of them close together. `ratio`: what a programme is expected to gain; `least`: the utilisation that counts.
+-- of them close together. `ratio`: what a linear program may gain; `least`: the utilisation that counts.
 local function choose(self, screened, ratio, least)
   local nodes, rows, chosen = {}, {}, {}
   least = least or NEARLY * (self.places[1] and self.places[1].utilisation or 0)
@@ -220,7 +220,7 @@ local function begin(self)
   return rate(self, chosen)
 end
 
---- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of the programmes), radius (m),
+--- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of linear programs), radius (m),
 --- judge (from rows of tensors to an array), screening (whether to look for other places), and what it begins
 --- with: loads (results of core.worst_loads) or known (places of another mesh). Returns {places, loads, origins},
 --- places weakest first, or nil, message, details. `extend` continues it.
@@ -240,7 +240,7 @@ function patch_search.run(problem)
   return self
 end
 
---- Continues a search with programmes for all patches that may reach a utilisation, not only near the largest.
+--- Continues a search with linear programs for all patches that may reach a utilisation, not the largest only.
 --- Returns it, or nil, message, details.
 function patch_search.extend(self, utilisation)
   local fine, message, details = explore(self, ROUNDS_OF_ALL, utilisation)

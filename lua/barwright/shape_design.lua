@@ -3,7 +3,7 @@
 -- shape nearby passes. docs/theory/responsive.md, "Bridges: shapes under a stress limit".
 --
 -- A round: statics of the form as it is; the p-norm N of von Mises stresses with its gradient; the largest
--- stress M = c N, c taken as it is now; then the quadratic programme
+-- stress M = c N, c taken as it is now; then the quadratic program
 --
 --   min  a . s + 1/2 s . H s   such that   ln (c N / limit) + g . s <= 0,  walls, gaps, box, |s_i| <= r,
 --
@@ -85,7 +85,7 @@ local function bounds(problem, form, directions, radius)
 end
 
 -- The moves: {s}, and the multiplier of the stress constraint.
-local function programme(problem, state, form, here, radius)
+local function program(problem, state, form, here, radius)
   local directions = form:directions()
   local scale = here.area
   local a = form:pull_back(here.outline.area_gradient:totable(), directions)
@@ -147,7 +147,7 @@ local function programme(problem, state, form, here, radius)
     for i = 1, n do rows[k][i] = rows[k][i] / problem.wall end
     right[k] = right[k] / problem.wall
   end
-  local x, _, prices = core.quadratic_programme {H = H, g = a, A = rows, b = right, low = low,
+  local x, _, prices = core.quadratic_program {H = H, g = a, A = rows, b = right, low = low,
     high = high}
   if not x then return nil, _, prices end
   local s = x:totable()
@@ -355,7 +355,7 @@ local function renew(self, may_hole)
   end
 end
 
--- Takes the programme's moves, or a half, a quarter ... of them. Returns the part; nothing if none will do.
+-- Takes moves of the quadratic program, or half, a quarter ... of them. Returns the part; nothing if none will do.
 local function try(self, step)
   local problem, form = self.problem, self.form
   local saved, part = saved_of(form), 1
@@ -376,7 +376,7 @@ end
 -- A round from where it stands; false where there is nowhere to go.
 local function advance(self, done)
   local problem, wall = self.problem, self.problem.wall
-  local step = programme(problem, self.state, self.form, self.here, self.radius)
+  local step = program(problem, self.state, self.form, self.here, self.radius)
   if not step then return false end
   local part, there = try(self, step)
   if core.interrupted() then return false end

@@ -129,7 +129,7 @@ local function search_patches(self, wish, loads)
   local start = core.seconds()
   local screening_basis, message, details = load_limits.without_friction(self.mesh, wish, self.basis)
   if not screening_basis then return nil, message, details end
-  self.limits = load_limits.programme(wish)
+  self.limits = load_limits.linear_program(wish)
   self.limits.batch = wish.batch
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
@@ -235,11 +235,11 @@ function worst_case.analyse(part, given, view)
 
   start = clock()
   local loads
-  local limits = load_limits.programme(wish)
+  local limits = load_limits.linear_program(wish)
   limits.one_sign, limits.batch = wish.one_sign, wish.batch
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
-  seconds.programmes = clock() - start
+  seconds.linear_programs = clock() - start
   if wish.length then return search_patches(self, wish, loads) end
   local origins = {}
   if wish.method == "search" then

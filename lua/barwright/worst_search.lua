@@ -15,11 +15,11 @@ local ROUNDS, MOST_ROUNDS, GROWTH = 2, 3, 0.01
 local PERCENTILE = 0.9975
 -- Peaks that ascend at once, and steps at most. A step that gains less than this ends the ascent.
 local ASCENTS, ASCENT_STEPS, GAIN = 6, 8, 1e-4
--- Stress that the exact programme reaches over that of the screening, before any is known.
+-- Stress that the exact linear program reaches over that of the screening, before any is known.
 local FIRST_RATIO = 1.5
 
 --- Numbers 1..count of the elements that a screening left as targets, most promising first: no two of
---- them share a node. `ratio`: what the exact programme is expected to gain.
+--- them share a node. `ratio`: what the exact linear program is expected to gain.
 local function choose(self, screened, weakness, ratio, count)
   local order, known = {}, weakness:gather(screened.targets)
   for i = 1, screened.targets.row_count do
@@ -101,7 +101,7 @@ local function explore(self, loads, origins, limits)
   return loads
 end
 
--- The largest peaks, no two in one element, along their principal directions: each programme reaches at
+-- The largest peaks, no two in one element, along their principal directions: each linear program reaches at
 -- least the stress that it starts from, in that element.
 local function ascend(self, loads, origins, limits)
   local tried = {}

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What the scaling optimisation asks of the engine: how stresses change with the shape, and small
- * quadratic programmes. */
+ * quadratic programs. */
 #include "bind.h"
 
 #include <math.h>
@@ -155,7 +155,7 @@ static int core_corner_nodes(lua_State *L) {
   return 1;
 }
 
-/* ---- quadratic programmes -------------------------------------------------------------------- */
+/* ---- quadratic programs -------------------------------------------------------------------- */
 
 /* options[key] as `rows` x `columns` numbers in a userdata that is pushed; where it is not given,
  * all are `otherwise`, unless that is NaN. */
@@ -170,9 +170,9 @@ static double *numbers(lua_State *L, const char *key, int64_t rows, int64_t colu
     for (int64_t i = 0; i < rows * columns; i++)
       data[i] = otherwise;
   } else
-    lbw_option_error(L, "quadratic_programme", key, "numbers expected");
+    lbw_option_error(L, "quadratic_program", key, "numbers expected");
   if (given != rows)
-    lbw_option_error(L, "quadratic_programme", key, "has another number of rows than expected");
+    lbw_option_error(L, "quadratic_program", key, "has another number of rows than expected");
   return data;
 }
 
@@ -183,15 +183,15 @@ static int64_t length_of(lua_State *L, const char *key) {
   return count;
 }
 
-/* quadratic_programme{H =, g =, A =, b =, low =, high =}: x, violation, multipliers */
-static int core_programme(lua_State *L) {
+/* quadratic_program{H =, g =, A =, b =, low =, high =}: x, violation, multipliers */
+static int core_program(lua_State *L) {
   static const lbw_option list[] = {
       {"H", LBW_OTHER, 0},   {"g", LBW_OTHER, 0},    {"A", LBW_OTHER, 0}, {"b", LBW_OTHER, 0},
       {"low", LBW_OTHER, 0}, {"high", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   luaL_checkstack(L, 20, "too many values");
-  lbw_options(L, 1, "quadratic_programme", list, NULL);
+  lbw_options(L, 1, "quadratic_program", list, NULL);
   int64_t n = length_of(L, "g"), m = length_of(L, "b");
   lbw_argument_check(L, n >= 1 && n <= 1000 && m <= 10000, 1,
                      "1 to 1000 unknowns (g) and at most 10000 rows (b) expected");
@@ -201,8 +201,8 @@ static int core_programme(lua_State *L) {
   double *x = (double *)lbw_push_array(L, BW_F64, n, 1)->data;
   int at = lua_gettop(L);
   double *multiplier = (double *)lbw_push_array(L, BW_F64, m, 1)->data, violation = 0;
-  bw_status status = bw_quadratic_programme(lbw_enter(L), (int)n, H, g, (int)m, A, b, low, high, x,
-                                            &violation, multiplier);
+  bw_status status = bw_quadratic_program(lbw_enter(L), (int)n, H, g, (int)m, A, b, low, high, x,
+                                          &violation, multiplier);
   lua_pushvalue(L, at);
   lua_pushnumber(L, violation);
   lua_pushvalue(L, at + 1);
@@ -212,7 +212,7 @@ static int core_programme(lua_State *L) {
 void lbw_open_optimise(lua_State *L) {
   static const luaL_Reg functions[] = {{"von_mises_gradient", core_gradient},
                                        {"von_mises_slopes", core_slopes},
-                                       {"quadratic_programme", core_programme},
+                                       {"quadratic_program", core_program},
                                        {"corner_nodes", core_corner_nodes},
                                        {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);

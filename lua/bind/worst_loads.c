@@ -148,7 +148,7 @@ static int worst_loads(lua_State *L) {
   wish.keep_pressures = true;
   lua_settop(L, 4);
   lbw_options(L, 4, "worst_loads", list, &wish);
-  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  wish.options.solver = wish.glpk ? BW_LP_GLPK : BW_LP_OWN;
   const bw_mesh *mesh = system->mesh;
   lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
   lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
@@ -243,7 +243,7 @@ static int worst_screening(lua_State *L) {
   wish.targets = 512;
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_screening", list, &wish);
-  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  wish.options.solver = wish.glpk ? BW_LP_GLPK : BW_LP_OWN;
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   bw_screening found;
@@ -290,8 +290,8 @@ static int push_leaves(lua_State *L) {
 }
 
 /* worst_bound(system, basis, {pressure, force, at_most, glpk, incumbent, tolerance, leaves}):
- * {upper, largest, programmes}; where `largest` is more than the incumbent, element and stress (an
- * array of one row); with leaves = true these */
+ * {upper, largest, linear programs}; where `largest` is more than the incumbent, element and stress
+ * (an array of one row); with leaves = true these */
 static int worst_bound(lua_State *L) {
   struct wish {
     bw_worst_load_options options;
@@ -313,7 +313,7 @@ static int worst_bound(lua_State *L) {
   memset(&wish, 0, sizeof wish);
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_bound", list, &wish);
-  wish.options.solver = wish.glpk ? BW_PROGRAMME_GLPK : BW_PROGRAMME_OWN;
+  wish.options.solver = wish.glpk ? BW_LP_GLPK : BW_LP_OWN;
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   lua_createtable(L, 0, 5);
@@ -346,8 +346,8 @@ static int worst_bound(lua_State *L) {
   lua_setfield(L, 4, "upper");
   lua_pushnumber(L, bound.largest);
   lua_setfield(L, 4, "largest");
-  lua_pushinteger(L, bound.programmes);
-  lua_setfield(L, 4, "programmes");
+  lua_pushinteger(L, bound.linear_programs);
+  lua_setfield(L, 4, "linear_programs");
   return lbw_leave(L, BW_OK, 1);
 }
 

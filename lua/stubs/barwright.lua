@@ -283,11 +283,11 @@ function bw.von_mises_slopes(part, system, displacement, nodes, motions, options
 ---The least 1/2 x H x + g x with A x <= b and low <= x <= high, H positive definite. Where no x
 ---fulfils the rows within the bounds, `violation` is the least v so that A x <= b + v has a solution,
 ---and x the best with it; else it is 0.
----@param programme {H: table|bw.Array, g: number[]|bw.Array, A?: table|bw.Array, b?: number[]|bw.Array, low?: number[]|bw.Array, high?: number[]|bw.Array}
+---@param program {H: table|bw.Array, g: number[]|bw.Array, A?: table|bw.Array, b?: number[]|bw.Array, low?: number[]|bw.Array, high?: number[]|bw.Array}
 ---@return bw.Array? x
 ---@return number|string violation or a message
 ---@return bw.Array|table multipliers of the rows, or details
-function bw.quadratic_programme(programme) end
+function bw.quadratic_program(program) end
 
 ---How much each bone moves each node: a row for every node, a column for every bone, rows summing to
 ---one. `heat`: of the exchange with the bones; default 20.
@@ -385,7 +385,7 @@ function bw.version() end
 ---@field sturm? boolean count the modes by a second factor, so that none is missing; default false
 ---@field seed? integer of the start vector of the modes; default 1
 ---@field batch? integer regions worked on at once; 0: chosen
----@field glpk? boolean solve the programmes by GLPK; default false
+---@field glpk? boolean solve the linear programs by GLPK; default false
 
 ---@class bw.PictureOptions
 ---@field values? bw.Array over points or facets
@@ -1541,9 +1541,9 @@ function System:close() end
 ---@field weakness bw.Array of every element: the largest stress over all worst loads, Pa
 ---@field worst_region bw.Array of every element: which region's load causes it
 ---@field pressures bw.Array regions x columns of the basis: one for each node or cell, several with friction
----@field loads table of arrays with a row for each region, as the programmes returned them
+---@field loads table of arrays with a row for each region, as the linear programs returned them
 ---@field origins table[] of the regions that no mode gave {origin, target, from}
----@field limits table of the programmes {pressure, force, at_most, ...}
+---@field limits table of the linear programs {pressure, force, at_most, ...}
 ---@field places table[]? with `length`: where the mean stress is largest, weakest first: {utilisation, at, node, region, stress, point}
 ---@field modes bw.Modes? none where the search began with `places`
 ---@field mesh bw.Mesh
@@ -1552,7 +1552,7 @@ function System:close() end
 ---@field weak_regions bw.WeakRegions? nil with `places`
 ---@field basis bw.PressureBasis
 ---@field options table as given, with defaults
----@field seconds table by stage: system, assemble, factor, modes, regions, programmes, search, bound
+---@field seconds table by stage: system, assemble, factor, modes, regions, linear_programs, search, bound
 local WorstCase = {}
 
 ---The worst pressure of a region (left out: the worst region), for every node of the mesh, Pa.

@@ -79,7 +79,7 @@ local function places_of(found, nodes, rows)
   return list
 end
 
--- The largest utilisation over all loads, and how many programmes there were.
+-- The largest utilisation over all loads, and how many linear programs there were.
 local function brute_force(found)
   local nodes, rows, count = {}, {}, 0
   local list = {}
@@ -100,7 +100,7 @@ local function brute_force(found)
   return most, count
 end
 
-print(("%-22s %-9s %-11s %-12s %-12s %s"):format("body", "elements", "programmes", "search, N", "brute, N",
+print(("%-22s %-9s %-11s %-12s %-12s %s"):format("body", "elements", "programs", "search, N", "brute, N",
   "brute over search"))
 local least, all = 1, {}
 for _, body in ipairs(bodies(wish)) do

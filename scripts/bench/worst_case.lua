@@ -61,11 +61,11 @@ for _, line in ipairs(paper) do
     local total = bw.seconds() - start
     local s = worst.seconds
     print(("%10d | %6.1f s | %6.2f s %6.2f %7.2f %7.2f | %6.2f s | %5.1f s | %5.1f | %.2f"):format(
-      mesh.element_count, filling, s.system, s.modes, s.regions, s.programmes, total, 60 * minutes,
+      mesh.element_count, filling, s.system, s.modes, s.regions, s.linear_programs, total, 60 * minutes,
       60 * minutes / total, peak_gb()))
     rows[#rows + 1] = {wanted = wanted, elements = mesh.element_count, seconds_filling = filling,
       seconds_system = s.system, seconds_modes = s.modes, seconds_regions = s.regions,
-      seconds_loads = s.programmes, seconds_total = total, seconds_paper = 60 * minutes,
+      seconds_loads = s.linear_programs, seconds_total = total, seconds_paper = 60 * minutes,
       times_faster = 60 * minutes / total, peak_memory_gb = peak_gb(), regions = #worst.regions}
     worst:close()
     mesh:close()

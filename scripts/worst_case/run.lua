@@ -36,7 +36,7 @@ local known = {
 local PRESSURE = 2e5
 
 -- The share of what full pressure could push that the total force may be: with less room the
--- programme has few loads to choose from, or none.
+-- linear program has few loads to choose from, or none.
 local MOST_OF_PRESSURE = 0.05
 
 local function stop(status, message)

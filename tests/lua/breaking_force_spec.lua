@@ -284,7 +284,7 @@ describe("a search that is extended", function()
     assert.is_true(#worst.regions > count)
     assert.equal(first:tostring "<f8", worst.pressures:rows(1, count):tostring "<f8")
     local after = largest(worst, worst.loads)
-    -- Programmes for patches that are chosen here, in three directions.
+    -- Linear programs for patches that are chosen here, in three directions.
     local nodes, rows, boundary = {}, {}, comb.boundary.nodes
     for k = 1, boundary.row_count, 38 do
       for component = 1, 3 do

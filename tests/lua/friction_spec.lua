@@ -8,7 +8,7 @@ local free = bw.model {mesh = box, material = bw.material.pla}
 local held = bw.model {mesh = box, material = bw.material.pla}
 held:fix(box.boundary:below(1, 0))
 
--- The largest objective of every element, by exact programmes.
+-- The largest objective of every element, by exact linear programs.
 local function objectives(part, friction, facets)
   local basis = assert(bw.pressure_basis(box, {friction = friction, friction_facets = facets}))
   return assert(bw.worst_loads(assert(part:system()), basis, assert(bw.single_regions(box)),

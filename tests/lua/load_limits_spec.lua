@@ -21,7 +21,7 @@ local function with(base, more)
   return wish
 end
 
--- The largest objective of every element, by exact programmes.
+-- The largest objective of every element, by exact linear programs.
 local function objectives(part, forbidden, pressure)
   local basis = assert(bw.pressure_basis(part.mesh, {forbidden = forbidden}))
   return assert(bw.worst_loads(assert(part:system()), basis, assert(bw.single_regions(part.mesh)),
@@ -146,8 +146,8 @@ describe("the worst load of a held body", function()
         local value = knapsack(gain * sign / areas, areas, limits.pressure, limits.force)
         largest = math.max(largest, value)
         if i % 100 == 1 then
-          local _, programme = assert(worst.basis:maximise(worst.system, gain * sign, limits))
-          check.near(programme, value, 1e-8)
+          local _, program = assert(worst.basis:maximise(worst.system, gain * sign, limits))
+          check.near(program, value, 1e-8)
         end
       end
     end

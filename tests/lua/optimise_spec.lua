@@ -45,14 +45,14 @@ end
 
 describe("the pieces", function()
   it("find the point of a half-plane nearest to another", function()
-    local x, violation, multipliers = core.quadratic_programme {H = {{1, 0}, {0, 1}}, g = {-2, -1},
+    local x, violation, multipliers = core.quadratic_program {H = {{1, 0}, {0, 1}}, g = {-2, -1},
       A = {{1, 1}}, b = {1}}
     check.near(1, x[1], 1e-12)
     assert.truthy(math.abs(x[2]) < 1e-12 and violation == 0)
     check.near(1, multipliers[1], 1e-12)
-    check.raises("positive definite", core.quadratic_programme, {H = {{-1}}, g = {1}})
-    check.raises("rows", core.quadratic_programme, {H = {{1, 0}, {0, 1}}, g = {1}})
-    check.raises("did you mean", core.quadratic_programme, {G = {1}})
+    check.raises("positive definite", core.quadratic_program, {H = {{-1}}, g = {1}})
+    check.raises("rows", core.quadratic_program, {H = {{1, 0}, {0, 1}}, g = {1}})
+    check.raises("did you mean", core.quadratic_program, {G = {1}})
   end)
 
   it("tell how a stress changes with the position of every node", function()

@@ -211,7 +211,7 @@ describe("scripts/worst_case/run.lua", function()
     local result = assert(bw.json.decode(check.read(folder .. "/out/result.json")))
     for _, key in ipairs {"elements", "nodes", "surface_moved_m", "max_principal_pa", "utilisation",
       "seconds_repair", "seconds_remesh", "seconds_fill", "seconds_assemble", "seconds_factor",
-      "seconds_modes", "seconds_regions", "seconds_programmes", "seconds_total", "peak_memory_bytes",
+      "seconds_modes", "seconds_regions", "seconds_linear_programs", "seconds_total", "peak_memory_bytes",
       "force_n"} do
       assert.equal("number", type(result[key]), key)
     end

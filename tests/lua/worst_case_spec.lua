@@ -82,7 +82,7 @@ describe("the worst case", function()
     assert.truthy(with("at_most", true).max_principal > 0.99 * with("at_most", false).max_principal)
   end)
 
-  it("can be taken step by step, and no sampled load beats the programme", function()
+  it("can be taken step by step, and no sampled load beats the linear program", function()
     local system, basis, regions = worst.system, worst.basis, worst.weak_regions
     local q = assert(system:solve(assert(regions:objective(1, part.material))))
     local objective = basis:gradient(q)

@@ -150,16 +150,16 @@ BW_API bw_status bw_boundary_extend(bw_context *context, const bw_mesh *mesh, do
  * nodes, which inner nodes follow; 0 at inner nodes. */
 BW_API bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *covector);
 
-/* A convex quadratic programme: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
+/* A convex quadratic program: the least 1/2 x H x + g x with A x <= b and low <= x <= high, by
  * NLopt's SLSQP. H n x n positive definite, A m x n; bounds may be infinite. Where no x fulfils
  * A x <= b within the bounds, *violation > 0 is the least v for which A x <= b + v has a solution
  * (so give the rows a common scale), and x the point of least objective with it; else it is 0.
  * multiplier (may be NULL): m, of the rows, so that H x + g + A^T multiplier is 0 but for the
  * bounds. */
-BW_API bw_status bw_quadratic_programme(bw_context *context, int n, const double *H,
-                                        const double *g, int m, const double *A, const double *b,
-                                        const double *low, const double *high, double *x,
-                                        double *violation, double *multiplier);
+BW_API bw_status bw_quadratic_program(bw_context *context, int n, const double *H, const double *g,
+                                      int m, const double *A, const double *b, const double *low,
+                                      const double *high, double *x, double *violation,
+                                      double *multiplier);
 
 /* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 
@@ -271,10 +271,10 @@ BW_API void bw_pressure_force(const bw_pressure_basis *basis, const double *pres
 /* f = G^T q */
 BW_API void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q, double *f);
 
-typedef enum bw_programme_solver {
-  BW_PROGRAMME_OWN, /* dual simplex of our own, every answer judged; GLPK where it fails */
-  BW_PROGRAMME_GLPK /* GLPK: dual simplex with the bound-flipping ratio test, then others */
-} bw_programme_solver;
+typedef enum bw_lp_solver {
+  BW_LP_OWN, /* dual simplex of our own, every answer judged; GLPK where it fails */
+  BW_LP_GLPK /* GLPK: dual simplex with the bound-flipping ratio test, then others */
+} bw_lp_solver;
 typedef struct bw_worst_load_options {
   double pressure; /* p_max, Pa */
   double force;    /* F_tot, N */
@@ -282,7 +282,7 @@ typedef struct bw_worst_load_options {
   bool one_sign;   /* bw_worst_case_run only: maximise each region's objective as its weights are
                       signed; default false: whichever sign reaches more, a mode's sign being
                       arbitrary */
-  bw_programme_solver solver;
+  bw_lp_solver solver;
   int hands;        /* the pressure lies within so many patches of the boundary; 0: anywhere */
   double hand_area; /* m2 of the disc that a patch is: the nodes nearer than its radius to the
                        patch's centre whose normals are within 60 degrees of the centre's */
@@ -301,7 +301,7 @@ BW_API bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *ba
                                 int64_t count, const double *objective, double *pressure,
                                 double *value, double *dual);
 
-/* Regions -> right-hand sides -> solves -> programmes -> solves -> stresses, in batches of
+/* Regions -> right-hand sides -> solves -> linear programs -> solves -> stresses, in batches of
  * `batch` (0: 16) with progress "worst loads". `visit` is called in region order. */
 typedef struct bw_worst_case_visit {
   int region;
@@ -309,7 +309,7 @@ typedef struct bw_worst_case_visit {
   const double *displacement;  /* node_count x 3 */
   const double *stress;        /* element_count x 6 */
   const double *max_principal; /* element_count */
-  double objective;            /* of the programme */
+  double objective;            /* of the linear program */
   bool flipped;                /* reached with the weights' signs turned over */
   double seconds;              /* the region's share of its batch */
 } bw_worst_case_visit;
@@ -325,8 +325,8 @@ BW_API bw_status bw_worst_case_run(bw_context *context, bw_system *system,
  * found) is a lower bound; where the basis is not complete, the total force of these pressures may
  * be smaller, and `stress` is an estimate. Targets are all elements; with a
  * `radius` (m) they are the patches of bw_surface_mean around the corners of facets, of which no
- * two within the radius get programmes. The programmes are solved for the `wanted` targets of the
- * largest knapsack bound; the results are by descending principal stress. */
+ * two within the radius get linear programs. The linear programs are solved for the `wanted`
+ * targets of the largest knapsack bound; the results are by descending principal stress. */
 typedef struct bw_screening {
   int32_t count;
   int32_t *target; /* elements, or nodes in the middles of patches */
@@ -345,11 +345,11 @@ BW_API void bw_screening_clear(bw_screening *screening);
  * stress found. One solve for each pressure, or several where displacements of all nodes under all
  * pressures take more than a quarter of the free memory (512 MB to 4 GB). */
 typedef struct bw_worst_bound {
-  double upper;       /* Pa: no admissible pressure exceeds it, up to rounding */
-  double largest;     /* Pa: the incumbent, or a larger stress that was found on the way */
-  int32_t element;    /* where that larger one is; -1: the incumbent is */
-  double stress[6];   /* of that element then */
-  int64_t programmes; /* linear programmes solved */
+  double upper;            /* Pa: no admissible pressure exceeds it, up to rounding */
+  double largest;          /* Pa: the incumbent, or a larger stress that was found on the way */
+  int32_t element;         /* where that larger one is; -1: the incumbent is */
+  double stress[6];        /* of that element then */
+  int64_t linear_programs; /* linear programs solved */
 } bw_worst_bound;
 /* What proves the bound: in every leaf a set of directions of an element with multipliers whose
  * dual value is at most `bound`. The leaves of an element cover all directions. Numbers of a leaf:

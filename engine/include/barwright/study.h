@@ -126,7 +126,7 @@ typedef enum bw_minimiser {
   BW_CRS2,       /* global: controlled random search */
   BW_ISRES,      /* global: evolution; constraints */
   BW_MMA,        /* gradients: moving asymptotes; constraints */
-  BW_SLSQP,      /* gradients: sequential quadratic programmes; constraints */
+  BW_SLSQP,      /* gradients: sequential quadratic programs; constraints */
   BW_LBFGS       /* gradients */
 } bw_minimiser;
 

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Pressure with friction: the cone's columns, the programme in groups by our own method and by
+/* Pressure with friction: the cone's columns, the linear program in groups by our own method and by
  * GLPK, facets of the cone, forbidden surfaces. */
 #include "pressed.h"
 
@@ -91,21 +91,22 @@ static void own_method_agrees_with_glpk(void **state) {
       const double share[3] = {0.01, 0.1, 0.9};
       bw_worst_load_options options = {.pressure = 1, .force = share[tight] * area};
       options.at_most = kind == 1 && tight == 1;
-      bwi_programme *programme = NULL;
+      bwi_linear_program *program = NULL;
       bwi_simplex *simplex = NULL;
       bwi_glpk *glpk = NULL;
-      check_ok(context, bwi_programme_create(context, s.basis, s.numbering, &options, &programme));
-      check_ok(context, bwi_simplex_create(context, programme, &simplex));
-      check_ok(context, bwi_glpk_create(context, programme, &glpk));
-      assert_int_equal(programme->groups, s.nodes + options.at_most);
-      assert_int_equal(programme->levels, kind == 3 ? 2 : 1);
-      size_t n = (size_t)programme->columns, m = (size_t)programme->rows;
+      check_ok(context,
+               bwi_linear_program_create(context, s.basis, s.numbering, &options, &program));
+      check_ok(context, bwi_simplex_create(context, program, &simplex));
+      check_ok(context, bwi_glpk_create(context, program, &glpk));
+      assert_int_equal(program->groups, s.nodes + options.at_most);
+      assert_int_equal(program->levels, kind == 3 ? 2 : 1);
+      size_t n = (size_t)program->columns, m = (size_t)program->rows;
       double *cost = BW_NEW(context, double, n), *shares = BW_NEW(context, double, n), y[7];
       bwi_vertex vertex = {BW_NEW(context, int32_t, m), BW_NEW(context, uint8_t, n), 0};
       for (int i = 0; i < 3; i++) {
         double *f = pressed_objective(context, &s, i), first = 0;
         for (size_t j = 0; j < n; j++) {
-          int32_t from = programme->source[j];
+          int32_t from = program->source[j];
           cost[j] = from < 0 ? 0 : f[from] / s.basis->area[from];
         }
         for (int way = 0; way < 3; way++) {
@@ -120,7 +121,8 @@ static void own_method_agrees_with_glpk(void **state) {
           check_ok(context, status);
           double seconds = bw_seconds() - start;
           bwi_solution solution = {shares, y, 0, 0, 0};
-          check_ok(context, bwi_programme_evaluate(context, programme, cost, &vertex, &solution));
+          check_ok(context,
+                   bwi_linear_program_evaluate(context, program, cost, &vertex, &solution));
           if (getenv("BARWRIGHT_FULL"))
             printf("  %zu columns, way %d: %d iterations, %.2f ms, violation %.1e, gap %.1e\n", n,
                    way, vertex.iterations, 1e3 * seconds, solution.violation, solution.gap);
@@ -136,7 +138,7 @@ static void own_method_agrees_with_glpk(void **state) {
       bw_free(vertex.at_upper);
       bwi_simplex_free(simplex);
       bwi_glpk_free(glpk);
-      bwi_programme_free(programme);
+      bwi_linear_program_free(program);
     }
     pressed_close(&s);
     bw_release(mesh);
@@ -192,7 +194,7 @@ static void facets_converge_from_below(void **state) {
   bw_release(mesh);
 }
 
-/* A cone that is hardly open: the programme without friction, solved by the other method. */
+/* A cone that is hardly open: the linear program without friction, solved by the other method. */
 static void little_friction_is_none(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_bar(context, dumbbell_profile, 12, 4, 1);
@@ -245,7 +247,7 @@ static void allocation_failures(void **state) {
   for (int solver = 0; solver < 2; solver++) {
     bw_worst_load_options limits = {.pressure = 1, .force = 0.1};
     const bw_pressure_options options = {.forbidden = top, .friction = 0.8, .friction_facets = 3};
-    limits.solver = (bw_programme_solver)solver;
+    limits.solver = (bw_lp_solver)solver;
     for (int64_t fail = 1;; fail++) {
       double f[56 * 3], p[56 * 3], value;
       bw_pressure_basis *basis = NULL;

@@ -93,8 +93,8 @@ static void loads_are_admissible(void **state) {
   }
 }
 
-/* Every set of centres by a programme of its own: forbid the rest by an objective that pays for
- * nothing else. */
+/* Every set of centres by a linear program of its own: forbid the rest by an objective that pays
+ * for nothing else. */
 static double best_of_all(bw_context *context, const pressed_body *s,
                           const bw_worst_load_options *options, const double *f, int hands,
                           double radius) {

@@ -3,7 +3,7 @@
  * modulus, scaling, symmetry, beams, the neck of a dumbbell, threads. */
 #include "bodies.h"
 
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 
 typedef struct part {
   bw_mesh *mesh;
@@ -79,7 +79,7 @@ static bw_status collect(void *data, const bw_worst_case_visit *visit) {
     memcpy(a->pressure, visit->pressure, (size_t)a->of->basis->count * sizeof(double));
     memcpy(a->stress, visit->stress, 6 * (size_t)mesh->element_count * sizeof(double));
   }
-  /* The programme's objective is the functional of the stress that was found. */
+  /* The linear program's objective is the functional of the stress that was found. */
   if (a->regions->options.target == BW_WORST_STRESS) {
     double sum = 0;
     for (int32_t i = 0; i < region->count; i++) {

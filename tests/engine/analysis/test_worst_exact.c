@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The upper bound of the worst case against linear programmes in rational arithmetic (glp_exact).
+/* The upper bound of the worst case against linear programs in rational arithmetic (glp_exact).
  *
  * Nothing of the engine's search is used: stresses by pressure come from a forward solve for each
  * pressure, balance from forces and moments about the origin, the optimum from GLPK's exact simplex
@@ -140,7 +140,8 @@ static int cover(int parts, double (*centre)[3], double *cosine) {
 }
 
 /* Every exact value lies below the bound; the best of the cover over its cosine lies above what
- * loads reach; and the bound's own stress is reached by an exact programme along its direction. */
+ * loads reach; and the bound's own stress is reached by an exact linear program along its
+ * direction. */
 static void bound_holds_in_rational_arithmetic(void **state) {
   bw_context *context = check_context(state);
   double centre[3 * 16][3], cosine;
@@ -265,7 +266,7 @@ static void check_dual_bounds(bw_context *context, const exact *x,
   bw_free(element);
 }
 
-/* The leaves of each element cover all directions, and no exact optimum of a leaf's programmes
+/* The leaves of each element cover all directions, and no exact optimum of a leaf's linear programs
  * exceeds its bound. */
 static void leaves_hold_in_rational_arithmetic(void **state) {
   bw_context *context = check_context(state);

@@ -2,7 +2,7 @@
 /* The search of the worst case: screening, directed objectives, the ascent, bounds. */
 #include "bodies.h"
 
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 #include "analysis/weak_internal.h"
 #include "analysis/worst_internal.h"
 
@@ -64,8 +64,8 @@ static bw_status keep_own(void *data, const bw_worst_case_visit *visit) {
   return BW_OK;
 }
 
-/* From the stress of the screening on, an exact programme along the principal direction of the last
- * stress never loses: principal before <= objective <= principal after. */
+/* From the stress of the screening on, an exact linear program along the principal direction of the
+ * last stress never loses: principal before <= objective <= principal after. */
 static void ascent_never_decreases(void **state) {
   bw_context *context = check_context(state);
   for (int kind = 0; kind < 4; kind++) {
@@ -107,7 +107,8 @@ static void ascent_never_decreases(void **state) {
       stress = c.own[0];
       bw_release(regions);
     }
-    assert_true(gained > 1.01); /* pressures by patch are coarser than those of the programme */
+    assert_true(gained >
+                1.01); /* pressures by patch are coarser than those of the linear program */
     bw_screening_clear(&found);
     part_close(&p);
   }
@@ -126,7 +127,7 @@ static void direction_of(const double stress[6], double slope[6]) {
     slope[k] = s * all[k];
 }
 
-/* Mean stresses over patches: what the screening finds is reached by the programmes, whose
+/* Mean stresses over patches: what the screening finds is reached by the linear programs, whose
  * objective is the mean of bw_surface_stress over the patch. */
 static void patches_are_screened_and_reached(void **state) {
   bw_context *context = check_context(state);
@@ -287,9 +288,9 @@ static void faces_cover_the_half_sphere(void **state) {
   }
 }
 
-/* The bound exceeds every stress of random directions' programmes, by no more than the tolerance of
- * the best found; free, held, with a smaller force, of one and two threads. */
-static void bound_is_above_every_programme(void **state) {
+/* The bound exceeds every stress of random directions' linear programs, by no more than the
+ * tolerance of the best found; free, held, with a smaller force, of one and two threads. */
+static void bound_is_above_every_linear_program(void **state) {
   bw_context *context = check_context(state);
   for (int kind = 0; kind < 4; kind++) {
     part p;
@@ -304,19 +305,19 @@ static void bound_is_above_every_programme(void **state) {
              bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &bound, NULL));
     assert_true(bound.largest > 0 && bound.upper >= bound.largest);
     assert_true(bound.upper <= 1.0301 * bound.largest);
-    assert_true(bound.element >= 0 && bound.programmes > 0);
+    assert_true(bound.element >= 0 && bound.linear_programs > 0);
     check_near(principal(bound.stress), bound.largest, 1e-9 * bound.largest);
     check_ok(context, bw_set_threads(context, 3));
     check_ok(context,
              bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &again, NULL));
     assert_memory_equal(&again.upper, &bound.upper, sizeof bound.upper);
     assert_memory_equal(again.stress, bound.stress, sizeof bound.stress);
-    assert_int_equal(again.programmes, bound.programmes);
+    assert_int_equal(again.linear_programs, bound.linear_programs);
     check_ok(context, bw_set_threads(context, 1));
-    /* A better start needs fewer programmes and finds nothing larger than the bound. */
+    /* A better start needs fewer linear programs and finds nothing larger than the bound. */
     check_ok(context, bw_worst_bound_find(context, p.system, p.basis, &options, bound.upper, 0.03,
                                           &again, NULL));
-    assert_true(again.programmes < bound.programmes && again.element == -1);
+    assert_true(again.linear_programs < bound.linear_programs && again.element == -1);
     options.one_sign = true;
     for (int turn = 0; turn < 20; turn++) {
       int32_t element[8];
@@ -522,7 +523,7 @@ int main(void) {
       check_test(patches_divide_the_boundary),
       check_test(knapsack_bounds),
       check_test(faces_cover_the_half_sphere),
-      check_test(bound_is_above_every_programme),
+      check_test(bound_is_above_every_linear_program),
       check_test(same_bits_for_any_number_of_threads),
       check_test(slabs_give_the_same_responses),
       check_test(multipliers_have_few_digits),

@@ -177,7 +177,7 @@ add {
   ["bw.von_mises_gradient"] = function(p) return p.Model, p.System, p.Static.displacement, {1, 5} end,
   ["bw.von_mises_slopes"] = function(p) return p.Model, p.System, p.Static.displacement, {1, 5},
     {p.Mesh.nodes} end,
-  ["bw.quadratic_programme"] = function() return {H = {{2, 0}, {0, 1}}, g = {-2, -1}, A = {{1, 1}}, b = {1},
+  ["bw.quadratic_program"] = function() return {H = {{2, 0}, {0, 1}}, g = {-2, -1}, A = {{1, 1}}, b = {1},
     low = {0, 0}, high = {5, 5}} end,
   ["WorstCase:picture"] = function() return "out.png", {width = 64, height = 64} end,
   ["WorstCase:report"] = function() return "out.html", {loads = 1, modes = 1, title = "t"} end,

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The linear programme (14) of worst-case in scaled form, and its solvers.
+/* The linear program (14) of worst-case in scaled form, and its solvers.
  *
  *     maximise c . t   subject to   A t = b,  0 <= t <= u,  b = (0, ..., 0, 1)
  *
@@ -10,8 +10,8 @@
  * rows of its own body. Rows that every pressure fulfils anyway (a sphere's moments) are dropped.
  * Columns are permuted: levels are nested samples of the boundary, coarse first, and inside a level
  * columns are sorted by body into segments. */
-#ifndef BARWRIGHT_ANALYSIS_PROGRAMME_H
-#define BARWRIGHT_ANALYSIS_PROGRAMME_H
+#ifndef BARWRIGHT_ANALYSIS_LINEAR_PROGRAM_H
+#define BARWRIGHT_ANALYSIS_LINEAR_PROGRAM_H
 
 #include "barwright/analysis.h"
 
@@ -30,7 +30,7 @@ typedef struct bwi_balance {
   double transform[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS];
 } bwi_balance;
 
-typedef struct bwi_programme {
+typedef struct bwi_linear_program {
   int32_t rows;         /* balance rows kept, and the row of shares */
   int32_t columns;      /* pressures, and a slack when the force may be smaller */
   int32_t directions;   /* columns of a node: 1 without friction */
@@ -51,7 +51,7 @@ typedef struct bwi_programme {
   bwi_balance *body;
   int32_t motion_count;
   double force, pressure; /* F_tot, p_max */
-} bwi_programme;
+} bwi_linear_program;
 
 /* x_u cross x_v of a facet of six nodes at a point: twice n dA over the part of the plane. */
 void bwi_area_vector(const double (*x)[3], const double barycentric[3], double normal[3]);
@@ -68,10 +68,11 @@ bw_status bwi_pressure_with_friction(bw_context *context, const bw_pressure_basi
 bw_status bwi_pressure_basis_empty(bw_context *context, const bw_mesh *mesh,
                                    bw_pressure_basis **basis);
 
-bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *basis,
-                               const bw_numbering *numbering, const bw_worst_load_options *options,
-                               bwi_programme **programme);
-void bwi_programme_free(bwi_programme *programme);
+bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis *basis,
+                                    const bw_numbering *numbering,
+                                    const bw_worst_load_options *options,
+                                    bwi_linear_program **program);
+void bwi_linear_program_free(bwi_linear_program *program);
 
 /* Where a solver ended: `rows` basic columns (-1 - r: the unit column of row r, for a row without a
  * basic column of its own) and for the others whether they sit at their upper bound. In a group one
@@ -89,9 +90,9 @@ typedef struct bwi_solution {
   double *share, *multiplier;
   double value, violation, gap;
 } bwi_solution;
-bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *programme,
-                                 const double *cost, const bwi_vertex *vertex,
-                                 bwi_solution *solution);
+bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_program *program,
+                                      const double *cost, const bwi_vertex *vertex,
+                                      bwi_solution *solution);
 
 /* A bound of  max gain . t,  sum t = 1,  0 <= t <= upper:  x + sum upper max(0, gain - x), for any
  * multiplier x. That of so many halvings exceeds the maximum by at most the range of the gains
@@ -109,14 +110,14 @@ void bwi_dense_solve_transposed(int32_t n, const double *a, const int32_t *pivot
 /* GLPK. `attempt` 0: dual simplex with the bound-flipping ratio test; 1: the same after scaling,
  * textbook ratio test; 2: primal simplex. */
 typedef struct bwi_glpk bwi_glpk;
-bw_status bwi_glpk_create(bw_context *context, const bwi_programme *programme, bwi_glpk **glpk);
+bw_status bwi_glpk_create(bw_context *context, const bwi_linear_program *program, bwi_glpk **glpk);
 bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost, int attempt,
                          bwi_vertex *vertex);
 void bwi_glpk_free(bwi_glpk *glpk); /* in the thread that created it */
 
 /* The dual simplex method of our own (dual_simplex.c), also for columns in groups. */
 typedef struct bwi_simplex bwi_simplex;
-bw_status bwi_simplex_create(bw_context *context, const bwi_programme *programme,
+bw_status bwi_simplex_create(bw_context *context, const bwi_linear_program *program,
                              bwi_simplex **simplex);
 bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *simplex, const double *cost,
                             bool sampled, bwi_vertex *vertex);
@@ -132,8 +133,9 @@ bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b);
  * of these; returns their number, or -1 when all together do not. */
 int32_t bwi_select_breakpoints(bwi_breakpoint *list, int32_t count, double wanted);
 
-/* Loads of few hands (hands.c): for an objective with the best pressure of the programme and its
- * multipliers, the best pressure that was found within `options->hands` patches, and its value. */
+/* Loads of few hands (hands.c): for an objective with the best pressure of the linear program and
+ * its multipliers, the best pressure that was found within `options->hands` patches, and its value.
+ */
 typedef struct bwi_hands bwi_hands;
 /* The patch around each node: its nodes ascending in member[start[g]] to start[g + 1], *member to
  * be freed also on failure; and the nodes' mean normals. */
@@ -146,7 +148,7 @@ bw_status bwi_hands_solve(bw_context *context, const bwi_hands *hands, const dou
                           const double *dual, double *pressure, double *value);
 void bwi_hands_free(bwi_hands *hands);
 
-/* The programme with solvers and scratch memory per thread, for many batches of objectives
+/* The linear program with solvers and scratch memory per thread, for many batches of objectives
  * (worst_loads.c; see bw_worst_loads). */
 typedef struct bwi_loads bwi_loads;
 bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Building the linear programme from a pressure basis and a numbering's free motions, and judging a
- * vertex that a solver ended at. See programme.h for the form. */
-#include "analysis/programme.h"
+/* Building the linear program from a pressure basis and a numbering's free motions, and judging a
+ * vertex that a solver ended at. See linear_program.h for the form. */
+#include "analysis/linear_program.h"
 #include "model/internal.h"
 
 #include <float.h>
@@ -15,20 +15,20 @@ static const double smallest_motion = 1e-3;
 /* A sample below this many columns is not worth a level of its own. */
 enum { LEVEL_FACTOR = 8, LEVEL_SMALLEST = 600 };
 
-void bwi_programme_free(bwi_programme *programme) {
-  if (!programme)
+void bwi_linear_program_free(bwi_linear_program *program) {
+  if (!program)
     return;
-  bw_free(programme->entry);
-  bw_free(programme->upper);
-  bw_free(programme->source);
-  bw_free(programme->area);
-  bw_free(programme->first_row);
-  bw_free(programme->row_count);
-  bw_free(programme->group_start);
-  bw_free(programme->group);
-  bw_free(programme->segment);
-  bw_free(programme->body);
-  bw_free(programme);
+  bw_free(program->entry);
+  bw_free(program->upper);
+  bw_free(program->source);
+  bw_free(program->area);
+  bw_free(program->first_row);
+  bw_free(program->row_count);
+  bw_free(program->group_start);
+  bw_free(program->group);
+  bw_free(program->segment);
+  bw_free(program->body);
+  bw_free(program);
 }
 
 /* ---- columns in levels and segments -------------------------------------------------------- */
@@ -53,30 +53,30 @@ static int level_of(int32_t j, int levels) {
 }
 
 /* Counting sort of the columns by level, then body, then number; segments and `source`. */
-static bw_status order_columns(bw_context *context, bwi_programme *programme,
+static bw_status order_columns(bw_context *context, bwi_linear_program *program,
                                const bw_pressure_basis *basis, bool slack) {
   int32_t n = basis->count, bodies = basis->mesh->component_count;
   int32_t *place = NULL;
-  programme->levels = 1;
+  program->levels = 1;
   for (int64_t size = n / basis->directions / LEVEL_FACTOR;
-       size >= LEVEL_SMALLEST && programme->levels < BWI_LEVELS; size /= LEVEL_FACTOR)
-    programme->levels++;
-  size_t groups = (size_t)programme->levels * (size_t)bodies;
+       size >= LEVEL_SMALLEST && program->levels < BWI_LEVELS; size /= LEVEL_FACTOR)
+    program->levels++;
+  size_t groups = (size_t)program->levels * (size_t)bodies;
   place = BW_NEW0(context, int32_t, groups + 1);
-  programme->segment = BW_NEW0(context, bwi_segment, groups + 1);
-  if (!place || !programme->segment) {
+  program->segment = BW_NEW0(context, bwi_segment, groups + 1);
+  if (!place || !program->segment) {
     bw_free(place);
     return BW_MEMORY;
   }
   const int32_t *component = basis->mesh->component;
   for (int32_t j = 0; j < n; j++)
-    place[(size_t)level_of(j / basis->directions, programme->levels) * (size_t)bodies +
+    place[(size_t)level_of(j / basis->directions, program->levels) * (size_t)bodies +
           (size_t)component[basis->node[j]]]++;
   int32_t at = 0;
-  for (int level = 0; level < programme->levels; level++) {
+  for (int level = 0; level < program->levels; level++) {
     if (level == 0 && slack) {
-      programme->source[0] = -1;
-      programme->segment[programme->segment_count++] = (bwi_segment){0, 1, 0, 0};
+      program->source[0] = -1;
+      program->segment[program->segment_count++] = (bwi_segment){0, 1, 0, 0};
       at = 1;
     }
     for (int32_t body = 0; body < bodies; body++) {
@@ -86,34 +86,34 @@ static bw_status order_columns(bw_context *context, bwi_programme *programme,
       at += size;
       if (size == 0)
         continue;
-      bwi_segment *segment = &programme->segment[programme->segment_count++];
+      bwi_segment *segment = &program->segment[program->segment_count++];
       *segment = (bwi_segment){at - size, at, 0, 0};
-      for (int32_t k = 0; k < programme->body_count; k++)
-        if (programme->body[k].component == body) {
-          segment->row = programme->body[k].row;
-          segment->rows = programme->body[k].rows;
+      for (int32_t k = 0; k < program->body_count; k++)
+        if (program->body[k].component == body) {
+          segment->row = program->body[k].row;
+          segment->rows = program->body[k].rows;
         }
     }
-    programme->level_end[level] = at;
-    programme->level_segments[level] = programme->segment_count;
+    program->level_end[level] = at;
+    program->level_segments[level] = program->segment_count;
   }
   for (int32_t j = 0; j < n; j++)
-    programme
-        ->source[place[(size_t)level_of(j / basis->directions, programme->levels) * (size_t)bodies +
+    program
+        ->source[place[(size_t)level_of(j / basis->directions, program->levels) * (size_t)bodies +
                        (size_t)component[basis->node[j]]]++] = j;
   bw_free(place);
   return BW_OK;
 }
 
 /* Columns of a node are neighbours: order_columns keeps them together. */
-static void group_columns(bwi_programme *programme) {
-  for (int32_t j = 0; j < programme->columns; programme->groups++) {
-    int32_t size = programme->source[j] < 0 ? 1 : programme->directions;
-    programme->group_start[programme->groups] = j;
+static void group_columns(bwi_linear_program *program) {
+  for (int32_t j = 0; j < program->columns; program->groups++) {
+    int32_t size = program->source[j] < 0 ? 1 : program->directions;
+    program->group_start[program->groups] = j;
     for (int32_t k = 0; k < size; k++)
-      programme->group[j++] = programme->groups;
+      program->group[j++] = program->groups;
   }
-  programme->group_start[programme->groups] = programme->columns;
+  program->group_start[program->groups] = program->columns;
 }
 
 /* ---- balance rows -------------------------------------------------------------------------- */
@@ -245,20 +245,19 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
   }
 }
 
-static bw_status make_bodies(bw_context *context, bwi_programme *programme,
+static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
                              const bw_pressure_basis *basis, const bw_numbering *numbering) {
-  programme->motion_count = numbering->motion_count;
-  programme->body = BW_NEW0(context, bwi_balance, numbering->motion_count + 1);
-  if (!programme->body)
+  program->motion_count = numbering->motion_count;
+  program->body = BW_NEW0(context, bwi_balance, numbering->motion_count + 1);
+  if (!program->body)
     return BW_MEMORY;
   for (int32_t m = 0; m < numbering->motion_count; m++) {
     int32_t k = 0;
-    while (k < programme->body_count &&
-           programme->body[k].component != numbering->motion[m].component)
+    while (k < program->body_count && program->body[k].component != numbering->motion[m].component)
       k++;
-    bwi_balance *body = &programme->body[k];
-    if (k == programme->body_count) {
-      programme->body_count++;
+    bwi_balance *body = &program->body[k];
+    if (k == program->body_count) {
+      program->body_count++;
       body->component = numbering->motion[m].component;
     }
     if (body->motions == BWI_LOCAL_ROWS)
@@ -266,12 +265,12 @@ static bw_status make_bodies(bw_context *context, bwi_programme *programme,
                      body->component);
     body->motion[body->motions++] = m;
   }
-  for (int32_t k = 0; k < programme->body_count; k++) {
-    programme->body[k].row = programme->rows;
-    orthonormalise(basis, numbering, &programme->body[k]);
-    programme->rows += programme->body[k].rows;
+  for (int32_t k = 0; k < program->body_count; k++) {
+    program->body[k].row = program->rows;
+    orthonormalise(basis, numbering, &program->body[k]);
+    program->rows += program->body[k].rows;
   }
-  programme->rows++; /* the shares */
+  program->rows++; /* the shares */
   return BW_OK;
 }
 
@@ -304,49 +303,49 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
   return BW_OK;
 }
 
-bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *basis,
-                               const bw_numbering *numbering, const bw_worst_load_options *options,
-                               bwi_programme **result) {
+bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis *basis,
+                                    const bw_numbering *numbering,
+                                    const bw_worst_load_options *options,
+                                    bwi_linear_program **result) {
   bw_status status = check_options(context, basis, options);
   if (status != BW_OK)
     return status;
-  bwi_programme *programme = BW_NEW0(context, bwi_programme, 1);
-  if (!programme)
+  bwi_linear_program *program = BW_NEW0(context, bwi_linear_program, 1);
+  if (!program)
     return BW_MEMORY;
   size_t n = (size_t)basis->count + (options->at_most ? 1 : 0);
-  programme->columns = (int32_t)n;
-  programme->force = options->force;
-  programme->pressure = options->pressure;
-  programme->entry = BW_NEW0(context, double, BWI_LOCAL_ROWS *n);
-  programme->upper = BW_NEW(context, double, n);
-  programme->source = BW_NEW(context, int32_t, n);
-  programme->area = BW_NEW(context, double, n);
-  programme->first_row = BW_NEW0(context, int32_t, n);
-  programme->row_count = BW_NEW0(context, int32_t, n);
-  programme->directions = basis->directions;
-  programme->group_start = BW_NEW(context, int32_t, n + 1);
-  programme->group = BW_NEW(context, int32_t, n);
-  if (!programme->group_start || !programme->group || !programme->entry || !programme->upper ||
-      !programme->source || !programme->area || !programme->first_row || !programme->row_count) {
+  program->columns = (int32_t)n;
+  program->force = options->force;
+  program->pressure = options->pressure;
+  program->entry = BW_NEW0(context, double, BWI_LOCAL_ROWS *n);
+  program->upper = BW_NEW(context, double, n);
+  program->source = BW_NEW(context, int32_t, n);
+  program->area = BW_NEW(context, double, n);
+  program->first_row = BW_NEW0(context, int32_t, n);
+  program->row_count = BW_NEW0(context, int32_t, n);
+  program->directions = basis->directions;
+  program->group_start = BW_NEW(context, int32_t, n + 1);
+  program->group = BW_NEW(context, int32_t, n);
+  if (!program->group_start || !program->group || !program->entry || !program->upper ||
+      !program->source || !program->area || !program->first_row || !program->row_count) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(make_bodies(context, programme, basis, numbering));
-  BW_TRY(order_columns(context, programme, basis, options->at_most));
-  group_columns(programme);
-  for (int32_t s = 0; s < programme->segment_count; s++) {
-    const bwi_segment *segment = &programme->segment[s];
+  BW_TRY(make_bodies(context, program, basis, numbering));
+  BW_TRY(order_columns(context, program, basis, options->at_most));
+  group_columns(program);
+  for (int32_t s = 0; s < program->segment_count; s++) {
+    const bwi_segment *segment = &program->segment[s];
     const bwi_balance *body = NULL;
-    for (int32_t k = 0; k < programme->body_count && segment->rows > 0; k++)
-      if (programme->body[k].row == segment->row && programme->body[k].rows > 0)
-        body = &programme->body[k];
+    for (int32_t k = 0; k < program->body_count && segment->rows > 0; k++)
+      if (program->body[k].row == segment->row && program->body[k].rows > 0)
+        body = &program->body[k];
     for (int32_t j = segment->begin; j < segment->end; j++) {
-      int32_t from = programme->source[j];
-      programme->area[j] = from < 0 ? 1 : basis->area[from];
-      programme->upper[j] =
-          from < 0 ? 1 : programme->area[j] * (options->pressure / options->force);
-      programme->first_row[j] = segment->row;
-      programme->row_count[j] = segment->rows;
+      int32_t from = program->source[j];
+      program->area[j] = from < 0 ? 1 : basis->area[from];
+      program->upper[j] = from < 0 ? 1 : program->area[j] * (options->pressure / options->force);
+      program->first_row[j] = segment->row;
+      program->row_count[j] = segment->rows;
       if (!body)
         continue;
       double raw[BWI_LOCAL_ROWS];
@@ -355,51 +354,51 @@ bw_status bwi_programme_create(bw_context *context, const bw_pressure_basis *bas
         double sum = 0;
         for (int m = 0; m < body->motions; m++)
           sum += body->transform[l][m] * raw[m];
-        programme->entry[(size_t)l * n + (size_t)j] = sum;
+        program->entry[(size_t)l * n + (size_t)j] = sum;
       }
     }
   }
 done:
   if (status == BW_OK)
-    *result = programme;
+    *result = program;
   else
-    bwi_programme_free(programme);
+    bwi_linear_program_free(program);
   return status;
 }
 
 /* ---- judging a vertex ---------------------------------------------------------------------- */
 
-static void add_column(const bwi_programme *programme, int32_t j, double factor, double *sum) {
-  for (int32_t l = 0; l < programme->row_count[j]; l++)
-    sum[programme->first_row[j] + l] +=
-        factor * programme->entry[(size_t)l * (size_t)programme->columns + (size_t)j];
-  sum[programme->rows - 1] += factor;
+static void add_column(const bwi_linear_program *program, int32_t j, double factor, double *sum) {
+  for (int32_t l = 0; l < program->row_count[j]; l++)
+    sum[program->first_row[j] + l] +=
+        factor * program->entry[(size_t)l * (size_t)program->columns + (size_t)j];
+  sum[program->rows - 1] += factor;
 }
 
 /* The column at the upper bound in the group of basic column j, or -1. */
-static int32_t full_column(const bwi_programme *programme, const bwi_vertex *vertex, int32_t j) {
-  int32_t g = programme->group[j];
-  for (int32_t k = programme->group_start[g]; k < programme->group_start[g + 1]; k++)
+static int32_t full_column(const bwi_linear_program *program, const bwi_vertex *vertex, int32_t j) {
+  int32_t g = program->group[j];
+  for (int32_t k = program->group_start[g]; k < program->group_start[g + 1]; k++)
     if (k != j && vertex->at_upper[k])
       return k;
   return -1;
 }
 
 /* b - A t. */
-static void residual(const bwi_programme *programme, const double *share, double *rest) {
-  int32_t m = programme->rows;
+static void residual(const bwi_linear_program *program, const double *share, double *rest) {
+  int32_t m = program->rows;
   for (int32_t i = 0; i < m; i++)
     rest[i] = i == m - 1;
-  for (int32_t j = 0; j < programme->columns; j++)
+  for (int32_t j = 0; j < program->columns; j++)
     if (share[j] != 0)
-      add_column(programme, j, -share[j], rest);
+      add_column(program, j, -share[j], rest);
 }
 
-bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *programme,
-                                 const double *cost, const bwi_vertex *vertex,
-                                 bwi_solution *solution) {
+bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_program *program,
+                                      const double *cost, const bwi_vertex *vertex,
+                                      bwi_solution *solution) {
   bw_status status = BW_OK;
-  int32_t m = programme->rows, n = programme->columns;
+  int32_t m = program->rows, n = program->columns;
   double *share = solution->share, *y = solution->multiplier;
   double *basis = BW_NEW0(context, double, (size_t)m *(size_t)m);
   double *rest = BW_NEW(context, double, m), *x = BW_NEW(context, double, m);
@@ -411,20 +410,20 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
   solution->value = 0;
   solution->violation = solution->gap = INFINITY;
   for (int32_t j = 0; j < n; j++)
-    share[j] = vertex->at_upper[j] ? programme->upper[j] : 0;
+    share[j] = vertex->at_upper[j] ? program->upper[j] : 0;
   for (int32_t i = 0; i < m; i++) {
     /* The transpose of the basis is filled: column i as row i. */
     double *column = basis + (size_t)i * (size_t)m;
     if (vertex->basic[i] < 0) {
       column[-1 - vertex->basic[i]] = 1;
     } else {
-      add_column(programme, vertex->basic[i], 1, column);
+      add_column(program, vertex->basic[i], 1, column);
       share[vertex->basic[i]] = 0;
     }
     y[i] = vertex->basic[i] < 0 ? 0 : cost[vertex->basic[i]];
-    full[i] = vertex->basic[i] < 0 ? -1 : full_column(programme, vertex, vertex->basic[i]);
+    full[i] = vertex->basic[i] < 0 ? -1 : full_column(program, vertex, vertex->basic[i]);
     if (full[i] >= 0) {
-      add_column(programme, full[i], -1, column);
+      add_column(program, full[i], -1, column);
       y[i] -= cost[full[i]];
     }
   }
@@ -435,7 +434,7 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
   /* Basic values, with one step of refinement: x on top of what the shares already hold. */
   double artificial = 0;
   for (int pass = 0; pass < 2; pass++) {
-    residual(programme, share, rest);
+    residual(program, share, rest);
     if (pass == 1)
       for (int32_t i = 0; i < m; i++)
         if (vertex->basic[i] < 0)
@@ -457,33 +456,32 @@ bw_status bwi_programme_evaluate(bw_context *context, const bwi_programme *progr
       artificial = fmax(artificial, fabs(x[i]));
       continue;
     }
-    violation = fmax(violation, fmax(-share[j], share[j] - programme->upper[j]));
-    share[j] = fmin(fmax(share[j], 0), programme->upper[j]);
+    violation = fmax(violation, fmax(-share[j], share[j] - program->upper[j]));
+    share[j] = fmin(fmax(share[j], 0), program->upper[j]);
     if (full[i] >= 0) {
       violation = fmax(violation, -share[full[i]]);
       share[full[i]] = fmax(share[full[i]], 0);
     }
   }
-  residual(programme, share, rest);
+  residual(program, share, rest);
   for (int32_t i = 0; i < m; i++)
     violation = fmax(violation, fabs(rest[i]));
   solution->violation = fmax(violation, artificial);
 
   /* Weak duality: the multipliers bound every feasible value from above. */
   double bound = y[m - 1], value = 0, largest = 0;
-  for (int32_t g = 0; g < programme->groups; g++) {
+  for (int32_t g = 0; g < program->groups; g++) {
     double most = 0;
-    for (int32_t j = programme->group_start[g]; j < programme->group_start[g + 1]; j++) {
+    for (int32_t j = program->group_start[g]; j < program->group_start[g + 1]; j++) {
       double reduced = cost[j] - y[m - 1];
-      for (int32_t l = 0; l < programme->row_count[j]; l++)
-        reduced -=
-            y[programme->first_row[j] + l] * programme->entry[(size_t)l * (size_t)n + (size_t)j];
+      for (int32_t l = 0; l < program->row_count[j]; l++)
+        reduced -= y[program->first_row[j] + l] * program->entry[(size_t)l * (size_t)n + (size_t)j];
       most = fmax(most, reduced);
       value += cost[j] * share[j];
       largest = fmax(largest, fabs(cost[j]));
     }
     if (most > 0)
-      bound += programme->upper[programme->group_start[g]] * most;
+      bound += program->upper[program->group_start[g]] * most;
   }
   solution->value = value;
   solution->gap = largest > 0 ? fabs(bound - value) / (fabs(value) + 1e-3 * largest) : 0;

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Convex quadratic programmes, small and dense.
+/* Convex quadratic programs, small and dense.
  *
- * With H = L L^T, y = L^T x and c the point where the objective is least of all, the programme asks
- * for the point of a polyhedron nearest to c. It is solved as such (nearest_point.h), in
- * z = (y - c) / size with `size` the distance of the farthest row that c violates; bounds are rows
- * like all others. */
+ * With H = L L^T, y = L^T x and c the point where the objective is least of all, the quadratic
+ * program asks for the point of a polyhedron nearest to c. It is solved as such (nearest_point.h),
+ * in z = (y - c) / size with `size` the distance of the farthest row that c violates; bounds are
+ * rows like all others. */
 #include "analysis/nearest_point.h"
 #include "barwright/analysis.h"
 
@@ -13,7 +13,7 @@
 
 enum { PROXIMAL_STEPS = 60 };
 
-typedef struct programme {
+typedef struct program {
   bw_context *context;
   int n, m;
   const double *a, *b, *low, *high; /* as given */
@@ -23,9 +23,9 @@ typedef struct programme {
   bwi_polyhedron p;                 /* rows, then bounds; what is always fulfilled left out */
   int *of;      /* p.rows: row 0..m-1 it stands for, m + j: x_j <= high, m + n + j: x_j >= low */
   double *norm; /* p.rows: of its a before scaling */
-} programme;
+} program;
 
-static void programme_clear(programme *q) {
+static void linear_program_clear(program *q) {
   bw_free(q->l);
   bw_free(q->centre);
   bw_free(q->p.a);
@@ -39,7 +39,7 @@ static bw_status check_input(bw_context *context, int n, const double *H, const 
                              const double *high) {
   const char *bad = NULL;
   if (n < 1 || m < 0)
-    return bw_fail(context, BW_INVALID, "a quadratic programme of %d unknowns and %d rows", n, m);
+    return bw_fail(context, BW_INVALID, "a quadratic program of %d unknowns and %d rows", n, m);
   for (int i = 0; i < n * n && !bad; i++)
     bad = isfinite(H[i]) ? NULL : "matrix";
   for (int i = 0; i < n && !bad; i++)
@@ -49,17 +49,17 @@ static bw_status check_input(bw_context *context, int n, const double *H, const 
   for (int i = 0; i < m && !bad; i++)
     bad = isfinite(b[i]) ? NULL : "right-hand side";
   if (bad)
-    return bw_fail(context, BW_INVALID, "the %s of a quadratic programme holds what is no number",
+    return bw_fail(context, BW_INVALID, "the %s of a quadratic program holds what is no number",
                    bad);
   for (int i = 0; i < n; i++)
     if (!(low[i] <= high[i]) || low[i] == INFINITY || high[i] == -INFINITY)
       return bw_fail(context, BW_INVALID,
-                     "the bounds of unknown %d of a quadratic programme are %g and %g", i + 1,
-                     low[i], high[i]);
+                     "the bounds of unknown %d of a quadratic program are %g and %g", i + 1, low[i],
+                     high[i]);
   return BW_OK;
 }
 
-static void add_row(programme *q, int of, double norm, const double *a, double beta) {
+static void add_row(program *q, int of, double norm, const double *a, double beta) {
   double *to = q->p.a + q->p.rows * q->n;
   for (int j = 0; j < q->n; j++)
     to[j] = a[j] / norm;
@@ -69,7 +69,7 @@ static void add_row(programme *q, int of, double norm, const double *a, double b
 }
 
 /* Everything in y - c; size still 1. */
-static bw_status transform(programme *q, const double *H, const double *g) {
+static bw_status transform(program *q, const double *H, const double *g) {
   int n = q->n;
   size_t rows = (size_t)q->m + 2 * (size_t)n;
   bw_status status = BW_OK;
@@ -87,7 +87,7 @@ static bw_status transform(programme *q, const double *H, const double *g) {
   memcpy(q->l, H, (size_t)n * (size_t)n * sizeof *H);
   if (!bwi_cholesky(n, q->l, 1e-14)) {
     status = bw_fail(q->context, BW_INVALID,
-                     "the matrix of a quadratic programme is not positive definite");
+                     "the matrix of a quadratic program is not positive definite");
     goto done;
   }
   for (int i = 0; i < n; i++)
@@ -120,7 +120,7 @@ done:
 }
 
 /* x = c + size L^-T z, on the safe side of the bounds. */
-static void to_unknowns(const programme *q, const double *z, double *x) {
+static void to_unknowns(const program *q, const double *z, double *x) {
   for (int j = 0; j < q->n; j++)
     x[j] = q->size * z[j];
   bwi_backward(q->n, q->l, x);
@@ -129,10 +129,10 @@ static void to_unknowns(const programme *q, const double *z, double *x) {
 }
 
 /* The least t so that all rows of A hold with b + t, within the bounds: proximal steps on the
- * linear programme. In units of `unit` t is one more coordinate, and each step is the point of the
+ * linear program. In units of `unit` t is one more coordinate, and each step is the point of the
  * polyhedron nearest to one that lies far below the last, so that t counts for most; on a linear
- * programme such steps end, not only converge. */
-static bw_status least_violation(const programme *q, double unit, double *t) {
+ * program such steps end, not only converge. */
+static bw_status least_violation(const program *q, double unit, double *t) {
   enum { FAR = 100 };
   int n = q->n + 1, rows = q->p.rows + 1; /* and t >= 0 */
   bw_status status = BW_OK;
@@ -186,7 +186,7 @@ static bw_status least_violation(const programme *q, double unit, double *t) {
   }
   if (!found)
     status = bw_fail(q->context, BW_CONVERGENCE,
-                     "a quadratic programme of %d unknowns and %d rows: the least violation of its "
+                     "a quadratic program of %d unknowns and %d rows: the least violation of its "
                      "rows was not found (NLopt: %s)",
                      q->n, q->m, word);
   *t = unit * fmax(last, least);
@@ -201,7 +201,7 @@ done:
 }
 
 /* Elastic mode: every row gives way by the least that allows a solution. */
-static bw_status elastic(programme *q, double *z, double *mu, bool *found, const char **word) {
+static bw_status elastic(program *q, double *z, double *mu, bool *found, const char **word) {
   bw_status status;
   double unit = 0, way = 0;
   for (int i = 0; i < q->p.rows; i++)
@@ -225,11 +225,11 @@ done:
   return status;
 }
 
-bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, const double *g,
-                                 int m, const double *A, const double *b, const double *low,
-                                 const double *high, double *x, double *violation,
-                                 double *multiplier) {
-  programme q = {.context = context, .n = n, .m = m, .a = A, .b = b, .low = low, .high = high};
+bw_status bw_quadratic_program(bw_context *context, int n, const double *H, const double *g, int m,
+                               const double *A, const double *b, const double *low,
+                               const double *high, double *x, double *violation,
+                               double *multiplier) {
+  program q = {.context = context, .n = n, .m = m, .a = A, .b = b, .low = low, .high = high};
   bw_status status;
   const char *word = "";
   bool found = true, empty_row = false;
@@ -268,8 +268,8 @@ bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, co
   }
   if (!found) {
     status = bw_fail(context, BW_CONVERGENCE,
-                     "a quadratic programme of %d unknowns and %d rows was not solved (NLopt: %s)",
-                     n, m, word);
+                     "a quadratic program of %d unknowns and %d rows was not solved (NLopt: %s)", n,
+                     m, word);
     goto done;
   }
   to_unknowns(&q, z, x);
@@ -291,6 +291,6 @@ bw_status bw_quadratic_programme(bw_context *context, int n, const double *H, co
 done:
   bw_free(z);
   bw_free(mu);
-  programme_clear(&q);
+  linear_program_clear(&q);
   return status;
 }

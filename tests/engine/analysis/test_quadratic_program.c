@@ -1,16 +1,16 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Small quadratic programmes against closed forms, and against trying every set of active rows. */
+/* Small quadratic programs against closed forms, and against trying every set of active rows. */
 #include "check.h"
 
 enum { MOST_N = 6, MOST_M = 8 };
 
-typedef struct programme {
+typedef struct program {
   int n, m;
   double H[MOST_N * MOST_N], g[MOST_N], A[MOST_M * MOST_N], b[MOST_M];
   double low[MOST_N], high[MOST_N];
-} programme;
+} program;
 
-static double objective(const programme *q, const double *x) {
+static double objective(const program *q, const double *x) {
   double sum = 0;
   for (int i = 0; i < q->n; i++) {
     sum += q->g[i] * x[i];
@@ -20,13 +20,13 @@ static double objective(const programme *q, const double *x) {
   return sum;
 }
 
-static bw_status run(bw_context *context, const programme *q, double *x, double *violation,
+static bw_status run(bw_context *context, const program *q, double *x, double *violation,
                      double *multiplier) {
-  return bw_quadratic_programme(context, q->n, q->H, q->g, q->m, q->A, q->b, q->low, q->high, x,
-                                violation, multiplier);
+  return bw_quadratic_program(context, q->n, q->H, q->g, q->m, q->A, q->b, q->low, q->high, x,
+                              violation, multiplier);
 }
 
-static double row_at(const programme *q, int i, const double *x) {
+static double row_at(const program *q, int i, const double *x) {
   double sum = -q->b[i];
   for (int j = 0; j < q->n; j++)
     sum += q->A[i * q->n + j] * x[j];
@@ -67,7 +67,7 @@ static bool solve_dense(int n, double *a, double *b) {
 
 /* Every set of at most n active rows and bounds: the feasible one of least objective. False when
  * there is none. */
-static bool try_all(const programme *q, double *best) {
+static bool try_all(const program *q, double *best) {
   int n = q->n, rows = q->m + 2 * n;
   double row[(MOST_M + 2 * MOST_N) * MOST_N] = {0}, right[MOST_M + 2 * MOST_N];
   for (int i = 0; i < q->m; i++) {
@@ -125,7 +125,7 @@ static double uniform(bw_random *random) {
   return 2 * bw_random_uniform(random) - 1;
 }
 
-static void random_programme(bw_random *random, int n, int m, programme *q) {
+static void random_linear_program(bw_random *random, int n, int m, program *q) {
   double j[2 * MOST_N * MOST_N];
   memset(q, 0, sizeof *q);
   q->n = n;
@@ -147,7 +147,7 @@ static void random_programme(bw_random *random, int n, int m, programme *q) {
     q->b[i] = 0.8 * uniform(random);
 }
 
-static void check_multipliers(const programme *q, const double *x, const double *mu,
+static void check_multipliers(const program *q, const double *x, const double *mu,
                               double violation) {
   for (int i = 0; i < q->m; i++) {
     assert_true(mu[i] >= 0);
@@ -172,11 +172,11 @@ static void against_trying_all(void **state) {
   bw_random_seed(&random, 11);
   int feasible = 0, infeasible = 0;
   for (int round = 0; round < 400; round++) {
-    programme q;
+    program q;
     double x[MOST_N], expected[MOST_N], mu[MOST_M], violation;
     int n = 1 + (int)(4 * bw_random_uniform(&random));
     int m = (int)(6 * bw_random_uniform(&random));
-    random_programme(&random, n, m, &q);
+    random_linear_program(&random, n, m, &q);
     check_ok(context, run(context, &q, x, &violation, mu));
     if (try_all(&q, expected)) {
       feasible++;
@@ -187,7 +187,7 @@ static void against_trying_all(void **state) {
       infeasible++;
       assert_true(violation > 0);
       /* with rows that give way by so much there is a solution, by a little less there is none */
-      programme relaxed = q;
+      program relaxed = q;
       for (int i = 0; i < m; i++)
         relaxed.b[i] = q.b[i] + violation + 1e-7;
       assert_true(try_all(&relaxed, expected));
@@ -208,8 +208,8 @@ static void against_trying_all(void **state) {
 static void closed_forms(void **state) {
   bw_context *context = check_context(state);
   /* the point of x + y <= 1 nearest to (2, 1), H = 1 */
-  programme q = {.n = 2, .m = 1, .H = {1, 0, 0, 1}, .g = {-2, -1}, .A = {1, 1}, .b = {1}};
-  double x[2], violation, mu[8]; /* as many as the longest programme has rows */
+  program q = {.n = 2, .m = 1, .H = {1, 0, 0, 1}, .g = {-2, -1}, .A = {1, 1}, .b = {1}};
+  double x[2], violation, mu[8]; /* as many as the longest quadratic program has rows */
   for (int i = 0; i < 2; i++) {
     q.low[i] = -INFINITY;
     q.high[i] = INFINITY;
@@ -226,7 +226,7 @@ static void closed_forms(void **state) {
   check_near(x[1], 1, 1e-14);
   assert_true(mu[0] == 0 && violation == 0);
   /* the same with badly scaled unknowns: x in millionths, y in millions */
-  programme s = {
+  program s = {
       .n = 2, .m = 1, .H = {1e12, 0, 0, 1e-12}, .g = {-2e6, -1e-6}, .A = {1e6, 1e-6}, .b = {1}};
   for (int i = 0; i < 2; i++) {
     s.low[i] = -INFINITY;
@@ -236,24 +236,24 @@ static void closed_forms(void **state) {
   check_near(x[0], 1e-6, 1e-17);
   check_near(x[1], 0, 1e-6);
   /* x <= -1 and -x <= -2 (x >= 2): half-way, 1.5 off each */
-  programme e = {.n = 1, .m = 2, .H = {1}, .g = {0}, .A = {1, -1}, .b = {-1, -2}};
+  program e = {.n = 1, .m = 2, .H = {1}, .g = {0}, .A = {1, -1}, .b = {-1, -2}};
   e.low[0] = -10;
   e.high[0] = 10;
   check_ok(context, run(context, &e, x, &violation, mu));
   check_near(x[0], 0.5, 1e-6);
   check_near(violation, 1.5, 1e-6);
   /* held by its bound: x <= -1 with x >= 3 gives way by 4 */
-  programme h = {.n = 1, .m = 1, .H = {2}, .g = {0}, .A = {1}, .b = {-1}, .low = {3}, .high = {5}};
+  program h = {.n = 1, .m = 1, .H = {2}, .g = {0}, .A = {1}, .b = {-1}, .low = {3}, .high = {5}};
   check_ok(context, run(context, &h, x, &violation, mu));
   check_near(x[0], 3, 1e-7);
   check_near(violation, 4, 1e-6);
   /* a row of zeros that cannot hold */
-  programme z = {.n = 1, .m = 1, .H = {2}, .g = {2}, .A = {0}, .b = {-3}, .low = {-5}, .high = {5}};
+  program z = {.n = 1, .m = 1, .H = {2}, .g = {2}, .A = {0}, .b = {-3}, .low = {-5}, .high = {5}};
   check_ok(context, run(context, &z, x, &violation, mu));
   check_near(x[0], -1, 1e-7);
   check_near(violation, 3, 1e-6);
   /* the same row ten times, and a fixed unknown */
-  programme d = {.n = 2, .m = 8, .H = {2, 1, 1, 2}, .g = {-8, -6}};
+  program d = {.n = 2, .m = 8, .H = {2, 1, 1, 2}, .g = {-8, -6}};
   for (int i = 0; i < 8; i++) {
     d.A[2 * i] = d.A[2 * i + 1] = 1;
     d.b[i] = 2;
@@ -273,9 +273,9 @@ static void badly_scaled(void **state) {
   bw_random random;
   bw_random_seed(&random, 5);
   for (int round = 0; round < 100; round++) {
-    programme q, s;
+    program q, s;
     double x[MOST_N], y[MOST_N], violation, other, unit[MOST_N];
-    random_programme(&random, 4, 5, &q);
+    random_linear_program(&random, 4, 5, &q);
     s = q;
     double all = pow(10, 8 * uniform(&random));
     for (int j = 0; j < 4; j++)
@@ -301,7 +301,7 @@ static void badly_scaled(void **state) {
 
 static void refusals(void **state) {
   bw_context *context = check_context(state);
-  programme q = {.n = 2, .m = 1, .H = {1, 2, 2, 1}, .A = {1, 1}, .b = {1}};
+  program q = {.n = 2, .m = 1, .H = {1, 2, 2, 1}, .A = {1, 1}, .b = {1}};
   double x[2], violation;
   for (int i = 0; i < 2; i++)
     q.high[i] = 1;
@@ -321,8 +321,7 @@ static void refusals(void **state) {
 
 static void memory_runs_out(void **state) {
   bw_context *context = check_context(state);
-  programme q = {
-      .n = 2, .m = 2, .H = {1, 0, 0, 1}, .g = {-2, -1}, .A = {1, 1, -1, -1}, .b = {1, -3}};
+  program q = {.n = 2, .m = 2, .H = {1, 0, 0, 1}, .g = {-2, -1}, .A = {1, 1, -1, -1}, .b = {1, -3}};
   double x[2], violation, mu[2];
   q.low[0] = q.low[1] = -5;
   q.high[0] = q.high[1] = 5;

@@ -1,18 +1,18 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The programme by GLPK.
+/* The linear program by GLPK.
  *
  * GLPK keeps its state in a thread-local environment and aborts on an error unless a hook takes
  * over. The hook here jumps back into the function that called GLPK; the environment is then only
  * fit to be freed, and with it goes the problem. A host program may use GLPK in the same thread for
  * its own ends, so an environment that was there before is left as it was found. */
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 
 #include <glpk.h>
 #include <setjmp.h>
 #include <string.h>
 
 struct bwi_glpk {
-  const bwi_programme *programme;
+  const bwi_linear_program *program;
   glp_prob *problem; /* NULL after an error */
   bool own_environment;
   int terminal; /* the environment's own setting, to be put back */
@@ -29,9 +29,9 @@ static bw_status lost(bw_context *context, bwi_glpk *glpk) {
   glpk->own_environment = false;
   glp_free_env();
   return bw_fail(context, BW_CONVERGENCE,
-                 "GLPK gave up on a programme of %d rows and %d columns (out of memory, or an "
+                 "GLPK gave up on a linear program of %d rows and %d columns (out of memory, or an "
                  "error inside it)",
-                 glpk->programme->rows, glpk->programme->columns);
+                 glpk->program->rows, glpk->program->columns);
 }
 
 static void leave(bwi_glpk *glpk) {
@@ -40,38 +40,37 @@ static void leave(bwi_glpk *glpk) {
     glp_term_out(glpk->terminal);
 }
 
-/* With friction a row for each group follows those of the programme. */
-static int group_rows(const bwi_programme *programme) {
-  return programme->directions > 1 ? programme->groups : 0;
+/* With friction a row for each group follows those of the linear program. */
+static int group_rows(const bwi_linear_program *program) {
+  return program->directions > 1 ? program->groups : 0;
 }
 
 static void fill_problem(bwi_glpk *glpk, int *row, int *column, double *value) {
-  const bwi_programme *programme = glpk->programme;
-  int m = programme->rows, n = programme->columns, entries = 0;
+  const bwi_linear_program *program = glpk->program;
+  int m = program->rows, n = program->columns, entries = 0;
   glp_set_obj_dir(glpk->problem, GLP_MAX);
-  glp_add_rows(glpk->problem, m + group_rows(programme));
+  glp_add_rows(glpk->problem, m + group_rows(program));
   for (int i = 1; i <= m; i++)
     glp_set_row_bnds(glpk->problem, i, GLP_FX, i == m, i == m);
-  for (int g = 0; g < group_rows(programme); g++)
-    glp_set_row_bnds(glpk->problem, m + 1 + g, GLP_UP, 0,
-                     programme->upper[programme->group_start[g]]);
+  for (int g = 0; g < group_rows(program); g++)
+    glp_set_row_bnds(glpk->problem, m + 1 + g, GLP_UP, 0, program->upper[program->group_start[g]]);
   glp_add_cols(glpk->problem, n);
   for (int j = 0; j < n; j++) {
-    glp_set_col_bnds(glpk->problem, j + 1, group_rows(programme) > 0 ? GLP_LO : GLP_DB, 0,
-                     programme->upper[j]);
-    for (int l = 0; l <= programme->row_count[j]; l++) {
-      bool last = l == programme->row_count[j];
-      double v = last ? 1 : programme->entry[(size_t)l * (size_t)n + (size_t)j];
+    glp_set_col_bnds(glpk->problem, j + 1, group_rows(program) > 0 ? GLP_LO : GLP_DB, 0,
+                     program->upper[j]);
+    for (int l = 0; l <= program->row_count[j]; l++) {
+      bool last = l == program->row_count[j];
+      double v = last ? 1 : program->entry[(size_t)l * (size_t)n + (size_t)j];
       if (v == 0)
         continue;
       entries++;
-      row[entries] = last ? m : programme->first_row[j] + l + 1;
+      row[entries] = last ? m : program->first_row[j] + l + 1;
       column[entries] = j + 1;
       value[entries] = v;
     }
-    if (group_rows(programme) > 0) {
+    if (group_rows(program) > 0) {
       entries++;
-      row[entries] = m + 1 + programme->group[j];
+      row[entries] = m + 1 + program->group[j];
       column[entries] = j + 1;
       value[entries] = 1;
     }
@@ -79,10 +78,11 @@ static void fill_problem(bwi_glpk *glpk, int *row, int *column, double *value) {
   glp_load_matrix(glpk->problem, entries, row, column, value);
 }
 
-bw_status bwi_glpk_create(bw_context *context, const bwi_programme *programme, bwi_glpk **result) {
+bw_status bwi_glpk_create(bw_context *context, const bwi_linear_program *program,
+                          bwi_glpk **result) {
   bwi_glpk *volatile glpk = BW_NEW0(context, bwi_glpk, 1);
   volatile bw_status status = BW_OK;
-  size_t room = (size_t)programme->columns * (BWI_LOCAL_ROWS + 2) + 1;
+  size_t room = (size_t)program->columns * (BWI_LOCAL_ROWS + 2) + 1;
   int *volatile row = BW_NEW(context, int, room);
   int *volatile column = BW_NEW(context, int, room);
   double *volatile value = BW_NEW(context, double, room);
@@ -90,7 +90,7 @@ bw_status bwi_glpk_create(bw_context *context, const bwi_programme *programme, b
     status = BW_MEMORY;
     goto done;
   }
-  glpk->programme = programme;
+  glpk->program = program;
   int fresh = glp_init_env();
   if (fresh > 1) {
     status = bw_fail(context, BW_MEMORY, "GLPK found no memory to start");
@@ -118,12 +118,12 @@ done:
 }
 
 /* A full group has no slack: the largest of its basic columns is the one at the upper bound. */
-static void full_groups(glp_prob *problem, const bwi_programme *programme, uint8_t *at_upper) {
-  for (int g = 0; g < group_rows(programme); g++) {
+static void full_groups(glp_prob *problem, const bwi_linear_program *program, uint8_t *at_upper) {
+  for (int g = 0; g < group_rows(program); g++) {
     int largest = -1;
-    if (glp_get_row_stat(problem, programme->rows + 1 + g) == GLP_BS)
+    if (glp_get_row_stat(problem, program->rows + 1 + g) == GLP_BS)
       continue;
-    for (int j = programme->group_start[g]; j < programme->group_start[g + 1]; j++)
+    for (int j = program->group_start[g]; j < program->group_start[g + 1]; j++)
       if (glp_get_col_stat(problem, j + 1) == GLP_BS &&
           (largest < 0 ||
            glp_get_col_prim(problem, j + 1) > glp_get_col_prim(problem, largest + 1)))
@@ -155,8 +155,8 @@ static const char *trouble(int code, int state) {
 
 bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost, int attempt,
                          bwi_vertex *vertex) {
-  const bwi_programme *programme = glpk->programme;
-  int m = programme->rows, n = programme->columns;
+  const bwi_linear_program *program = glpk->program;
+  int m = program->rows, n = program->columns;
   if (!glpk->problem)
     return bw_fail(context, BW_CONVERGENCE, "GLPK is not usable after an error");
   if (setjmp(glpk->escape) != 0)
@@ -179,13 +179,13 @@ bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost
   control.r_test = attempt == 0 ? GLP_RT_FLIP : GLP_RT_HAR;
   control.tol_bnd = 1e-10;
   control.tol_dj = 1e-10;
-  control.it_lim = 1000 * m + 4 * n + 4 * group_rows(programme);
+  control.it_lim = 1000 * m + 4 * n + 4 * group_rows(program);
   int code = glp_simplex(glpk->problem, &control);
   int state = glp_get_status(glpk->problem);
   bw_status status = BW_OK;
   if (code != 0 || state != GLP_OPT) {
     status = bw_fail(context, BW_CONVERGENCE,
-                     "GLPK did not solve a programme of %d rows and %d columns: %s", m, n,
+                     "GLPK did not solve a linear program of %d rows and %d columns: %s", m, n,
                      trouble(code, state));
   } else {
     int basics = 0;
@@ -194,7 +194,7 @@ bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost
         vertex->basic[basics++] = -1 - i;
     for (int j = 0; j < n; j++)
       vertex->at_upper[j] = glp_get_col_stat(glpk->problem, j + 1) == GLP_NU;
-    full_groups(glpk->problem, programme, vertex->at_upper);
+    full_groups(glpk->problem, program, vertex->at_upper);
     for (int j = 0; j < n; j++)
       if (glp_get_col_stat(glpk->problem, j + 1) == GLP_BS && !vertex->at_upper[j] && basics < m)
         vertex->basic[basics++] = j;

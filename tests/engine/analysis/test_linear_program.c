@@ -1,9 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The pressure basis and the worst-load programme, without any solve: closed surfaces, balance,
- * enumeration of vertices, GLPK against our own method, weak duality, random feasible pressures. */
+/* The pressure basis and the worst-load linear program, without any solve: closed surfaces,
+ * balance, enumeration of vertices, GLPK against our own method, weak duality, random feasible
+ * pressures. */
 #include "bodies.h"
 
-#include "analysis/programme.h"
+#include "analysis/linear_program.h"
 
 /* A numbering with nothing but six rigid motions about the middle of each body. */
 typedef struct free_body {
@@ -202,7 +203,7 @@ static void work_on_a_linear_field(void **state) {
   }
 }
 
-/* A programme small enough for every basis to be tried: one row (a held body). */
+/* A linear program small enough for every basis to be tried: one row (a held body). */
 static void agrees_with_a_sorted_fill(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
@@ -343,7 +344,7 @@ static void own_method_agrees_with_glpk(void **state) {
       options.at_most = kind == 2 && tight == 1;
       check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, p,
                                        value, dual));
-      options.solver = BW_PROGRAMME_GLPK;
+      options.solver = BW_LP_GLPK;
       check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, g,
                                        other, NULL));
       for (int i = 0; i < OBJECTIVES; i++) {
@@ -397,20 +398,20 @@ static void each_solver_alone(void **state) {
   free_body body;
   free_all(&body, mesh);
   bw_worst_load_options options = {.pressure = 1, .force = 0.2};
-  bwi_programme *programme = NULL;
-  check_ok(context, bwi_programme_create(context, basis, &body.numbering, &options, &programme));
-  assert_int_equal(programme->rows, 7);
-  assert_true(programme->levels > 1);
+  bwi_linear_program *program = NULL;
+  check_ok(context, bwi_linear_program_create(context, basis, &body.numbering, &options, &program));
+  assert_int_equal(program->rows, 7);
+  assert_true(program->levels > 1);
   bwi_simplex *simplex = NULL;
   bwi_glpk *glpk = NULL;
-  check_ok(context, bwi_simplex_create(context, programme, &simplex));
-  check_ok(context, bwi_glpk_create(context, programme, &glpk));
-  size_t n = (size_t)programme->columns;
+  check_ok(context, bwi_simplex_create(context, program, &simplex));
+  check_ok(context, bwi_glpk_create(context, program, &glpk));
+  size_t n = (size_t)program->columns;
   double *cost = BW_NEW(context, double, n), *share = BW_NEW(context, double, n), y[7], first = 0;
   bwi_vertex vertex = {BW_NEW(context, int32_t, 7), BW_NEW(context, uint8_t, n), 0};
   for (int i = 0; i < 5; i++) {
     for (size_t j = 0; j < n; j++)
-      cost[j] = smooth_objective(mesh->node + 3 * basis->node[programme->source[j]], i);
+      cost[j] = smooth_objective(mesh->node + 3 * basis->node[program->source[j]], i);
     for (int way = 0; way < 5; way++) {
       double start = bw_seconds();
       if (way < 2)
@@ -419,7 +420,7 @@ static void each_solver_alone(void **state) {
         check_ok(context, bwi_glpk_solve(context, glpk, cost, way - 2, &vertex));
       double seconds = bw_seconds() - start;
       bwi_solution solution = {share, y, 0, 0, 0};
-      check_ok(context, bwi_programme_evaluate(context, programme, cost, &vertex, &solution));
+      check_ok(context, bwi_linear_program_evaluate(context, program, cost, &vertex, &solution));
       if (getenv("BARWRIGHT_FULL"))
         printf("  %zu columns, way %d: %d iterations, %.2f ms, violation %.1e, gap %.1e\n", n, way,
                vertex.iterations, 1e3 * seconds, solution.violation, solution.gap);
@@ -435,7 +436,7 @@ static void each_solver_alone(void **state) {
   bw_free(vertex.at_upper);
   bwi_simplex_free(simplex);
   bwi_glpk_free(glpk);
-  bwi_programme_free(programme);
+  bwi_linear_program_free(program);
   bw_release(basis);
   bw_release(mesh);
 }
@@ -552,7 +553,7 @@ static void two_bodies_are_balanced_apart(void **state) {
   check_ok(context,
            bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
   check_near(imbalance(context, &body, basis, p), 0, 1e-9 * options.force);
-  options.solver = BW_PROGRAMME_GLPK;
+  options.solver = BW_LP_GLPK;
   check_ok(context,
            bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &other, NULL));
   check_near(value, other, 1e-9 * other);
@@ -616,7 +617,7 @@ static void same_bits_for_any_number_of_threads(void **state) {
       f[(size_t)i * n + j] = basis->area[j] * smooth_objective(mesh->node + 3 * basis->node[j], i);
   bw_worst_load_options options = {.pressure = 1, .force = 0.1};
   for (int solver = 0; solver < 2; solver++) {
-    options.solver = (bw_programme_solver)solver;
+    options.solver = (bw_lp_solver)solver;
     for (int threads = 1; threads <= 3; threads++) {
       check_ok(context, bw_set_threads(context, threads));
       double *to = p[threads - 1] = BW_NEW(context, double, n *OBJECTIVES);
@@ -640,7 +641,7 @@ static void allocation_failures(void **state) {
   check_ok(context, bw_set_threads(context, 1));
   for (int solver = 0; solver < 2; solver++) {
     bw_worst_load_options options = {.pressure = 1, .force = 1};
-    options.solver = (bw_programme_solver)solver;
+    options.solver = (bw_lp_solver)solver;
     for (int64_t fail = 1;; fail++) {
       double f[56], p[56], value;
       bw_pressure_basis *basis = NULL;
