@@ -175,20 +175,20 @@ local function to_ask(self, elements)
   return ask
 end
 
--- A mesh of about so many elements. Where a sound surface had to be wrapped, other numbers of elements are tried.
+-- A mesh of about so many elements, and whether a sound surface had to be wrapped for it: then other numbers of
+-- elements are tried. Or nil, message, details.
 local function make_mesh(self, elements)
-  self.wrapped = false
-  if self.given_mesh then return self.given_mesh end
-  local mesh, log, details
+  if self.given_mesh then return self.given_mesh, false end
+  local mesh, log, details, wrapped
   for try = 0, OTHERS do
     local ask = to_ask(self, math.ceil(FEWER ^ try * elements))
     mesh, log, details = core.mesh.fill(self.surface, ask)
     if not mesh then return nil, log, details end
-    self.near, self.background = ask.near or {}, ask.edge_length
-    self.wrapped = self.volume ~= nil and is_wrapped(log)
-    if not self.wrapped then break end
+    self.log, self.near, self.background = log, ask.near or {}, ask.edge_length
+    wrapped = self.volume ~= nil and is_wrapped(log)
+    if not wrapped then break end
   end
-  return mesh
+  return mesh, wrapped
 end
 
 -- The mean distance of boundary nodes around a place from the surface that was filled.
@@ -370,14 +370,14 @@ function breaking_force.analyse(body, given)
   local progress <close> = mesh_progress.open "breaking force"
   while asked do
     progress:mesh(asked, to_follow(self), not self.given_mesh)
-    local mesh, message, details = make_mesh(self, asked)
-    if not mesh then return nil, message, details end
+    local mesh, wrapped, details = make_mesh(self, asked)
+    if not mesh then return nil, wrapped, details end
     -- A mesh of another part says nothing beside those of this one, and hides its places.
     local last = self.history[#self.history]
-    if last and self.wrapped and not last.wrapped then break end
-    if last and last.wrapped and not self.wrapped then self.history = {} end
+    if last and wrapped and not last.wrapped then break end
+    if last and last.wrapped and not wrapped then self.history = {} end
     self.contact = self.contact or math.min(wish.contact, MOST_OF_SURFACE * mesh.boundary.area)
-    local places, moved
+    local places, message, moved
     places, message, details = analyse_on(self, mesh)
     if not places then return nil, message, details end
     local first = places[1]
@@ -387,7 +387,7 @@ function breaking_force.analyse(body, given)
       utilisation = first.utilisation, at = first.at, region = first.region, point = first.point,
       force = 1 / first.utilisation, places = places, moved = moved, refined = first.refined, volume = mesh.volume,
       size = (mesh.volume / (REGULAR * mesh.element_count)) ^ (1 / 3),
-      wrapped = self.wrapped, near = self.near,
+      wrapped = wrapped, near = self.near,
       edge = self.near[1] and self.near[1].length, seconds = core.seconds() - start}
     asked = next_count(self)
   end
