@@ -83,8 +83,8 @@ end
 -- An error that tells of a slip in the library, not of misuse.
 local function is_slip(message)
   message = tostring(message)
-  return message:find "attempt to " or message:find "lua/barwright/[%w_/]+%.lua:%d+:" or message:find "stack overflow"
-    or message:find "check: "
+  return message:find "attempt to " or message:find "lua/barwright/[%w_/]+%.lua:%d+:"
+    or message:find "stack overflow" or message:find "check: "
 end
 
 --- {operations =, failed =, findings = {{what =, trace =}}}
