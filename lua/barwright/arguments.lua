@@ -8,6 +8,7 @@
 -- by "|": string, number, integer, boolean, table, function, any, a class of the engine (mesh), a class written in
 -- Lua by the name it was given here, and
 --   pair     two finite numbers {x, y}
+--   triple   three finite numbers {x, y, z}
 --   options  a table of options: its pairs are read without its metatable
 local core = require "barwright.core"
 local options = require "barwright.options"
@@ -18,18 +19,21 @@ local arguments = {}
 
 local classes, names = {}, {} -- written in Lua: name -> metatable, and back
 
-local function is_pair(value)
+local function are_numbers(value, count)
   if type(value) ~= "table" then return false end
-  for i = 1, 2 do
+  for i = 1, count do
     local number = rawget(value, i)
     if type(number) ~= "number" or number ~= number or math.abs(number) == math.huge then return false end
   end
-  return rawlen(value) == 2
+  return rawlen(value) == count
 end
+
+local function is_pair(value) return are_numbers(value, 2) end
 
 local tests = {
   any = function() return true end,
   pair = is_pair,
+  triple = function(value) return are_numbers(value, 3) end,
   options = function(value) return type(value) == "table" end,
   integer = function(value) return math.type(value) == "integer" end,
 }
@@ -38,7 +42,8 @@ for _, name in ipairs {"string", "number", "boolean", "function"} do
   tests[name] = function(value) return type(value) == name end
 end
 
-local spoken = {pair = "two finite numbers {x, y}", options = "a table of options", integer = "a whole number"}
+local spoken = {pair = "two finite numbers {x, y}", triple = "three finite numbers {x, y, z}",
+  options = "a table of options", integer = "a whole number"}
 
 local function is(value, kind)
   if tests[kind] then return tests[kind](value) end

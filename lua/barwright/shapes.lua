@@ -1,6 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Bodies by formula: signed distance functions f(x, y, z), negative inside, to put together and hand
 -- to bw.surface.implicit. Lengths in metres.
+local arguments = require "barwright.arguments"
+local raise = require("barwright.core").raise
 
 local shapes = {}
 
@@ -42,6 +44,12 @@ end
 --- Union of bodies whose joints are rounded over the given distance.
 function shapes.join(bodies, rounding)
   local count = #bodies
+  if count == 0 then raise "shapes.join: bodies: a list of one function or more expected, got an empty list" end
+  for i = 1, count do
+    if type(bodies[i]) ~= "function" then
+      raise(("shapes.join: bodies: a list of functions expected, entry %d is a %s"):format(i, type(bodies[i])))
+    end
+  end
   rounding = rounding or 0
   return function(x, y, z)
     local d = bodies[1](x, y, z)
@@ -97,5 +105,9 @@ function shapes.opener()
   local mouth = shapes.join({slab(22, -10, 38, 10, 9), slab(18, -3, 24, 3, 9)}, 0)
   return shapes.cut(body, mouth), {-0.046, -0.022, -0.01}, {0.052, 0.022, 0.01}
 end
+
+arguments.functions("shapes.", shapes, {sphere = "centre: triple, radius: number",
+  limb = "a: triple, b: triple, ra: number, rb?: number", box = "low: triple, high: triple",
+  join = "bodies: table, rounding?: number", cut = "body: function, tool: function"})
 
 return shapes

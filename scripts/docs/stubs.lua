@@ -1,38 +1,16 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Reads annotation stubs: classes with their fields and functions, in order, with their comments.
+-- Reads the annotation stubs in lua/stubs, a file for each module: classes with their fields and functions, in
+-- order, with their texts. CONTRIBUTING.md tells how they are written.
 local stubs = {}
 
-local function new_block()
-  return {text = {}, params = {}, returns = {}, fields = {}, overloads = {}}
+local function read(path)
+  local file = assert(io.open(path, "rb"))
+  local text = file:read "a"
+  file:close()
+  return text
 end
 
--- One "---@..." line into the block at hand.
-local function annotation(block, line)
-  local class, rest = line:match "^@class%s+([%w%.]+)%s*(.*)$"
-  if class then
-    block.class, block.about = class, rest:gsub("^:%s*", "")
-    return
-  end
-  local name, kind = line:match "^@field%s+([%w_]+%??)%s+(.+)$"
-  if name then
-    block.fields[#block.fields + 1] = {name = name:gsub("%?$", ""), type = kind}
-    return
-  end
-  name, kind = line:match "^@param%s+([%w_]+%??)%s+(.+)$"
-  if name then
-    block.params[#block.params + 1] = {name = name, type = kind}
-    return
-  end
-  kind = line:match "^@return%s+(.+)$"
-  if kind then
-    block.returns[#block.returns + 1] = kind
-    return
-  end
-  kind = line:match "^@overload%s+(.+)$"
-  if kind then block.overloads[#block.overloads + 1] = kind end
-end
-
--- A type ends at the first blank outside brackets and quotes that is not in "fun(...): x"; the rest is a remark.
+--- A type ends at the first blank outside brackets and quotes that is not in "fun(...): x"; a text follows.
 function stubs.split(kind)
   local depth, quoted = 0, false
   for i = 1, #kind do
@@ -47,56 +25,161 @@ function stubs.split(kind)
   return kind, ""
 end
 
---- {head = paragraphs, classes = {{name, text, fields, overloads, functions = {{name, colon, text, params,
---- returns}}}}}
-function stubs.parse(text)
-  local head, classes, by_variable = {""}, {}, {}
-  local block, in_head = new_block(), true
-  for line in (text .. "\n"):gmatch "(.-)\n" do
-    local comment = line:match "^%-%-%-(.*)$"
-    local receiver, separator, name, arguments = line:match "^function ([%w_]+)([%.:])([%w_]+)%((.-)%)"
-    local variable = line:match "^local ([%w_]+) = {}"
-    if in_head and line:match "^%-%- " and not line:match "SPDX" and not line:match "Copyright" then
-      head[#head] = head[#head] .. (head[#head] == "" and "" or " ") .. line:sub(4)
-    elseif in_head and line == "--" then
-      head[#head + 1] = ""
+local function new_block()
+  return {lines = {}, params = {}, returns = {}, fields = {}, overloads = {}}
+end
+
+-- "name? type text" as a parameter or a field.
+local function named(rest, line)
+  local name, optional, described = rest:match "^([%w_%.]+)(%??)%s+(.+)$"
+  if not name then error(("line %d: a name and a type expected: %s"):format(line, rest), 0) end
+  local kind, text = stubs.split(described)
+  return {name = name, optional = optional == "?", type = kind, text = text, line = line}
+end
+
+local function returned(rest, line)
+  local kind, remark = stubs.split(rest)
+  local name, text = remark:match "^([%a_][%w_]*)%s*(.*)$"
+  return {name = name, type = kind, text = text or remark, line = line}
+end
+
+-- One "---@..." line into the block at hand.
+local function annotation(block, comment, line)
+  local word, rest = comment:match "^@(%a+)%s*(.*)$"
+  if word == "class" then
+    block.class = rest:match "^[%w%._]+"
+  elseif word == "alias" then
+    block.alias, block.type = rest:match "^([%w%._]+)%s+(.*)$"
+  elseif word == "field" then
+    block.fields[#block.fields + 1] = named(rest, line)
+  elseif word == "param" then
+    block.params[#block.params + 1] = named(rest, line)
+  elseif word == "return" then
+    block.returns[#block.returns + 1] = returned(rest, line)
+  elseif word == "overload" then
+    block.overloads[#block.overloads + 1] = rest
+  end
+end
+
+-- The ```lua blocks of a text: {line (of the first line of code), code}.
+local function examples_of(lines)
+  local out, code
+  out = {}
+  for _, one in ipairs(lines) do
+    if one.text:match "^```lua%s*$" then
+      code = {line = one.line + 1}
+    elseif code and one.text:match "^```%s*$" then
+      out[#out + 1] = {line = code.line, lines = #code, code = table.concat(code, "\n") .. "\n"}
+      code = nil
+    elseif code then
+      code[#code + 1] = one.text
     end
-    if comment and comment:match "^@meta" then
-      block = new_block()
-    elseif comment and comment:match "^@" then
+  end
+  return out
+end
+
+-- The text's lines as they stand, without empty ones at its ends.
+local function joined(lines)
+  local out = {}
+  for i, one in ipairs(lines) do out[i] = one.text end
+  return (table.concat(out, "\n"):gsub("^\n+", ""):gsub("\n+$", ""))
+end
+
+--- One file: {name, title, head, classes = {{name, line, text, examples, fields, overloads, functions}}, aliases}.
+--- A field or parameter: {name, optional, type, text, line}; a function: {name, colon, arguments, text, examples,
+--- params, returns, line}; a return: {name, type, text, line}.
+function stubs.parse(text, name)
+  local head, classes, aliases, by_variable = {}, {}, {}, {}
+  local block, in_head, number = new_block(), true, 0
+  for line in (text .. "\n"):gmatch "(.-)\n" do
+    number = number + 1
+    local comment = line:match "^%-%-%-(.*)$"
+    local receiver, separator, member, arguments = line:match "^function ([%w_]+)([%.:])([%w_]+)%((.-)%)"
+    local variable = line:match "^local ([%w_]+) = {}"
+    if in_head and line:match "^%-%-" and not comment and not line:match "SPDX" and not line:match "Copyright" then
+      head[#head + 1] = {text = (line:gsub("^%-%- ?", ""))}
+    elseif comment and not comment:match "^@meta" then
       in_head = false
-      annotation(block, comment)
-    elseif comment then
-      in_head = false
-      block.text[#block.text + 1] = comment
+      if comment:match "^@" then
+        annotation(block, comment, number)
+      else
+        block.lines[#block.lines + 1] = {text = comment, line = number}
+      end
     else
+      local described = {line = number, text = joined(block.lines), examples = examples_of(block.lines),
+        fields = block.fields, overloads = block.overloads, functions = {}}
       if block.class then
-        classes[#classes + 1] = {name = block.class, about = block.about,
-          text = table.concat(block.text, " "), fields = block.fields, functions = {},
-          overloads = block.overloads}
-        if variable then by_variable[variable] = classes[#classes] end
+        described.name = block.class
+        classes[#classes + 1] = described
+        if variable then by_variable[variable] = described end
+      elseif block.alias then
+        described.name, described.type = block.alias, block.type
+        aliases[#aliases + 1] = described
       elseif receiver then
-        local class = assert(by_variable[receiver], "no class for " .. receiver)
-        class.functions[#class.functions + 1] = {name = name, colon = separator == ":",
-          arguments = arguments, text = table.concat(block.text, " "), params = block.params,
-          returns = block.returns}
+        local class = by_variable[receiver] or error(("%s: no class for %s"):format(name, receiver), 0)
+        class.functions[#class.functions + 1] = {name = member, colon = separator == ":", arguments = arguments,
+          text = described.text, examples = described.examples, params = block.params, returns = block.returns,
+          line = number}
       end
       block = new_block()
     end
   end
-  return {head = head, classes = classes}
+  local title, rest = joined(head):match "^([^\n]*)\n*(.*)$"
+  return {name = name, title = title, head = rest, classes = classes, aliases = aliases}
+end
+
+--- All files of a folder, the module itself first, then by name: {files, classes (of one name put together, in
+--- order), by_name}. A class has `file`, the name of the file that it is in.
+function stubs.read(folder)
+  local names = {}
+  local pipe = assert(io.popen("ls '" .. folder:gsub("'", "'\\''") .. "'"))
+  for line in pipe:lines() do names[#names + 1] = line:match "^(.*)%.lua$" end
+  pipe:close()
+  table.sort(names, function(a, b)
+    if (a == "barwright") ~= (b == "barwright") then return a == "barwright" end
+    return a < b
+  end)
+  local all = {files = {}, classes = {}, by_name = {}}
+  for _, name in ipairs(names) do
+    local file = stubs.parse(read(folder .. "/" .. name .. ".lua"), name)
+    all.files[#all.files + 1] = file
+    for _, class in ipairs(file.classes) do
+      local whole = all.by_name[class.name]
+      if not whole then
+        whole = {name = class.name, file = name, text = class.text, fields = {}, overloads = {}, functions = {}}
+        all.by_name[class.name] = whole
+        all.classes[#all.classes + 1] = whole
+      end
+      for _, list in ipairs {"fields", "overloads", "functions"} do
+        table.move(class[list], 1, #class[list], #whole[list] + 1, whole[list])
+      end
+    end
+  end
+  return all
 end
 
 --- class name -> set of its fields' and functions' names
-function stubs.names(text)
+function stubs.names(all)
   local out = {}
-  for _, class in ipairs(stubs.parse(text).classes) do
+  for _, class in ipairs(all.classes) do
     local names = {}
     for _, field in ipairs(class.fields) do names[field.name] = true end
-    for _, f in ipairs(class.functions) do names[f.name] = true end
+    for _, f in ipairs(class.functions) do
+      if f.name ~= "__call" then names[f.name] = true end
+    end
     out[class.name] = names
   end
   return out
+end
+
+--- How a script spells a class of functions: "bw.surface" for the module bw.SurfaceModule, "surface" for an object
+--- of bw.Surface. The second result is true for modules.
+function stubs.spoken(all, class)
+  if class.name == "bw" then return "bw", true end
+  for _, field in ipairs(all.by_name.bw.fields) do
+    if field.type == class.name then return "bw." .. field.name, true end
+  end
+  return (class.name:gsub("^bw%.", ""):gsub("(%l)(%u)", "%1_%2"):lower()), false
 end
 
 return stubs

@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Which page stands where in the site. Every page of docs/ must be named here: run.lua refuses to leave one out.
+-- Which page stands where in the site. Every page of docs/ must be named here, or lie in the folder `below` of an
+-- entry: run.lua refuses to leave one out.
 return {
   {title = "Start", pages = {
     {"README.md", "Overview"}, {"docs/tutorial.md", "From an STL file to an answer"},
@@ -28,7 +29,8 @@ return {
     {"docs/theory/studies.md", "Studies, scenarios, experiments"},
   }},
   {title = "Reference", pages = {
-    {"docs/reference.md", "API"}, {"docs/glossary.md", "Glossary"}, {"docs/verification.md", "Verification"},
+    {"docs/reference/index.md", "API", below = "docs/reference/*.md"}, {"docs/glossary.md", "Glossary"},
+    {"docs/verification.md", "Verification"},
     {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Beside other tools"},
   }},
   {title = "Inside", pages = {

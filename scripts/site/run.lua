@@ -48,7 +48,8 @@ local function list(pattern)
 end
 
 assert(os.execute("mkdir -p " .. quoted(wish.out)))
-assert(os.execute(("cd %s && mkdir -p docs/theory docs/images examples/studies source"):format(quoted(wish.out))))
+assert(os.execute(("cd %s && mkdir -p docs/theory docs/reference docs/images examples/studies source"):format(
+  quoted(wish.out))))
 local problems = {}
 
 -- ---- which pages there are ---------------------------------------------------------------------
@@ -64,6 +65,15 @@ for _, group in ipairs(contents) do
     local source = entry[1]
     add(source, entry[2], source == "README.md" and "index.html" or source:match "^%a+$" and source .. ".html"
       or (source:gsub("%.md$", ".html")))
+    local below = {}
+    for _, other in ipairs(entry.below and list(entry.below) or {}) do
+      if other ~= source then
+        local title = read(root .. "/" .. other):match "^# ([^\n]*)"
+        below[#below + 1] = add(other, title, (other:gsub("%.md$", ".html")))
+      end
+    end
+    table.sort(below, function(a, b) return a.title < b.title end)
+    by_source[source].below = below
   end
 end
 for _, source in ipairs(list "docs/*.md docs/theory/*.md") do
@@ -97,16 +107,23 @@ local sections = bw.json.list {}
 
 local function up(address) return ("../"):rep(select(2, address:gsub("/", ""))) end
 
+local function add_to(out, page, other, class)
+  if not other.there then return end
+  out[#out + 1] = ('<li%s><a href="%s%s"%s>%s</a></li>'):format(class or "", up(page.address), other.address,
+    other == page and ' aria-current="page"' or "", markdown.escape(other.title))
+end
+
 local function navigation(page)
   local out = {}
   for _, group in ipairs(contents) do
     out[#out + 1] = "<h2>" .. group.title .. "</h2><ul>"
     for _, entry in ipairs(group.pages) do
       local other = by_source[entry[1]]
-      if other.there then
-        out[#out + 1] = ('<li><a href="%s%s"%s>%s</a></li>'):format(up(page.address), other.address,
-          other == page and ' aria-current="page"' or "", markdown.escape(other.title))
-      end
+      add_to(out, page, other)
+      -- Pages below another one are listed while the reader is among them.
+      local among = other == page
+      for _, one in ipairs(other.below) do among = among or one == page end
+      for _, one in ipairs(among and other.below or {}) do add_to(out, page, one, ' class="deep"') end
     end
     out[#out + 1] = "</ul>"
   end

@@ -76,4 +76,4 @@ end
 local root = here .. "/../.."
 package.path = ("%s/api/?.lua;%s/scripts/docs/?.lua;%s/tests/lua/?.lua;%s"):format(here, root, root, package.path)
 local run = require "run"
-os.exit(run(wish, root .. "/lua/stubs/barwright.lua"), true)
+os.exit(run(wish, root .. "/lua/stubs"), true)

@@ -6,8 +6,12 @@ local check = require "check"
 package.path = check.root .. "/scripts/docs/?.lua;" .. package.path
 local stubs = require "stubs"
 
-local documented = stubs.names(check.read(check.root .. "/lua/stubs/barwright.lua"))
-local reference = check.read(check.root .. "/docs/reference.md")
+local all = stubs.read(check.root .. "/lua/stubs")
+local documented = stubs.names(all)
+local pages = {}
+for _, file in ipairs(all.files) do
+  pages[file.name] = check.read(("%s/docs/reference/%s.md"):format(check.root, file.name))
+end
 
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
@@ -38,10 +42,11 @@ end
 -- Both ways, with the names that differ in the message.
 local function same(bound, class, also)
   local stub = assert(documented[class], class .. " is not in the stubs")
-  local missing, unbound = {}, {}
+  local missing, unbound, page = {}, {}, all.by_name[class].file
   for name in pairs(bound) do
     if not stub[name] then missing[#missing + 1] = name end
-    assert.truthy(reference:find(name, 1, true), name .. " is not in docs/reference.md")
+    assert.truthy(class == "bw" or pages[page]:find(name, 1, true),
+      ("%s is not in docs/reference/%s.md"):format(name, page))
   end
   for name in pairs(stub) do
     if not bound[name] and not (also and also[name]) then unbound[#unbound + 1] = name end
@@ -54,7 +59,9 @@ end
 
 describe("the stubs", function()
   it("are Lua", function()
-    assert(load(check.read(check.root .. "/lua/stubs/barwright.lua"), "stubs"))
+    for _, file in ipairs(all.files) do
+      assert(load(check.read(("%s/lua/stubs/%s.lua"):format(check.root, file.name)), file.name))
+    end
   end)
 
   it("hold the module", function()
@@ -63,6 +70,7 @@ describe("the stubs", function()
     same(keys(bw.surface), "bw.SurfaceModule")
     same(keys(bw.mesh), "bw.MeshModule")
     same(keys(bw.json), "bw.JsonModule")
+    same(keys(bw.shapes), "bw.ShapesModule")
     same(keys(bw.skeleton), "bw.SkeletonModule")
     same(keys(bw.outline), "bw.OutlineModule")
     same(keys(bw.responsive), "bw.ResponsiveModule")
@@ -134,6 +142,14 @@ describe("the stubs", function()
     same(bound, "bw.Results")
   end)
 
+  it("document the call of each module and object that can be called", function()
+    for _, class in ipairs(all.classes) do
+      local called = false
+      for _, f in ipairs(class.functions) do called = called or f.name == "__call" end
+      assert.equal(#class.overloads > 0, called, class.name .. ": ---@overload and :__call belong together")
+    end
+  end)
+
   it("have types that end behind quoted words with blanks", function()
     local kind, remark = stubs.split '"plane"|"free form" of a face'
     assert.equal('"plane"|"free form"', kind)
@@ -141,9 +157,13 @@ describe("the stubs", function()
   end)
 
   it("make the reference, which is up to date", function()
-    local path = check.folder() .. "/reference.md"
-    local status, _, message = check.run("'" .. check.root .. "/scripts/docs/reference.lua' " .. path)
+    local folder = check.folder()
+    local status, _, message = check.run("'" .. check.root .. "/scripts/docs/reference.lua' " .. folder)
     assert.equal(0, status, message)
-    assert.equal(check.read(path), reference)
+    for name, page in pairs(pages) do assert.equal(check.read(("%s/%s.md"):format(folder, name)), page) end
+    assert.equal(check.read(folder .. "/index.md"), check.read(check.root .. "/docs/reference/index.md"))
+    local names = assert(io.popen(("ls '%s/docs/reference' | wc -l"):format(check.root)))
+    assert.equal(#all.files + 1, names:read "n", "pages without a file of lua/stubs")
+    names:close()
   end)
 end)

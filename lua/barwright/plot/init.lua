@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- bw.plot: plain data in, a figure out, which is written as SVG or PNG. What each kind takes stands in
--- the stubs (lua/stubs/barwright.lua) and with its function.
+-- the stubs (lua/stubs/plot.lua) and with its function.
 local matrix = require "barwright.plot.matrix"
 local progress = require "barwright.plot.progress"
 local series = require "barwright.plot.series"

@@ -44,77 +44,56 @@ entries.operators = {
 
 local any = types.parse "any"
 
--- "fun(rows: table, type?: string): x" as parameters
-local function parameters(text)
-  local params, at = {}, 1
-  local inside = text:match "^fun(%b())":sub(2, -2)
-  while at <= #inside do
-    local name, optional, behind = inside:match("^%s*([%w_]+)(%??)%s*:%s*()", at)
-    if not name then break end
-    local depth, stop = 0, behind
-    while stop <= #inside do
-      local c = inside:sub(stop, stop)
-      if c:match "[%(%{%[<]" then depth = depth + 1 end
-      if c:match "[%)%}%]>]" then depth = depth - 1 end
-      if c == "," and depth == 0 then break end
-      stop = stop + 1
-    end
-    params[#params + 1] = {name = name, optional = optional == "?",
-      type = types.parse(inside:sub(behind, stop - 1):gsub("%s+$", ""))}
-    at = stop + 1
-  end
-  return params
-end
-
 local function of_function(f)
   local params = {}
   for _, param in ipairs(f.params) do
-    params[#params + 1] = {name = param.name:gsub("%?$", ""), optional = param.name:match "%?$" ~= nil,
-      type = types.parse((stubs.split(param.type)))}
+    if param.name ~= "..." then
+      params[#params + 1] = {name = param.name, optional = param.optional, type = types.parse(param.type)}
+    end
   end
   return params
 end
 
 -- The class of the first result, where it is one.
 local function returned(f)
-  return f.returns[1] and f.returns[1]:match "^(bw%.%w+)"
+  return f.returns[1] and f.returns[1].type:match "^(bw%.%w+)"
 end
 
 -- Where a script finds each module: class -> path, from the fields of "bw".
 local function paths(by_name)
   local path = {bw = {"bw"}}
   for _, field in ipairs(by_name.bw.fields) do
-    local class = stubs.split(field.type)
-    if class:match "Module$" and by_name[class] then path[class] = {"bw", field.name} end
+    if field.type:match "Module$" and by_name[field.type] then path[field.type] = {"bw", field.name} end
   end
   return path
 end
 
---- The list of entries of the stubs' text, and the stubs' classes by name.
-function entries.of(text)
-  local list, by_name = {}, {}
-  local parsed = stubs.parse(text).classes
-  for _, class in ipairs(parsed) do by_name[class.name] = class end
+--- The list of entries of the stubs in a folder, and their classes by name.
+function entries.of(folder)
+  local all = stubs.read(folder)
+  local list, by_name = {}, all.by_name
   local path = paths(by_name)
   local function add(entry) list[#list + 1] = entry end
-  for _, class in ipairs(parsed) do
+  for _, class in ipairs(all.classes) do
     local module, short = path[class.name], class.name:gsub("^bw%.", "")
     local objects = not module and #class.functions > 0 and not entries.left_out[class.name]
     if module then
       local where = table.concat(module, ".")
       for _, f in ipairs(class.functions) do
-        add {name = where .. "." .. f.name, kind = "function", path = module, member = f.name,
-          params = of_function(f),
-          returns = returned(f)}
-      end
-      for _, overload in ipairs(class.overloads) do
-        add {name = where .. "()", kind = "call", path = module, params = parameters(overload)}
+        if f.name == "__call" then
+          add {name = where .. "()", kind = "call", path = module, params = of_function(f)}
+        else
+          add {name = where .. "." .. f.name, kind = "function", path = module, member = f.name,
+            params = of_function(f), returns = returned(f)}
+        end
       end
       add {name = where .. "[?]", kind = "unknown", path = module, params = {{name = "key", type = any}}}
     elseif objects or entries.objects[class.name] then
       for _, f in ipairs(class.functions) do
-        add {name = short .. ":" .. f.name, kind = "method", class = class.name, member = f.name,
-          params = of_function(f), returns = returned(f)}
+        if f.name ~= "__call" then -- the operator "call" tries that
+          add {name = short .. ":" .. f.name, kind = "method", class = class.name, member = f.name,
+            params = of_function(f), returns = returned(f)}
+        end
       end
       for _, field in ipairs(class.fields) do
         add {name = short .. "." .. field.name, kind = "field", class = class.name, member = field.name,

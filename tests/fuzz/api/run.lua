@@ -229,9 +229,9 @@ local function never(list, counts)
 end
 
 --- The exit status.
-return function(wish, stubs_path)
+return function(wish, stubs_folder)
   bw.threads(1)
-  local list, by_name = entries.of(read(stubs_path))
+  local list, by_name = entries.of(stubs_folder)
   at_rest = blocks()
   local pool, class_names = new_pool(list)
   if wish.only then

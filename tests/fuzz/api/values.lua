@@ -74,10 +74,9 @@ end
 
 local function class_fields(class)
   if not class.parsed then
-    local stubs = require "stubs"
     class.parsed = {}
     for i, field in ipairs(class.fields) do
-      class.parsed[i] = {name = field.name, optional = true, type = types.parse((stubs.split(field.type)))}
+      class.parsed[i] = {name = field.name, optional = field.optional, type = types.parse(field.type)}
     end
   end
   return class.parsed

@@ -1,0 +1,217 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Responsive analyses
+--
+-- Analyses in the plane that keep up with an outline while it is dragged.
+
+---Analyses that keep up with an outline while it is dragged. Each call makes an object that holds its
+---last good state: a drag that outline, mesh or solution refuses returns nil, message, details, and
+---all is as it was before.
+---Common options: outline; material and thickness (m; each one, or a list of one for each region);
+---plane ("stress", "strain"); gravity ({x, y}, m/s2); elements or size (m; a number, a formula in x and y, or
+---a function of them) and order (1, 2) of the
+---mesh; follow ({distorted, rebuild, relocation = "harmonic" | "springs", sweeps, level = at least
+---this one: "relocation", "reconnecting", "reconstruction"}); solver ({method = "auto" | "iterate" |
+---"refactor" | "scratch", tolerance, iterations}).
+---conditions = {tag = "fixed"} or {tag = {x = , y = , traction = {x, y}, pressure = }}: displacements
+---(m) and loads (Pa; pressure along the inner normal) on the edges with that tag, each a number, a
+---formula in x, y and t, or a function of them. Where edges of different tags meet, what one of them
+---prescribes holds over what the other leaves free; of two prescribed values the one nearest to 0 (of
+---temperatures the middle). conditions = {{tag = ...}, {tag = ...}}, a list of such tables, has an order: later
+---entries decide over earlier ones. bw.remarks() names conflicts.
+---@class bw.ResponsiveModule
+local responsive_module = {}
+
+---A bridge over a span (m) with a load (N) on its middle, to stay below a von Mises stress (Pa) with as
+---little area as possible. depth: of the pad above the feet (default span / 2); bearing: how far a foot
+---reaches onto its bank; pad: width under the load; wall: least width of a member (span / 50); size: of
+---elements (span / 100); start: "truss", "gable", "beam", "arch"; outline: a right half to begin with.
+---@param options bw.ResponsiveBridgeOptions
+---@return bw.Bridge?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.bridge(options) end
+
+---@class bw.ResponsiveBridgeOptions
+---@field span number
+---@field load number
+---@field stress_limit number
+---@field material bw.Material
+---@field thickness number
+---@field depth? number
+---@field bearing? number
+---@field pad? number
+---@field wall? number
+---@field size? number
+---@field start? string
+---@field outline? bw.Outline
+
+---Linear statics, solved in every drag.
+---@param options bw.ResponsiveSteadyOptions
+---@return bw.SteadySheet?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.steady(options) end
+
+---@class bw.ResponsiveSteadyOptions
+---@field outline bw.Outline
+---@field material bw.Material|bw.Material[]
+---@field thickness? number|number[]
+---@field plane? string
+---@field conditions? table
+---@field gravity? number[]
+---@field elements? integer
+---@field size? number|string|function
+---@field order? integer
+---@field follow? table
+---@field solver? table
+
+---Large deflection (St. Venant-Kirchhoff), brought to equilibrium in every drag by Newton's method:
+---newton = {tolerance, iterations, load_steps}.
+---@param options bw.ResponsiveCantileverOptions
+---@return bw.BentSheet?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.cantilever(options) end
+
+---@class bw.ResponsiveCantileverOptions
+---@field outline bw.Outline
+---@field material bw.Material|bw.Material[]
+---@field thickness? number|number[]
+---@field plane? string
+---@field conditions? table
+---@field gravity? number[]
+---@field elements? integer
+---@field size? number|string|function
+---@field order? integer
+---@field follow? table
+---@field solver? table
+---@field newton? table
+
+---Motion on ground that shakes: the tags of `ground` are moved by shake = {x = , y = } (displacements,
+---m). Newmark's method: step (s), beta, gamma; damping = {of mass, of stiffness} (Rayleigh).
+---@param options bw.ResponsiveVibrationOptions
+---@return bw.ShakenSheet?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.vibration(options) end
+
+---@class bw.ResponsiveVibrationOptions
+---@field outline bw.Outline
+---@field material bw.Material|bw.Material[]
+---@field thickness? number|number[]
+---@field plane? string
+---@field ground? string|string[]
+---@field shake? table
+---@field step? number
+---@field beta? number
+---@field gamma? number
+---@field damping? number[]
+---@field conditions? table
+---@field gravity? number[]
+---@field elements? integer
+---@field size? number|string|function
+---@field order? integer
+---@field follow? table
+---@field solver? table
+
+---Incompressible flow on linear triangles (SUPG, PSPG), implicit in time, at the shape as it is dragged.
+---conditions = {tag = "wall"} or {tag = {x = , y = , traction = {x, y}, pressure = }}: velocities (m/s)
+---and loads (Pa; the pressure beyond an open end), each a number, a formula in x, y and t, or a function
+---of them; fluid leaves freely where there is none. density (kg/m3, default 1), viscosity (Pa s),
+---gravity. Mesh: elements or size (m; a number, a formula in x and y, or a function of them), follow.
+---Time: step (s), bdf (order: 1 or 2, the default), iterations (of a step; 1), ale (nodes that moved
+---carry a velocity; default false). steady = true: every drag finds the steady state anew, to a relative
+---change of tolerance (1e-8). solver as of sheets, tolerance 1e-6.
+---@param options bw.ResponsiveFlowOptions
+---@return bw.Flow?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.flow(options) end
+
+---@class bw.ResponsiveFlowOptions
+---@field outline bw.Outline
+---@field viscosity number
+---@field density? number
+---@field conditions? table
+---@field gravity? number[]
+---@field step? number
+---@field steady? boolean
+---@field bdf? integer
+---@field iterations? integer
+---@field tolerance? number
+---@field ale? boolean
+---@field elements? integer
+---@field size? number|string|function
+---@field follow? table
+---@field solver? table
+
+---Flow with heat that is carried along and lifts (Boussinesq): also diffusivity (m2/s), expansion (1/K),
+---reference (temperature without lift, and at the start, K), and in the conditions temperature = ,
+---heat_flux = (into the fluid, over density times heat capacity: K m/s), convection = {coefficient = (over the same:
+---m/s), temperature = (of what is around)}: coefficient (temperature - T) comes in. Numbers, formulas or functions.
+---@param options bw.ResponsiveThermalOptions
+---@return bw.ThermalFlow?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.thermal(options) end
+
+---@class bw.ResponsiveThermalOptions
+---@field outline bw.Outline
+---@field viscosity number
+---@field diffusivity number
+---@field density? number
+---@field expansion? number
+---@field reference? number
+---@field conditions? table
+---@field gravity? number[]
+---@field step? number
+---@field steady? boolean
+---@field bdf? integer
+---@field iterations? integer
+---@field tolerance? number
+---@field ale? boolean
+---@field elements? integer
+---@field size? number|string|function
+---@field follow? table
+---@field solver? table
+
+---A bar that rings: the outline extruded to a free plate (Reissner-Mindlin), solved in every drag from the
+---last frame's modes and factor. `modes`: how many (default 1); `elements`: default 400, six-node.
+---@param options bw.ResponsiveMetallophoneOptions
+---@return bw.Metallophone?
+---@return string? message
+---@return bw.Details? details
+function responsive_module.metallophone(options) end
+
+---@class bw.ResponsiveMetallophoneOptions
+---@field outline bw.Outline
+---@field material bw.Material
+---@field thickness number
+---@field modes? integer
+---@field elements? integer
+---@field size? number
+---@field tolerance? number
+---@field follow? table
+
+---What a frame reused and what it cost. Prints as one line.
+---@class bw.Kept
+---@field level string "none", "relocation", "reconnecting" or "reconstruction" of the mesh
+---@field flips integer edges flipped
+---@field quality number of the worst triangle, 1: equilateral
+---@field pattern boolean of the matrix: kept
+---@field factor boolean a former factor was used
+---@field solution boolean the former solution was the first guess
+---@field analyses integer
+---@field factorisations integer
+---@field solves integer
+---@field iterations integer
+---@field residual number relative, the largest reached
+---@field predicted_iterate number s, of the model's machine
+---@field predicted_factor number
+---@field seconds_mesh number
+---@field seconds_assemble number
+---@field seconds_factor number
+---@field seconds_solve number

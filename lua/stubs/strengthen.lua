@@ -1,0 +1,64 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Strengthening
+--
+-- Thickening a surface until it bears a force.
+
+---@class bw
+local bw = {}
+
+---Thickens a surface around its weak places until the lower end of its breaking force exceeds `force` (N), with at
+---most `steps` (default 8) rounds of advice, smooth outward bumps, and analysis. A surface that is not sound is repaired
+---first. `keep(x, y, z)` is true where the surface must not move (m). `progress(step)` is called after each step with
+---{places, offset, predicted, force, low, high}: how many places, the largest offset (m), the predicted force, the
+---computed one and its interval (N). A step that makes the lower end worse is undone: the next one begins from the best
+---surface so far with half of the offsets. A step that goes further than the force needs is repeated once with smaller
+---offsets. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
+---has them. Other options: those of bw.breaking_force. nil, message, details where the given surface cannot be
+---computed; a force that is not reached is no failure: then it is the best surface that was found, see `reached` and
+---`stopped`. docs/theory/strengthen.md.
+---```lua
+---local rod = bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.01, 0.01}}
+---local result = assert(bw.strengthen(rod, {material = bw.material.pla, force = 20, elements = 300, modes = 2}))
+---print(result)
+---assert(result.surface:write "stronger.stl")
+---```
+---@param surface bw.Surface
+---@param options bw.StrengthenOptions
+---@return bw.Strengthened?
+---@return string? message
+---@return bw.Details? details
+function bw.strengthen(surface, options) end
+
+---@class bw.StrengthenOptions
+---@field force number
+---@field material bw.Material
+---@field contact? number
+---@field elements? integer
+---@field length? number|"critical"
+---@field failure? "principal"|"von_mises"
+---@field modes? integer
+---@field regions? integer
+---@field seed? integer
+---@field steps? integer
+---@field keep? fun(x: number, y: number, z: number): boolean
+---@field unit? number
+---@field progress? fun(step: table)
+
+---A surface and what was added to it; print tells it in one line.
+---@class bw.Strengthened
+---@field surface bw.Surface the thickened surface
+---@field original bw.Surface what it was made from: the given one, repaired where it had to be
+---@field reached boolean whether the lower end of the interval is at least the force
+---@field stopped? string why the steps ended early
+---@field before table {force, low, high, at, estimated_error, singular, contact, volume, mass}: the breaking force (N) of the given surface, with volume (m3) and mass (kg)
+---@field after table the same of the thickened one
+---@field steps table[] {places, offset, predicted, force, low, high}
+---@field added_volume number m3
+---@field repaired? boolean
+---@field length number m: radius of the judged patch
+---@field breaking bw.BreakingForce the analysis of the surface, closed
+---@field options table
+---@field seconds number

@@ -1,0 +1,143 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- The API reference: every example of the stubs runs, and what the texts lack never grows.
+local check = require "check"
+package.path = check.root .. "/scripts/docs/?.lua;" .. package.path
+local gaps = require "gaps"
+local stubs = require "stubs"
+
+-- How many gaps each file of lua/stubs may have (scripts/check_reference). Lower the number when there are fewer,
+-- and take the line out at 0. An empty line between two lets changes of both be merged.
+local allowed = {
+  array = 148,
+
+  barwright = 64,
+
+  breaking_force = 84,
+
+  bridge = 95,
+
+  brute_force = 53,
+
+  canvas = 128,
+
+  distributed = 32,
+
+  domains = 77,
+
+  drop_test = 50,
+
+  edit = 162,
+
+  flow = 224,
+
+  grid = 169,
+
+  json = 14,
+
+  live = 51,
+
+  local_system = 57,
+
+  material = 81,
+
+  mesh = 173,
+
+  metallophone = 207,
+
+  metamaterial = 71,
+
+  model = 156,
+
+  modes = 34,
+
+  optimise = 66,
+
+  outline = 264,
+
+  picture = 42,
+
+  plane = 130,
+
+  plot = 175,
+
+  responsive = 227,
+
+  results = 30,
+
+  scenario = 107,
+
+  selection = 79,
+
+  sheet = 198,
+
+  singular = 31,
+
+  skeleton = 116,
+
+  solid = 257,
+
+  static = 116,
+
+  strengthen = 38,
+
+  stress = 47,
+
+  study = 178,
+
+  surface = 214,
+
+  system = 21,
+
+  worst_case = 121,
+
+  worst_loads = 122,
+}
+
+-- What an example is run by where it is not a script for the program alone.
+local runners = {
+  scenario = "%s test %s",
+}
+
+local all = stubs.read(check.root .. "/lua/stubs")
+
+-- A script with the lines of the stub file, so that messages name them.
+local function run(program, file, example)
+  local folder = check.folder()
+  local name = file.name .. ".lua"
+  local lines = ("\n"):rep(example.line - 1)
+  check.write(folder .. "/" .. name, 'local bw = require "barwright"' .. lines .. example.code)
+  local command = (runners[file.name] or "%s %s"):format("'" .. program .. "'", name)
+  command = ("cd '%s' && BARWRIGHT_QUIET=1 timeout 300 %s >said 2>&1 </dev/null"):format(folder, command)
+  local _, _, status = os.execute(command)
+  if status == 0 then return nil end
+  local said = check.read(folder .. "/said")
+  return ("lua/stubs/%s:%d: status %s: %s"):format(name, example.line, tostring(status), said)
+end
+
+describe("the reference", function()
+  for _, file in ipairs(all.files) do
+    it("has no more gaps in " .. file.name, function()
+      local list = gaps.of(all, file)
+      local most = allowed[file.name] or 0
+      local first = list[1] and ("line %d: %s: %s"):format(list[1].line, list[1].kind, list[1].text) or ""
+      assert.truthy(#list <= most, ("%d gaps, %d allowed; scripts/check_reference %s lists them; %s"):format(#list,
+        most, file.name, first))
+    end)
+  end
+
+  it("has examples that run", function()
+    local pipe = assert(io.popen(("realpath '%s'"):format(check.program)))
+    local program, problems = pipe:read "l", {}
+    pipe:close()
+    local function try(file, described)
+      for _, example in ipairs(described.examples) do problems[#problems + 1] = run(program, file, example) end
+    end
+    for _, file in ipairs(all.files) do
+      for _, class in ipairs(file.classes) do
+        try(file, class)
+        for _, f in ipairs(class.functions) do try(file, f) end
+      end
+    end
+    assert.equal("", table.concat(problems, "\n"))
+  end)
+end)
