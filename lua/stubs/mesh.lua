@@ -4,222 +4,352 @@
 --
 -- Meshes
 --
--- Meshes of tetrahedra: filling a surface, reading and writing, quality, refinement.
+-- Meshes of tetrahedra: filling a surface, reading and writing, quality, changes of nodes and elements. Elements have
+-- order 1 (4 nodes) or 2 (10 nodes).
 
+---Making and reading meshes.
 ---@class bw.MeshModule
 local mesh_module = {}
 
----Fills a surface with tetrahedra by TetGen, in a child process with limits; repairs, remeshes or
----wraps where that is needed, and says so in the log.
----@param surface bw.Surface
----@param options? bw.MeshFillOptions
----@return bw.Mesh? mesh
----@return table|string log repaired, surface_moved, edge_length, attempts, steps, seconds_repair, seconds_remesh, seconds_fill; or a message
+---Fills a surface with tetrahedra by TetGen, in a child process with limits. The surface is repaired, remeshed or wrapped
+---where that is needed; log and remarks tell.
+---
+---Errors: geometry (the surface cannot be filled), limit (time or memory; `details.limit` says which).
+---
+---Source: docs/theory/filling.md.
+---```lua
+---local ball = bw.surface.sphere {radius = 0.01}
+---local mesh, log = assert(bw.mesh.fill(ball, {elements = 2000, order = 2}))
+---print(mesh, log.edge_length)
+---```
+---@param surface bw.Surface what is filled
+---@param options? bw.MeshFillOptions size, order and limits
+---@return bw.Mesh? mesh the mesh
+---@return bw.MeshFillLog|string log how it went, or the message
 ---@return bw.Details? details
 function mesh_module.fill(surface, options) end
 
+---Size, order and limits of a filling.
 ---@class bw.MeshFillOptions
----@field elements? integer wanted number of elements
----@field order? 1|2 tet4 or tet10; default 1
----@field edge_length? number of the surface, m; in place of `elements`: see the log of a former filling
----@field surface_tolerance? number m that remeshing may leave the surface by; edges are shorter where it is curved or has small features; default a quarter of the edge length
----@field max_volume? number of an element, m3
----@field radius_edge? number quality bound; default 1.4
----@field dihedral? number smallest dihedral angle asked for
----@field keep_surface? boolean no points added on the surface
----@field remesh? boolean remesh first; default true
----@field repair? boolean repair what is not sound; default true
----@field sharp_angle? number for remeshing; default 40 degrees
----@field near? bw.MeshFillPlace[] edge lengths near points; the surface is remeshed to them too
----@field size? string|fun(x: number, y: number, z: number): number edge length wanted, 0: no wish
----@field time_limit? number seconds of one attempt
----@field memory_limit? number bytes of one attempt
----@field tolerance? number on the wanted number of elements
+---@field elements? integer (count) wanted number of elements. Default: 0, as many as quality and the other sizes ask for
+---@field order? 1|2 of the elements. Default: 1
+---@field edge_length? number (m) of the surface's triangles, in place of `elements`. Default: by quality and volume
+---@field surface_tolerance? number (m) how far remeshing may move the surface. Default: a quarter of the edge length
+---@field max_volume? number (m3) of an element. Default: 0, no limit
+---@field radius_edge? number (-) bound on circumradius over shortest edge. Range: 0 (none), or 1 and above. Default: 1.4
+---@field dihedral? number (rad) smallest dihedral angle asked for. Range: 0 to 0.35. Default: 0, none
+---@field keep_surface? boolean add no points on the surface. Default: false
+---@field remesh? boolean remesh the surface to a size that fits first. Default: true
+---@field repair? boolean repair a surface that is not sound. Default: true
+---@field sharp_angle? number (rad) edges whose triangles' normals differ by more are kept by remeshing. Default: 40 degrees
+---@field near? bw.MeshFillPlace[] shorter edges near points, on the surface too. Default: none
+---@field size? string|fun(x: number, y: number, z: number): number wanted edge length in m by place, 0: no wish; a formula as in `bw.array.map`, or a function. Default: none
+---@field time_limit? number (s) of one attempt. Default: 300
+---@field memory_limit? number (bytes) of one attempt. Default: 6e9
+---@field tolerance? number (-) how far the number of elements may be off `elements`, relative. Range: above 0, below 1. Default: 0.15
 
+---Edge lengths near a point.
 ---@class bw.MeshFillPlace
----@field at bw.Vector
----@field radius number
----@field length number
+---@field at bw.Vector (m) the point
+---@field radius? number (m) within it edges have the length; outside of it the length grows by 0.3 per distance. Default: 0
+---@field length number (m) of edges, above 0
 
----Reads .vtu .msh .mesh .node/.ele .inp; metres unless told otherwise.
----@param path string
----@param options? bw.UnitOptions
----@return bw.Mesh? mesh
----@return table|string file fields, sets, format, skipped; or a message
+---How a filling went.
+---@class bw.MeshFillLog
+---@field moved number (m) the sum of the steps' distances: a bound on how far the surface moved
+---@field steps bw.ShapeStep[] what was done to the surface, in order
+---@field repaired boolean whether the surface was not sound
+---@field surface_moved number (m) how far the surface moved
+---@field edge_length number (m) the length that the surface was remeshed to
+---@field attempts integer (count) runs of TetGen
+---@field seconds_repair number (s) of repair
+---@field seconds_remesh number (s) of remeshing
+---@field seconds_fill number (s) of TetGen
+
+---Reads a mesh from a .vtu, .msh, .mesh (MEDIT), .node or .ele (TetGen), or .inp (CalculiX, Abaqus) file. Elements that are
+---no tetrahedra are passed over.
+---
+---Errors: io (the file cannot be read), format (damaged, or without tetrahedra), unsupported (a feature of the format),
+---geometry (an element without volume, a node that is not there, a face of three elements), limit (more than 2147483647
+---nodes or elements).
+---```lua
+---local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}})
+---assert(box:write("box.vtu", {fields = {height = box.nodes:column(3):copy()}}))
+---local mesh, file = assert(bw.mesh.read "box.vtu")
+---print(mesh, file.fields.height:max())
+---```
+---@param path string the file
+---@param options? bw.UnitOptions the unit of its coordinates. Default: "m"
+---@return bw.Mesh? mesh the mesh
+---@return bw.MeshFile|string file what else the file holds, or the message
 ---@return bw.Details? details
 function mesh_module.read(path, options) end
 
----From nodes (metres) and elements (numbers of 4 or 10 nodes).
----@param options bw.MeshNewOptions
----@return bw.Mesh?
+---What a mesh file holds beside the mesh.
+---@class bw.MeshFile
+---@field fields table<string, bw.Array> by name, with a row for every node or every element
+---@field sets table<string, bw.MeshSet> by name
+---@field format string such as "MSH 4.1"
+---@field skipped integer (count) elements that were passed over
+
+---A named set of a mesh file: nodes or elements.
+---@class bw.MeshSet
+---@field nodes? bw.Array (index from 1, n × 1) numbers of nodes
+---@field elements? bw.Array (index from 1, n × 1) numbers of elements
+
+---A mesh from nodes and elements. An element of negative volume is renumbered to a positive one. Nodes that no element
+---uses are dropped.
+---
+---Errors: geometry (no elements, an element without volume, a number of a node that is not there, a face of three
+---elements; details: `element`, `node` or `other`), limit (more than 2147483647 nodes or elements).
+---```lua
+---local nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
+---local mesh = assert(bw.mesh.new {nodes = nodes, elements = {{1, 2, 3, 4}}})
+---print(mesh.volume) -- 0.16666666666667
+---```
+---@param options bw.MeshNewOptions the arrays
+---@return bw.Mesh? mesh the mesh
+---@return string? message
+---@return bw.Details? details
 function mesh_module.new(options) end
 
+---Nodes and elements of a mesh.
 ---@class bw.MeshNewOptions
----@field nodes table|bw.Array
----@field elements table|bw.Array
----@field order? 1|2
----@field regions? table|bw.Array
+---@field nodes number[][]|bw.Array (m, n × 3, per node) coordinates
+---@field elements integer[][]|bw.Array (index from 1, e × 4 or e × 10, per element) corners, then the mid-edge nodes of the edges 12 23 31 14 24 34
+---@field order? 1|2 of the elements. Default: 1
+---@field regions? integer[]|bw.Array (index from 1, e × 1, per element) a tag of each element. Default: none
 
 ---A box of cells, each cut into six tetrahedra.
----@param options bw.MeshBoxOptions
----@return bw.Mesh?
+---
+---Errors: limit (more than 2147483647 elements).
+---```lua
+---local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2})
+---print(mesh.element_count, mesh.node_count) -- 480 1025
+---```
+---@param options bw.MeshBoxOptions corners and cells
+---@return bw.Mesh? mesh the mesh
+---@return string? message
+---@return bw.Details? details
 function mesh_module.box(options) end
 
+---A box of cells.
 ---@class bw.MeshBoxOptions
----@field low bw.Vector
----@field high bw.Vector
----@field cells bw.Vector
----@field order? 1|2
+---@field low? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
+---@field high? bw.Vector (m) the largest coordinates. Default: {1, 1, 1}
+---@field cells? bw.Vector (count) cells along x, y and z. Range: 1 to 1000000 each. Default: {1, 1, 1}
+---@field order? 1|2 of the elements. Default: 1
 
----A mesh of tetrahedra. It does not change: methods give new ones.
+---A mesh of tetrahedra. Meshes do not change: methods give new ones. Facets are the triangles of its boundary.
+---```lua
+---local mesh = assert(bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 1, 1}})
+---print(mesh.volume, mesh.boundary:face({near = {0, 0.005, 0.005}}).area) -- 1e-05 0.0001
+---```
 ---@class bw.Mesh
----@field nodes bw.Array node_count x 3, m
----@field elements bw.Array element_count x 4 or 10 (corners, then the middles of 12 23 31 14 24 34)
----@field regions bw.Array? a tag for every element
----@field volumes bw.Array of every element, m3
----@field node_volumes bw.Array every node's share of the volume: weights for values at nodes
----@field facets bw.Array of the boundary: corners, then middles
----@field facet_elements bw.Array the element behind every facet
----@field neighbours bw.Array element_count x 4: across each face, 0 for none
----@field components bw.Array the body of every node
----@field order integer
----@field node_count integer
----@field element_count integer
----@field facet_count integer
----@field component_count integer
----@field volume number
----@field surface_moved number m, the most by which bw.mesh.fill moved the surface; 0 of other meshes
----@field box bw.Box
----@field boundary bw.Selection the whole boundary, to choose from
+---@field nodes bw.Array (m, node_count × 3, per node) coordinates
+---@field elements bw.Array (index from 1, element_count × 4 or × 10, per element) corners, then the mid-edge nodes of the edges 12 23 31 14 24 34
+---@field regions bw.Array? (index from 1, element_count × 1, per element) its tag; nil where there is none
+---@field volumes bw.Array (m3, element_count × 1, per element) of the element with straight edges
+---@field node_volumes bw.Array (m3, node_count × 1, per node) its part of the volume: a weight for values of nodes
+---@field facets bw.Array (index from 1, facet_count × 3 or × 6, per facet) corners, counter-clockwise seen from outside, then mid-edge nodes
+---@field facet_elements bw.Array (index from 1, facet_count × 1, per facet) the element behind it
+---@field neighbours bw.Array (index from 1, element_count × 4, per element) the elements across its faces, 0: none. Faces are 132 124 143 234
+---@field components bw.Array (index from 1, node_count × 1, per node) the body that it belongs to
+---@field order integer (-) of the elements, 1 or 2
+---@field node_count integer (count) of nodes
+---@field element_count integer (count) of elements
+---@field facet_count integer (count) of facets
+---@field component_count integer (count) of bodies: parts that share no node
+---@field volume number (m3) of all elements
+---@field surface_moved number (m) the most by which `bw.mesh.fill` moved the surface; 0 of other meshes
+---@field box bw.Box the smallest box that holds it
+---@field boundary bw.Selection the whole boundary, to select parts of
 local Mesh = {}
 
----Writes .vtu .msh .mesh .node/.ele .inp; fields {name = array} or {name = {array, on = "elements"}}
----into .vtu and .msh.
----@param path string
----@param options? bw.MeshWriteOptions
----@return true?
+---Writes the mesh to a file, whose ending decides the format: .vtu, .msh, .mesh, .node or .ele (both files are written), or
+---.inp (nodes and elements only).
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions fields, unit and version
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Mesh:write(path, options) end
 
+---How a mesh is written.
 ---@class bw.MeshWriteOptions
----@field fields? table<string, bw.Array|table>
----@field unit? string|number
----@field version? "2.2"|"4.1"
+---@field fields? table<string, bw.Array|bw.MeshField> arrays with a row for every node or every element, by name; for .vtu and .msh. Default: none
+---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m"
+---@field version? "2.2"|"4.1" of the MSH format. Default: "4.1"
 
----tet4 to tet10 with straight edges, or back.
----@param order 1|2
----@return bw.Mesh?
+---A field of a file with its place: `{array, on = "elements"}`. Needed where a mesh has as many nodes as elements.
+---@class bw.MeshField
+---@field on "nodes"|"elements" what its rows belong to
+
+---The mesh with elements of another order. Order 2 has straight edges, with mid-edge nodes halfway.
+---
+---Errors: limit (more than 2147483647 nodes).
+---@param order 1|2 of the elements
+---@return bw.Mesh? mesh the same mesh where it has this order
+---@return string? message
+---@return bw.Details? details
 function Mesh:with_order(order) end
 
----The same elements with other node positions.
----@param nodes bw.Array|table
----@return bw.Mesh?
+---The same elements with other positions of the nodes.
+---
+---Errors: geometry (elements would be flat or inverted, `details.inverted` of them; or a coordinate is not finite).
+---@param nodes bw.Array|number[][] (m, node_count × 3, per node) coordinates
+---@return bw.Mesh? mesh the moved mesh
 ---@return string? message
 ---@return bw.Details? details
 function Mesh:moved(nodes) end
 
 ---All lengths times a factor.
----@param factor number
----@return bw.Mesh?
+---
+---Errors: geometry (a factor of 0 or below).
+---@param factor number (-) above 0
+---@return bw.Mesh? mesh the scaled mesh
+---@return string? message
+---@return bw.Details? details
 function Mesh:scale(factor) end
 
----The elements whose mask is not 0.
----@param mask bw.Array
----@return bw.Mesh?
+---Some of the elements, with the nodes that they use. No element at all raises.
+---
+---Errors: only those that every function may give.
+---@param mask bw.Array (-, element_count × 1, per element) not 0: the element stays
+---@return bw.Mesh? mesh these elements
+---@return string? message
+---@return bw.Details? details
 function Mesh:subset(mask) end
 
----The same mesh with nodes and elements numbered along a curve that fills space (Hilbert's): an
----optimisation of an edit session takes a tenth to a fifth less processor time than with numbers of a
----mesh generator. Meshes made by bw.mesh.fill are numbered so already.
----@return bw.Mesh?
----@return bw.Array|string nodes of every node the number that it had, or the message
----@return bw.Array|table elements of every element the number that it had, or details
+---The same mesh with nodes and elements numbered along Hilbert's space-filling curve. Edit sessions on it take less time
+---(docs/benchmarks.md). Meshes that `bw.mesh.fill` made are numbered so.
+---
+---Errors: only those that every function may give.
+---@return bw.Mesh? mesh the renumbered mesh
+---@return bw.Array|string nodes (index from 1, node_count × 1, per node) its number before, or the message
+---@return bw.Array|bw.Details elements (index from 1, element_count × 1, per element) its number before, or the details
 function Mesh:renumbered() end
 
----Curved elements: the nodes of the boundary's edges on the planes, cylinders, cones and spheres of the surface
----that a mesh of order 2 was filled from. Nodes stay where an element would become too distorted.
----`local mesh, moved = assert(bw.mesh.fill(surface, {order = 2})):curved(surface)`
----@param surface bw.Surface
----@return bw.Mesh? mesh
----@return integer|string count how many nodes moved, or a message
+---Curved elements: mid-edge nodes of the boundary are moved onto the planes, cylinders, cones and spheres of the surface that
+---the mesh was filled from. A node stays where an element would become too distorted. A mesh of order 1 raises.
+---
+---Errors: only those that every function may give.
+---
+---Source: docs/theory/faces.md.
+---@param surface bw.Surface that the mesh was filled from
+---@return bw.Mesh? mesh the curved mesh
+---@return integer|string count (count) how many nodes moved, or the message
 ---@return bw.Details? details
 function Mesh:curved(surface) end
 
----The boundary as a surface, and the node of every point.
----@return bw.Surface?
----@return bw.Array nodes
+---The boundary as a surface of the facets' corners.
+---@return bw.Surface surface with a triangle for every facet, in their order
+---@return bw.Array nodes (index from 1, point_count × 1, per point) the node of the mesh
 function Mesh:surface() end
 
----The faces of the surface that the mesh was filled from (Surface:faces), with `area` and `triangle_count` of the
----mesh's boundary: what filling has left of each. A face without a facet there has area 0.
----`for i, face in ipairs(mesh:faces(surface)) do print(face.name, face.area / surface:faces()[i].area) end`
----@param surface bw.Surface
----@return bw.Face[]? faces
+---The faces of the surface that the mesh was filled from, as `surface:faces()` lists them, with the area and the number of
+---facets that each has on the mesh's boundary. A face that the mesh lost has area 0.
+---
+---Errors: only those that every function may give.
+---@param surface bw.Surface that the mesh was filled from
+---@return bw.Face[]? faces in the order of `surface:faces()`
 ---@return string? message
 ---@return bw.Details? details
 function Mesh:faces(surface) end
 
----The element that holds a point (or the nearest one), its barycentric weights, whether it is inside.
----@param point bw.Vector
----@return integer element
----@return number[] weights
----@return boolean inside
+---The element that holds a point, or the nearest one.
+---@param point bw.Vector (m) the point
+---@return integer element (index from 1) the element
+---@return number[] weights (-, 4) barycentric coordinates of the point, or of the nearest place in the element
+---@return boolean inside whether the mesh holds the point
 function Mesh:locate(point) end
 
----A nodal field at points, by the shape functions of the elements that hold them; of a point outside the value at the
----nearest place of the mesh. `outside`: how far each point lies outside, 0 inside.
----`local stress = part.mesh:sample(static.stress, {{0.01, 0, 0}, {0.02, 0, 0}})`
----@param values bw.Array a row for every node
----@param points bw.Array|number[][]
----@return bw.Array? values a row for every point
----@return bw.Array|string outside m, or a message
+---Values of a field of nodes at points, by the elements' shape functions. A point outside gets the value at the nearest
+---place of the mesh.
+---
+---Errors: only those that every function may give.
+---@param values bw.Array (any, node_count × c, per node) the field
+---@param points bw.Array|number[][] (m, n × 3, per point) where it is evaluated
+---@return bw.Array? sampled (any, n × c, per point) its values
+---@return bw.Array|string outside (m, n × 1, per point) how far the point lies outside of the mesh, 0 inside; or the message
 ---@return bw.Details? details
 function Mesh:sample(values, points) end
 
----dihedral_low, dihedral_high, radius_edge_high, aspect_high, volume_low, volume_high, worst.
----@return table
+---Measures of the elements' quality, over the whole mesh.
+---@return bw.MeshQuality quality extremes
 function Mesh:quality() end
 
----Values of elements at nodes: the mean by volume, or the largest of the elements around.
----@param values bw.Array
----@param how? "mean"|"max"
----@return bw.Array
+---Extremes of the quality of elements, with straight edges.
+---@class bw.MeshQuality
+---@field dihedral_low number (rad) the smallest dihedral angle
+---@field dihedral_high number (rad) the largest dihedral angle
+---@field radius_edge_high number (-) the largest circumradius over shortest edge
+---@field aspect_high number (-) the largest of longest edge over smallest height
+---@field volume_low number (m3) of the smallest element
+---@field volume_high number (m3) of the largest element
+---@field worst integer (index from 1) the element with the smallest dihedral angle
+
+---Values of elements brought to nodes: the mean by volume, or the largest of the elements at the node.
+---@param values bw.Array (any, element_count × c, per element) the values
+---@param how? "mean"|"max" which of the two. Default: "mean"
+---@return bw.Array nodal (any, node_count × c, per node) the values at nodes
 function Mesh:to_nodes(values, how) end
 
----The shape quality of every element (mean ratio: 1 for a regular one, 0 or less: inverted), at the
----mesh's own nodes or at others.
----@param nodes? bw.Array
----@return bw.Array
+---The shape quality of every element with straight edges: the mean ratio, 12 (3 V)^(2/3) over the sum of the squares of its
+---edges. It is 1 for a regular tetrahedron, 0 or less for an inverted one.
+---@param nodes? bw.Array|number[][] (m, node_count × 3, per node) other positions. Default: the mesh's own
+---@return bw.Array quality (-, element_count × 1, per element) the mean ratio
 function Mesh:shapes(nodes) end
 
----How many elements are inverted at these nodes (or poorer than a floor), and which is the worst:
----{inverted, worst, worst_before}.
----@param nodes bw.Array
----@param floor? number
----@return table
+---How many elements are inverted at other positions of the nodes, and which is the worst.
+---@param nodes bw.Array|number[][] (m, node_count × 3, per node) the positions
+---@param floor? number (-) elements of a lower shape quality count, too. Default: 0
+---@return bw.MeshReport report what was found
 function Mesh:judge(nodes, floor) end
 
----Moves inner corner nodes whose mask is not 0 until no element is inverted.
----@param nodes bw.Array
----@param mask bw.Array of nodes
----@return bw.Array? nodes
----@return table|string report inverted, worst, worst_before, worst_after, moved, iterations; or a message
+---Inverted elements, and what was done about them. Shape quality is that of `mesh:shapes`.
+---@class bw.MeshReport
+---@field inverted integer (count) elements that are inverted, or below the floor
+---@field worst integer (index from 1) the worst element; 0 where there is none
+---@field worst_before number (-) its shape quality
+---@field worst_after number (-) the smallest shape quality after `relax`
+---@field moved integer (count) nodes that `relax` moved
+---@field iterations integer (count) of `relax`
+
+---Moves inner corner nodes until no element is inverted and the worst quality stops growing. Nodes of the boundary stay, and
+---mid-edge nodes stay halfway.
+---
+---Errors: geometry (elements remain inverted).
+---@param nodes bw.Array|number[][] (m, node_count × 3, per node) where they begin
+---@param mask bw.Array (-, node_count × 1, per node) not 0: the node may move
+---@return bw.Array? relaxed (m, node_count × 3, per node) the new positions
+---@return bw.MeshReport|string report how it went, or the message
 ---@return bw.Details? details
 function Mesh:relax(nodes, mask) end
 
----New tetrahedra in the elements whose mask is not 0, at these nodes; the rest and the boundary stay.
----@param nodes bw.Array
----@param mask bw.Array of elements
----@return bw.Mesh?
----@return bw.Array|string node_from the old node of every node, 0 for new ones; or a message
----@return bw.Array|table element_from the old element of every element; -k in the k-th piece
+---Replaces some elements by new ones at other positions of the nodes, by TetGen. The boundary and the other elements stay.
+---A mask of zeros raises.
+---
+---Errors: geometry (the boundary of the part intersects itself, or an element outside of it is inverted), limit (time or
+---memory).
+---@param nodes bw.Array|number[][] (m, node_count × 3, per node) the positions
+---@param mask bw.Array (-, element_count × 1, per element) not 0: the element is replaced
+---@return bw.Mesh? mesh the refilled mesh
+---@return bw.Array|string node_from (index from 1, n × 1, per node) its number before, 0 for new ones; or the message
+---@return bw.Array|bw.Details element_from (index from 1, e × 1, per element) its number before, -k in the k-th replaced part; or the details
 function Mesh:refill(nodes, mask) end
 
----@param path string
----@param options? bw.PictureOptions values over nodes or elements
----@return true?
+---Draws the boundary as a PNG file: see `bw.picture`. `values` may belong to nodes or elements.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions what is drawn and how
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
 function Mesh:picture(path, options) end
 
----Lets go at once.
+---Releases the mesh at once.
 function Mesh:close() end

@@ -4,247 +4,379 @@
 --
 -- Surfaces
 --
--- Triangle surfaces: reading, checking, repairing, remeshing, and their faces.
+-- Triangle surfaces: reading, making, checking, repairing and remeshing them, and their faces.
 
+---Reading and making surfaces.
 ---@class bw.SurfaceModule
 local surface_module = {}
 
----Reads STL, OBJ, OFF, PLY, MSH, VTU, decided by content. Without a unit: millimetres (MSH and VTU:
----metres).
----@param path string
----@param options? bw.UnitOptions
----@return bw.Surface? surface
----@return table|string info format, polygons, skipped, groups, metres_per_unit; or a message
+---Reads a surface from an STL, OBJ, OFF, PLY, MSH or VTU file. The content decides which format it is. A mesh of
+---tetrahedra gives its boundary.
+---
+---Errors: io (the file cannot be read), format (it is none of these, or damaged), geometry (a coordinate is not finite),
+---limit (more than 2147483647 points or triangles).
+---```lua
+---assert(bw.surface.box({low = {0, 0, 0}, high = {0.02, 0.02, 0.05}}):write "post.stl")
+---local surface, info = assert(bw.surface.read("post.stl", {unit = "mm"}))
+---print(surface, info.format)
+---```
+---@param path string the file
+---@param options? bw.UnitOptions the unit of its coordinates
+---@return bw.Surface? surface with coordinates in m
+---@return bw.SurfaceReadInfo|string info what was read, or the message
 ---@return bw.Details? details
 function surface_module.read(path, options) end
 
+---The unit of a file.
 ---@class bw.UnitOptions
----@field unit? string|number
+---@field unit? string|number (m, per unit of the file) or one of "m", "dm", "cm", "mm", "um", "km", "inch", "in", "ft", "foot", "mil". Default of surfaces: "m" for paths that end in .msh, .vtu, .mesh, .inp, .node or .ele, else "mm"; of meshes: "m"; of skeletons: "mm"
 
----From points (metres) and triangles (numbers of points, counter-clockwise seen from outside).
----@param options bw.SurfaceNewOptions
----@return bw.Surface?
+---What a surface was read from.
+---@class bw.SurfaceReadInfo
+---@field format string such as "STL binary"
+---@field polygons integer (count) facets with more than three corners, which were cut into triangles
+---@field skipped integer (count) records that were not read: lines, single points, unknown elements
+---@field groups integer (count) groups of facets: groups, solids or regions of the file
+---@field metres_per_unit number (m, per unit of the file) the unit that was applied
+
+---A surface from points and triangles.
+---
+---Errors: geometry (a coordinate is not finite).
+---```lua
+---local points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
+---local surface = assert(bw.surface.new {points = points, triangles = {{1, 3, 2}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}}})
+---print(surface.volume) -- 0.16666666666667
+---```
+---@param options bw.SurfaceNewOptions the arrays
+---@return bw.Surface? surface the surface
+---@return string? message
+---@return bw.Details? details
 function surface_module.new(options) end
 
+---Points and triangles of a surface.
 ---@class bw.SurfaceNewOptions
----@field points table|bw.Array
----@field triangles table|bw.Array
----@field groups? table|bw.Array
+---@field points number[][]|bw.Array (m, n × 3, per point) coordinates
+---@field triangles integer[][]|bw.Array (index from 1, t × 3, per triangle) numbers of points, counter-clockwise seen from outside
+---@field groups? integer[]|bw.Array (index from 1, t × 1, per triangle) the group of each triangle. Default: none
 
----@param options bw.SurfaceBoxOptions
----@return bw.Surface?
+---A box along the axes, of 12 triangles.
+---```lua
+---local box = bw.surface.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}}
+---print(box.volume) -- 2e-05
+---```
+---@param options bw.SurfaceBoxOptions its corners
+---@return bw.Surface surface a closed surface
 function surface_module.box(options) end
 
+---The corners of a box.
 ---@class bw.SurfaceBoxOptions
----@field low bw.Vector
----@field high bw.Vector
+---@field low? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
+---@field high bw.Vector (m) the largest coordinates
 
----@param options bw.SurfaceSphereOptions
----@return bw.Surface?
+---A sphere of triangles: an icosahedron whose triangles are cut into four `subdivisions` times.
+---```lua
+---local ball = bw.surface.sphere {radius = 0.01, subdivisions = 4}
+---print(ball.triangle_count) -- 5120
+---```
+---@param options bw.SurfaceSphereOptions its size
+---@return bw.Surface surface a closed surface, whose points lie on the sphere
 function surface_module.sphere(options) end
 
+---A sphere.
 ---@class bw.SurfaceSphereOptions
----@field centre? bw.Vector
----@field radius number
----@field subdivisions? integer
+---@field centre? bw.Vector (m) the centre. Default: {0, 0, 0}
+---@field radius number (m) the radius, above 0
+---@field subdivisions? integer (count) how often triangles are cut into four. Range: 0 to 9. Default: 3
 
----A closed cylinder; the length of `axis` is its height.
----@param options bw.SurfaceCylinderOptions
----@return bw.Surface?
+---A closed cylinder.
+---```lua
+---local rod = bw.surface.cylinder {axis = {0, 0, 0.1}, radius = 0.005, segments = 96}
+---print(rod)
+---```
+---@param options bw.SurfaceCylinderOptions its size
+---@return bw.Surface surface a closed surface, whose points lie on the cylinder
 function surface_module.cylinder(options) end
 
+---A cylinder.
 ---@class bw.SurfaceCylinderOptions
----@field base? bw.Vector
----@field axis bw.Vector
----@field radius number
----@field segments? integer
+---@field base? bw.Vector (m) the centre of the base. Default: {0, 0, 0}
+---@field axis bw.Vector (m) from the base's centre to that of the top; its length is the height
+---@field radius number (m) the radius, above 0
+---@field segments? integer (count) sides of the polygon that stands for the circle. Range: 3 to 1000000. Default: 48
 
----The zero set of a function of x, y, z, or of a formula in them ("x^2 + y^2 + z^2 - 1"), that is
----negative inside.
----@param value string|fun(x: number, y: number, z: number): number
----@param options bw.SurfaceImplicitOptions cells along the longest side, default 32
----@return bw.Surface?
+---The zero set of a function of x, y and z that is negative inside, by marching tetrahedra. The function must be
+---positive on the box's surface. One that is nowhere negative on the grid raises.
+---
+---Errors: geometry (the function is negative on the box's surface, or not a number), limit (more than 2147483647 points).
+---```lua
+---local box = {low = {-2, -2, -1}, high = {2, 2, 1}, cells = 60}
+---local torus = assert(bw.surface.implicit("(sqrt(x^2 + y^2) - 1.2)^2 + z^2 - 0.25", box))
+---print(torus.volume) -- near 2 pi^2 1.2 0.25
+---```
+---@param value string|fun(x: number, y: number, z: number): number a formula as in `bw.array.map`, or a function, of coordinates in m
+---@param options bw.SurfaceImplicitOptions where and how finely it is evaluated
+---@return bw.Surface? surface closed and manifold
 ---@return string? message
 ---@return bw.Details? details
 function surface_module.implicit(value, options) end
 
+---The grid on which a function is evaluated.
 ---@class bw.SurfaceImplicitOptions
----@field low bw.Vector
----@field high bw.Vector
----@field cells? integer
+---@field low bw.Vector (m) the smallest coordinates
+---@field high bw.Vector (m) the largest coordinates
+---@field cells? integer (count) cells along the longest side. Range: 1 to 4000. Default: 32
 
----A triangle surface. It does not change: methods give new ones.
+---A triangle surface. Surfaces do not change: methods give new ones. It may be open or wrong otherwise, as it was read;
+---`check` tells. `print(surface)` lists its largest faces.
+---```lua
+---local ball = bw.surface.sphere {centre = {0, 0, 0.01}, radius = 0.01}
+---print(ball.volume, ball.area, ball.box.high[3])
+---```
 ---@class bw.Surface
----@field points bw.Array point_count x 3, m
----@field triangles bw.Array triangle_count x 3
----@field groups bw.Array? group, solid or region of every facet
----@field point_count integer
----@field triangle_count integer
----@field area number m2
----@field volume number m3; negative when it faces inwards
----@field box bw.Box
+---@field points bw.Array (m, point_count × 3, per point) coordinates
+---@field triangles bw.Array (index from 1, triangle_count × 3, per triangle) numbers of points, counter-clockwise seen from outside
+---@field groups bw.Array? (index from 1, triangle_count × 1, per triangle) its group, solid or region in the file; nil where there is none
+---@field point_count integer (count) of points
+---@field triangle_count integer (count) of triangles
+---@field area number (m2) of all triangles
+---@field volume number (m3) that it encloses; negative where it faces inwards
+---@field box bw.Box the smallest box that holds it
 local Surface = {}
 
----Writes .stl .obj .ply .off (millimetres unless told otherwise), .vtu .msh (metres). Fields, by
----point or facet, go into .vtu.
----@param path string
----@param options? bw.SurfaceWriteOptions
----@return true?
+---Writes the surface to a file, whose ending decides the format: .stl (binary), .obj, .ply, .off, .vtu or .msh.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.SurfaceWriteOptions unit, form and fields
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Surface:write(path, options) end
 
+---How a surface is written.
 ---@class bw.SurfaceWriteOptions
----@field unit? string|number
----@field ascii? boolean
----@field fields? table<string, bw.Array>
+---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m" for .vtu and .msh, else "mm"
+---@field ascii? boolean text instead of binary, where the format has both. Default: false
+---@field fields? table<string, bw.Array> only .vtu: arrays with a row for every point or every triangle, by name
 
----What is wrong with it: counts by kind, holes, shells, closed, oriented, sound, volume, area, box,
----and a list of defects {kind, facet, other, at}, at most `limit` of a kind.
----@param options? bw.SurfaceCheckOptions
----@return table?
+---What is wrong with the surface. `print` tells it in a few lines.
+---
+---Errors: only those that every function may give.
+---@param options? bw.SurfaceCheckOptions how many defects are listed
+---@return bw.SurfaceReport? report the defects
+---@return string? message
+---@return bw.Details? details
 function Surface:check(options) end
 
+---How many defects are listed.
 ---@class bw.SurfaceCheckOptions
----@field limit? integer
+---@field limit? integer (count) defects of each kind in the list. Default: 20
 
----Welds, drops duplicates, orients, fills holes, resolves intersections, wraps: only what is needed.
----@param options? bw.SurfaceRepairOptions
----@return bw.Surface?
----@return table|string log moved and steps, or a message
+---What a check found. Equal points count as one.
+---@class bw.SurfaceReport
+---@field count table<string, integer> how many defects there are of each kind: "open edge", "non-manifold edge", "non-manifold point", "misoriented edge", "self-intersection", "duplicate facet", "zero-area facet", "flipped shell"
+---@field holes integer (count) closed loops of open edges
+---@field shells integer (count) parts that are connected through edges
+---@field closed boolean every edge has exactly two triangles
+---@field oriented boolean neighbours agree and every shell faces outwards, cavities inwards
+---@field sound boolean closed, oriented, manifold, without self-intersections and degenerate triangles
+---@field volume number (m3) that it encloses
+---@field area number (m2) of all triangles
+---@field box bw.Box the smallest box that holds it
+---@field defects bw.SurfaceDefect[] at most `limit` of each kind
+
+---One defect of a surface.
+---@class bw.SurfaceDefect
+---@field kind string as in `count` of the report
+---@field facet integer (index from 1) the triangle
+---@field other? integer (index from 1) the second triangle of a pair
+---@field at bw.Vector (m) the middle of the edge, triangle or intersection
+
+---Makes a sound surface: welds points, drops duplicate and degenerate triangles, orients, fills holes, resolves
+---self-intersections and, as the last resort, wraps. Each step is done only where the check calls for it. A sound surface
+---comes back as it is, with an empty log.
+---
+---Errors: geometry (what could not be repaired is in the message and in details: `open_edges`, `self_intersections`),
+---limit (time or memory).
+---@param options? bw.SurfaceRepairOptions which steps are allowed
+---@return bw.Surface? surface sound
+---@return bw.ShapeLog|string log what was changed, or the message
 ---@return bw.Details? details
 function Surface:repair(options) end
 
+---Which steps a repair may take.
 ---@class bw.SurfaceRepairOptions
----@field weld? number
----@field fill_holes? boolean
----@field intersections? boolean
----@field wrap? boolean
----@field wrap_alpha? number
----@field wrap_offset? number
----@field time_limit? number
----@field memory_limit? number
+---@field weld? number (m) points nearer than this become one. Default: 1e-6 of the box's diagonal
+---@field fill_holes? boolean fill holes. Default: true
+---@field intersections? boolean resolve self-intersections. Default: true
+---@field wrap? boolean wrap the surface where nothing else helps. Default: true
+---@field wrap_alpha? number (-) `alpha` of the wrap over the box's diagonal. Default: 0.01
+---@field wrap_offset? number (-) `offset` of the wrap over the box's diagonal. Default: 0.001
+---@field time_limit? number (s) for the whole repair. Default: 120
+---@field memory_limit? number (bytes) of one step. Default: 6e9
 
----Isotropic remeshing with sharp edges and small features kept. Beyond `time_limit` in seconds of
----computing (300) or `memory_limit` in bytes (6e9): nil, a message and details with `limit` "time" or
----"memory".
----@param options? bw.SurfaceRemeshOptions
----@return bw.Surface?
----@return table|string log moved and steps, or a message
+---What was done to a surface, step by step. `print` tells it.
+---@class bw.ShapeLog
+---@field moved number (m) the sum of the steps' distances: a bound on how far the surface moved
+---@field steps bw.ShapeStep[] in order; empty where nothing was changed
+
+---One change of a surface.
+---@class bw.ShapeStep
+---@field name string such as "weld", "fill holes", "orient", "wrap", "remesh"
+---@field count integer (count) how many things it changed
+---@field moved number (m) the largest distance between the surfaces before and after
+---@field text string a sentence
+
+---Remeshes a closed manifold surface with triangles of even size. Sharp edges stay. Where a feature is smaller than the
+---edge length, edges there are shorter, down to a twelfth of it.
+---
+---Errors: geometry (the surface is not closed and manifold, or the result intersects itself), limit (time or memory).
+---@param options? bw.SurfaceRemeshOptions size and limits
+---@return bw.Surface? surface the new surface
+---@return bw.ShapeLog|string log what was changed, or the message
 ---@return bw.Details? details
 function Surface:remesh(options) end
 
+---Size and limits of a remeshing.
 ---@class bw.SurfaceRemeshOptions
----@field edge_length? number
----@field triangles? integer
----@field sharp_angle? number
----@field iterations? integer
----@field tolerance? number
----@field time_limit? number
----@field memory_limit? number
+---@field edge_length? number (m) wanted length of edges. Default: from `triangles`
+---@field triangles? integer (count) wanted number, where there is no `edge_length`. Default: about as many as there are
+---@field sharp_angle? number (rad) edges whose triangles' normals differ by more are kept. Default: 40 degrees
+---@field iterations? integer (count) rounds. Range: 1 to 100. Default: 5
+---@field tolerance? number (m) the largest distance that the surface may move. Default: a quarter of the edge length
+---@field time_limit? number (s) of computing. Default: 300
+---@field memory_limit? number (bytes) of memory. Default: 6e9
 
----A closed surface around anything; holes up to `alpha` (m; 1/50 of the box's diagonal) are bridged, and
----it lies about `offset` (m; alpha / 12) away. A child process makes it; beyond `time_limit` in seconds of
----computing (300) or `memory_limit` in bytes (6e9): nil, a message and details with `limit` "time" or
----"memory".
----@param options? bw.SurfaceWrapOptions
----@return bw.Surface?
----@return table|string log
+---A closed manifold surface around this one, by CGAL's alpha wrap in a child process. It bridges holes up to `alpha`.
+---
+---Errors: geometry (the surface has no size), limit (time, or memory; `details.limit` says which). A surface without
+---triangles raises.
+---@param options? bw.SurfaceWrapOptions lengths and limits
+---@return bw.Surface? surface the wrap
+---@return bw.ShapeLog|string log what was changed, or the message
 ---@return bw.Details? details
 function Surface:wrap(options) end
 
+---Lengths and limits of a wrap.
 ---@class bw.SurfaceWrapOptions
----@field alpha? number
----@field offset? number
----@field time_limit? number
----@field memory_limit? number
+---@field alpha? number (m) the largest hole that is bridged. Default: 1/50 of the box's diagonal
+---@field offset? number (m) how far outside of the surface the wrap lies. Default: `alpha` / 12
+---@field time_limit? number (s) of computing. Default: 300
+---@field memory_limit? number (bytes) of memory. Default: 6e9
 
----Makes neighbours agree and shells face outwards.
----@return bw.Surface?
----@return integer flipped facets that were turned
+---Makes neighbouring triangles agree and shells face outwards, cavities inwards.
+---
+---Errors: geometry (a surface with one side only, like a Moebius strip; details: `facet`).
+---@return bw.Surface? surface the oriented surface
+---@return integer|string flipped (count) triangles that were turned, or the message
+---@return bw.Details? details
 function Surface:orient() end
 
----Merges points closer than the tolerance (0: equal ones).
----@param tolerance? number
----@return bw.Surface?
+---Makes one point of those that are nearer to each other than the tolerance. Triangles stay, also those that collapse.
+---@param tolerance? number (m) 0 or more. Default: 0, equal points only
+---@return bw.Surface surface the welded surface
 function Surface:weld(tolerance) end
 
----@param factor number
----@return bw.Surface?
+---The surface with all coordinates times a factor.
+---@param factor number (-) the factor
+---@return bw.Surface surface the scaled surface
 function Surface:scale(factor) end
 
----@param matrix number[][] three rows of four: [A | b]
----@return bw.Surface?
+---The surface under an affine map x → A x + b.
+---@param matrix number[][]|bw.Array (any, 3 × 4) rows of [A | b], b in m
+---@return bw.Surface surface the mapped surface
 function Surface:transform(matrix) end
 
----@param by bw.Vector
----@return bw.Surface?
+---The surface moved by a vector.
+---@param by bw.Vector (m) the vector
+---@return bw.Surface surface the moved surface
 function Surface:translate(by) end
 
----Turns about an axis through a centre, right-handed.
----@param axis bw.Vector
----@param angle number radians
----@param centre? bw.Vector
----@return bw.Surface?
+---The surface rotated about an axis through a centre, right-handed.
+---@param axis bw.Vector (-) the direction, of any length but 0
+---@param angle number (rad) the angle
+---@param centre? bw.Vector (m) a point of the axis. Default: {0, 0, 0}
+---@return bw.Surface surface the rotated surface
 function Surface:rotate(axis, angle, centre) end
 
----The largest distance from one surface to the other, both ways; or how far each of some points is, m.
----@param other bw.Surface|bw.Array|number[][]
----@return number|bw.Array|nil
+---The largest distance between two surfaces, in either direction, from samples (points and the middles of edges and
+---triangles). With points, how far each of them is from the surface. A surface without triangles beside another one
+---raises.
+---
+---Errors: geometry (points are given, and the surface has no triangles).
+---@param other bw.Surface|bw.Array|number[][] (m, n × 3, per point) another surface, or points
+---@return number|bw.Array|nil distance (m, n × 1, per point) one number for a surface
 ---@return string? message
 ---@return bw.Details? details
 function Surface:distance(other) end
 
----A part of a surface bounded by sharp edges or by the end of a primitive. Lengths in m, areas in m2. A free
----form has neither point nor residual; a sphere has no axis; planes have no radius.
----@class bw.Face
----@field name string "plane 2": the second largest plane
----@field kind "plane"|"cylinder"|"cone"|"sphere"|"free form"
----@field area number
----@field triangle_count integer
----@field centre number[] of area
----@field normal number[] mean outward; 0 where the face closes on itself
----@field point? number[] of the plane or the axis; the centre of the sphere
----@field axis? number[] unit; the plane's outward normal
----@field radius? number of the cone: at the point
----@field slope? number of the cone: growth of the radius per length along the axis
----@field residual? number largest distance of a corner from the primitive
+---The thickness of the body under places of its surface: the length of the straight line inwards, along the normal, up to
+---the opposite wall. Each place stands for the same area.
+---
+---Errors: geometry (the surface has no area).
+---@param samples? integer (count) places. Range: 1 to 10000000. Default: 1000
+---@return bw.Array? thickness (m, samples × 1, per place) infinite where there is no wall
+---@return bw.Array|string places (m, samples × 3, per place) their coordinates, or the message
+---@return bw.Details? details
+function Surface:thickness(samples) end
 
----The faces by descending area; `print(surface)` lists the largest twelve. Facets whose normals differ by at most
----`angle` (radians, default 30 degrees) are of one face unless primitives part them (docs/theory/faces.md).
----`for _, face in ipairs(surface:faces()) do print(face.name, face.area) end`
----@param options? bw.SurfaceFacesOptions
----@return bw.Face[]? faces
----@return bw.Array|string numbers of every triangle the number of its face, or a message
+---The faces of the surface by descending area: parts that sharp edges or the end of a plane, cylinder, cone or sphere
+---bound.
+---
+---Errors: only those that every function may give.
+---
+---Source: docs/theory/faces.md.
+---@param options? bw.SurfaceFacesOptions how sharp an edge between faces is
+---@return bw.Face[]? faces the largest first
+---@return bw.Array|string numbers (index from 1, triangle_count × 1, per triangle) its face, or the message
 ---@return bw.Details? details
 function Surface:faces(options) end
 
+---How sharp an edge between two faces is.
 ---@class bw.SurfaceFacesOptions
----@field angle? number
+---@field angle? number (rad) triangles whose normals differ by at most this belong to one face, unless primitives divide them. Range: above 0 to 1.5. Default: 30 degrees
 
----The re-entrant edges, the longest first: those whose angle inside the material exceeds 180 degrees by more than
----`angle` (radians, default 10 degrees) between two faces that lie on planes, cylinders, cones or spheres, and by more
----than 30 degrees where one is free form. Facets of a round face make no edge (docs/theory/singular.md). nil, a message
----and details for a surface that is open or turned inside out.
----`print(bw.surface.read("bracket.stl", {unit = "mm"}):singular_edges())`
----@param options? bw.SurfaceFacesOptions
----@return bw.SingularPlaces?
+---A part of a surface that stands for one smooth shape. A free form has neither `point` nor `residual`, a sphere no `axis`,
+---a plane no `radius`.
+---@class bw.Face
+---@field name string such as "plane 2": the second largest plane
+---@field kind "plane"|"cylinder"|"cone"|"sphere"|"free form" the shape
+---@field area number (m2) of its triangles
+---@field triangle_count integer (count) of its triangles
+---@field centre bw.Vector (m) the centre of its area
+---@field normal bw.Vector (-) the mean outward normal, unit; 0 where the face closes on itself
+---@field point? bw.Vector (m) a point of the plane or of the axis; the centre of the sphere
+---@field axis? bw.Vector (-) unit; of a plane the outward normal
+---@field radius? number (m) the radius; of a cone at `point`
+---@field slope? number (-) of a cone: growth of the radius per length along the axis
+---@field residual? number (m) the largest distance of a corner from the primitive
+
+---The re-entrant edges of a closed surface, the longest first: edges at which linear elasticity has no finite stress. An
+---edge counts where its angle inside the material exceeds 180 degrees by more than `angle` between two primitives, and by
+---more than 30 degrees beside a free form. Edges between triangles of one round face do not count.
+---
+---Errors: geometry (the surface is open, its triangles disagree, or it faces inwards).
+---
+---Source: M. L. Williams, J. Appl. Mech. 19 (1952); docs/theory/singular.md.
+---@param options? bw.SurfaceSingularEdgesOptions which edges count
+---@return bw.SingularPlaces? places a list of `bw.SingularPlace`
 ---@return string? message
 ---@return bw.Details? details
 function Surface:singular_edges(options) end
 
----@param path string
----@param options? bw.PictureOptions
----@return true?
+---Which edges count as re-entrant.
+---@class bw.SurfaceSingularEdgesOptions
+---@field angle? number (rad) how far the angle inside must exceed 180 degrees. Range: above 0 to 1.5. Default: 10 degrees
+
+---Draws the surface as a PNG file: see `bw.picture`.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions what is drawn and how
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
 function Surface:picture(path, options) end
 
----Lets go at once.
+---Releases the surface at once.
 function Surface:close() end
-
----How thick the body is under places of its surface that have equal shares of the area (1000 of them): the
----way straight in until the wall on the other side, inf where there is none.
----@param samples? integer
----@return bw.Array? thickness
----@return bw.Array|string places or a message
----@return bw.Details? details
-function Surface:thickness(samples) end

@@ -10,8 +10,6 @@ local stubs = require "stubs"
 local allowed = {
   array = 148,
 
-  barwright = 64,
-
   breaking_force = 84,
 
   bridge = 95,
@@ -40,8 +38,6 @@ local allowed = {
 
   material = 81,
 
-  mesh = 173,
-
   metallophone = 207,
 
   metamaterial = 71,
@@ -54,8 +50,6 @@ local allowed = {
 
   outline = 264,
 
-  picture = 42,
-
   plane = 130,
 
   plot = 175,
@@ -65,8 +59,6 @@ local allowed = {
   results = 30,
 
   scenario = 107,
-
-  selection = 79,
 
   sheet = 198,
 
@@ -83,8 +75,6 @@ local allowed = {
   stress = 47,
 
   study = 178,
-
-  surface = 214,
 
   system = 21,
 
