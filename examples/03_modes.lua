@@ -2,7 +2,7 @@
 -- Lesson 3: at what pitch does it ring?
 --   build/barwright examples/03_modes.lua
 --
--- A free aluminium bar of 300 x 30 x 6 mm. A free body has six rigid motions of frequency zero:
+-- A free aluminium bar of 300 x 30 x 6 mm. A free body has six rigid-body motions of frequency zero:
 -- they are recognised and left out. Thin-beam theory gives the bending modes:
 -- f = (beta L)^2 / (2 pi L^2) sqrt(E I / (rho A)), with cos(beta L) cosh(beta L) = 1.
 local bw = require "barwright"
@@ -22,4 +22,4 @@ local I, A = b * h ^ 3 / 12, b * h
 local beam = beta ^ 2 / (2 * math.pi * L ^ 2) * math.sqrt(70e9 * I / (2700 * A))
 print(("thin-beam theory for the first: %.2f Hz"):format(beam))
 assert(math.abs(modes.frequencies[1] / beam - 1) < 0.02)
--- Next: clamp one end with part:fix(...) and ask again: no rigid motion is left.
+-- Next: clamp one end with part:fix(...) and ask again: no rigid-body motion is left.

@@ -349,11 +349,12 @@ static bw_status check_drops(bw_context *context, const bw_system *system,
     return bw_fail(context, BW_INVALID,
                    "a drop test needs the density of the material, and %s has none",
                    system->material->name[0] ? system->material->name : "this one");
-  if (system->numbering->motion_count != 6 * system->mesh->component_count)
-    return bw_fail(context, BW_INVALID,
-                   "a drop test is of a free body: of the %d rigid motions of this model %d are "
-                   "free, take the supports off",
-                   6 * system->mesh->component_count, system->numbering->motion_count);
+  if (system->dof_map->motion_count != 6 * system->mesh->component_count)
+    return bw_fail(
+        context, BW_INVALID,
+        "a drop test is of a free body: of the %d rigid-body motions of this model %d are "
+        "free, take the supports off",
+        6 * system->mesh->component_count, system->dof_map->motion_count);
   return BW_OK;
 }
 

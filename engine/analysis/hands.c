@@ -29,7 +29,7 @@ typedef struct set {
 
 struct bwi_hands {
   const bw_pressure_basis *basis;
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
   bw_worst_load_options options; /* without hands */
   int count;
   int32_t nodes;   /* that bear pressure */
@@ -79,7 +79,7 @@ static bw_status bench_open(bw_context *context, const bwi_hands *hands, const d
   b->taken = BW_NEW(context, uint8_t, nodes);
   b->score = BW_NEW(context, double, nodes);
   b->price = BW_NEW(context, double, nodes);
-  b->dual = BW_NEW(context, double, (size_t)hands->numbering->motion_count + 1);
+  b->dual = BW_NEW(context, double, (size_t)hands->dof_map->motion_count + 1);
   b->given = BW_NEW(context, double, columns);
   b->pressure = BW_NEW(context, double, columns);
   return b->taken && b->score && b->price && b->dual && b->given && b->pressure ? BW_OK : BW_MEMORY;
@@ -161,8 +161,8 @@ static bw_status solve(bench *b, const bw_worst_load_options *options, const dou
   for (int32_t j = 0; j < h->basis->count; j++)
     if (b->taken[j / h->basis->directions])
       b->given[to++] = objective[j];
-  BW_TRY(bw_worst_loads(b->context, part, h->numbering, options, 1, b->given, b->pressure,
-                        &s->value, b->dual));
+  BW_TRY(bw_worst_loads(b->context, part, h->dof_map, options, 1, b->given, b->pressure, &s->value,
+                        b->dual));
 done:
   bw_release(part);
   return status;
@@ -188,7 +188,7 @@ static bool holds(const set *s, int32_t centre) {
 static void price_patches(bench *b, const double *objective, const double *dual) {
   const bwi_hands *h = b->hands;
   const bw_pressure_basis *basis = h->basis;
-  int32_t motions = h->numbering->motion_count;
+  int32_t motions = h->dof_map->motion_count;
   for (int32_t g = 0; g < h->nodes; g++) {
     double most = 0;
     for (int32_t j = g * basis->directions; j < (g + 1) * basis->directions; j++) {
@@ -362,7 +362,7 @@ done:
 }
 
 bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
-                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           const bw_dof_map *dof_map, const bw_worst_load_options *options,
                            bwi_hands **result) {
   bw_status status = BW_OK;
   if (options->hands < 0 || options->hands > BW_MOST_HANDS)
@@ -375,19 +375,19 @@ bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
   if (!h)
     return BW_MEMORY;
   h->basis = basis;
-  h->numbering = numbering;
+  h->dof_map = dof_map;
   h->options = *options;
   h->options.hands = 0;
   h->count = options->hands;
   h->nodes = basis->count / basis->directions;
   h->normal = BW_NEW(context, double, 3 * (size_t)h->nodes);
   h->start = BW_NEW0(context, int64_t, (size_t)h->nodes + 1);
-  h->work = BW_NEW(context, double, (size_t)numbering->motion_count *(size_t)basis->count + 1);
+  h->work = BW_NEW(context, double, (size_t)dof_map->motion_count *(size_t)basis->count + 1);
   if (!h->normal || !h->start || !h->work) {
     status = BW_MEMORY;
     goto done;
   }
-  bwi_column_motions(basis, numbering, h->work);
+  bwi_column_motions(basis, dof_map, h->work);
   BW_TRY(bwi_hand_patches(context, basis, sqrt(options->hand_area / 3.14159265358979323846),
                           h->normal, h->start, &h->member));
   BW_TRY(find_seed(context, h));

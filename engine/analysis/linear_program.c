@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Building the linear program from a pressure basis and a numbering's free motions, and judging a
+/* Building the linear program from a pressure basis and a DOF map's rigid-body modes, and judging a
  * vertex that a solver ended at. See linear_program.h for the form. */
 #include "analysis/linear_program.h"
 #include "model/internal.h"
@@ -119,10 +119,10 @@ static void group_columns(bwi_linear_program *program) {
 /* ---- balance rows -------------------------------------------------------------------------- */
 
 /* <motion, G e_j> / A_j for the body's motions. */
-static void raw_rows(const bw_pressure_basis *basis, const bw_numbering *numbering,
+static void raw_rows(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
                      const bwi_balance *body, int32_t j, double raw[BWI_LOCAL_ROWS]) {
   for (int m = 0; m < body->motions; m++) {
-    const bw_rigid_motion *motion = &numbering->motion[body->motion[m]];
+    const bw_rigid_mode *motion = &dof_map->motion[body->motion[m]];
     double sum = 0;
     for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++) {
       double u[3];
@@ -133,11 +133,10 @@ static void raw_rows(const bw_pressure_basis *basis, const bw_numbering *numberi
   }
 }
 
-void bwi_column_motions(const bw_pressure_basis *basis, const bw_numbering *numbering,
-                        double *work) {
+void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_map, double *work) {
   size_t n = (size_t)basis->count;
-  for (int32_t m = 0; m < numbering->motion_count; m++) {
-    const bw_rigid_motion *motion = &numbering->motion[m];
+  for (int32_t m = 0; m < dof_map->motion_count; m++) {
+    const bw_rigid_mode *motion = &dof_map->motion[m];
     for (size_t j = 0; j < n; j++) {
       double sum = 0;
       if (basis->mesh->component[basis->node[j]] == motion->component)
@@ -191,7 +190,7 @@ static void jacobi(int n, double a[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS],
 }
 
 /* Orthonormal combinations of a body's rows, weighted with A, without those that are negligible. */
-static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *numbering,
+static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
                            bwi_balance *body) {
   int n = body->motions;
   double natural[BWI_LOCAL_ROWS] = {0}, gram[BWI_LOCAL_ROWS][BWI_LOCAL_ROWS] = {{0}};
@@ -201,7 +200,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
       continue;
     for (int m = 0; m < n; m++) {
       double u[3];
-      bwi_motion_at(&numbering->motion[body->motion[m]],
+      bwi_motion_at(&dof_map->motion[body->motion[m]],
                     basis->mesh->node + 3 * (size_t)basis->node[j], u);
       natural[m] = fmax(natural[m], bw_norm(u));
     }
@@ -213,7 +212,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
     double raw[BWI_LOCAL_ROWS];
     if (basis->mesh->component[basis->node[j]] != body->component)
       continue;
-    raw_rows(basis, numbering, body, j, raw);
+    raw_rows(basis, dof_map, body, j, raw);
     area += basis->area[j];
     for (int m = 0; m < n; m++)
       for (int k = 0; k < n; k++)
@@ -226,7 +225,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
     double raw[BWI_LOCAL_ROWS];
     if (basis->mesh->component[basis->node[j]] != body->component)
       continue;
-    raw_rows(basis, numbering, body, j, raw);
+    raw_rows(basis, dof_map, body, j, raw);
     for (int i = 0; i < n; i++) {
       double sum = 0;
       for (int m = 0; m < n; m++)
@@ -246,28 +245,28 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_numbering *n
 }
 
 static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
-                             const bw_pressure_basis *basis, const bw_numbering *numbering) {
-  program->motion_count = numbering->motion_count;
-  program->body = BW_NEW0(context, bwi_balance, numbering->motion_count + 1);
+                             const bw_pressure_basis *basis, const bw_dof_map *dof_map) {
+  program->motion_count = dof_map->motion_count;
+  program->body = BW_NEW0(context, bwi_balance, dof_map->motion_count + 1);
   if (!program->body)
     return BW_MEMORY;
-  for (int32_t m = 0; m < numbering->motion_count; m++) {
+  for (int32_t m = 0; m < dof_map->motion_count; m++) {
     int32_t k = 0;
-    while (k < program->body_count && program->body[k].component != numbering->motion[m].component)
+    while (k < program->body_count && program->body[k].component != dof_map->motion[m].component)
       k++;
     bwi_balance *body = &program->body[k];
     if (k == program->body_count) {
       program->body_count++;
-      body->component = numbering->motion[m].component;
+      body->component = dof_map->motion[m].component;
     }
     if (body->motions == BWI_LOCAL_ROWS)
-      return bw_fail(context, BW_INTERNAL, "body %d has more than six rigid motions",
+      return bw_fail(context, BW_INTERNAL, "body %d has more than six rigid-body motions",
                      body->component);
     body->motion[body->motions++] = m;
   }
   for (int32_t k = 0; k < program->body_count; k++) {
     program->body[k].row = program->rows;
-    orthonormalise(basis, numbering, &program->body[k]);
+    orthonormalise(basis, dof_map, &program->body[k]);
     program->rows += program->body[k].rows;
   }
   program->rows++; /* the shares */
@@ -304,8 +303,7 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
 }
 
 bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis *basis,
-                                    const bw_numbering *numbering,
-                                    const bw_worst_load_options *options,
+                                    const bw_dof_map *dof_map, const bw_worst_load_options *options,
                                     bwi_linear_program **result) {
   bw_status status = check_options(context, basis, options);
   if (status != BW_OK)
@@ -331,7 +329,7 @@ bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(make_bodies(context, program, basis, numbering));
+  BW_TRY(make_bodies(context, program, basis, dof_map));
   BW_TRY(order_columns(context, program, basis, options->at_most));
   group_columns(program);
   for (int32_t s = 0; s < program->segment_count; s++) {
@@ -349,7 +347,7 @@ bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis
       if (!body)
         continue;
       double raw[BWI_LOCAL_ROWS];
-      raw_rows(basis, numbering, body, from, raw);
+      raw_rows(basis, dof_map, body, from, raw);
       for (int l = 0; l < body->rows; l++) {
         double sum = 0;
         for (int m = 0; m < body->motions; m++)

@@ -56,9 +56,8 @@ typedef struct bwi_linear_program {
 /* x_u cross x_v of a facet of six nodes at a point: twice n dA over the part of the plane. */
 void bwi_area_vector(const double (*x)[3], const double barycentric[3], double normal[3]);
 
-/* Work of a unit pressure of each column on each rigid motion: motions x columns. */
-void bwi_column_motions(const bw_pressure_basis *basis, const bw_numbering *numbering,
-                        double *work);
+/* Work of a unit pressure of each column on each rigid-body motion: motions x columns. */
+void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_map, double *work);
 
 /* The columns of a basis without friction, each for the facets of the friction cone. */
 bw_status bwi_pressure_with_friction(bw_context *context, const bw_pressure_basis *plain,
@@ -69,8 +68,7 @@ bw_status bwi_pressure_basis_empty(bw_context *context, const bw_mesh *mesh,
                                    bw_pressure_basis **basis);
 
 bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis *basis,
-                                    const bw_numbering *numbering,
-                                    const bw_worst_load_options *options,
+                                    const bw_dof_map *dof_map, const bw_worst_load_options *options,
                                     bwi_linear_program **program);
 void bwi_linear_program_free(bwi_linear_program *program);
 
@@ -142,7 +140,7 @@ typedef struct bwi_hands bwi_hands;
 bw_status bwi_hand_patches(bw_context *context, const bw_pressure_basis *basis, double radius,
                            double *normal, int64_t *start, int32_t **member);
 bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
-                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           const bw_dof_map *dof_map, const bw_worst_load_options *options,
                            bwi_hands **hands);
 bw_status bwi_hands_solve(bw_context *context, const bwi_hands *hands, const double *objective,
                           const double *dual, double *pressure, double *value);
@@ -152,7 +150,7 @@ void bwi_hands_free(bwi_hands *hands);
  * (worst_loads.c; see bw_worst_loads). */
 typedef struct bwi_loads bwi_loads;
 bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
-                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           const bw_dof_map *dof_map, const bw_worst_load_options *options,
                            bwi_loads **loads);
 bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
                           const double *objective, double *pressure, double *value, double *dual);

@@ -78,12 +78,12 @@ static void add_facet(void *data, int32_t facet, const double weight[3]) {
   p->total += weight[0] + weight[1] + weight[2];
 }
 
-static bw_status patch_begin(bw_context *context, const bw_mesh *mesh,
-                             const bw_numbering *numbering, double radius, int32_t node, patch *p) {
+static bw_status patch_begin(bw_context *context, const bw_mesh *mesh, const bw_dof_map *dof_map,
+                             double radius, int32_t node, patch *p) {
   bw_status status;
   *p = (patch){.mesh = mesh, .centre = node};
   p->patches.mesh = mesh;
-  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &p->patches));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, dof_map, radius, &p->patches));
   if (!bwi_surface_patch_exists(&p->patches, node))
     return bw_fail(context, BW_INVALID, "node %d is not on the boundary, or inside of a support",
                    node);
@@ -103,13 +103,13 @@ static void patch_clear(patch *p) {
 }
 
 bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                              const bw_numbering *numbering, double radius, int32_t node,
+                              const bw_dof_map *dof_map, double radius, int32_t node,
                               const double slope[6], double *force, double *by_force) {
   bw_status status;
   double *area = NULL;
   patch p = {.mesh = mesh};
   BW_TRY(bw_material_fits(context, material, mesh->element_count));
-  BW_TRY(patch_begin(context, mesh, numbering, radius, node, &p));
+  BW_TRY(patch_begin(context, mesh, dof_map, radius, node, &p));
   BW_TRY(bwi_facet_areas_around(context, mesh, &area));
   memset(force, 0, 3 * (size_t)mesh->node_count * sizeof *force);
   memset(by_force, 0, 3 * (size_t)mesh->node_count * sizeof *by_force);
@@ -370,7 +370,7 @@ bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
   if (bwi_projected_bulk(mesh, material) > 0)
     return bw_fail(context, BW_UNSUPPORTED,
                    "the shape gradient is not implemented for the B-bar formulation");
-  BW_TRY(patch_begin(context, mesh, state->numbering, state->radius, state->node, &p));
+  BW_TRY(patch_begin(context, mesh, state->dof_map, state->radius, state->node, &p));
   BW_TRY(bwi_incidence_create(context, mesh, &d.around));
   d.part = BW_NEW(context, double, 3 * mesh->element_count * mesh->nodes_per_element);
   at_corner = BW_NEW(context, double, 3 * p.facets);

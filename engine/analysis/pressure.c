@@ -9,7 +9,7 @@
  *
  * Invariant: columns are by ascending mesh node, or facet, the rows within a column ascend too, and
  * every row of a column belongs to the same body. Since the shape functions add up to one and
- * reproduce rigid motions, a uniform pressure over a closed boundary has no resultant and no
+ * reproduce rigid-body motions, a uniform pressure over a closed boundary has no resultant and no
  * moment.
  *
  * Nodes of forbidden facets, or their cells, have no column: the pressures that are left are those

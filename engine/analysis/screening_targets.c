@@ -90,9 +90,8 @@ static bw_status list_corners(bw_context *context, bwi_targets *t) {
 }
 
 bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const bw_numbering *numbering, int32_t pressures,
-                            const double *response, const double *traction, double radius,
-                            bwi_targets *targets) {
+                            const bw_dof_map *dof_map, int32_t pressures, const double *response,
+                            const double *traction, double radius, bwi_targets *targets) {
   bw_status status = BW_OK;
   *targets = (bwi_targets){.mesh = mesh,
                            .material = material,
@@ -103,7 +102,7 @@ bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_m
     targets->count = mesh->element_count;
     return BW_OK;
   }
-  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &targets->patch));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, dof_map, radius, &targets->patch));
   BW_TRY(list_corners(context, targets));
   targets->mark = BW_NEW0(context, int32_t, bw_threads(context));
   targets->at_corner = BW_NEW0(context, double, 18 * (size_t)mesh->facet_count * (size_t)pressures);

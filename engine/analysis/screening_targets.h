@@ -23,9 +23,8 @@ typedef struct bwi_targets {
 /* `radius`: of patches around the corners of boundary facets; 0: all elements are targets. Keeps
  * what it is given. */
 bw_status bwi_targets_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                            const bw_numbering *numbering, int32_t pressures,
-                            const double *response, const double *traction, double radius,
-                            bwi_targets *targets);
+                            const bw_dof_map *dof_map, int32_t pressures, const double *response,
+                            const double *traction, double radius, bwi_targets *targets);
 void bwi_targets_clear(bwi_targets *targets);
 
 /* Mean stress of a target by pressure: out 6 x K. */

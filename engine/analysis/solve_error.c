@@ -57,7 +57,7 @@ bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve
   error->compliance = BW_NEW0(context, double, graph->node_count);
   if (!error->compliance)
     return BW_MEMORY;
-  if (system->numbering->unknown_count == 0)
+  if (system->dof_map->unknown_count == 0)
     goto done; /* nothing moves, and nothing errs */
   bw_modes_options_default(&options);
   options.count = 1;
@@ -115,8 +115,8 @@ double bwi_solve_error_energy(const bwi_solve_error *error, const double *force,
     size[i] = fabs(force[i]);
   }
   multiply(error->system, displacement, work, size);
-  bw_motions_balance(error->system->numbering, work);
-  bwi_keep_states(error->system->numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
+  bw_rigid_modes_balance(error->system->dof_map, work);
+  bwi_keep_states(error->system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
   for (size_t i = 0; i < nodes; i++) {
     int64_t neighbours =
         graph->start[i + 1] - graph->start[i] + graph->upper_start[i + 1] - graph->upper_start[i];

@@ -47,13 +47,13 @@ static bw_status means_of(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, const bw_numbering *numbering,
+bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh, const bw_dof_map *dof_map,
                           double radius, int columns, const double *value, double *mean) {
   bw_status status;
   means m = {.columns = columns, .value = value, .mean = mean};
   if (columns < 1)
     return bw_fail(context, BW_INVALID, "%d columns: at least one is needed", columns);
-  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &m.patches));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, dof_map, radius, &m.patches));
   memset(mean, 0, (size_t)mesh->node_count * (size_t)columns * sizeof *mean);
   BW_TRY(bw_parallel(context, mesh->boundary_node_count, 64, means_of, &m));
 done:

@@ -29,20 +29,20 @@ double bwi_facet_area(const bw_mesh *mesh, int32_t facet) {
   return 0.5 * bw_norm(n);
 }
 
-static bool is_constrained(const bw_numbering *numbering, int nodes, const int32_t *node) {
+static bool is_constrained(const bw_dof_map *dof_map, int nodes, const int32_t *node) {
   for (int k = 0; k < 3 * nodes; k++)
-    if (numbering->state[3 * (size_t)node[k / 3] + (size_t)(k % 3)] != BW_HELD)
+    if (dof_map->state[3 * (size_t)node[k / 3] + (size_t)(k % 3)] != BW_DOF_PRESCRIBED)
       return false;
   return true;
 }
 
 bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
-                                    const bw_numbering *numbering, double radius,
+                                    const bw_dof_map *dof_map, double radius,
                                     bwi_surface_patches *patches) {
   bw_status status;
   size_t facets = (size_t)mesh->facet_count, threads = (size_t)bw_threads(context);
   *patches = (bwi_surface_patches){.mesh = mesh, .radius = radius};
-  if (numbering && numbering->mesh != mesh)
+  if (dof_map && dof_map->mesh != mesh)
     return bw_fail(context, BW_INVALID, "supports of another mesh");
   if (!(radius > 0) || !isfinite(radius))
     return bw_fail(context, BW_INVALID, "a radius greater than 0 expected, got %g m", radius);
@@ -60,7 +60,7 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
     const double *a = mesh->node + 3 * (size_t)node[0], *b = mesh->node + 3 * (size_t)node[1],
                  *c = mesh->node + 3 * (size_t)node[2];
     patches->area[f] = bwi_facet_area(mesh, (int32_t)f);
-    if (numbering && is_constrained(numbering, mesh->nodes_per_facet, node))
+    if (dof_map && is_constrained(dof_map, mesh->nodes_per_facet, node))
       patches->area[f] = 0;
     for (size_t k = 0; k < BWI_PATCH_SAMPLES; k++)
       for (size_t j = 0; j < 3; j++) {

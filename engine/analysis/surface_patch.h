@@ -25,9 +25,9 @@ typedef struct bwi_surface_patches {
   int32_t *queue; /* threads x facet_count */
 } bwi_surface_patches;
 
-/* numbering: NULL where nothing is constrained. */
+/* dof_map: NULL where nothing is constrained. */
 bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
-                                    const bw_numbering *numbering, double radius,
+                                    const bw_dof_map *dof_map, double radius,
                                     bwi_surface_patches *patches);
 void bwi_surface_patches_clear(bwi_surface_patches *patches);
 

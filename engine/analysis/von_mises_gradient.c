@@ -10,10 +10,10 @@
  * is part of
  *     A = integral of (grad lambda)^T tau + (grad u)^T sigma(lambda) - (tau : grad lambda) 1.
  *
- * On a free body f - W r balances the load f by the inertia of a rigid motion r (model.h). J knows
- * no rigid motion and lambda has none (lambda^T W s = 0 for every free rigid motion s), so that
- * neither the change of r's six numbers counts nor that of the volume in W = M/V; what is left is
- * lambda . d(M r)/V with those numbers held. */
+ * On a free body f - W r balances the load f by the inertia of a rigid-body motion r (model.h). J
+ * knows no rigid-body motion and lambda has none (lambda^T W s = 0 for every unconstrained
+ * rigid-body mode s), so that neither the change of r's six numbers counts nor that of the volume
+ * in W = M/V; what is left is lambda . d(M r)/V with those numbers held. */
 #include "analysis/gradient.h"
 
 #include "barwright/analysis.h"
@@ -319,29 +319,29 @@ static bw_status take_loads(bw_context *context, const bw_model *model, gradient
   return BW_OK;
 }
 
-/* The rigid motion whose inertia balances the load, body by body. */
-static bw_status take_inertia(bw_context *context, const bw_model *model,
-                              const bw_numbering *numbering, gradient_data *d) {
+/* The rigid-body motion whose inertia balances the load, body by body. */
+static bw_status take_inertia(bw_context *context, const bw_model *model, const bw_dof_map *dof_map,
+                              gradient_data *d) {
   bw_status status = BW_OK;
   const bw_mesh *mesh = model->mesh;
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  double *part = BW_NEW(context, double, numbering->motion_count);
+  double *part = BW_NEW(context, double, dof_map->motion_count);
   d->body = BW_NEW0(context, inertia, mesh->component_count);
   if (!force || !part || !d->body) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(bw_model_force_vector(context, model, force));
-  bw_motions_dot(numbering, force, part);
+  bw_rigid_modes_dot(dof_map, force, part);
   for (int32_t b = 0; b < mesh->component_count; b++) {
     inertia *body = &d->body[b];
-    const double *centre = numbering->body_centre + 3 * (size_t)b;
-    double length = cbrt(numbering->body_volume[b]), size = 0;
-    int motions = numbering->motion_start[b + 1] - numbering->motion_start[b];
+    const double *centre = dof_map->body_centre + 3 * (size_t)b;
+    double length = cbrt(dof_map->body_volume[b]), size = 0;
+    int motions = dof_map->motion_start[b + 1] - dof_map->motion_start[b];
     memcpy(body->c, centre, sizeof body->c);
-    body->volume = numbering->body_volume[b];
-    for (int m = numbering->motion_start[b]; m < numbering->motion_start[b + 1]; m++) {
-      const bw_rigid_motion *motion = &numbering->motion[m];
+    body->volume = dof_map->body_volume[b];
+    for (int m = dof_map->motion_start[b]; m < dof_map->motion_start[b + 1]; m++) {
+      const bw_rigid_mode *motion = &dof_map->motion[m];
       double arm[3], turn[3];
       for (int k = 0; k < 3; k++)
         arm[k] = centre[k] - motion->centre[k];
@@ -353,14 +353,14 @@ static bw_status take_inertia(bw_context *context, const bw_model *model,
     }
     if (motions == 0 || motions == 6 || bw_norm(body->w) == 0)
       continue;
-    for (int32_t j = numbering->body_start[b]; j < numbering->body_start[b + 1]; j++)
-      size += bw_norm(force + 3 * (size_t)numbering->body_node[j]);
+    for (int32_t j = dof_map->body_start[b]; j < dof_map->body_start[b + 1]; j++)
+      size += bw_norm(force + 3 * (size_t)dof_map->body_node[j]);
     if (length * bw_norm(body->w) > 1e-6 * size) {
       status = bw_fail(context, BW_UNSUPPORTED,
                        "body %d is held in part and turns freely under its load (%s): how the "
                        "inertia that balances the load changes with the shape is known for bodies "
                        "that are wholly free only. Balance the load, or hold the body",
-                       b + 1, numbering->motion[numbering->motion_start[b]].text);
+                       b + 1, dof_map->motion[dof_map->motion_start[b]].text);
       goto done;
     }
     memset(body->w, 0, sizeof body->w);
@@ -386,18 +386,17 @@ bw_status bwi_gradient_supports(bw_context *context, const bw_model *model) {
   return BW_OK;
 }
 
-static bw_status check_input(bw_context *context, const bw_model *model,
-                             const bw_numbering *numbering, const double *displacement,
-                             int64_t count, const int32_t *node) {
+static bw_status check_input(bw_context *context, const bw_model *model, const bw_dof_map *dof_map,
+                             const double *displacement, int64_t count, const int32_t *node) {
   const bw_mesh *mesh = model->mesh;
   bw_status status;
   int32_t *curved = NULL;
   int64_t curved_count = 0;
   BW_TRY(bwi_check_stress_input(context, mesh, model->material, displacement, "a stress gradient"));
-  if (numbering->mesh->node_count != mesh->node_count) {
+  if (dof_map->mesh->node_count != mesh->node_count) {
     status = bw_fail(context, BW_INVALID,
-                     "the numbering is of a mesh of %d nodes, the model's mesh has %d",
-                     numbering->mesh->node_count, mesh->node_count);
+                     "the DOF map is of a mesh of %d nodes, the model's mesh has %d",
+                     dof_map->mesh->node_count, mesh->node_count);
     goto done;
   }
   for (int64_t i = 0; i < count; i++)
@@ -435,7 +434,7 @@ static bool on_facets(bw_load_kind kind) {
 /* ---- all of it ------------------------------------------------------------------------------- */
 
 bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
-                                const bw_numbering *numbering, const double *displacement,
+                                const bw_dof_map *dof_map, const double *displacement,
                                 bw_solve_function *solve, void *data, int64_t count,
                                 const int32_t *node, const uint8_t *wanted, double *von_mises,
                                 double *gradient) {
@@ -446,10 +445,10 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
   gradient_data d = {
       .mesh = mesh, .material = model->material, .u = displacement, .wanted = wanted};
   nodal_state *state = NULL;
-  BW_TRY(check_input(context, model, numbering, displacement, count, node));
+  BW_TRY(check_input(context, model, dof_map, displacement, count, node));
   BW_TRY(take_loads(context, model, &d));
-  if (numbering->motion_count > 0)
-    BW_TRY(take_inertia(context, model, numbering, &d));
+  if (dof_map->motion_count > 0)
+    BW_TRY(take_inertia(context, model, dof_map, &d));
   BW_TRY(bwi_incidence_create(context, mesh, &d.incidence));
   /* products of two gradients; with a temperature's shape functions between them one more degree */
   bwi_rule_make(mesh->order, mesh->order == 1 ? 1 : d.expansion ? 3 : 2, &d.rule);

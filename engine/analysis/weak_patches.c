@@ -60,7 +60,7 @@ static bw_status check_patch(bw_context *context, const bwi_surface_patches *pat
 }
 
 bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
-                                  const bw_numbering *numbering, double radius, int64_t count,
+                                  const bw_dof_map *dof_map, double radius, int64_t count,
                                   const int32_t *node, const double *stress,
                                   bw_weak_regions **result) {
   bw_status status;
@@ -73,7 +73,7 @@ bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_surface_patches_begin(context, mesh, numbering, radius, &patches));
+  BW_TRY(bwi_surface_patches_begin(context, mesh, dof_map, radius, &patches));
   for (int64_t i = 0; i < count; i++) {
     BW_TRY(check_patch(context, &patches, i, node[i], stress + 6 * i));
     first[i] = mesh->facet_element[patches.around.element[patches.around.start[node[i]]]];

@@ -48,7 +48,7 @@ typedef struct search {
   const bw_worst_load_options *options;
   double incumbent, tolerance;
   int32_t motions, columns; /* columns: nodes, and a slack where the force may be smaller */
-  double *motion;           /* motions x pressures: work of a unit pressure on each rigid motion */
+  double *motion;    /* motions x pressures: work of a unit pressure on each rigid-body motion */
   double *projector; /* pressures x motions: the fit's multipliers are projector^T objective */
   double *upper;     /* columns: largest shares of the force */
   found *result;     /* batch */
@@ -299,7 +299,7 @@ static bw_status prepare_rows(search *s) {
     status = BW_MEMORY;
     goto done;
   }
-  bwi_column_motions(s->basis, s->system->numbering, s->motion);
+  bwi_column_motions(s->basis, s->system->dof_map, s->motion);
   for (size_t a = 0; a < m; a++)
     for (size_t b = 0; b < m; b++)
       for (size_t j = 0; j < count; j++)
@@ -329,7 +329,7 @@ static bw_status prepare_workers(search *s) {
     return BW_MEMORY;
   for (int i = 0; i < s->workers; i++) {
     worker *w = &s->worker[i];
-    BW_TRY(bwi_loads_create(context, s->basis, s->system->numbering, s->options, &w->loads));
+    BW_TRY(bwi_loads_create(context, s->basis, s->system->dof_map, s->options, &w->loads));
     w->response = BW_NEW(context, double, 6 * count);
     w->objective = BW_NEW(context, double, count);
     w->pressure = BW_NEW(context, double, count);
@@ -376,7 +376,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
               .incumbent = incumbent,
               .tolerance = tolerance,
               .leaves = leaves,
-              .motions = system->numbering->motion_count,
+              .motions = system->dof_map->motion_count,
               .columns = basis->count / basis->directions + (options->at_most ? 1 : 0)};
   *bound = (bw_worst_bound){.largest = incumbent, .element = -1};
   if (basis->mesh->node_count != mesh->node_count)

@@ -160,7 +160,7 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
   r.signs = options->one_sign ? 1 : 2;
   size_t fit = side_by_side / (elements * 7 * sizeof(double));
   r.group = fit < 1 ? 1 : fit < (size_t)batch ? (int)fit : batch;
-  BW_TRY(bwi_loads_create(context, basis, system->numbering, options, &loads));
+  BW_TRY(bwi_loads_create(context, basis, system->dof_map, options, &loads));
   size_t programs = (size_t)batch * (size_t)r.signs;
   r.block = BW_NEW(context, double, (size_t)batch * 3 * nodes);
   r.objective = BW_NEW(context, double, programs *(size_t)basis->count);

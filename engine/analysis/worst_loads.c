@@ -187,20 +187,18 @@ done:
  * balance is a linear program of its own, which no pressure at all fulfils: it is always feasible.
  */
 static bw_status check_balance(bw_context *context, const bw_pressure_basis *basis,
-                               const bw_numbering *numbering,
-                               const bw_worst_load_options *options) {
+                               const bw_dof_map *dof_map, const bw_worst_load_options *options) {
   bw_worst_load_options less = *options;
   bw_status status = BW_OK;
   double largest = 0;
-  if (basis->complete || options->at_most || numbering->motion_count == 0)
+  if (basis->complete || options->at_most || dof_map->motion_count == 0)
     return BW_OK;
   double *pressure = BW_NEW(context, double, basis->count);
   if (!pressure)
     return BW_MEMORY;
   less.at_most = true;
   less.hands = 0;
-  BW_TRY(
-      bw_worst_loads(context, basis, numbering, &less, 1, basis->area, pressure, &largest, NULL));
+  BW_TRY(bw_worst_loads(context, basis, dof_map, &less, 1, basis->area, pressure, &largest, NULL));
   if (largest < options->force * (1 - violation_limit)) {
     status = bw_fail(context, BW_INFEASIBLE,
                      "a total force of %g N is asked for, but on the surface that may be pressed "
@@ -216,18 +214,18 @@ done:
 }
 
 bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
-                           const bw_numbering *numbering, const bw_worst_load_options *options,
+                           const bw_dof_map *dof_map, const bw_worst_load_options *options,
                            bwi_loads **result) {
-  if (numbering->prescribed)
+  if (dof_map->prescribed)
     return bw_fail(context, BW_UNSUPPORTED,
                    "a support prescribes a displacement that is not zero: the worst load is found "
                    "for supports that hold still");
-  bw_status status = check_balance(context, basis, numbering, options);
+  bw_status status = check_balance(context, basis, dof_map, options);
   if (status != BW_OK)
     return status;
-  if (basis->mesh->node_count != numbering->mesh->node_count)
-    return bw_fail(context, BW_INVALID, "the pressures have %d nodes and the numbering has %d",
-                   basis->mesh->node_count, numbering->mesh->node_count);
+  if (basis->mesh->node_count != dof_map->mesh->node_count)
+    return bw_fail(context, BW_INVALID, "the pressures have %d nodes and the DOF map has %d",
+                   basis->mesh->node_count, dof_map->mesh->node_count);
   bwi_loads *loads = BW_NEW0(context, bwi_loads, 1);
   if (!loads)
     return BW_MEMORY;
@@ -239,9 +237,9 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_linear_program_create(context, basis, numbering, options, &loads->program));
+  BW_TRY(bwi_linear_program_create(context, basis, dof_map, options, &loads->program));
   if (options->hands != 0)
-    BW_TRY(bwi_hands_create(context, basis, numbering, options, &loads->hands));
+    BW_TRY(bwi_hands_create(context, basis, dof_map, options, &loads->hands));
 done:
   if (status == BW_OK)
     *result = loads;
@@ -268,12 +266,12 @@ bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
 }
 
 bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
-                         const bw_numbering *numbering, const bw_worst_load_options *options,
+                         const bw_dof_map *dof_map, const bw_worst_load_options *options,
                          int64_t count, const double *objective, double *pressure, double *value,
                          double *dual) {
   bwi_loads *loads = NULL;
   bw_status status = BW_OK;
-  BW_TRY(bwi_loads_create(context, basis, numbering, options, &loads));
+  BW_TRY(bwi_loads_create(context, basis, dof_map, options, &loads));
   BW_TRY(bwi_loads_solve(context, loads, count, objective, pressure, value, dual));
 done:
   bwi_loads_free(loads);

@@ -297,7 +297,7 @@ static bw_status solve_linear_programs(screen *s) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_loads_create(context, s->coarse, s->system->numbering, s->options, &loads));
+  BW_TRY(bwi_loads_create(context, s->coarse, s->system->dof_map, s->options, &loads));
   for (s->step = 0; s->step <= ASCENT_STEPS; s->step++) {
     BW_TRY(bw_parallel(context, s->wanted, 8, objective_body, s));
     BW_TRY(bwi_loads_solve(context, loads, s->wanted, s->objective, s->pressure, s->value, NULL));
@@ -352,10 +352,10 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   /* Pressures by patch may miss the balance that pressures by node reach. */
   limits.at_most = options->at_most || !basis->complete;
   limits.hands = 0; /* the screening ranks targets by what pressures anywhere do */
-  int32_t fewest = PATCHES_PER_ROW * (system->numbering->motion_count + 1);
+  int32_t fewest = PATCHES_PER_ROW * (system->dof_map->motion_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;
-  BW_TRY(bwi_linear_program_create(context, s.coarse, system->numbering, options, &s.program));
+  BW_TRY(bwi_linear_program_create(context, s.coarse, system->dof_map, options, &s.program));
   size_t room = 8 * (size_t)s.patches, rows = (size_t)s.program->rows;
   s.scratch = BW_NEW(context, double, (size_t)bw_threads(context) * (room > rows ? room : rows));
   if (!s.scratch) {
@@ -364,7 +364,7 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   }
   BW_TRY(solve_patches(&s, radius > 0));
   BW_TRY(subtract_fit(&s));
-  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, system->numbering, s.patches,
+  BW_TRY(bwi_targets_begin(context, system->mesh, system->material, system->dof_map, s.patches,
                            s.response, s.traction, radius, &s.targets));
   s.rank = BW_NEW(context, ranked, s.targets.count);
   s.list = BW_NEW(context, int32_t, s.targets.count);

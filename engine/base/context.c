@@ -30,7 +30,7 @@ struct bw_context {
 
 const char *bw_status_word(bw_status status) {
   static const char *const word[] = {"ok",        "invalid",     "memory",     "io",
-                                     "format",    "geometry",    "empty",      "free",
+                                     "format",    "geometry",    "empty",      "unconstrained",
                                      "singular",  "convergence", "infeasible", "limit",
                                      "cancelled", "unsupported", "internal"};
   if (status == BW_BROKEN)

@@ -5,9 +5,9 @@
 
 #include "distributed/internal.h"
 
-const double *bwd_frame_at(const bw_numbering *numbering, int64_t node) {
-  int32_t row = numbering->frame_of[node];
-  return row < 0 ? NULL : numbering->frame + 9 * (int64_t)row;
+const double *bwd_frame_at(const bw_dof_map *dof_map, int64_t node) {
+  int32_t row = dof_map->frame_of[node];
+  return row < 0 ? NULL : dof_map->frame + 9 * (int64_t)row;
 }
 
 void bwd_into_frame(const double *frame, const double *global, double *own) {
@@ -37,9 +37,9 @@ done:
 
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector) {
   if (system->rank == 0) {
-    const bw_numbering *numbering = system->matrix->numbering;
+    const bw_dof_map *dof_map = system->matrix->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
-      bwd_into_frame(bwd_frame_at(numbering, i), field + 3 * i,
+      bwd_into_frame(bwd_frame_at(dof_map, i), field + 3 * i,
                      system->field + 3 * (int64_t)system->place[i]);
   }
   return bwd_spread(context, system, vector);
@@ -53,9 +53,9 @@ bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double
               MPI_DOUBLE, 0, bwd_comm());
   BWD_TRY(VecRestoreArrayRead(vector, &own));
   if (system->rank == 0) {
-    const bw_numbering *numbering = system->matrix->numbering;
+    const bw_dof_map *dof_map = system->matrix->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
-      out_of_frame(bwd_frame_at(numbering, i), system->field + 3 * (int64_t)system->place[i],
+      out_of_frame(bwd_frame_at(dof_map, i), system->field + 3 * (int64_t)system->place[i],
                    field + 3 * i);
   }
 done:

@@ -90,7 +90,7 @@ bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double
 /* The numbers in `system->field` of rank 0, by place and in frames, to a vector. */
 bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector);
 /* A node's frame, rows are directions; NULL: the global one. */
-const double *bwd_frame_at(const bw_numbering *numbering, int64_t node);
+const double *bwd_frame_at(const bw_dof_map *dof_map, int64_t node);
 void bwd_into_frame(const double *frame, const double *global, double *own);
 
 /* linear.c */
@@ -98,8 +98,8 @@ bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol
 /* displacement = K^-1 force in the system's vectors or others of their shape; the force is masked
  * in place. */
 bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, Vec displacement);
-/* Eigenvalues of K x = lambda M x below sigma, without the rigid motions; *trusted: no pivot was in
- * doubt. */
+/* Eigenvalues of K x = lambda M x below sigma, without the rigid-body motions; *trusted: no pivot
+ * was in doubt. */
 bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma, int64_t *count,
                           bool *trusted);
 

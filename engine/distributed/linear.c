@@ -2,11 +2,11 @@
 /* K u = f: conjugate gradients preconditioned by algebraic multigrid (PETSc's GAMG), or a Cholesky
  * factor spread over the ranks (MUMPS).
  *
- * Multigrid by smoothed aggregation needs to know what elements cannot feel: the six rigid motions
- * at all nodes, zero at held components. A body that moves freely is solved as it is, without pins:
- * K is singular, its null space is told, the force is balanced, and conjugate gradients stay in the
- * complement. (With pins the matrix is regular, but the pins make one to six eigenvalues very
- * small, and each costs iterations.) A factor needs the pins. */
+ * Multigrid by smoothed aggregation needs to know what elements cannot feel: the six rigid-body
+ * motions at all nodes, zero at held components. A body that moves freely is solved as it is,
+ * without pins: K is singular, its null space is told, the force is balanced, and conjugate
+ * gradients stay in the complement. (With pins the matrix is regular, but the pins make one to six
+ * eigenvalues very small, and each costs iterations.) A factor needs the pins. */
 #include <math.h>
 #include <string.h>
 
@@ -14,9 +14,10 @@
 
 enum { CANCEL_EVERY = 8 };
 
-/* The rigid motions of the whole about the origin, as six fields of rank 0, for the multigrid. */
+/* The rigid-body motions of the whole about the origin, as six fields of rank 0, for the multigrid.
+ */
 static void rigid_field(const bwd_system *system, int which, double *field) {
-  const bw_mesh *mesh = system->matrix->numbering->mesh;
+  const bw_mesh *mesh = system->matrix->dof_map->mesh;
   double middle[3] = {0, 0, 0}, axis[3] = {0, 0, 0};
   for (int64_t i = 0; i < mesh->node_count; i++)
     for (int c = 0; c < 3; c++)
@@ -68,7 +69,7 @@ done:
   return status;
 }
 
-/* The free motions, orthonormal as PETSc wants them. */
+/* The rigid-body modes, orthonormal as PETSc wants them. */
 static bw_status null_space(bw_context *context, bwd_system *system) {
   bw_status status = BW_OK;
   Vec *basis = NULL;

@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Modes K x = lambda M x by SLEPc's Krylov-Schur method on Op = P K^-1 P^T M, as the engine's own
- * Lanczos does: symmetric in the inner product of M, 1/lambda on elastic modes, 0 on rigid motions,
- * so that free bodies need nothing special. K^-1 is the factor, or conjugate gradients to a
- * tolerance far below that of the modes. */
+ * Lanczos does: symmetric in the inner product of M, 1/lambda on elastic modes, 0 on rigid-body
+ * motions, so that free bodies need nothing special. K^-1 is the factor, or conjugate gradients to
+ * a tolerance far below that of the modes. */
 #include <math.h>
 #include <slepceps.h>
 #include <string.h>
@@ -121,7 +121,7 @@ static bw_status random_start(elastic *e, uint64_t seed, Vec start) {
   }
   BWD_TRY(VecDuplicate(start, &random));
   BW_TRY(bwd_scatter(context, system, field, random));
-  BW_TRY(apply(e, random, start)); /* zero at held components, no rigid motion */
+  BW_TRY(apply(e, random, start)); /* zero at held components, no rigid-body motion */
 done:
   VecDestroy(&random);
   bw_free(field);
@@ -359,7 +359,7 @@ bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_opti
   bool counted = false;
   if (given) {
     options = *given;
-    dimension = system->matrix->numbering->unknown_count;
+    dimension = system->matrix->dof_map->unknown_count;
   }
   MPI_Bcast(&options, sizeof options, MPI_BYTE, 0, bwd_comm());
   MPI_Bcast(&dimension, 1, MPI_INT, 0, bwd_comm());

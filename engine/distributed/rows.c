@@ -58,9 +58,9 @@ static int32_t row_neighbours(const bwd_system *system, int32_t node, neighbour 
 /* block = F_i K_ij F_j^T without what is held. */
 static void stiffness_block(const bwd_system *system, int32_t i, const neighbour *n,
                             double block[9]) {
-  const bw_numbering *numbering = system->matrix->numbering;
+  const bw_dof_map *dof_map = system->matrix->dof_map;
   const double *value = system->matrix->stiffness + 9 * n->pair;
-  const double *left = bwd_frame_at(numbering, i), *right = bwd_frame_at(numbering, n->node);
+  const double *left = bwd_frame_at(dof_map, i), *right = bwd_frame_at(dof_map, n->node);
   double k[9];
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++)
@@ -79,28 +79,28 @@ static void stiffness_block(const bwd_system *system, int32_t i, const neighbour
             left[3 * r] * k[c] + left[3 * r + 1] * k[3 + c] + left[3 * r + 2] * k[6 + c];
     memcpy(k, turned, sizeof k);
   }
-  const uint8_t *row = numbering->state + 3 * (int64_t)i;
-  const uint8_t *column = numbering->state + 3 * (int64_t)n->node;
+  const uint8_t *row = dof_map->state + 3 * (int64_t)i;
+  const uint8_t *column = dof_map->state + 3 * (int64_t)n->node;
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++) {
       bool diagonal = n->node == i && r == c;
-      bool keep = diagonal || (row[r] != BW_HELD && column[c] != BW_HELD);
+      bool keep = diagonal || (row[r] != BW_DOF_PRESCRIBED && column[c] != BW_DOF_PRESCRIBED);
       block[3 * r + c] = keep ? k[3 * r + c] : 0;
     }
 }
 
 static void mass_block(const bwd_system *system, int32_t i, const neighbour *n, double *block) {
-  const bw_numbering *numbering = system->matrix->numbering;
+  const bw_dof_map *dof_map = system->matrix->dof_map;
   double m = system->matrix->mass[n->pair];
-  const uint8_t *row = numbering->state + 3 * (int64_t)i;
-  const uint8_t *column = numbering->state + 3 * (int64_t)n->node;
-  const double *left = bwd_frame_at(numbering, i), *right = bwd_frame_at(numbering, n->node);
+  const uint8_t *row = dof_map->state + 3 * (int64_t)i;
+  const uint8_t *column = dof_map->state + 3 * (int64_t)n->node;
+  const double *left = bwd_frame_at(dof_map, i), *right = bwd_frame_at(dof_map, n->node);
   static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   left = left ? left : global;
   right = right ? right : global;
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++) {
-      bool keep = row[r] != BW_HELD && column[c] != BW_HELD;
+      bool keep = row[r] != BW_DOF_PRESCRIBED && column[c] != BW_DOF_PRESCRIBED;
       double value = keep ? m * (left == right ? r == c : bw_dot(left + 3 * r, right + 3 * c)) : 0;
       if (system->mass_width == 9)
         block[3 * r + c] = value;

@@ -101,8 +101,8 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
     system->where[r] = 3 * system->start[r];
   }
   p->nodes = system->nodes;
-  p->motions = m->numbering->motion_count;
-  p->mass_width = !m->mass ? 0 : m->numbering->frame_count > 0 ? 9 : 3;
+  p->motions = m->dof_map->motion_count;
+  p->mass_width = !m->mass ? 0 : m->dof_map->frame_count > 0 ? 9 : 3;
   p->method = system->options.method;
   p->iterations = system->options.iterations;
   p->rtol = system->options.rtol;
@@ -110,7 +110,7 @@ done:
   return status;
 }
 
-/* The rigid motions R and W R of rank 0's numbering. */
+/* The rigid-body motions R and W R of rank 0's DOF map. */
 static bw_status share_motions(bw_context *context, bwd_system *system) {
   bw_status status = BW_OK;
   double *field = NULL, *one = NULL;
@@ -127,14 +127,14 @@ static bw_status share_motions(bw_context *context, bwd_system *system) {
   BWD_TRY(VecDuplicateVecs(system->force, system->motions, &system->weighted));
   for (int m = 0; m < system->motions; m++) {
     if (system->rank == 0) {
-      const bw_numbering *numbering = system->matrix->numbering;
+      const bw_dof_map *dof_map = system->matrix->dof_map;
       one[m] = 1;
       memset(field, 0, 3 * (size_t)system->nodes * sizeof *field);
-      bw_motions_add(numbering, one, field);
+      bw_rigid_modes_add(dof_map, one, field);
     }
     BW_TRY(bwd_scatter(context, system, field, system->motion[m]));
     if (system->rank == 0) {
-      bw_motions_weighted(system->matrix->numbering, one, field);
+      bw_rigid_modes_weighted(system->matrix->dof_map, one, field);
       one[m] = 0;
     }
     BW_TRY(bwd_scatter(context, system, field, system->weighted[m]));
@@ -148,11 +148,11 @@ done:
 /* 1 where a component is solved for. */
 static bw_status share_mask(bw_context *context, bwd_system *system) {
   if (system->rank == 0) {
-    const bw_numbering *numbering = system->matrix->numbering;
+    const bw_dof_map *dof_map = system->matrix->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
       for (int c = 0; c < 3; c++) {
-        uint8_t state = numbering->state[3 * i + c];
-        bool solved = state == BW_UNKNOWN || (state == BW_PINNED && !system->direct);
+        uint8_t state = dof_map->state[3 * i + c];
+        bool solved = state == BW_DOF_UNKNOWN || (state == BW_DOF_ISOSTATIC && !system->direct);
         system->field[3 * (int64_t)system->place[i] + c] = solved;
       }
   }

@@ -13,22 +13,23 @@ static const double held_share = 1e-9;
 static const double remark_share = 0.05;
 
 /* The part of a nodal force along components that are not held. */
-static double free_part(const bw_numbering *numbering, int32_t node, const double force[3]) {
-  const uint8_t *state = numbering->state + 3 * (size_t)node;
-  int32_t row = numbering->frame_of[node];
+static double free_part(const bw_dof_map *dof_map, int32_t node, const double force[3]) {
+  const uint8_t *state = dof_map->state + 3 * (size_t)node;
+  int32_t row = dof_map->frame_of[node];
   double sum = 0;
   for (int c = 0; c < 3; c++) {
     double along =
-        row < 0 ? force[c] : bw_dot(numbering->frame + 9 * (size_t)row + 3 * (size_t)c, force);
-    sum += state[c] == BW_HELD ? 0 : along * along;
+        row < 0 ? force[c] : bw_dot(dof_map->frame + 9 * (size_t)row + 3 * (size_t)c, force);
+    sum += state[c] == BW_DOF_PRESCRIBED ? 0 : along * along;
   }
   return sqrt(sum);
 }
 
 /* Does every unit force on this node go into the supports? */
-static bool fully_held(const bw_numbering *numbering, int32_t node) {
-  const uint8_t *state = numbering->state + 3 * (size_t)node;
-  return state[0] == BW_HELD && state[1] == BW_HELD && state[2] == BW_HELD;
+static bool fully_held(const bw_dof_map *dof_map, int32_t node) {
+  const uint8_t *state = dof_map->state + 3 * (size_t)node;
+  return state[0] == BW_DOF_PRESCRIBED && state[1] == BW_DOF_PRESCRIBED &&
+         state[2] == BW_DOF_PRESCRIBED;
 }
 
 static double facet_size(const bw_mesh *mesh, int32_t facet) {
@@ -39,12 +40,12 @@ static double facet_size(const bw_mesh *mesh, int32_t facet) {
 
 /* The share of a load that the supports take: of its area, where all nodes of a facet pass their
  * force on; of the sum of forces for nodal loads. 0 for a load without force. */
-static double share_of(const bw_numbering *numbering, const bw_load *load, const double *force) {
-  const bw_mesh *mesh = numbering->mesh;
+static double share_of(const bw_dof_map *dof_map, const bw_load *load, const double *force) {
+  const bw_mesh *mesh = dof_map->mesh;
   double whole = 0, held = 0, total = 0, loose = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     total += bw_norm(force + 3 * (size_t)i);
-    loose += free_part(numbering, i, force + 3 * (size_t)i);
+    loose += free_part(dof_map, i, force + 3 * (size_t)i);
   }
   if (!(total > 0))
     return 0;
@@ -57,8 +58,8 @@ static double share_of(const bw_numbering *numbering, const bw_load *load, const
     for (int a = 0; a < mesh->nodes_per_facet; a++) {
       const double *at_node = force + 3 * (size_t)node[a];
       all = all && (bw_norm(at_node) > 0
-                        ? free_part(numbering, node[a], at_node) <= held_share * bw_norm(at_node)
-                        : fully_held(numbering, node[a]));
+                        ? free_part(dof_map, node[a], at_node) <= held_share * bw_norm(at_node)
+                        : fully_held(dof_map, node[a]));
     }
     whole += size;
     held += all ? size : 0;
@@ -74,32 +75,32 @@ static const char *kind_word(bw_load_kind kind) {
 
 /* No support moves anything, and the loads cannot strain a body whose boundary is at rest. */
 static bw_status check_boundary(bw_context *context, const bw_model *model,
-                                const bw_numbering *numbering) {
+                                const bw_dof_map *dof_map) {
   const bw_mesh *mesh = model->mesh;
-  if (numbering->prescribed)
+  if (dof_map->prescribed)
     return BW_OK;
   for (int i = 0; i < model->load_count; i++)
     if (model->load[i].kind == BW_LOAD_TEMPERATURE || model->load[i].kind == BW_LOAD_NODAL)
       return BW_OK;
   for (int32_t i = 0; i < mesh->boundary_node_count; i++)
-    if (!fully_held(numbering, mesh->boundary_node[i]))
+    if (!fully_held(dof_map, mesh->boundary_node[i]))
       return BW_OK;
   bw_status status =
       bw_fail(context, BW_INVALID,
               "the supports fix all %d boundary nodes: no load reaches the body. Fix less of it; "
               "coordinates and tolerances are in metres",
               mesh->boundary_node_count);
-  bw_detail_number(context, "unknowns", numbering->unknown_count);
+  bw_detail_number(context, "unknowns", dof_map->unknown_count);
   return status;
 }
 
 bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
-                                  const bw_numbering *numbering) {
+                                  const bw_dof_map *dof_map) {
   bw_status status = BW_OK;
   double *force = NULL;
   if (model->support_count == 0)
     return BW_OK;
-  BW_TRY(check_boundary(context, model, numbering));
+  BW_TRY(check_boundary(context, model, dof_map));
   force = BW_NEW(context, double, 3 * (size_t)model->mesh->node_count);
   if (!force) {
     status = BW_MEMORY;
@@ -110,8 +111,8 @@ bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
     if (!load->on && load->kind != BW_LOAD_NODAL)
       continue;
     BW_TRY(bwi_load_force(context, model, load, force));
-    double share = share_of(numbering, load, force);
-    if (share == 1 && !numbering->prescribed) {
+    double share = share_of(dof_map, load, force);
+    if (share == 1 && !dof_map->prescribed) {
       status =
           bw_fail(context, BW_INVALID,
                   "load %d, a %s, acts on supports only: its force goes straight into them and "

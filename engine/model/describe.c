@@ -160,11 +160,11 @@ static void describe_load(bwi_text *out, const bw_load *load, int number, double
   describe_resultant(out, load->resultant, load->moment, force, turn);
 }
 
-/* Which rigid motions the supports leave free, or why that cannot be said. */
+/* Which rigid-body motions the supports leave free, or why that cannot be said. */
 static bw_status describe_free(bw_context *context, bwi_text *out, const bw_model *model) {
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   char *text = NULL;
-  bw_status status = bw_numbering_create(context, model, &numbering);
+  bw_status status = bw_dof_map_create(context, model, &dof_map);
   if (status == BW_INVALID) {
     bwi_text_add(out, "supports contradict each other: ");
     bwi_text_add(out, bw_message(context));
@@ -174,15 +174,15 @@ static bw_status describe_free(bw_context *context, bwi_text *out, const bw_mode
   }
   if (status != BW_OK)
     goto done;
-  BW_TRY(bw_numbering_describe_free(context, numbering, &text));
+  BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
   bwi_text_add(out, "unknowns: ");
-  bwi_text_integer(out, numbering->unknown_count);
+  bwi_text_integer(out, dof_map->unknown_count);
   bwi_text_add(out, "; ");
   bwi_text_add(out, text);
   bwi_text_add(out, "\n");
 done:
   bw_free(text);
-  bw_release(numbering);
+  bw_release(dof_map);
   return status;
 }
 

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The numbering of an edited shape.
+/* The DOF map of an edited shape.
  *
  * Invariants: rows 0 .. S - 1 of `frame` are those of supports, rows S .. S + domain_count - 1
  * those of the domains, whether a node uses them or not. A node takes the frame of its domain when
@@ -10,27 +10,27 @@
 
 #include "model/internal.h"
 
-bw_status bwi_take_frames(bw_context *context, bw_numbering *numbering, const bwi_follow *follow) {
-  int32_t first = numbering->frame_count, domains = follow->domain_count;
+bw_status bwi_take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_follow *follow) {
+  int32_t first = dof_map->frame_count, domains = follow->domain_count;
   if ((int64_t)first + domains > INT32_MAX)
     return bw_fail(context, BW_LIMIT, "%d domains are too many", domains);
-  double *all = (double *)bw_resize(context, numbering->frame,
-                                    9 * ((size_t)first + (size_t)domains), sizeof *all);
+  double *all = (double *)bw_resize(context, dof_map->frame, 9 * ((size_t)first + (size_t)domains),
+                                    sizeof *all);
   if (!all)
     return BW_MEMORY;
-  numbering->frame = all;
-  numbering->frame_count = first + domains;
+  dof_map->frame = all;
+  dof_map->frame_count = first + domains;
   memcpy(all + 9 * (size_t)first, follow->frame, 9 * (size_t)domains * sizeof *all);
-  for (int32_t i = 0; i < numbering->mesh->node_count; i++) {
-    const uint8_t *state = numbering->state + 3 * (size_t)i;
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
+    const uint8_t *state = dof_map->state + 3 * (size_t)i;
     int32_t domain = follow->node_domain[i];
     if (domain < 0 || state[0] != state[1] || state[1] != state[2])
       continue;
     if (domain >= domains)
       return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i, domain + 1,
                      domains);
-    numbering->frame_of[i] = first + domain;
-    double *value = numbering->value + 3 * (size_t)i, global[3];
+    dof_map->frame_of[i] = first + domain;
+    double *value = dof_map->value + 3 * (size_t)i, global[3];
     memcpy(global, value, sizeof global);
     for (size_t k = 0; k < 3; k++)
       value[k] = bw_dot(follow->frame + 9 * (size_t)domain + 3 * k, global);
@@ -38,10 +38,9 @@ bw_status bwi_take_frames(bw_context *context, bw_numbering *numbering, const bw
   return BW_OK;
 }
 
-bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
-                              const bw_numbering *previous, int32_t domain_count,
-                              const int32_t *node_domain, const double *frame, bool *same,
-                              bw_numbering **out) {
+bw_status bw_dof_map_follow(bw_context *context, const bw_model *model, const bw_dof_map *previous,
+                            int32_t domain_count, const int32_t *node_domain, const double *frame,
+                            bool *same, bw_dof_map **out) {
   bw_status status;
   int32_t count = 0;
   bwi_hold *hold = NULL;
@@ -50,7 +49,7 @@ bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
   if (previous && (previous->mesh->node_count != mesh->node_count ||
                    previous->mesh->component_count != mesh->component_count))
     return bw_fail(context, BW_INVALID,
-                   "the numbering to follow is of a mesh of %d nodes, the model's mesh has %d",
+                   "the DOF map to follow is of a mesh of %d nodes, the model's mesh has %d",
                    previous->mesh->node_count, mesh->node_count);
   BW_TRY(bwi_holds_of(context, model, &count, &hold));
   BW_TRY(bwi_number(context, mesh, count, hold, &follow, out));

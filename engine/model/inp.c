@@ -32,14 +32,14 @@ static void fix(conditions *c, int32_t node, int direction, double value) {
 /* What is held at a node with its own frame, one or two directions (three hold it altogether and
  * need no frame). Each equation must name a component that no other does, so two directions are
  * written as u_i = (t_i / t_k) u_k with the one free direction t, k its largest component. */
-static bw_status oblique_node(bw_context *context, const bw_numbering *numbering, int32_t node,
+static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, int32_t node,
                               conditions *c) {
-  const double *frame = numbering->frame + 9 * (size_t)numbering->frame_of[node];
-  const uint8_t *state = numbering->state + 3 * (size_t)node;
-  const double *value = numbering->value + 3 * (size_t)node;
+  const double *frame = dof_map->frame + 9 * (size_t)dof_map->frame_of[node];
+  const uint8_t *state = dof_map->state + 3 * (size_t)node;
+  const double *value = dof_map->value + 3 * (size_t)node;
   if (value[0] != 0 || value[1] != 0 || value[2] != 0) {
     char at[96];
-    bwi_vector_string(at, sizeof at, numbering->mesh->node + 3 * (size_t)node, 6, 0);
+    bwi_vector_string(at, sizeof at, dof_map->mesh->node + 3 * (size_t)node, 6, 0);
     return bw_fail(context, BW_UNSUPPORTED,
                    "node %d at %s m slides obliquely and is moved too: the .inp file has no form "
                    "for that; prescribe the displacement along x, y, z instead",
@@ -47,20 +47,20 @@ static bw_status oblique_node(bw_context *context, const bw_numbering *numbering
   }
   int held = 0;
   for (int k = 0; k < 3; k++) /* pins are wanted here too: they come as held directions */
-    held += state[k] != BW_UNKNOWN;
+    held += state[k] != BW_DOF_UNKNOWN;
   if (held == 3) {
     for (int k = 0; k < 3; k++)
       fix(c, node, k, 0);
     return BW_OK;
   }
   if (held == 1) {
-    int k = state[0] != BW_UNKNOWN ? 0 : state[1] != BW_UNKNOWN ? 1 : 2;
+    int k = state[0] != BW_DOF_UNKNOWN ? 0 : state[1] != BW_DOF_UNKNOWN ? 1 : 2;
     c->equation_node[c->equation_count] = node;
     memcpy(c->equation_normal + 3 * c->equation_count, frame + 3 * k, 3 * sizeof *frame);
     c->equation_count++;
     return BW_OK;
   }
-  int open = state[0] == BW_UNKNOWN ? 0 : state[1] == BW_UNKNOWN ? 1 : 2, most = 0;
+  int open = state[0] == BW_DOF_UNKNOWN ? 0 : state[1] == BW_DOF_UNKNOWN ? 1 : 2, most = 0;
   const double *t = frame + 3 * open;
   for (int k = 1; k < 3; k++)
     if (fabs(t[k]) > fabs(t[most]))
@@ -110,7 +110,7 @@ static bw_status temperatures(bw_context *context, const bw_model *model, double
 bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                              int modes) {
   const bw_mesh *mesh = model->mesh;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   conditions c = {0};
   double *force = NULL, *temperature = NULL;
   bw_inp_deck deck = {.mesh = mesh, .title = "written by barwright", .modes = modes};
@@ -127,10 +127,10 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
               "%s: the deck has C3D10 elements, which are of the standard formulation; the model's "
               "are B-bar, and displacements differ where Poisson's ratio is near 0.5",
               path);
-  BW_TRY(bw_numbering_create(context, model, &numbering));
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
   int64_t most = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
-    if (numbering->state[i] != BW_UNKNOWN)
+    if (dof_map->state[i] != BW_DOF_UNKNOWN)
       most += 2; /* two conditions at most for one held direction */
   c.fixed_node = BW_NEW(context, int32_t, most);
   c.fixed_direction = BW_NEW(context, int, most);
@@ -145,19 +145,19 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   }
   /* Modes of a free body are free; a static step needs the pins, which bear no load. */
   for (size_t i = 0; modes > 0 && i < 3 * (size_t)mesh->node_count; i++)
-    if (numbering->state[i] == BW_PINNED)
-      numbering->state[i] = BW_UNKNOWN;
+    if (dof_map->state[i] == BW_DOF_ISOSTATIC)
+      dof_map->state[i] = BW_DOF_UNKNOWN;
   for (int32_t i = 0; i < mesh->node_count; i++) {
-    const uint8_t *state = numbering->state + 3 * (size_t)i;
-    if (state[0] == BW_UNKNOWN && state[1] == BW_UNKNOWN && state[2] == BW_UNKNOWN)
+    const uint8_t *state = dof_map->state + 3 * (size_t)i;
+    if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
       continue;
-    if (numbering->frame_of[i] >= 0) {
-      BW_TRY(oblique_node(context, numbering, i, &c));
+    if (dof_map->frame_of[i] >= 0) {
+      BW_TRY(oblique_node(context, dof_map, i, &c));
       continue;
     }
     for (int k = 0; k < 3; k++)
-      if (state[k] != BW_UNKNOWN)
-        fix(&c, i, k, numbering->value[3 * (size_t)i + (size_t)k]);
+      if (state[k] != BW_DOF_UNKNOWN)
+        fix(&c, i, k, dof_map->value[3 * (size_t)i + (size_t)k]);
   }
   BW_TRY(bwi_force_vector(context, model, false, force));
   if (modes == 0)
@@ -188,6 +188,6 @@ done:
   bw_free(c.equation_normal);
   bw_free(force);
   bw_free(temperature);
-  bw_release(numbering);
+  bw_release(dof_map);
   return status;
 }

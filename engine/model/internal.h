@@ -39,37 +39,38 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
 
 /* The volume's moments of every body: fills body_volume, body_centre and weight (which must have
  * room) and inertia, component_count x 9: 1/V integral of |y|^2 1 - y y^T, y = x - centre. */
-bw_status bwi_moments(bw_context *context, bw_numbering *numbering, double *inertia);
+bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia);
 
 /* m = integral of N and q = integral of N x (4 numbers per node) of one element. */
 void bwi_element_moments(int order, const double (*x)[3], double volume, double (*moment)[4]);
 
 /* The motions of one body that `row_count` rows of held components leave free. A row is
  * [direction, y x direction / length] with y from the body's centre. At most 6; fills motion[]. */
-int bwi_free_motions(const bw_numbering *numbering, int32_t component, const double inertia[9],
-                     double length, int64_t row_count, const double (*row)[6],
-                     bw_rigid_motion *motion);
+int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double inertia[9],
+                    double length, int64_t row_count, const double (*row)[6],
+                    bw_rigid_mode *motion);
 
 /* u = r(x) */
-void bwi_motion_at(const bw_rigid_motion *motion, const double x[3], double u[3]);
+void bwi_motion_at(const bw_rigid_mode *motion, const double x[3], double u[3]);
 
-/* ---- numbering.c, pins.c --------------------------------------------------------------------- */
+/* ---- dof_map.c, isostatic.c ---------------------------------------------------------------------
+ */
 
-/* What a numbering of an edited shape follows. */
+/* What a DOF map of an edited shape follows. */
 typedef struct bwi_follow {
-  const bw_numbering *previous; /* of the same topology, or NULL: its pins stay where they serve */
+  const bw_dof_map *previous; /* of the same topology, or NULL: its pins stay where they serve */
   int32_t domain_count;
   const int32_t *node_domain;
   const double *frame; /* domain_count x 9 */
 } bwi_follow;
-/* The numbering of what is held; `follow` may be NULL. */
+/* The DOF map of what is held; `follow` may be NULL. */
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                     const bwi_hold *hold, const bwi_follow *follow, bw_numbering **numbering);
+                     const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **dof_map);
 /* Nodes with the frame of their domain (follow.c): held components are known, pins are not yet. */
-bw_status bwi_take_frames(bw_context *context, bw_numbering *numbering, const bwi_follow *follow);
-/* Mark the pins of a body that has `count` free motions and the radius of gyration `length`. */
-bw_status bwi_pin(bw_context *context, bw_numbering *numbering, int32_t body, int count,
-                  const bw_rigid_motion *motion, double length, const bw_numbering *previous);
+bw_status bwi_take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_follow *follow);
+/* Mark the pins of a body that has `count` rigid-body modes and the radius of gyration `length`. */
+bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
+                  const bw_rigid_mode *motion, double length, const bw_dof_map *previous);
 
 /* ---- facet.c --------------------------------------------------------------------------------- */
 

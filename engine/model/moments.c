@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Moments of the volume of each body, and what the nodes need for M times a rigid motion
+/* Moments of the volume of each body, and what the nodes need for M times a rigid-body motion
  * r = t + w x y, y = x - c.
  *
  * The shape functions reproduce positions, also of curved elements: x = sum N_j x_j. Hence
@@ -58,11 +58,11 @@ void bwi_element_moments(int order, const double (*x)[3], double volume, double 
   }
 }
 
-bw_status bwi_moments(bw_context *context, bw_numbering *numbering, double *inertia) {
-  const bw_mesh *mesh = numbering->mesh;
+bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia) {
+  const bw_mesh *mesh = dof_map->mesh;
   int32_t bodies = mesh->component_count;
-  double *weight = numbering->weight, *centre = numbering->body_centre;
-  double *volume = numbering->body_volume;
+  double *weight = dof_map->weight, *centre = dof_map->body_centre;
+  double *volume = dof_map->body_volume;
   bw_status status = BW_OK;
   /* From the mean of the body's nodes first: no cancellation far from the origin. */
   int32_t *count = BW_NEW0(context, int32_t, bodies);

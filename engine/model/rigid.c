@@ -1,9 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Free rigid motions of a body: which there are, and in words.
+/* Free rigid-body motions of a body: which there are, and in words.
  *
- * A rigid motion about the body's centre of volume c is u(x) = t + w x y, y = x - c. In the tests
- * below rotations are measured by the displacement they cause at the body's radius of gyration L:
- * a motion is the six numbers (t, L w), and a held component d . u(x) is the row (d, y x d / L). */
+ * A rigid-body motion about the body's centre of volume c is u(x) = t + w x y, y = x - c. In the
+ * tests below rotations are measured by the displacement they cause at the body's radius of
+ * gyration L: a motion is the six numbers (t, L w), and a held component d . u(x) is the row (d, y
+ * x d / L). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -157,7 +158,7 @@ static void largest_positive(double *v, double *with) {
     }
 }
 
-static void name_motion(bw_rigid_motion *motion, double length) {
+static void name_motion(bw_rigid_mode *motion, double length) {
   double turn = bw_norm(motion->rotation), slip = bw_norm(motion->translation);
   char along[64], through[96];
   if (turn == 0) {
@@ -183,7 +184,7 @@ static void name_motion(bw_rigid_motion *motion, double length) {
 }
 
 /* Fills a rotation or screw from (t, w) about the body's centre, of unit size. */
-static void set_turn(bw_rigid_motion *motion, const double centre[3], const double t[3],
+static void set_turn(bw_rigid_mode *motion, const double centre[3], const double t[3],
                      const double w[3], double length) {
   double turn = bw_dot(w, w), slip = bw_dot(t, w) / turn, arm[3];
   bw_cross(w, t, arm);
@@ -196,10 +197,10 @@ static void set_turn(bw_rigid_motion *motion, const double centre[3], const doub
   }
 }
 
-int bwi_free_motions(const bw_numbering *numbering, int32_t component, const double inertia[9],
-                     double length, int64_t row_count, const double (*row)[6],
-                     bw_rigid_motion *motion) {
-  const double *centre = numbering->body_centre + 3 * (size_t)component;
+int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double inertia[9],
+                    double length, int64_t row_count, const double (*row)[6],
+                    bw_rigid_mode *motion) {
+  const double *centre = dof_map->body_centre + 3 * (size_t)component;
   double basis[6][6], gram[6][6], value[6], vector[6][6];
   int count = free_space(row_count, row, basis);
   if (count == 0)

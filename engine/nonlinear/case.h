@@ -43,8 +43,8 @@ static inline int64_t bwi_graph_pair(const bw_graph *graph, int32_t a, int32_t b
   return graph->column[low] == b ? low : -1;
 }
 
-/* BW_FREE where a group of elements connected by nodes can move as a rigid body: by what is held
- * and, towards them, by floors. */
+/* BW_UNCONSTRAINED where a group of elements connected by nodes can move as a rigid body: by what
+ * is held and, towards them, by floors. */
 bw_status bwi_case_check_held(bw_context *context, const bw_solid_case *it);
 
 #endif

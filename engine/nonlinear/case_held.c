@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Whether what is held stops every group of elements from moving as a rigid body.
  *
- * A held component c of a node at y from the group's centre stops the rigid motion (t, w) as far as
- * (t + w x y) . e_c is not zero: a row [e_c, y x e_c]. The motion that is stopped least is the
- * eigenvector of the least eigenvalue of the sum of row^T row, lengths taken over the group's size.
- * Floors give rows [n, y x n]: that they only push is for the solution to find out. */
+ * A held component c of a node at y from the group's centre stops the rigid-body motion (t, w) as
+ * far as (t + w x y) . e_c is not zero: a row [e_c, y x e_c]. The motion that is stopped least is
+ * the eigenvector of the least eigenvalue of the sum of row^T row, lengths taken over the group's
+ * size. Floors give rows [n, y x n]: that they only push is for the solution to find out. */
 #include <math.h>
 #include <string.h>
 
@@ -84,7 +84,7 @@ static bw_status say_free(bw_context *context, const bw_grid *grid, const group 
   const double *d = turn > move ? motion + 3 : motion;
   double length = fmax(turn, move);
   bw_status status =
-      bw_fail(context, BW_FREE,
+      bw_fail(context, BW_UNCONSTRAINED,
               "the solid%s can %s as a whole: hold more of its nodes (a group of %d elements "
               "around element %d at (%g, %g, %g) m, %s (%.3g, %.3g, %.3g))",
               groups > 1 ? " is in several pieces, of which one" : "",

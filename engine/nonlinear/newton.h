@@ -133,7 +133,8 @@ typedef struct bwi_walk {
   size_t history_capacity;
 } bwi_walk;
 
-/* BW_INVALID for a case of another grid and for options out of range, BW_FREE where nothing holds.
+/* BW_INVALID for a case of another grid and for options out of range, BW_UNCONSTRAINED where
+ * nothing holds.
  */
 bw_status bwi_newton_check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
                            const bw_newton_options *options);

@@ -255,7 +255,7 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
   bw_status status = bw_fail(
       context,
       inverted                       ? BW_GEOMETRY
-      : f->obstacle == BWI_STIFFNESS ? BW_FREE
+      : f->obstacle == BWI_STIFFNESS ? BW_UNCONSTRAINED
                                      : BW_CONVERGENCE,
       "no %sequilibrium found beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; "
       "element %d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted; %d "

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The modes of a plate: rigid motions projected out (responsive, appendix A), the last frame's
+/* The modes of a plate: rigid-body motions projected out (responsive, appendix A), the last frame's
  * modes as the start, the last frame's factor as the preconditioner. */
 #include <math.h>
 #include <string.h>

@@ -16,8 +16,8 @@
  * The start is the best of the span of the vectors given and, where there are any, of further ones:
  * the modes of former frames of a drag, so that what the last frames changed may go on.
  *
- * Invariants: the basis is M-orthonormal and M-orthogonal to the rigid motions; `stiff` and `heavy`
- * are K and M times the basis, carried along as combinations. */
+ * Invariants: the basis is M-orthonormal and M-orthogonal to the rigid-body motions; `stiff` and
+ * `heavy` are K and M times the basis, carried along as combinations. */
 #include <math.h>
 #include <string.h>
 
@@ -89,8 +89,8 @@ static void subtract(double factor, const double *restrict a, double *restrict f
 
 /* Take basis[count] in, orthonormalised; leave it out where it depends on the others. Its images
  * under M and K go through the same combinations; K times a new vector is taken at the end, since
- * what K makes of rigid motions is rounding, and large beside the lowest modes of a thin plate.
- * `known`: the images are there already. */
+ * what K makes of rigid-body motions is rounding, and large beside the lowest modes of a thin
+ * plate. `known`: the images are there already. */
 static bw_status admit(workspace *w, bool known, bool *taken) {
   const bwi_ritz *p = w->problem;
   bw_status status = BW_OK;

@@ -172,7 +172,7 @@ bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time);
 bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time);
 /* inner->matrix and inner->rhs: the linear statics of the sheet as it is. *made: as in prepare. */
 bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made);
-/* BW_FREE where a piece of the sheet can move rigidly against inner->held. */
+/* BW_UNCONSTRAINED where a piece of the sheet can move rigidly against inner->held. */
 bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet);
 
 #endif

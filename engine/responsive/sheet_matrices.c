@@ -211,7 +211,8 @@ bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time) {
                                  time, inner->held, inner->prescribed, &inner->conflicts_reported);
 }
 
-/* ---- free rigid motions -------------------------------------------------------------------- */
+/* ---- unconstrained rigid-body modes
+ * -------------------------------------------------------------------- */
 
 static int32_t root_of(int32_t *parent, int32_t i) {
   while (parent[i] != i)
@@ -279,7 +280,7 @@ bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
     const double *free = vector + 6;
     int most = fabs(free[0]) > fabs(free[1]) ? 0 : 1;
     most = fabs(free[2]) > fabs(free[most]) ? 2 : most;
-    status = bw_fail(context, BW_FREE,
+    status = bw_fail(context, BW_UNCONSTRAINED,
                      "the sheet's piece around (%.6g, %.6g) is free to %s: hold it by more "
                      "conditions",
                      s[6] / s[8], s[7] / s[8],

@@ -15,8 +15,8 @@ struct bwi_coarse {
   bw_mesh *mesh;       /* linear, on the corners, of the shape last followed */
   bw_graph *graph;
   double *stiffness;
-  bw_numbering numbering; /* of the corners: what the factor and its fields read of one */
-  int32_t *unknown;       /* count x 3: 0 where there is one, else -1 */
+  bw_dof_map dof_map; /* of the corners: what the factor and its fields read of one */
+  int32_t *unknown;   /* count x 3: 0 where there is one, else -1 */
   bwi_symbolic *symbolic;
   bwi_reach *reach; /* the whole of it: factors are made again in place */
   bwi_factor *factor;
@@ -33,8 +33,8 @@ static void coarse_destroy(void *object) {
   bw_free(c->corner);
   bw_free(c->parent);
   bw_free(c->stiffness);
-  bw_free(c->numbering.frame_of);
-  bw_free(c->numbering.frame);
+  bw_free(c->dof_map.frame_of);
+  bw_free(c->dof_map.frame);
   bw_free(c->unknown);
   bw_free(c);
 }
@@ -94,8 +94,8 @@ done:
   return status;
 }
 
-bool bwi_coarse_fits(const bw_mesh *mesh, const bw_numbering *numbering) {
-  return mesh->order == 2 && numbering->motion_count == 0;
+bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map) {
+  return mesh->order == 2 && dof_map->motion_count == 0;
 }
 
 bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out) {
@@ -115,10 +115,10 @@ bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse
   BW_TRY(make_mesh(context, c));
   BW_TRY(bw_graph_create(context, c->mesh, &c->graph));
   c->stiffness = BW_NEW(context, double, 9 * c->graph->pair_count);
-  c->numbering.frame_of = BW_NEW(context, int32_t, c->count);
-  c->numbering.frame = BW_NEW(context, double, 9 * (size_t)c->count);
+  c->dof_map.frame_of = BW_NEW(context, int32_t, c->count);
+  c->dof_map.frame = BW_NEW(context, double, 9 * (size_t)c->count);
   c->unknown = BW_NEW(context, int32_t, 3 * (size_t)c->count);
-  if (!c->stiffness || !c->numbering.frame_of || !c->numbering.frame || !c->unknown)
+  if (!c->stiffness || !c->dof_map.frame_of || !c->dof_map.frame || !c->unknown)
     status = BW_MEMORY;
 done:
   if (status == BW_OK)
@@ -129,45 +129,44 @@ done:
 }
 
 /* Whether two nodes are held alike, along the same directions. */
-static bool held_alike(const bw_numbering *numbering, int64_t a, int64_t b) {
+static bool held_alike(const bw_dof_map *dof_map, int64_t a, int64_t b) {
   bool all = true;
   for (int k = 0; k < 3; k++) {
-    if (numbering->state[3 * a + k] != numbering->state[3 * b + k])
+    if (dof_map->state[3 * a + k] != dof_map->state[3 * b + k])
       return false;
-    all &= numbering->state[3 * a + k] == numbering->state[3 * a];
+    all &= dof_map->state[3 * a + k] == dof_map->state[3 * a];
   }
   if (all)
     return true;
-  int32_t f = numbering->frame_of[a], g = numbering->frame_of[b];
+  int32_t f = dof_map->frame_of[a], g = dof_map->frame_of[b];
   if (f < 0 || g < 0)
     return f == g;
   double off = 0;
   for (int k = 0; k < 9; k++)
-    off = fmax(off,
-               fabs(numbering->frame[9 * (int64_t)f + k] - numbering->frame[9 * (int64_t)g + k]));
+    off = fmax(off, fabs(dof_map->frame[9 * (int64_t)f + k] - dof_map->frame[9 * (int64_t)g + k]));
   return off < 1e-9;
 }
 
 /* Unknowns and directions of the corners. */
-static void number_corners(bwi_coarse *c, const bw_numbering *numbering) {
+static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
   const bw_mesh *fine = c->fine;
   for (int64_t k = 0; k < c->count; k++) {
     int64_t i = c->corner[k];
-    int32_t row = numbering->frame_of[i];
-    c->numbering.frame_of[k] = row < 0 ? -1 : (int32_t)k;
+    int32_t row = dof_map->frame_of[i];
+    c->dof_map.frame_of[k] = row < 0 ? -1 : (int32_t)k;
     if (row >= 0)
-      memcpy(c->numbering.frame + 9 * k, numbering->frame + 9 * (int64_t)row, 9 * sizeof(double));
+      memcpy(c->dof_map.frame + 9 * k, dof_map->frame + 9 * (int64_t)row, 9 * sizeof(double));
     for (int d = 0; d < 3; d++)
-      c->unknown[3 * k + d] = numbering->state[3 * i + d] == BW_UNKNOWN ? 0 : -1;
+      c->unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_UNKNOWN ? 0 : -1;
   }
-  c->numbering.frame_count = c->count;
+  c->dof_map.frame_count = c->count;
   for (int64_t i = 0; i < fine->node_count; i++) {
-    const uint8_t *state = numbering->state + 3 * i;
-    if (state[0] == BW_UNKNOWN && state[1] == BW_UNKNOWN && state[2] == BW_UNKNOWN)
+    const uint8_t *state = dof_map->state + 3 * i;
+    if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
       continue;
     for (int side = 0; side < 2; side++) {
       int32_t k = c->parent[2 * i + side];
-      if (!held_alike(numbering, i, c->corner[k]))
+      if (!held_alike(dof_map, i, c->corner[k]))
         for (int d = 0; d < 3; d++)
           c->unknown[3 * (int64_t)k + d] = -1;
     }
@@ -200,8 +199,8 @@ done:
   return status;
 }
 
-bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_numbering *numbering) {
-  number_corners(c, numbering);
+bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
+  number_corners(c, dof_map);
   return bring_symbolic(context, c);
 }
 
@@ -227,7 +226,7 @@ static bw_status bring_factor(bw_context *context, bwi_coarse *c, const bwi_matr
 }
 
 bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *model,
-                            const bw_numbering *numbering, bool *usable) {
+                            const bw_dof_map *dof_map, bool *usable) {
   bw_status status = BW_OK;
   bw_mesh *moved = NULL;
   double *node = NULL;
@@ -240,9 +239,9 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   BW_TRY(bw_mesh_moved(context, c->mesh, node, &moved));
   bw_release(c->mesh);
   c->mesh = moved;
-  BW_TRY(bwi_coarse_count(context, c, numbering));
+  BW_TRY(bwi_coarse_count(context, c, dof_map));
   BW_TRY(bw_stiffness(context, c->graph, c->mesh, model->material, c->stiffness));
-  bwi_matrix matrix = {.graph = c->graph, .stiffness = c->stiffness, .numbering = &c->numbering};
+  bwi_matrix matrix = {.graph = c->graph, .stiffness = c->stiffness, .dof_map = &c->dof_map};
   status = bring_factor(context, c, &matrix);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
@@ -255,7 +254,7 @@ done:
 }
 
 bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *c, int64_t count, double *x) {
-  return bwi_solve_fields(context, c->factor, &c->numbering, count, x, x);
+  return bwi_solve_fields(context, c->factor, &c->dof_map, count, x, x);
 }
 
 int32_t bwi_coarse_corners(const bwi_coarse *c) {

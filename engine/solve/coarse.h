@@ -15,14 +15,14 @@ typedef struct bwi_coarse bwi_coarse;
 
 /* Whether bodies have one: quadratic elements, none free to move (pins at single nodes, which make
  * those definite, would not let linear fields pass). */
-bool bwi_coarse_fits(const bw_mesh *mesh, const bw_numbering *numbering);
+bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map);
 /* Of a mesh of quadratic elements. Release with bw_release. */
 bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out);
 /* Unknowns, order and size of its factor for these supports; nothing is factored yet. */
-bw_status bwi_coarse_count(bw_context *context, bwi_coarse *coarse, const bw_numbering *numbering);
+bw_status bwi_coarse_count(bw_context *context, bwi_coarse *coarse, const bw_dof_map *dof_map);
 /* The space on a shape, factored. *usable is false where its matrix is singular, and before. */
 bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *coarse, const bw_model *model,
-                            const bw_numbering *numbering, bool *usable);
+                            const bw_dof_map *dof_map, bool *usable);
 /* x = A^-1 x for `count` fields on the corners (count x corners x 3), to the digits of floats. */
 bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *coarse, int64_t count, double *x);
 int32_t bwi_coarse_corners(const bwi_coarse *coarse);

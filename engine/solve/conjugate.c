@@ -62,7 +62,7 @@ static double dot(const double *a, const double *b, int64_t size) {
 }
 
 static void keep_unknowns(const iteration *it, double *field) {
-  bwi_keep_states(it->problem->numbering, 1u << BW_UNKNOWN, field);
+  bwi_keep_states(it->problem->dof_map, 1u << BW_DOF_UNKNOWN, field);
 }
 
 static bw_status multiply(iteration *it, int count, const double *x, double *y) {
@@ -75,7 +75,7 @@ static bw_status multiply(iteration *it, int count, const double *x, double *y) 
 
 /* z = M r. */
 static bw_status precondition(iteration *it, int first, int count) {
-  return bwi_solve_fields(it->context, it->problem->factor, it->problem->numbering, count,
+  return bwi_solve_fields(it->context, it->problem->factor, it->problem->dof_map, count,
                           it->r + first * it->size, it->z + first * it->size);
 }
 
@@ -282,7 +282,7 @@ done:
 bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
                               const double *force, double *displacement) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)problem->numbering->mesh->node_count;
+  int64_t size = 3 * (int64_t)problem->dof_map->mesh->node_count;
   int64_t width = count < WIDTH ? count : WIDTH;
   iteration it = {.context = context,
                   .problem = problem,

@@ -5,18 +5,18 @@
 #include "solve/internal.h"
 
 /* block = F_row block F_column^T for nodes with frames of their own */
-static void turn_block(const bw_numbering *numbering, int32_t row, int32_t column, double *block) {
+static void turn_block(const bw_dof_map *dof_map, int32_t row, int32_t column, double *block) {
   double half[9];
-  if (numbering->frame_of[row] >= 0) {
-    const double *frame = numbering->frame + 9 * (int64_t)numbering->frame_of[row];
+  if (dof_map->frame_of[row] >= 0) {
+    const double *frame = dof_map->frame + 9 * (int64_t)dof_map->frame_of[row];
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
         half[3 * i + j] = frame[3 * i] * block[j] + frame[3 * i + 1] * block[3 + j] +
                           frame[3 * i + 2] * block[6 + j];
     memcpy(block, half, sizeof half);
   }
-  if (numbering->frame_of[column] >= 0) {
-    const double *frame = numbering->frame + 9 * (int64_t)numbering->frame_of[column];
+  if (dof_map->frame_of[column] >= 0) {
+    const double *frame = dof_map->frame + 9 * (int64_t)dof_map->frame_of[column];
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
         half[3 * i + j] = block[3 * i] * frame[3 * j] + block[3 * i + 1] * frame[3 * j + 1] +
@@ -35,6 +35,6 @@ void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t pair, bo
   double mass = matrix->mass ? matrix->shift * matrix->mass[pair] : 0;
   for (int i = 0; i < components; i++)
     block[(components + 1) * i] += mass;
-  if (matrix->numbering && matrix->numbering->frame_count > 0)
-    turn_block(matrix->numbering, row, column, block);
+  if (matrix->dof_map && matrix->dof_map->frame_count > 0)
+    turn_block(matrix->dof_map, row, column, block);
 }

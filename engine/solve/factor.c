@@ -539,8 +539,7 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
   return BW_OK;
 }
 
-bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
-                           const bw_numbering *numbering, int64_t count, const double *force,
-                           double *displacement) {
-  return factor->kernels->solve_fields(context, factor, numbering, count, force, displacement);
+bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor, const bw_dof_map *dof_map,
+                           int64_t count, const double *force, double *displacement) {
+  return factor->kernels->solve_fields(context, factor, dof_map, count, force, displacement);
 }

@@ -7,7 +7,7 @@
 
 typedef struct transfer {
   const bwi_symbolic *symbolic;
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
   int width, used; /* right-hand sides in a row, and how many are real */
   const double *force;
   double *displacement;
@@ -17,10 +17,10 @@ typedef struct transfer {
 } transfer;
 
 static const double *frame_at(const transfer *move, int64_t node) {
-  const bw_numbering *numbering = move->numbering;
-  if (!numbering || numbering->frame_count == 0 || numbering->frame_of[node] < 0)
+  const bw_dof_map *dof_map = move->dof_map;
+  if (!dof_map || dof_map->frame_count == 0 || dof_map->frame_of[node] < 0)
     return NULL;
-  return numbering->frame + 9 * (int64_t)numbering->frame_of[node];
+  return dof_map->frame + 9 * (int64_t)dof_map->frame_of[node];
 }
 
 static bw_status gather(void *data, int64_t begin, int64_t end, int worker) {
@@ -82,7 +82,7 @@ static void choose_units(const bwi_factor *factor, int64_t size, transfer *move)
 }
 
 bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
-                              const bw_numbering *numbering, int64_t count, const double *force,
+                              const bw_dof_map *dof_map, int64_t count, const double *force,
                               double *displacement) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
@@ -90,7 +90,7 @@ bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
   int most = 1;
   while (most < BWI_MAX_WIDTH && most < count)
     most *= 2;
-  transfer move = {.symbolic = symbolic, .numbering = numbering};
+  transfer move = {.symbolic = symbolic, .dof_map = dof_map};
   move.x = BW_NEW(context, real, (int64_t)symbolic->unknowns * most);
   if (!move.x)
     return BW_MEMORY;

@@ -58,9 +58,9 @@ static bw_status combine(bw_context *context, const bw_system *system, int field
                          const double *const *field, int64_t count, const double *force,
                          double *solution, double *residual, double *energy) {
   bw_status status = BW_OK;
-  const bw_numbering *numbering = system->numbering;
-  const unsigned free = 1u << BW_UNKNOWN | 1u << BW_PINNED;
-  int64_t size = 3 * (int64_t)numbering->mesh->node_count;
+  const bw_dof_map *dof_map = system->dof_map;
+  const unsigned free = 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC;
+  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   size_t n = (size_t)fields, length = (size_t)size;
   double *v = BW_NEW(context, double, n *length);
   double *kv = BW_NEW(context, double, n *length);
@@ -74,7 +74,7 @@ static bw_status combine(bw_context *context, const bw_system *system, int field
   for (size_t k = 0; k < n; k++) {
     double sum = 0;
     memcpy(v + k * length, field[k], length * sizeof *v);
-    bwi_keep_states(numbering, free, v + k * length);
+    bwi_keep_states(dof_map, free, v + k * length);
     for (size_t i = 0; i < length; i++)
       sum += fabs(v[k * length + i]);
     if (!isfinite(sum))
@@ -82,7 +82,7 @@ static bw_status combine(bw_context *context, const bw_system *system, int field
   }
   BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, fields, v, kv));
   for (size_t k = 0; k < n; k++)
-    bwi_keep_states(numbering, free, kv + k * length);
+    bwi_keep_states(dof_map, free, kv + k * length);
   BW_TRY(bwi_multi_dot(context, size, fields, v, fields, kv, gram));
   BW_TRY(bwi_multi_dot(context, size, fields, v, (int)count, force, weight));
   for (size_t k = 0; k < n; k++) {
@@ -127,11 +127,11 @@ void bwi_rest_clear(bwi_rest *rest) {
 }
 
 /* |a| over the unknowns; `work` has room for a field */
-static double norm(const bw_numbering *numbering, const double *a, double *work) {
+static double norm(const bw_dof_map *dof_map, const double *a, double *work) {
   double sum = 0;
-  size_t size = 3 * (size_t)numbering->mesh->node_count;
+  size_t size = 3 * (size_t)dof_map->mesh->node_count;
   memcpy(work, a, size * sizeof *work);
-  bwi_keep_states(numbering, 1u << BW_UNKNOWN, work);
+  bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN, work);
   for (size_t i = 0; i < size; i++)
     sum += work[i] * work[i];
   return sqrt(sum);
@@ -141,8 +141,8 @@ bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
                         const bw_local_options *options, int64_t count, const double *force,
                         bwi_rest *rest) {
   bw_status status = BW_OK;
-  const bw_numbering *numbering = local->system->numbering;
-  int64_t size = 3 * (int64_t)numbering->mesh->node_count;
+  const bw_dof_map *dof_map = local->system->dof_map;
+  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *work = NULL;
   rest->tolerance = options->tolerance;
   if (options->guess_count <= 0)
@@ -160,9 +160,9 @@ bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
                  rest->guess, rest->force, rest->energy));
   double most = 0;
   for (int64_t k = 0; k < count; k++) {
-    rest->load[k] = norm(numbering, force + k * size, work);
+    rest->load[k] = norm(dof_map, force + k * size, work);
     if (rest->load[k] > 0)
-      most = fmax(most, norm(numbering, rest->force + k * size, work) / rest->load[k]);
+      most = fmax(most, norm(dof_map, rest->force + k * size, work) / rest->load[k]);
   }
   if (options->energy)
     most = fmin(most, 1); /* it is the best combination in energy, 0 among them */

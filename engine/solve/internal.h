@@ -123,13 +123,13 @@ double bwi_reach_flops(const bwi_reach *reach, const uint8_t *touched_domain);
 
 /* ---- factor -------------------------------------------------------------------------------- */
 
-/* The matrix stiffness + shift * mass on a graph's pairs, in frames where numbering asks. */
+/* The matrix stiffness + shift * mass on a graph's pairs, in frames where dof_map asks. */
 typedef struct bwi_matrix {
   const bw_graph *graph;
   const double *stiffness; /* components^2 per pair */
   const double *mass;      /* 1 per pair, or NULL */
   double shift;
-  const bw_numbering *numbering; /* for its frames; NULL: global */
+  const bw_dof_map *dof_map; /* for its frames; NULL: global */
 } bwi_matrix;
 
 /* The entries of a pair, row by row (entries.c): for `transpose`, the pair's column is the row
@@ -244,7 +244,7 @@ bw_status bwi_add_child(bw_context *context, const bwi_symbolic *symbolic, int32
 bw_status bwi_front_eliminate(bw_context *context, bwi_front *front);
 /* bwi_solve_fields for a factor of such numbers (fields.c). */
 bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
-                              const bw_numbering *numbering, int64_t count, const double *force,
+                              const bw_dof_map *dof_map, int64_t count, const double *force,
                               double *displacement);
 
 typedef struct bwi_kernels {
@@ -255,7 +255,7 @@ typedef struct bwi_kernels {
   bw_status (*child)(bw_context *, const bwi_symbolic *, int32_t, int32_t, const void *,
                      const int32_t *, bwi_run *, void *, void *);
   bw_status (*eliminate)(bw_context *, bwi_front *);
-  bw_status (*solve_fields)(bw_context *, const bwi_factor *, const bw_numbering *, int64_t,
+  bw_status (*solve_fields)(bw_context *, const bwi_factor *, const bw_dof_map *, int64_t,
                             const double *, double *);
 } bwi_kernels;
 extern const bwi_kernels bwi_kernels_double, bwi_kernels_single;
@@ -294,46 +294,44 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
 /* ---- fields and unknowns (fields.c) -------------------------------------------------------- */
 
 /* displacement = A^-1 force for fields (node_count x components each, one after the other; the two
- * may be the same block): 0 where there is no unknown. Frames by `numbering`, NULL: global. With a
+ * may be the same block): 0 where there is no unknown. Frames by `dof_map`, NULL: global. With a
  * factor in single precision, to its digits. */
-bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor,
-                           const bw_numbering *numbering, int64_t count, const double *force,
-                           double *displacement);
+bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor, const bw_dof_map *dof_map,
+                           int64_t count, const double *force, double *displacement);
 
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
 /* Graph and stiffness: no mass, no factor yet. `previous` as in bw_system_create, and of the same
  * topology. */
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                           const bw_numbering *numbering, const bw_system *previous,
+                           const bw_dof_map *dof_map, const bw_system *previous,
                            bw_system **system);
 /* bw_system_factor with what of an order fits (or NULL), and the bytes that a factor may take. */
 bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old, double room);
 
-/* Zero the components of a global field whose state's bit (1u << bw_unknown_state) is not in
+/* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
  * `states`, in each node's frame. */
-void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *field);
+void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field);
 /* The prescribed values as a global field, 0 elsewhere. */
-void bwi_prescribed_field(const bw_numbering *numbering, double *field);
-/* Same supports: a system made for one numbering serves the other. */
-bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b);
+void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
+/* Same supports: a system made for one dof_map serves the other. */
+bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b);
 /* The same elements on the same nodes. */
 bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
-/* Nodes that take part in the order: all those of bodies with free motions (so that the order also
- * serves the matrix without pins), and elsewhere those with an unknown. */
-void bwi_nodes_taking_part(const bw_numbering *numbering, uint8_t *take);
-/* The expanded order for a numbering's unknowns, with what of `old` (may be NULL) fits. With
+/* Nodes that take part in the order: all those of bodies with rigid-body modes (so that the order
+ * also serves the matrix without pins), and elsewhere those with an unknown. */
+void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take);
+/* The expanded order for a DOF map's unknowns, with what of `old` (may be NULL) fits. With
  * element_domain (may be NULL) a new order is made for edits by domains. */
-bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
-                           const bw_numbering *numbering, int32_t domain_count,
-                           const int32_t *element_domain, const bw_edits *edits, bwi_symbolic *old,
-                           bwi_symbolic **symbolic);
+bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_dof_map *dof_map,
+                           int32_t domain_count, const int32_t *element_domain,
+                           const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic);
 /* Bytes that making a factor of doubles takes, at their peak. */
 double bwi_factor_room(const bwi_symbolic *symbolic, int threads);
 /* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
-bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+bw_status bwi_balance_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                              double *force);
-bw_status bwi_steady_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                             double *displacement);
 /* BW_INVALID for the view of a local system whose factor is not up to date. */
 bw_status bwi_need_factor(bw_context *context, const bw_system *system);
@@ -359,11 +357,11 @@ typedef struct bwi_static_solver {
 } bwi_static_solver;
 /* A static solution with its load vector, checked for balance; nothing solved yet. */
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,
-                           const bw_statics_options *options, const bw_numbering *numbering,
+                           const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **result);
 /* Displacements, residual, energy, reactions. */
-bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
-                           const bw_graph *graph, const double *stiffness,
-                           const bwi_static_solver *solver, bw_static *result);
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const bw_graph *graph,
+                           const double *stiffness, const bwi_static_solver *solver,
+                           bw_static *result);
 
 #endif

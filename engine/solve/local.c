@@ -16,7 +16,7 @@ static void view_destroy(void *object) {
   view *v = object;
   bw_release(v->system.mesh);
   bw_release(v->system.material);
-  bw_release(v->system.numbering);
+  bw_release(v->system.dof_map);
   bw_release(v->system.graph);
   bw_release(v->system.factor);
   bw_release(v->stiffness);
@@ -170,7 +170,7 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
                                  bw_local_system **out) {
   bw_status status = BW_OK;
   bw_local_system *local = NULL;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_domain_stiffness *stiffness = NULL;
   bool same;
   BW_TRY(check_domains(context, model->mesh, domain_count, element_domain, node_domain, edits));
@@ -185,10 +185,10 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   if (edits)
     BW_TRY(copy_edits(context, inner, edits));
   bw_system *system = local->system;
-  BW_TRY(bw_numbering_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
-                             &numbering));
-  system->numbering = numbering;
-  BW_TRY(bwi_local_supports(context, local, numbering, inner->frame, &inner->supports));
+  BW_TRY(bw_dof_map_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
+                           &dof_map));
+  system->dof_map = dof_map;
+  BW_TRY(bwi_local_supports(context, local, dof_map, inner->frame, &inner->supports));
   double start = bw_seconds();
   BW_TRY(bw_graph_create(context, model->mesh, &system->graph));
   system->times.graph = bw_seconds() - start;

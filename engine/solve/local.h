@@ -22,7 +22,7 @@ typedef struct bwi_local {
   int32_t *edit_start, *edit; /* what `edits` points to */
   bw_domain_motion *motion;   /* domain_count: since rest */
   double *frame;              /* domain_count x 9: those of `motion` */
-  double *supports;           /* rows of the numbering that are supports' x 9: as last reported */
+  double *supports;           /* rows of the DOF map that are supports' x 9: as last reported */
   bwi_factor *factor;         /* or NULL */
   int wanted_bits;            /* of its numbers, asked for: 32, 64; 0: as is cheaper */
   bool lost;                  /* single precision did not serve this body: no more of it */
@@ -56,7 +56,7 @@ bool bwi_local_current(const bw_local_system *local);
 /* The frames of supports as they are, seen from the domains of their nodes (`frame`: the domains'
  * frames): what turns later is told against these. Release with bw_free. */
 bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
-                             const bw_numbering *numbering, const double *frame, double **reported);
+                             const bw_dof_map *dof_map, const double *frame, double **reported);
 
 /* ---- local_factor.c ------------------------------------------------------------------------ */
 
@@ -104,7 +104,7 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
 typedef struct bwi_conjugate {
   const bw_graph *graph;
   const double *stiffness;
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
   const bwi_factor *factor; /* the preconditioner: of a former shape, or in single precision */
   double tolerance;
   /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every

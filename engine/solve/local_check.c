@@ -28,12 +28,12 @@ static bw_status residual_share(bw_context *context, const bw_system *system, do
     return BW_MEMORY;
   double *f = field + size;
   memcpy(f, force, (size_t)size * sizeof *f);
-  BW_TRY(bwi_balance_fields(context, system->numbering, 1, f));
+  BW_TRY(bwi_balance_fields(context, system->dof_map, 1, f));
   BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, field));
   for (int64_t i = 0; i < size; i++)
     field[i] = f[i] - field[i];
-  bwi_keep_states(system->numbering, 1u << BW_UNKNOWN, field);
-  bwi_keep_states(system->numbering, 1u << BW_UNKNOWN, f);
+  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN, field);
+  bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN, f);
   for (int64_t i = 0; i < size; i++) {
     left += field[i] * field[i];
     load += f[i] * f[i];
@@ -66,7 +66,7 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, dou
                           bw_reuse *reuse) {
   bw_status status = BW_OK;
   const bw_system *system = local->system;
-  const bw_numbering *numbering = system->numbering;
+  const bw_dof_map *dof_map = system->dof_map;
   double allowed = same_solution * fmax(1, tolerance / BWI_LOCAL_TOLERANCE);
   int64_t size = 3 * (int64_t)system->mesh->node_count, pairs = system->graph->pair_count;
   bwi_symbolic *symbolic = NULL;
@@ -87,17 +87,17 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, dou
                      off, same_stiffness);
     goto done;
   }
-  bwi_matrix matrix = {.graph = system->graph, .stiffness = values, .numbering = numbering};
-  BW_TRY(bwi_symbolic_for(context, system->graph, numbering, 0, NULL, NULL, NULL, &symbolic));
+  bwi_matrix matrix = {.graph = system->graph, .stiffness = values, .dof_map = dof_map};
+  BW_TRY(bwi_symbolic_for(context, system->graph, dof_map, 0, NULL, NULL, NULL, &symbolic));
   status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
   if (status == BW_SINGULAR)
     status = bwi_say_singular(context, system->mesh, bad);
   if (status != BW_OK)
     goto done;
   memcpy(fresh, force, (size_t)(count * size) * sizeof *fresh);
-  BW_TRY(bwi_balance_fields(context, numbering, count, fresh));
-  BW_TRY(bwi_solve_fields(context, factor, numbering, count, fresh, fresh));
-  BW_TRY(bwi_steady_fields(context, numbering, count, fresh));
+  BW_TRY(bwi_balance_fields(context, dof_map, count, fresh));
+  BW_TRY(bwi_solve_fields(context, factor, dof_map, count, fresh, fresh));
+  BW_TRY(bwi_steady_fields(context, dof_map, count, fresh));
   for (int64_t k = 0; k < count; k++) {
     off = difference(displacement + k * size, fresh + k * size, size);
     if (reuse)

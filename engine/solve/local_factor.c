@@ -32,7 +32,7 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   bw_release(inner->factor);
   inner->factor = NULL;
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->numbering, inner->domain_count,
+  BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->dof_map, inner->domain_count,
                           inner->element_domain, inner->edits.count ? &inner->edits : NULL,
                           (bwi_symbolic *)old, &symbolic));
   BW_TRY(bwi_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
@@ -76,7 +76,7 @@ static bw_status update_or_make(bw_context *context, bw_local_system *local, boo
   bwi_local *inner = local->inner;
   const bw_system *view = local->system;
   bwi_matrix matrix = {
-      .graph = view->graph, .stiffness = view->stiffness, .numbering = view->numbering};
+      .graph = view->graph, .stiffness = view->stiffness, .dof_map = view->dof_map};
   int bits = inner->factor ? inner->factor->kernels->bits : 0, wanted = bits;
   int32_t bad = 0;
   double flops = 0;
@@ -186,12 +186,12 @@ bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, b
   times->stiffness = bw_seconds() - start;
   start = bw_seconds();
   if (own_order) {
-    BW_TRY(bwi_symbolic_for(context, view->graph, view->numbering, 0, NULL, NULL, NULL, &own));
+    BW_TRY(bwi_symbolic_for(context, view->graph, view->dof_map, 0, NULL, NULL, NULL, &own));
     symbolic = own;
   }
   double ordering = bw_seconds() - start;
   bwi_matrix matrix = {
-      .graph = view->graph, .stiffness = view->stiffness, .numbering = view->numbering};
+      .graph = view->graph, .stiffness = view->stiffness, .dof_map = view->dof_map};
   for (int32_t i = 0; i < symbolic->unknowns; i++)
     x[i] = i % 7 - 3;
   BW_TRY(bwi_baseline(context, symbolic, &matrix, x, &cholmod));

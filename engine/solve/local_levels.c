@@ -8,7 +8,7 @@
 #include "solve/local.h"
 
 bool bwi_local_has_levels(const bw_local_system *local) {
-  return bwi_coarse_fits(local->inner->rest->mesh, local->system->numbering);
+  return bwi_coarse_fits(local->inner->rest->mesh, local->system->dof_map);
 }
 
 static bw_status bring_levels(bw_context *context, const bw_local_system *local) {
@@ -20,7 +20,7 @@ static bw_status bring_levels(bw_context *context, const bw_local_system *local)
                                  !inner->rest->material->turns && !inner->material_turns,
                                  &inner->levels));
   if (!inner->levels_known)
-    BW_TRY(bwi_multilevel_follow(context, inner->levels, inner->model, system->numbering,
+    BW_TRY(bwi_multilevel_follow(context, inner->levels, inner->model, system->dof_map,
                                  system->stiffness, &inner->levels_usable));
   inner->levels_known = true;
 done:
@@ -33,8 +33,8 @@ bw_status bwi_local_by_levels(bw_context *context, bw_local_system *local,
                               bool *converged) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  const bw_numbering *numbering = local->system->numbering;
-  size_t size = (size_t)count * 3 * (size_t)numbering->mesh->node_count;
+  const bw_dof_map *dof_map = local->system->dof_map;
+  size_t size = (size_t)count * 3 * (size_t)dof_map->mesh->node_count;
   double *solution = NULL;
   bwi_multilevel_problem problem = {.tolerance = options->tolerance,
                                     .load = left->load,
@@ -58,7 +58,7 @@ bw_status bwi_local_by_levels(bw_context *context, bw_local_system *local,
     memcpy(displacement, solution, size * sizeof *displacement);
     for (size_t i = 0; left->guess && i < size; i++)
       displacement[i] += left->guess[i];
-    BW_TRY(bwi_steady_fields(context, numbering, count, displacement));
+    BW_TRY(bwi_steady_fields(context, dof_map, count, displacement));
   }
 done:
   bw_free(solution);

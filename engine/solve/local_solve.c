@@ -51,7 +51,7 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local, co
   double *solution = NULL;
   problem->graph = system->graph;
   problem->stiffness = system->stiffness;
-  problem->numbering = system->numbering;
+  problem->dof_map = system->dof_map;
   problem->factor = local->inner->factor;
   problem->load = left->load;
   problem->energy = left->energy;
@@ -78,7 +78,7 @@ static bw_status solve_directly(bw_context *context, bw_local_system *local,
                                 double *displacement, bw_reuse *reuse) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  const bw_numbering *numbering = local->system->numbering;
+  const bw_dof_map *dof_map = local->system->dof_map;
   bool solved = false;
   if (inner->factor->kernels->bits == 32) {
     bwi_conjugate problem = {.tolerance = options->tolerance,
@@ -96,8 +96,8 @@ static bw_status solve_directly(bw_context *context, bw_local_system *local,
       inner->refinements = problem.iterations * log(1e-10) / log(options->tolerance);
   }
   if (!solved)
-    BW_TRY(bwi_solve_fields(context, inner->factor, numbering, count, displacement, displacement));
-  BW_TRY(bwi_steady_fields(context, numbering, count, displacement));
+    BW_TRY(bwi_solve_fields(context, inner->factor, dof_map, count, displacement, displacement));
+  BW_TRY(bwi_steady_fields(context, dof_map, count, displacement));
 done:
   return status;
 }
@@ -124,7 +124,7 @@ static bw_status iterate(bw_context *context, bw_local_system *local,
   inner->experience = fmin(fmax(seen, 0.1), problem.converged ? 10 : 3);
   memcpy(inner->experienced, inner->touched, (size_t)inner->domain_count);
   if (problem.converged) {
-    BW_TRY(bwi_steady_fields(context, local->system->numbering, count, displacement));
+    BW_TRY(bwi_steady_fields(context, local->system->dof_map, count, displacement));
   }
 done:
   return status;
@@ -263,8 +263,8 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
                                 const bw_local_options *given, int64_t count, const double *force,
                                 double *displacement, bw_reuse *reuse) {
   bw_status status = BW_OK;
-  const bw_numbering *numbering = local->system->numbering;
-  size_t size = (size_t)count * 3 * (size_t)numbering->mesh->node_count;
+  const bw_dof_map *dof_map = local->system->dof_map;
+  size_t size = (size_t)count * 3 * (size_t)dof_map->mesh->node_count;
   double *load = NULL;
   bw_local_options options;
   bool solved = false;
@@ -279,7 +279,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   }
   if (force != displacement)
     memmove(displacement, force, size * sizeof *force);
-  BW_TRY(bwi_balance_fields(context, numbering, count, displacement));
+  BW_TRY(bwi_balance_fields(context, dof_map, count, displacement));
   BW_TRY(solve_by_iterations(context, local, &options, &left, count, displacement, reuse, &solved));
   if (!solved) {
     BW_TRY(bwi_local_factor(context, local, options.method == BW_LOCAL_SCRATCH, reuse));
@@ -314,7 +314,7 @@ bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, 
     system->factor = bw_retain(own);
   else {
     bwi_matrix matrix = {
-        .graph = system->graph, .stiffness = system->stiffness, .numbering = system->numbering};
+        .graph = system->graph, .stiffness = system->stiffness, .dof_map = system->dof_map};
     int32_t bad = 0;
     status = bwi_factor_create(context, own->symbolic, &matrix, &system->factor, &bad);
     if (status == BW_SINGULAR)
@@ -353,13 +353,13 @@ bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw
                    "first");
   BW_TRY(options_of(context, given, &options));
   const bw_system *system = local->system;
-  BW_TRY(bwi_static_begin(context, model, statics, system->numbering, &result));
+  BW_TRY(bwi_static_begin(context, model, statics, system->dof_map, &result));
   static_data data = {local, options, reuse};
   bwi_static_solver solver = {.solve = solve_one,
                               .data = &data,
                               .refine_to = fmax(bwi_refine_to, options.tolerance),
                               .once = options.energy};
-  BW_TRY(bwi_static_solve(context, system->numbering, system->graph, system->stiffness, &solver,
+  BW_TRY(bwi_static_solve(context, system->dof_map, system->graph, system->stiffness, &solver,
                           result));
 done:
   if (status == BW_OK)

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A system that follows edits is brought to another shape: numbering, stiffness, and which domains
+/* A system that follows edits is brought to another shape: dof_map, stiffness, and which domains
  * the factor no longer knows. All that can fail is done before anything is changed. */
 #include <math.h>
 #include <string.h>
@@ -13,13 +13,13 @@
 /* ---- frames of supports -------------------------------------------------------------------- */
 
 /* The frame of a support at a node, seen from the node's domain; false where it has none. */
-static bool support_frame(const bw_local_system *local, const bw_numbering *numbering,
+static bool support_frame(const bw_local_system *local, const bw_dof_map *dof_map,
                           const double *frame, int32_t node, double seen[9]) {
   const bwi_local *inner = local->inner;
-  int32_t row = numbering->frame_of[node], domain = inner->node_domain[node];
-  if (row < 0 || row >= numbering->frame_count - inner->domain_count)
+  int32_t row = dof_map->frame_of[node], domain = inner->node_domain[node];
+  if (row < 0 || row >= dof_map->frame_count - inner->domain_count)
     return false;
-  const double *own = numbering->frame + 9 * (size_t)row;
+  const double *own = dof_map->frame + 9 * (size_t)row;
   if (domain < 0)
     memcpy(seen, own, 9 * sizeof *seen);
   for (int i = 0; domain >= 0 && i < 3; i++)
@@ -29,16 +29,15 @@ static bool support_frame(const bw_local_system *local, const bw_numbering *numb
 }
 
 bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
-                             const bw_numbering *numbering, const double *frame,
-                             double **reported) {
-  int32_t supports = numbering->frame_count - local->inner->domain_count;
+                             const bw_dof_map *dof_map, const double *frame, double **reported) {
+  int32_t supports = dof_map->frame_count - local->inner->domain_count;
   double *made = BW_NEW(context, double, 9 * (size_t)supports);
   if (!made)
     return BW_MEMORY;
-  for (int32_t i = 0; i < numbering->mesh->node_count; i++) {
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
     double seen[9];
-    if (support_frame(local, numbering, frame, i, seen))
-      memcpy(made + 9 * (size_t)numbering->frame_of[i], seen, sizeof seen);
+    if (support_frame(local, dof_map, frame, i, seen))
+      memcpy(made + 9 * (size_t)dof_map->frame_of[i], seen, sizeof seen);
   }
   *reported = made;
   return BW_OK;
@@ -47,25 +46,25 @@ bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
 /* Mark the domains of the elements around nodes whose support has turned against their domain:
  * entries change there although the domains' own frames know nothing of it. `now` receives what was
  * reported, renewed where it changed. */
-static void touch_turned_supports(const bw_local_system *local, const bw_numbering *numbering,
+static void touch_turned_supports(const bw_local_system *local, const bw_dof_map *dof_map,
                                   const double *frame, double *now, uint8_t *touched) {
   const bwi_local *inner = local->inner;
-  const bw_mesh *mesh = numbering->mesh;
-  int32_t supports = numbering->frame_count - inner->domain_count;
+  const bw_mesh *mesh = dof_map->mesh;
+  int32_t supports = dof_map->frame_count - inner->domain_count;
   if (supports == 0)
     return;
   for (int64_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < mesh->nodes_per_element; a++) {
       int32_t node = mesh->element[e * mesh->nodes_per_element + a];
       double seen[9], off = 0;
-      if (!support_frame(local, numbering, frame, node, seen))
+      if (!support_frame(local, dof_map, frame, node, seen))
         continue;
-      double *before = inner->supports + 9 * (size_t)numbering->frame_of[node];
+      double *before = inner->supports + 9 * (size_t)dof_map->frame_of[node];
       for (int k = 0; k < 9; k++)
         off = fmax(off, fabs(seen[k] - before[k]));
       if (off > SAME_FRAME) {
         touched[inner->element_domain[e]] = 1;
-        memcpy(now + 9 * (size_t)numbering->frame_of[node], seen, sizeof seen);
+        memcpy(now + 9 * (size_t)dof_map->frame_of[node], seen, sizeof seen);
       }
     }
 }
@@ -137,10 +136,10 @@ static bw_status check_material(bw_context *context, const bw_local_system *loca
  * an edit that was taken back while the factor was left as it was. Where supports have frames of
  * their own, which hang on the facets around a node, only if the whole shape is back. `moved` is
  * room for domain_count. */
-static void forget_undone(bwi_local *inner, const bw_mesh *now, const bw_numbering *numbering,
+static void forget_undone(bwi_local *inner, const bw_mesh *now, const bw_dof_map *dof_map,
                           uint8_t *moved) {
   const bw_mesh *before = inner->factored;
-  bool all = numbering->frame_count > inner->domain_count, any = false;
+  bool all = dof_map->frame_count > inner->domain_count, any = false;
   size_t domains = (size_t)inner->domain_count, vector = 3 * sizeof(double);
   for (size_t d = 0; d < domains; d++) {
     moved[d] = memcmp(inner->frame + 9 * d, inner->factored_frame + 9 * d, 3 * vector) != 0;
@@ -171,7 +170,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   bwi_local *inner = local->inner;
   bw_system *system = local->system;
   size_t domains = (size_t)inner->domain_count;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_domain_change change;
   bool same;
   double start = bw_seconds(), *supports = NULL;
@@ -185,10 +184,10 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   BW_TRY(check_material(context, local, model, motion));
   for (size_t d = 0; d < domains; d++)
     memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
-  BW_TRY(bw_numbering_follow(context, model, system->numbering, inner->domain_count,
-                             inner->node_domain, frame, &same, &numbering));
-  same = same && numbering->frame_count == system->numbering->frame_count;
-  BW_TRY(bwi_local_supports(context, local, numbering, frame, &supports));
+  BW_TRY(bw_dof_map_follow(context, model, system->dof_map, inner->domain_count, inner->node_domain,
+                           frame, &same, &dof_map));
+  same = same && dof_map->frame_count == system->dof_map->frame_count;
+  BW_TRY(bwi_local_supports(context, local, dof_map, frame, &supports));
   double unknowns = bw_seconds() - start;
   uint64_t revision = local->stiffness->revision;
   BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
@@ -196,9 +195,9 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
 
   /* From here on nothing fails. */
   if (same) {
-    size_t count = 9 * (size_t)(numbering->frame_count - inner->domain_count);
+    size_t count = 9 * (size_t)(dof_map->frame_count - inner->domain_count);
     memcpy(supports, inner->supports, count * sizeof *supports);
-    touch_turned_supports(local, numbering, frame, supports, touched);
+    touch_turned_supports(local, dof_map, frame, supports, touched);
   } else { /* the factor is of other unknowns */
     bw_release(inner->factor);
     inner->factor = NULL;
@@ -218,7 +217,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   memcpy(inner->motion, motion, domains * sizeof *motion);
   memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
   if (inner->factor && inner->factored)
-    forget_undone(inner, model->mesh, numbering, touched);
+    forget_undone(inner, model->mesh, dof_map, touched);
   inner->spent = 0;
   inner->levels_known &= same && count == 0 && local->stiffness->revision == revision;
   inner->change = -1;
@@ -231,9 +230,9 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   bw_retain(model->material);
   bw_release(system->material);
   system->material = model->material;
-  bw_release(system->numbering);
-  system->numbering = numbering;
-  numbering = NULL;
+  bw_release(system->dof_map);
+  system->dof_map = dof_map;
+  dof_map = NULL;
   bw_release(system->factor);
   system->factor = NULL;
   local->object.revision++;
@@ -250,6 +249,6 @@ done:
   bw_free(frame);
   bw_free(touched);
   bw_free(supports);
-  bw_release(numbering);
+  bw_release(dof_map);
   return status;
 }

@@ -1,9 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Elastic modes K u = lambda M u of held and free bodies, with the system's own factor.
  *
- * The operator is P K_pinned^-1 P^T M: symmetric in M, zero on rigid motions, so no rigid mode
+ * The operator is P K_pinned^-1 P^T M: symmetric in M, zero on rigid-body motions, so no rigid mode
  * appears and none has to be told from an elastic one. The Sturm count takes the unpinned
- * K - sigma M, which is regular for sigma > 0; rigid motions count there and are taken off. */
+ * K - sigma M, which is regular for sigma > 0; rigid-body motions count there and are taken off. */
 #include <math.h>
 #include <string.h>
 
@@ -112,13 +112,13 @@ static bw_status elastic_solve(bw_context *context, void *data, int64_t count, c
 static bw_status multiply(bw_context *context, const elastic *problem, bool mass, int64_t count,
                           const double *x, double *y) {
   const bw_system *system = problem->system;
-  const bw_numbering *numbering = system->numbering;
+  const bw_dof_map *dof_map = system->dof_map;
   bw_status status =
       bw_graph_multiply(context, system->graph, mass ? system->mass : system->stiffness,
                         mass ? 1 : 9, 3, count, x, y);
   if (problem->held)
     for (int64_t k = 0; status == BW_OK && k < count; k++)
-      bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED,
+      bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
                       y + k * 3 * (int64_t)system->mesh->node_count);
   return status;
 }
@@ -135,12 +135,12 @@ static bw_status elastic_stiffness(bw_context *context, void *data, int64_t coun
 
 static bw_status elastic_project(bw_context *context, void *data, int64_t count, double *x) {
   (void)context;
-  const bw_numbering *numbering = ((elastic *)data)->system->numbering;
+  const bw_dof_map *dof_map = ((elastic *)data)->system->dof_map;
   for (int64_t k = 0; k < count; k++) {
-    double *field = x + k * 3 * (int64_t)numbering->mesh->node_count;
-    bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, field);
-    if (numbering->motion_count > 0)
-      bw_motions_remove(numbering, field);
+    double *field = x + k * 3 * (int64_t)dof_map->mesh->node_count;
+    bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, field);
+    if (dof_map->motion_count > 0)
+      bw_rigid_modes_remove(dof_map, field);
   }
   return BW_OK;
 }
@@ -150,21 +150,21 @@ static bw_status elastic_below(bw_context *context, void *data, double sigma, in
   bw_status status = BW_OK;
   elastic *problem = data;
   const bw_system *system = problem->system;
-  const bw_numbering *numbering = system->numbering;
+  const bw_dof_map *dof_map = system->dof_map;
   bwi_symbolic *symbolic = system->factor->symbolic;
   bwi_matrix matrix = {.graph = system->graph,
                        .stiffness = system->stiffness,
                        .mass = system->mass,
                        .shift = -sigma,
-                       .numbering = numbering};
+                       .dof_map = dof_map};
   int64_t negative = 0;
-  if (numbering->motion_count > 0 && !problem->unpinned) {
+  if (dof_map->motion_count > 0 && !problem->unpinned) {
     int64_t entries = 3 * (int64_t)system->mesh->node_count;
     int32_t *unknown = BW_NEW(context, int32_t, entries);
     if (!unknown)
       return BW_MEMORY;
     for (int64_t i = 0; i < entries; i++)
-      unknown[i] = numbering->state[i] == BW_HELD ? -1 : 0;
+      unknown[i] = dof_map->state[i] == BW_DOF_PRESCRIBED ? -1 : 0;
     status = bwi_symbolic_create(context, symbolic->order, 3, unknown, &problem->unpinned);
     bw_free(unknown);
     if (status != BW_OK)
@@ -173,7 +173,7 @@ static bw_status elastic_below(bw_context *context, void *data, double sigma, in
   if (problem->unpinned)
     symbolic = problem->unpinned;
   BW_TRY(bwi_count_negative(context, symbolic, &matrix, &negative, trusted));
-  *count = negative - numbering->motion_count;
+  *count = negative - dof_map->motion_count;
 done:
   return status;
 }
@@ -184,11 +184,11 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
   bwi_eigen_result result = {0};
   bw_modes_options options;
   elastic problem = {.system = system};
-  const bw_numbering *numbering = system->numbering;
+  const bw_dof_map *dof_map = system->dof_map;
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(bwi_need_factor(context, system));
   for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
-    problem.held |= numbering->state[i] == BW_HELD;
+    problem.held |= dof_map->state[i] == BW_DOF_PRESCRIBED;
   bwi_eigen_problem eigen = {.size = 3 * (int64_t)system->mesh->node_count,
                              .data = &problem,
                              .solve = elastic_solve,
@@ -196,9 +196,9 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
                              .stiffness = elastic_stiffness,
                              .project = elastic_project,
                              .below = elastic_below,
-                             .dimension = numbering->unknown_count};
+                             .dimension = dof_map->unknown_count};
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
-  BW_TRY(bwi_modes_from(context, system->mesh, system->material, numbering->motion_count, &result,
+  BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->motion_count, &result,
                         modes));
 done:
   bw_release(problem.unpinned);

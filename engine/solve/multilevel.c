@@ -26,7 +26,7 @@ static void multilevel_destroy(void *object) {
   free_room(l);
   bw_release(l->coarse);
   bw_release(l->sweeps);
-  bw_release(l->numbering);
+  bw_release(l->dof_map);
   bw_free(l->child_start);
   bw_free(l->child);
   bw_free(l->parent);
@@ -160,21 +160,20 @@ done:
 }
 
 bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *l, const bw_model *model,
-                                const bw_numbering *numbering, const double *stiffness,
-                                bool *usable) {
+                                const bw_dof_map *dof_map, const double *stiffness, bool *usable) {
   bw_status status = BW_OK;
-  bw_retain(numbering);
-  bw_release(l->numbering);
-  l->numbering = (bw_numbering *)numbering;
+  bw_retain(dof_map);
+  bw_release(l->dof_map);
+  l->dof_map = (bw_dof_map *)dof_map;
   l->held_count = 0;
   for (int32_t k = 0; k < l->sweeps->count; k++) {
-    const uint8_t *state = numbering->state + 3 * (int64_t)l->sweeps->node[k];
-    if (state[0] != BW_UNKNOWN || state[1] != BW_UNKNOWN || state[2] != BW_UNKNOWN)
+    const uint8_t *state = dof_map->state + 3 * (int64_t)l->sweeps->node[k];
+    if (state[0] != BW_DOF_UNKNOWN || state[1] != BW_DOF_UNKNOWN || state[2] != BW_DOF_UNKNOWN)
       l->held[l->held_count++] = k;
   }
-  BW_TRY(bwi_coarse_follow(context, l->coarse, model, numbering, usable));
+  BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
   if (*usable)
-    BW_TRY(bwi_sweeps_follow(context, l->sweeps, stiffness, numbering, usable));
+    BW_TRY(bwi_sweeps_follow(context, l->sweeps, stiffness, dof_map, usable));
 done:
   return status;
 }

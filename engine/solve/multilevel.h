@@ -15,9 +15,9 @@ typedef struct bwi_multilevel {
   /* By corner: the rows of its own node and of the middles next to it. */
   int64_t *child_start;
   int32_t *child;
-  int32_t *parent;         /* by row x 2: corners; twice its own */
-  bw_numbering *numbering; /* retained: of the shape followed */
-  int32_t held_count;      /* rows that are held in some direction, or in all */
+  int32_t *parent;     /* by row x 2: corners; twice its own */
+  bw_dof_map *dof_map; /* retained: of the shape followed */
+  int32_t held_count;  /* rows that are held in some direction, or in all */
   int32_t *held;
   /* room for `width` fields */
   int width;
@@ -46,8 +46,7 @@ bw_status bwi_multilevel_create_over(bw_context *context, bwi_coarse *coarse, co
                                      const bw_graph *graph, bool even, bwi_multilevel **levels);
 /* The equations of a shape. *usable is false where they are not positive definite. */
 bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *levels, const bw_model *model,
-                                const bw_numbering *numbering, const double *stiffness,
-                                bool *usable);
+                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);
 /* Bytes that an iteration reads for up to BWI_SWEEP_SIDES right-hand sides; operations of following
  * a shape. */
 double bwi_multilevel_bytes(const bwi_multilevel *levels);

@@ -63,18 +63,18 @@ done:
 }
 
 /* What of a vector at a node is along its unknowns; the two may be the same. */
-static void held_out(const bw_numbering *numbering, int64_t node, const double *f, double out[3]) {
-  int32_t row = numbering->frame_of[node];
-  const uint8_t *state = numbering->state + 3 * node;
+static void held_out(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]) {
+  int32_t row = dof_map->frame_of[node];
+  const uint8_t *state = dof_map->state + 3 * node;
   if (row < 0) {
     for (int d = 0; d < 3; d++)
-      out[d] = state[d] == BW_UNKNOWN ? f[d] : 0;
+      out[d] = state[d] == BW_DOF_UNKNOWN ? f[d] : 0;
     return;
   }
-  const double *frame = numbering->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
+  const double *frame = dof_map->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
   out[0] = out[1] = out[2] = 0;
   for (int c = 0; c < 3; c++) {
-    double along = state[c] == BW_UNKNOWN ? bw_dot(frame + 3 * c, from) : 0;
+    double along = state[c] == BW_DOF_UNKNOWN ? bw_dot(frame + 3 * c, from) : 0;
     for (int d = 0; d < 3; d++)
       out[d] += along * frame[3 * c + d];
   }
@@ -86,7 +86,7 @@ static void keep_unknowns(const bwi_multilevel *l, int width, double *field) {
     double *x = field + 3 * (int64_t)width * l->held[h];
     for (int f = 0; f < width; f++) {
       double value[3] = {x[f], x[width + f], x[2 * width + f]};
-      held_out(l->numbering, l->sweeps->node[l->held[h]], value, value);
+      held_out(l->dof_map, l->sweeps->node[l->held[h]], value, value);
       for (int d = 0; d < 3; d++)
         x[d * width + f] = value[d];
     }
@@ -135,9 +135,9 @@ static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool rene
         for (int d = 0; d < 3; d++)
           rest[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
                     l->ku[(3 * k + d) * width + f];
-        held_out(l->numbering, node, rest, value);
+        held_out(l->dof_map, node, rest, value);
       } else if (f < it->used)
-        held_out(l->numbering, node, it->force + f * size + 3 * node, value);
+        held_out(l->dof_map, node, it->force + f * size + 3 * node, value);
       for (int d = 0; d < 3; d++) {
         l->r[(3 * k + d) * width + f] = value[d];
         l->floats[(3 * k + d) * width + f] = (float)value[d];

@@ -42,7 +42,7 @@ static bw_status check_options(bw_context *context, const bw_outside_options *gi
 /* What is assembled for one call. */
 typedef struct equations {
   bw_outside_matrix matrix;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   bw_graph *graph;
   double *stiffness, *mass;
   bool open;
@@ -67,7 +67,7 @@ static bw_status assemble(bw_context *context, const bw_model *model, bool mass,
       e->mass[k] *= density;
   }
   e->matrix = (bw_outside_matrix){
-      .numbering = e->numbering, .graph = e->graph, .stiffness = e->stiffness, .mass = e->mass};
+      .dof_map = e->dof_map, .graph = e->graph, .stiffness = e->stiffness, .mass = e->mass};
 done:
   return status;
 }
@@ -82,7 +82,7 @@ static void clear(bw_context *context, equations *e, bw_outside_report *report) 
   if (e->open)
     registered->close(context, report);
   e->open = false;
-  bw_release(e->numbering);
+  bw_release(e->dof_map);
   bw_release(e->graph);
   bw_free(e->stiffness);
   bw_free(e->mass);
@@ -123,13 +123,13 @@ static bw_status judge(bw_context *context, const equations *e, double rtol,
     goto done;
   }
   memcpy(rest, result->force, (size_t)size * sizeof *rest);
-  if (e->numbering->motion_count > 0)
-    bw_motions_balance(e->numbering, rest);
+  if (e->dof_map->motion_count > 0)
+    bw_rigid_modes_balance(e->dof_map, rest);
   BW_TRY(
       bw_graph_multiply(context, e->graph, e->stiffness, 9, 3, 1, result->displacement, product));
   for (int64_t i = 0; i < size; i++)
     rest[i] -= product[i];
-  bwi_keep_states(e->numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, rest);
+  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, rest);
   double left = norm(rest, size);
   bool product_rounding =
       result->residual < 1e-6 &&
@@ -156,8 +156,8 @@ bw_status bw_statics_outside(bw_context *context, const bw_model *model,
   equations e = {0};
   bw_static *result = NULL;
   BW_TRY(check_options(context, given, BW_OUTSIDE_CG, &options));
-  BW_TRY(bw_numbering_create(context, model, &e.numbering));
-  BW_TRY(bwi_static_begin(context, model, statics, e.numbering, &result));
+  BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
+  BW_TRY(bwi_static_begin(context, model, statics, e.dof_map, &result));
   result->outside = BW_NEW0(context, bw_outside_report, 1);
   if (!result->outside) {
     status = BW_MEMORY;
@@ -167,7 +167,7 @@ bw_status bw_statics_outside(bw_context *context, const bw_model *model,
   BW_TRY(open_system(context, &options, &e));
   outside_solve data = {.equations = &e};
   bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
-  BW_TRY(bwi_static_solve(context, e.numbering, e.graph, e.stiffness, &solver, result));
+  BW_TRY(bwi_static_solve(context, e.dof_map, e.graph, e.stiffness, &solver, result));
   if (result->residual > options.rtol)
     BW_TRY(judge(context, &e, options.rtol, result));
 done:
@@ -196,8 +196,8 @@ static bw_status residuals(bw_context *context, const equations *e, int count, c
     const double *x = vector + k * size;
     BW_TRY(bw_graph_multiply(context, e->graph, e->stiffness, 9, 3, 1, x, kx));
     BW_TRY(bw_graph_multiply(context, e->graph, e->mass, 1, 3, 1, x, mx));
-    bwi_keep_states(e->numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, kx);
-    bwi_keep_states(e->numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, mx);
+    bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, kx);
+    bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, mx);
     double difference = 0, whole = 0;
     for (int64_t i = 0; i < size; i++) {
       double m = value[k] * mx[i], d = kx[i] - m;
@@ -229,7 +229,7 @@ bw_status bw_modes_outside(bw_context *context, const bw_model *model,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_numbering_create(context, model, &e.numbering));
+  BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
   BW_TRY(assemble(context, model, true, &e));
   BW_TRY(open_system(context, &outside, &e));
   status = registered->modes(context, &wish, &found);
@@ -248,7 +248,7 @@ bw_status bw_modes_outside(bw_context *context, const bw_model *model,
     goto done;
   }
   BW_TRY(residuals(context, &e, result.count, result.value, result.vector, result.residual));
-  BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.numbering->motion_count, &result,
+  BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.dof_map->motion_count, &result,
                         modes));
 done:
   clear(context, &e, report);

@@ -50,17 +50,17 @@ static bw_status check_options(bw_context *context, const bw_statics_options *gi
 }
 
 /* The equations: those given where they fit, else new ones that reuse what they can. */
-static bw_status bring_system(statics *s, const bw_numbering *numbering, bw_system *given) {
+static bw_status bring_system(statics *s, const bw_dof_map *dof_map, bw_system *given) {
   const bw_model *model = s->model;
   if (given && !bwi_same_topology(given->mesh, model->mesh))
     given = NULL;
   if (given && (given->factor || given->levels) && given->mesh == model->mesh &&
-      given->material == model->material && bwi_same_supports(given->numbering, numbering)) {
+      given->material == model->material && bwi_same_supports(given->dof_map, dof_map)) {
     s->result->system = bw_retain(given);
     return BW_OK;
   }
   s->old = given && given->factor ? given->factor->symbolic : NULL;
-  return bwi_system_begin(s->context, model->mesh, model->material, numbering, given,
+  return bwi_system_begin(s->context, model->mesh, model->material, dof_map, given,
                           &s->result->system);
 }
 
@@ -96,7 +96,7 @@ static bw_status choose(statics *s) {
                    "body: %s",
                    system->mesh->order == 2 ? "this one is free to move" : "these are linear");
   if (method == BW_STATICS_FACTOR || !fit || (method == BW_STATICS_AUTO && system->factor) ||
-      (method == BW_STATICS_AUTO && system->numbering->unknown_count < SMALL))
+      (method == BW_STATICS_AUTO && system->dof_map->unknown_count < SMALL))
     return BW_OK;
   if (!system->levels)
     BW_TRY(bwi_levels_foresee(s->context, system));
@@ -154,7 +154,7 @@ done:
 
 static bw_status run(statics *s, const bwi_static_solver *solver) {
   const bw_system *system = s->result->system;
-  return bwi_static_solve(s->context, system->numbering, system->graph, system->stiffness, solver,
+  return bwi_static_solve(s->context, system->dof_map, system->graph, system->stiffness, solver,
                           s->result);
 }
 
@@ -226,7 +226,7 @@ static bool other_way(const statics *s, bw_status status) {
   if (s->levels)
     return (status == BW_CONVERGENCE && has_room(s, &system->levels->forecast)) ||
            status == BW_SINGULAR;
-  return status == BW_MEMORY && bwi_levels_fit(system) && system->numbering->unknown_count >= SMALL;
+  return status == BW_MEMORY && bwi_levels_fit(system) && system->dof_map->unknown_count >= SMALL;
 }
 
 static bw_status solve(statics *s) {
@@ -259,16 +259,16 @@ done:
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                      const bw_statics_options *options, bw_static **out) {
   bw_status status = BW_OK;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   statics s = {.context = context, .model = model};
   BW_TRY(check_options(context, options, &s.wish));
-  BW_TRY(bw_numbering_create(context, model, &numbering));
-  BW_TRY(bwi_static_begin(context, model, options, numbering, &s.result));
-  BW_TRY(bring_system(&s, numbering, system));
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
+  BW_TRY(bring_system(&s, dof_map, system));
   s.room = s.wish.memory > 0 ? s.wish.memory : bw_free_memory();
   BW_TRY(solve(&s));
 done:
-  bw_release(numbering);
+  bw_release(dof_map);
   if (status == BW_OK)
     *out = s.result;
   else

@@ -37,14 +37,14 @@ static size_t levels_bytes(const void *object) {
 static const bw_kind levels_kind = {"levels of a system", levels_destroy, levels_bytes};
 
 bool bwi_levels_fit(const bw_system *system) {
-  return bwi_coarse_fits(system->mesh, system->numbering);
+  return bwi_coarse_fits(system->mesh, system->dof_map);
 }
 
 static bwi_forecast foresee(const bw_system *system, const bwi_coarse *coarse) {
   bwi_forecast cost = {0};
   double pairs = (double)(system->graph->pair_count - system->graph->node_count);
   double unknowns = bwi_coarse_unknowns(coarse);
-  double wider = unknowns > 0 ? system->numbering->unknown_count / (2 * unknowns) : 0;
+  double wider = unknowns > 0 ? system->dof_map->unknown_count / (2 * unknowns) : 0;
   cost.factor_flops = MORE_FLOPS * wider * wider * wider * bwi_coarse_flops(coarse);
   cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
   cost.factor = cost.factor_flops / bwi_local_flops_per_second(64) +
@@ -65,7 +65,7 @@ bw_status bwi_levels_foresee(bw_context *context, bw_system *system) {
   bw_object_init(l, &levels_kind);
   bw_progress(context, "order", 0);
   BW_TRY(bwi_coarse_create(context, system->mesh, &l->coarse));
-  BW_TRY(bwi_coarse_count(context, l->coarse, system->numbering));
+  BW_TRY(bwi_coarse_count(context, l->coarse, system->dof_map));
   l->forecast = foresee(system, l->coarse);
 done:
   if (status == BW_OK)
@@ -98,7 +98,7 @@ bw_status bwi_levels_make(bw_context *context, const bw_model *model, bw_system 
   bw_progress(context, "factor", 0);
   BW_TRY(find_even(context, system, &even));
   BW_TRY(bwi_multilevel_create_over(context, l->coarse, system->mesh, system->graph, even, &made));
-  BW_TRY(bwi_multilevel_follow(context, made, model, system->numbering, system->stiffness, usable));
+  BW_TRY(bwi_multilevel_follow(context, made, model, system->dof_map, system->stiffness, usable));
   if (*usable) {
     l->multilevel = made;
     made = NULL;

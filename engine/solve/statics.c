@@ -34,28 +34,28 @@ static double norm(const double *a, int64_t size) {
   return sqrt(sum);
 }
 
-/* The load's work on each free motion, against the work it would do were all of it along the
+/* The load's work on each rigid-body mode, against the work it would do were all of it along the
  * motion. */
-static bw_status check_balance(bw_context *context, const bw_numbering *numbering,
-                               const double *force, double tolerance) {
+static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, const double *force,
+                               double tolerance) {
   bw_status status = BW_OK;
   char *text = NULL;
-  int32_t nodes = numbering->mesh->node_count, motions = numbering->motion_count;
+  int32_t nodes = dof_map->mesh->node_count, motions = dof_map->motion_count;
   double *part = BW_NEW(context, double, motions);
   if (!part)
     return BW_MEMORY;
-  bw_motions_dot(numbering, force, part);
+  bw_rigid_modes_dot(dof_map, force, part);
   int worst = -1;
   double excess = tolerance, resultant[3] = {0};
   for (int m = 0; m < motions; m++) {
-    const bw_rigid_motion *motion = &numbering->motion[m];
+    const bw_rigid_mode *motion = &dof_map->motion[m];
     double size = 0;
     for (int64_t i = 0; i < nodes; i++) {
-      if (numbering->mesh->component[i] != motion->component)
+      if (dof_map->mesh->component[i] != motion->component)
         continue;
       double arm[3], turn[3];
       for (int c = 0; c < 3; c++)
-        arm[c] = numbering->mesh->node[3 * i + c] - motion->centre[c];
+        arm[c] = dof_map->mesh->node[3 * i + c] - motion->centre[c];
       bw_cross(motion->rotation, arm, turn);
       for (int c = 0; c < 3; c++)
         turn[c] += motion->translation[c];
@@ -70,16 +70,16 @@ static bw_status check_balance(bw_context *context, const bw_numbering *numberin
     for (int64_t i = 0; i < nodes; i++)
       for (int c = 0; c < 3; c++)
         resultant[c] += force[3 * i + c];
-    BW_TRY(bw_numbering_describe_free(context, numbering, &text));
-    status = bw_fail(context, BW_FREE,
+    BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
+    status = bw_fail(context, BW_UNCONSTRAINED,
                      "the load is not balanced on a body that can move freely; %s. The load works "
                      "on motion %d, %s: %.3g of its size is along it (allowed: %.3g); its "
                      "resultant is (%g, %g, %g) N. Add supports, balance the load, or ask for "
                      "inertia relief",
-                     text, worst + 1, numbering->motion[worst].text, excess, tolerance,
-                     resultant[0], resultant[1], resultant[2]);
+                     text, worst + 1, dof_map->motion[worst].text, excess, tolerance, resultant[0],
+                     resultant[1], resultant[2]);
     bw_detail_number(context, "motions", motions);
-    bw_detail_text(context, "motion", numbering->motion[worst].text);
+    bw_detail_text(context, "motion", dof_map->motion[worst].text);
   }
 done:
   bw_free(part);
@@ -88,7 +88,7 @@ done:
 }
 
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,
-                           const bw_statics_options *options, const bw_numbering *numbering,
+                           const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **out) {
   bw_status status = BW_OK;
   bw_statics_options wish = options ? *options : (bw_statics_options){0};
@@ -110,10 +110,10 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_model_check_absorbed(context, model, numbering));
+  BW_TRY(bw_model_check_absorbed(context, model, dof_map));
   BW_TRY(bw_model_force_vector(context, model, result->force));
-  if (numbering->motion_count > 0 && !wish.inertia_relief)
-    BW_TRY(check_balance(context, numbering, result->force, wish.tolerance));
+  if (dof_map->motion_count > 0 && !wish.inertia_relief)
+    BW_TRY(check_balance(context, dof_map, result->force, wish.tolerance));
 done:
   if (status == BW_OK)
     *out = result;
@@ -122,11 +122,11 @@ done:
   return status;
 }
 
-bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
-                           const bw_graph *graph, const double *stiffness,
-                           const bwi_static_solver *solver, bw_static *result) {
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const bw_graph *graph,
+                           const double *stiffness, const bwi_static_solver *solver,
+                           bw_static *result) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)numbering->mesh->node_count;
+  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *u = result->displacement;
   double *load = BW_NEW(context, double, size);
   double *work = BW_NEW(context, double, size);
@@ -138,17 +138,17 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
     goto done;
   }
   memcpy(load, result->force, (size_t)size * sizeof(double));
-  if (numbering->motion_count > 0)
-    bw_motions_balance(numbering, load);
+  if (dof_map->motion_count > 0)
+    bw_rigid_modes_balance(dof_map, load);
   /* work = load - K u at the unknowns, for u = u0 at first and the solution later */
-  bwi_prescribed_field(numbering, u);
+  bwi_prescribed_field(dof_map, u);
   memcpy(work, load, (size_t)size * sizeof(double));
-  if (numbering->prescribed) {
+  if (dof_map->prescribed) {
     BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, step));
     for (int64_t i = 0; i < size; i++)
       work[i] -= step[i];
   }
-  bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
+  bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
   double scale = norm(work, size);
   result->residual = scale > 0 ? 1 : 0;
   int most = solver->once ? 0 : REFINEMENTS;
@@ -156,12 +156,12 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
     BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
       step[i] += u[i];
-    if (numbering->motion_count > 0 && !numbering->prescribed)
-      bw_motions_remove(numbering, step);
+    if (dof_map->motion_count > 0 && !dof_map->prescribed)
+      bw_rigid_modes_remove(dof_map, step);
     BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, step, product));
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - product[i];
-    bwi_keep_states(numbering, 1u << BW_UNKNOWN | 1u << BW_PINNED, work);
+    bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
     double residual = norm(work, size) / scale;
     if (!isfinite(residual)) {
       status = bw_fail(context, BW_SINGULAR, "the solution is not finite");
@@ -184,7 +184,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_numbering *numbering,
     result->energy += 0.5 * u[i] * result->reaction[i];
     result->reaction[i] -= load[i];
   }
-  bwi_keep_states(numbering, 1u << BW_HELD, result->reaction);
+  bwi_keep_states(dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
 done:
   bw_free(load);
   bw_free(work);

@@ -53,10 +53,10 @@ typedef struct bwi_sweeps {
  * blocks are symmetric. Release with bw_release. */
 bw_status bwi_sweeps_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                             bool even, bwi_sweeps **out);
-/* Take over a stiffness (9 numbers per pair) at the unknowns of a numbering. *usable is false where
+/* Take over a stiffness (9 numbers per pair) at the unknowns of a DOF map. *usable is false where
  * a node's own block is not positive definite. */
 bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *sweeps, const double *stiffness,
-                            const bw_numbering *numbering, bool *usable);
+                            const bw_dof_map *dof_map, bool *usable);
 /* z = (D + L)^-1 r and rest = r - K z, where z is 0 off the unknowns and rest of no meaning. */
 bw_status bwi_sweeps_forward(bw_context *context, const bwi_sweeps *sweeps, int width,
                              const float *r, float *z, float *rest);

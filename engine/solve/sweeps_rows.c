@@ -13,20 +13,20 @@ enum { ROWS = BWI_SWEEP_ROWS };
 typedef struct taking {
   bwi_sweeps *s;
   const double *stiffness;
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
 } taking;
 
 /* The inverse of a diagonal block on the unknowns of its node, 0 on what is held: F^T (F K F^T)^-1
  * F with the directions of the unknowns for rows of F. */
-static bool invert(const bw_numbering *numbering, int64_t node, const double *block,
+static bool invert(const bw_dof_map *dof_map, int64_t node, const double *block,
                    double inverse[9]) {
   static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  int32_t row = numbering->frame_of[node];
-  const double *frame = row < 0 ? global : numbering->frame + 9 * (int64_t)row;
+  int32_t row = dof_map->frame_of[node];
+  const double *frame = row < 0 ? global : dof_map->frame + 9 * (int64_t)row;
   int count = 0;
   double f[3][3], a[3][3], b[3][3] = {{0}};
   for (int k = 0; k < 3; k++)
-    if (numbering->state[3 * node + k] == BW_UNKNOWN)
+    if (dof_map->state[3 * node + k] == BW_DOF_UNKNOWN)
       memcpy(f[count++], frame + 3 * k, sizeof f[0]);
   for (int p = 0; p < count; p++)
     for (int q = 0; q < count; q++) {
@@ -72,7 +72,7 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
     int64_t i = s->node[k];
     const double *own = t->stiffness + 9 * (s->graph->start[i + 1] - 1); /* the last of its row */
     double inverse[9];
-    bool sound = invert(t->numbering, i, own, inverse);
+    bool sound = invert(t->dof_map, i, own, inverse);
     for (int c = 0; c < 9; c++) {
       s->inverse[9 * k + c] = sound ? (float)(inverse[3 * (c % 3) + c / 3] / s->unit) : NAN;
       s->diagonal[9 * k + c] = s->unit * own[3 * (c % 3) + c / 3];
@@ -98,7 +98,7 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
 }
 
 bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *s, const double *stiffness,
-                            const bw_numbering *numbering, bool *usable) {
+                            const bw_dof_map *dof_map, bool *usable) {
   bw_status status = BW_OK;
   double most = 0;
   int exponent = 0;
@@ -110,7 +110,7 @@ bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *s, const double *st
     return BW_OK;
   frexp(most, &exponent);
   s->unit = ldexp(1, -exponent);
-  taking t = {s, stiffness, numbering};
+  taking t = {s, stiffness, dof_map};
   BW_TRY(bw_parallel(context, s->count, ROWS, take, &t));
   *usable = true;
   for (int64_t k = 0; k < s->count; k++)

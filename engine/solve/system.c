@@ -2,7 +2,7 @@
 /* The equations of a body. Prescribed components are left out of the matrix; so are the pinned ones
  * of a body that is free, which makes the rest positive definite: with P = 1 - R R^T W (model.h)
  *     u = P K_pinned^-1 P^T f
- * is the solution free of rigid motion for the balanced load P^T f, whichever components were
+ * is the solution free of rigid-body motion for the balanced load P^T f, whichever components were
  * pinned. */
 #include <float.h>
 #include <math.h>
@@ -15,7 +15,7 @@ static void system_destroy(void *object) {
   bw_system *system = object;
   bw_release(system->mesh);
   bw_release(system->material);
-  bw_release(system->numbering);
+  bw_release(system->dof_map);
   bw_release(system->graph);
   bw_release(system->factor);
   bw_release(system->levels);
@@ -42,13 +42,13 @@ bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b) {
                   (size_t)a->element_count * (size_t)a->nodes_per_element * sizeof(int32_t)) == 0));
 }
 
-void bwi_nodes_taking_part(const bw_numbering *numbering, uint8_t *take) {
-  const bw_mesh *mesh = numbering->mesh;
+void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
+  const bw_mesh *mesh = dof_map->mesh;
   for (int64_t i = 0; i < mesh->node_count; i++) {
     int32_t body = mesh->component[i];
-    take[i] = numbering->motion_start[body + 1] > numbering->motion_start[body];
+    take[i] = dof_map->motion_start[body + 1] > dof_map->motion_start[body];
     for (int c = 0; c < 3; c++)
-      take[i] |= numbering->unknown[3 * i + c] >= 0;
+      take[i] |= dof_map->unknown[3 * i + c] >= 0;
   }
 }
 
@@ -59,29 +59,28 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
   return true;
 }
 
-bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph,
-                           const bw_numbering *numbering, int32_t domain_count,
-                           const int32_t *element_domain, const bw_edits *edits, bwi_symbolic *old,
-                           bwi_symbolic **symbolic) {
+bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_dof_map *dof_map,
+                           int32_t domain_count, const int32_t *element_domain,
+                           const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
   int32_t nodes = graph->node_count;
   bwi_order *order = NULL;
   uint8_t *take = BW_NEW(context, uint8_t, nodes);
   if (!take)
     return BW_MEMORY;
-  bwi_nodes_taking_part(numbering, take);
+  bwi_nodes_taking_part(dof_map, take);
   if (old && order_fits(old->order, take, nodes)) {
-    if (bwi_symbolic_fits(old, 3, numbering->unknown)) {
+    if (bwi_symbolic_fits(old, 3, dof_map->unknown)) {
       *symbolic = bw_retain(old);
       goto done;
     }
     order = bw_retain(old->order);
   } else if (element_domain)
-    BW_TRY(bwi_order_create_domains(context, graph, take, numbering->mesh, domain_count,
+    BW_TRY(bwi_order_create_domains(context, graph, take, dof_map->mesh, domain_count,
                                     element_domain, edits, &order));
   else
     BW_TRY(bwi_order_create(context, graph, take, &order));
-  BW_TRY(bwi_symbolic_create(context, order, 3, numbering->unknown, symbolic));
+  BW_TRY(bwi_symbolic_create(context, order, 3, dof_map->unknown, symbolic));
 done:
   bw_free(take);
   bw_release(order);
@@ -106,18 +105,17 @@ bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t nod
 }
 
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                           const bw_numbering *numbering, const bw_system *previous,
-                           bw_system **out) {
+                           const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
   bw_status status = BW_OK;
-  if (numbering->mesh != mesh && !bwi_same_topology(numbering->mesh, mesh))
-    return bw_fail(context, BW_INVALID, "the numbering belongs to another mesh");
+  if (dof_map->mesh != mesh && !bwi_same_topology(dof_map->mesh, mesh))
+    return bw_fail(context, BW_INVALID, "the DOF map belongs to another mesh");
   bw_system *system = BW_NEW0(context, bw_system, 1);
   if (!system)
     return BW_MEMORY;
   bw_object_init(system, &system_kind);
   system->mesh = bw_retain(mesh);
   system->material = bw_retain(material);
-  system->numbering = bw_retain(numbering);
+  system->dof_map = bw_retain(dof_map);
   system->density = material->density > 0 ? material->density : 1;
 
   double start = bw_seconds();
@@ -199,8 +197,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   if (system->factor)
     return BW_OK;
   bw_progress(context, "order", 0);
-  BW_TRY(
-      bwi_symbolic_for(context, system->graph, system->numbering, 0, NULL, NULL, old, &symbolic));
+  BW_TRY(bwi_symbolic_for(context, system->graph, system->dof_map, 0, NULL, NULL, old, &symbolic));
   BW_TRY(check_room(context, symbolic, room));
   BW_TRY(bring_mass(context, system));
   system->times.order += bw_seconds() - start;
@@ -208,7 +205,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   start = bw_seconds();
   bw_progress(context, "factor", 0);
   bwi_matrix matrix = {
-      .graph = system->graph, .stiffness = system->stiffness, .numbering = system->numbering};
+      .graph = system->graph, .stiffness = system->stiffness, .dof_map = system->dof_map};
   int32_t bad = 0;
   status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
   if (status == BW_SINGULAR)
@@ -230,13 +227,12 @@ bw_status bw_system_factor(bw_context *context, bw_system *system) {
 }
 
 bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
-                           const bw_numbering *numbering, const bw_system *previous,
-                           bw_system **out) {
+                           const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
   bw_status status = BW_OK;
   bw_system *system = NULL;
   if (previous && !bwi_same_topology(previous->mesh, mesh))
     previous = NULL;
-  BW_TRY(bwi_system_begin(context, mesh, material, numbering, previous, &system));
+  BW_TRY(bwi_system_begin(context, mesh, material, dof_map, previous, &system));
   BW_TRY(bwi_system_factor(context, system,
                            previous && previous->factor ? previous->factor->symbolic : NULL,
                            bw_free_memory()));
@@ -249,7 +245,7 @@ done:
 }
 
 typedef struct projection {
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
   bool force;
   double *fields;
 } projection;
@@ -257,42 +253,42 @@ typedef struct projection {
 static bw_status project(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const projection *p = data;
-  int64_t size = 3 * (int64_t)p->numbering->mesh->node_count;
+  int64_t size = 3 * (int64_t)p->dof_map->mesh->node_count;
   for (int64_t k = begin; k < end; k++)
     if (p->force)
-      bw_motions_balance(p->numbering, p->fields + k * size);
+      bw_rigid_modes_balance(p->dof_map, p->fields + k * size);
     else
-      bw_motions_remove(p->numbering, p->fields + k * size);
+      bw_rigid_modes_remove(p->dof_map, p->fields + k * size);
   return BW_OK;
 }
 
-bw_status bwi_balance_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+bw_status bwi_balance_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                              double *force) {
-  projection balance = {numbering, true, force};
-  return numbering->motion_count ? bw_parallel(context, count, 1, project, &balance) : BW_OK;
+  projection balance = {dof_map, true, force};
+  return dof_map->motion_count ? bw_parallel(context, count, 1, project, &balance) : BW_OK;
 }
 
-bw_status bwi_steady_fields(bw_context *context, const bw_numbering *numbering, int64_t count,
+bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                             double *displacement) {
-  projection remove = {numbering, false, displacement};
-  return numbering->motion_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
+  projection remove = {dof_map, false, displacement};
+  return dof_map->motion_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
 }
 
 bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                           const double *force, double *displacement) {
   bw_status status = BW_OK;
-  const bw_numbering *numbering = system->numbering;
+  const bw_dof_map *dof_map = system->dof_map;
   size_t size = 3 * (size_t)system->mesh->node_count;
   double start = bw_seconds();
   BW_TRY(bwi_need_factor(context, system));
-  if (numbering->motion_count > 0) {
+  if (dof_map->motion_count > 0) {
     if (force != displacement)
       memcpy(displacement, force, (size_t)count * size * sizeof(double));
-    BW_TRY(bwi_balance_fields(context, numbering, count, displacement));
+    BW_TRY(bwi_balance_fields(context, dof_map, count, displacement));
     force = displacement;
   }
-  BW_TRY(bwi_solve_fields(context, system->factor, numbering, count, force, displacement));
-  BW_TRY(bwi_steady_fields(context, numbering, count, displacement));
+  BW_TRY(bwi_solve_fields(context, system->factor, dof_map, count, force, displacement));
+  BW_TRY(bwi_steady_fields(context, dof_map, count, displacement));
 done:
   system->times.solve += bw_seconds() - start;
   return status;
@@ -311,16 +307,16 @@ bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
 }
 
 /* What the frame's directions with `keep` see of a vector at a node. */
-static void keep_at_node(const bw_numbering *numbering, int64_t node, const bool keep[3],
+static void keep_at_node(const bw_dof_map *dof_map, int64_t node, const bool keep[3],
                          double *vector) {
-  int32_t row = numbering->frame_of[node];
+  int32_t row = dof_map->frame_of[node];
   if (row < 0) {
     for (int c = 0; c < 3; c++)
       if (!keep[c])
         vector[c] = 0;
     return;
   }
-  const double *frame = numbering->frame + 9 * (int64_t)row;
+  const double *frame = dof_map->frame + 9 * (int64_t)row;
   double kept[3] = {0, 0, 0};
   for (int c = 0; c < 3; c++)
     if (keep[c]) {
@@ -331,21 +327,21 @@ static void keep_at_node(const bw_numbering *numbering, int64_t node, const bool
   memcpy(vector, kept, sizeof kept);
 }
 
-void bwi_keep_states(const bw_numbering *numbering, unsigned states, double *field) {
-  for (int64_t i = 0; i < numbering->mesh->node_count; i++) {
+void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field) {
+  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
     bool keep[3];
     for (int c = 0; c < 3; c++)
-      keep[c] = states >> numbering->state[3 * i + c] & 1;
+      keep[c] = states >> dof_map->state[3 * i + c] & 1;
     if (!keep[0] || !keep[1] || !keep[2])
-      keep_at_node(numbering, i, keep, field + 3 * i);
+      keep_at_node(dof_map, i, keep, field + 3 * i);
   }
 }
 
-void bwi_prescribed_field(const bw_numbering *numbering, double *field) {
-  for (int64_t i = 0; i < numbering->mesh->node_count; i++) {
-    const double *value = numbering->value + 3 * i;
-    int32_t row = numbering->frame_of[i];
-    const double *frame = row < 0 ? NULL : numbering->frame + 9 * (int64_t)row;
+void bwi_prescribed_field(const bw_dof_map *dof_map, double *field) {
+  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
+    const double *value = dof_map->value + 3 * i;
+    int32_t row = dof_map->frame_of[i];
+    const double *frame = row < 0 ? NULL : dof_map->frame + 9 * (int64_t)row;
     for (int c = 0; c < 3; c++)
       field[3 * i + c] =
           frame ? frame[c] * value[0] + frame[3 + c] * value[1] + frame[6 + c] * value[2]
@@ -353,7 +349,7 @@ void bwi_prescribed_field(const bw_numbering *numbering, double *field) {
   }
 }
 
-bool bwi_same_supports(const bw_numbering *a, const bw_numbering *b) {
+bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {
   if (a == b)
     return true;
   size_t nodes = (size_t)a->mesh->node_count;

@@ -164,11 +164,11 @@ local function build(stated)
   return part
 end
 
--- Work of a unit of each pressure on each free motion, as columns, and the largest displacement of each motion.
+-- Work of a unit of each pressure on each rigid-body mode, as columns, and the largest displacement of each motion.
 local function works(stated, part, basis)
   local motions, list, reaches = needed("", part:free_motions()), {}, {}
   if #motions ~= #stated.motions then
-    reject("%d free motions stated, the supports leave %d", #stated.motions, #motions)
+    reject("%d rigid-body modes stated, the supports leave %d", #stated.motions, #motions)
   end
   local points, components = part.mesh.nodes:totable(), part.mesh.components:totable()
   for i, motion in ipairs(motions) do

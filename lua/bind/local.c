@@ -295,7 +295,7 @@ static int local_baseline(lua_State *L) {
 }
 
 static int local_unknown_count(lua_State *L) {
-  lua_pushinteger(L, self(L)->system->numbering->unknown_count);
+  lua_pushinteger(L, self(L)->system->dof_map->unknown_count);
   return 1;
 }
 
@@ -311,7 +311,7 @@ static int local_tostring(lua_State *L) {
   char text[200];
   snprintf(text, sizeof text,
            "local system of %d unknowns in %d pieces, factor of %.3g MB, %.3g MB kept for updates",
-           (int)local->system->numbering->unknown_count, (int)local->stiffness->domain_count,
+           (int)local->system->dof_map->unknown_count, (int)local->stiffness->domain_count,
            (double)factor / 1e6, (double)updates / 1e6);
   lua_pushstring(L, text);
   return 1;

@@ -238,10 +238,10 @@ static int model_force_vector(lua_State *L) {
 }
 
 static int push_motions(lua_State *L) {
-  const bw_numbering *numbering = (const bw_numbering *)lua_touserdata(L, 1);
-  lua_createtable(L, numbering->motion_count, 0);
-  for (int32_t m = 0; m < numbering->motion_count; m++) {
-    const bw_rigid_motion *motion = &numbering->motion[m];
+  const bw_dof_map *dof_map = (const bw_dof_map *)lua_touserdata(L, 1);
+  lua_createtable(L, dof_map->motion_count, 0);
+  for (int32_t m = 0; m < dof_map->motion_count; m++) {
+    const bw_rigid_mode *motion = &dof_map->motion[m];
     lua_createtable(L, 0, 5);
     lua_pushinteger(L, (lua_Integer)motion->component + 1);
     lua_setfield(L, -2, "component");
@@ -258,25 +258,25 @@ static int push_motions(lua_State *L) {
   return 1;
 }
 
-/* model:free_motions(): the rigid motions that the supports leave */
+/* model:free_motions(): the rigid-body motions that the supports leave */
 static int model_free_motions(lua_State *L) {
   bw_model *model = self(L);
-  bw_numbering *numbering = NULL;
-  bw_status status = bw_numbering_create(lbw_enter(L), model, &numbering);
+  bw_dof_map *dof_map = NULL;
+  bw_status status = bw_dof_map_create(lbw_enter(L), model, &dof_map);
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
   lbw_state_of(L)->running = 0;
   lua_pushcfunction(L, push_motions);
-  lua_pushlightuserdata(L, numbering);
+  lua_pushlightuserdata(L, dof_map);
   int failure = lua_pcall(L, 1, 1, 0);
-  bw_release(numbering);
+  bw_release(dof_map);
   return failure ? lua_error(L) : lbw_leave(L, BW_OK, 1);
 }
 
 /* ---- the system ------------------------------------------------------------------------------ */
 
 /* The same unknowns: then the same matrix. Prescribed values only matter to right-hand sides. */
-static bool same_unknowns(const bw_numbering *a, const bw_numbering *b) {
+static bool same_unknowns(const bw_dof_map *a, const bw_dof_map *b) {
   size_t nodes = (size_t)a->mesh->node_count;
   return a->mesh == b->mesh && a->unknown_count == b->unknown_count &&
          a->frame_count == b->frame_count &&
@@ -291,23 +291,23 @@ static bool same_unknowns(const bw_numbering *a, const bw_numbering *b) {
 bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system) {
   const bw_model *model = (const bw_model *)box->object;
   bw_system *old = (bw_system *)box->extra, *new = NULL;
-  bw_numbering *numbering = NULL;
-  bw_status status = bw_numbering_create(context, model, &numbering);
+  bw_dof_map *dof_map = NULL;
+  bw_status status = bw_dof_map_create(context, model, &dof_map);
   if (status != BW_OK)
     return status;
   if (old && old->mesh == model->mesh && old->material == model->material &&
-      same_unknowns(old->numbering, numbering)) {
+      same_unknowns(old->dof_map, dof_map)) {
     status = bw_system_factor(context, old);
     *system = old;
   } else {
-    status = bw_system_create(context, model->mesh, model->material, numbering, old, &new);
+    status = bw_system_create(context, model->mesh, model->material, dof_map, old, &new);
     if (status == BW_OK) {
       bw_release(old);
       box->extra = new;
       *system = new;
     }
   }
-  bw_release(numbering);
+  bw_release(dof_map);
   return status;
 }
 

@@ -33,7 +33,7 @@ static bw_status solve(void *data, bw_context *context, int64_t count, const dou
 typedef struct request {
   const bw_model *model;
   solver solver;
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
   double *displacement;
   int32_t *node;
   int64_t count;
@@ -54,15 +54,14 @@ static request check_request(lua_State *L, int options) {
       L, options, "von_mises_slopes", "method", lbw_local_methods, (int)r.solver.options.method);
   r.solver.local = (bw_local_system *)lbw_test(L, 2, &lbw_local_system_class);
   if (r.solver.local)
-    r.numbering = r.solver.local->system->numbering;
+    r.dof_map = r.solver.local->system->dof_map;
   else {
     r.solver.system = (bw_system *)lbw_check(L, 2, &lbw_system_class);
-    r.numbering = r.solver.system->numbering;
+    r.dof_map = r.solver.system->dof_map;
   }
   int32_t nodes = r.model->mesh->node_count;
   int64_t rows;
-  lbw_argument_check(L, r.numbering->mesh->node_count == nodes, 2,
-                     "a system of the model expected");
+  lbw_argument_check(L, r.dof_map->mesh->node_count == nodes, 2, "a system of the model expected");
   lbw_read_guess(L, options, "von_mises_slopes", nodes, &r.solver.options);
   r.displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
   lbw_argument_check(L, rows == nodes, 3, "displacement: a row for every node expected");
@@ -82,7 +81,7 @@ static int core_gradient(lua_State *L) {
   double *value = (double *)lbw_push_array(L, BW_F64, r.count, 1)->data;
   double *gradient = (double *)lbw_push_array(L, BW_F64, r.count * all, 3)->data;
   return lbw_leave(L,
-                   bw_von_mises_gradient(lbw_enter(L), r.model, r.numbering, r.displacement, solve,
+                   bw_von_mises_gradient(lbw_enter(L), r.model, r.dof_map, r.displacement, solve,
                                          &r.solver, r.count, r.node, NULL, value, gradient),
                    2);
 }
@@ -121,7 +120,7 @@ static int core_slopes(lua_State *L) {
       wanted[j / 3] |= motion[m][j] != 0;
   for (int64_t i = 0; i < r.count && status == BW_OK; i += AT_ONCE) {
     int64_t count = r.count - i < AT_ONCE ? r.count - i : AT_ONCE;
-    status = bw_von_mises_gradient(context, r.model, r.numbering, r.displacement, solve, &r.solver,
+    status = bw_von_mises_gradient(context, r.model, r.dof_map, r.displacement, solve, &r.solver,
                                    count, r.node + i, wanted, value + i, gradient);
     for (int64_t k = 0; k < count && status == BW_OK; k++)
       for (int m = 0; m < motions; m++) {

@@ -25,7 +25,7 @@ static int patch_functional(lua_State *L) {
   double *force = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
   double *by_force = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
   return lbw_leave(L,
-                   bw_patch_functional(lbw_enter(L), mesh, system->material, system->numbering,
+                   bw_patch_functional(lbw_enter(L), mesh, system->material, system->dof_map,
                                        radius, (int32_t)node, slope, force, by_force),
                    2);
 }
@@ -50,7 +50,7 @@ static int patch_gradient(lua_State *L) {
   lbw_argument_check(L, system->mesh == mesh, 2, "a system of the same mesh expected");
   memset(&state, 0, sizeof state);
   state.basis = basis;
-  state.numbering = system->numbering;
+  state.dof_map = system->dof_map;
   lua_settop(L, 3);
   lbw_options(L, 3, "patch_gradient", list, &state);
   lbw_option_get(L, 3, "node"); /* 4 */
@@ -94,8 +94,8 @@ static int boundary_gather(lua_State *L) {
 }
 
 /* priced_load(system, basis, objective, {pressure, force, at_most}): the pressure of
- * basis:maximise, the value, and the multipliers: the rigid motion of the balance (a row for every
- * node) and the price of the total force */
+ * basis:maximise, the value, and the multipliers: the rigid-body motion of the balance (a row for
+ * every node) and the price of the total force */
 static int priced_load(lua_State *L) {
   bw_worst_load_options options;
   static const lbw_option list[] = {
@@ -111,17 +111,17 @@ static int priced_load(lua_State *L) {
   lua_settop(L, 4);
   lbw_options(L, 4, "priced_load", list, &options);
   const double *objective = check_rows(L, 3, "objective", 1, basis->count);
-  int motions = system->numbering->motion_count;
+  int motions = system->dof_map->motion_count;
   int64_t nodes = basis->mesh->node_count;
   double *dual = (double *)lua_newuserdatauv(L, ((size_t)motions + 1) * sizeof *dual, 0);
   double *pressure = (double *)lbw_push_array(L, BW_F64, basis->count, 1)->data, value = 0;
   lua_pushnil(L); /* the value's place */
   double *motion = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
-  bw_status status = bw_worst_loads(lbw_enter(L), basis, system->numbering, &options, 1, objective,
+  bw_status status = bw_worst_loads(lbw_enter(L), basis, system->dof_map, &options, 1, objective,
                                     pressure, &value, dual);
   memset(motion, 0, 3 * (size_t)nodes * sizeof *motion);
   if (status == BW_OK)
-    bw_motions_add(system->numbering, dual, motion);
+    bw_rigid_modes_add(system->dof_map, dual, motion);
   lua_pushnumber(L, value);
   lua_replace(L, -3);
   lua_pushnumber(L, status == BW_OK ? dual[motions] : 0);

@@ -399,8 +399,8 @@ static int modes_tostring(lua_State *L) {
                           : "about %.0f cents too high at most",
                cents);
     snprintf(text, sizeof text,
-             "%d elastic modes, %.4g to %.4g Hz, %d rigid motions left out%s; %s", modes->count,
-             modes->frequency[0], modes->frequency[last], modes->rigid_count,
+             "%d elastic modes, %.4g to %.4g Hz, %d rigid-body motions left out%s; %s",
+             modes->count, modes->frequency[0], modes->frequency[last], modes->rigid_count,
              modes->counted ? ", none missing" : "", error);
   } else
     snprintf(text, sizeof text, "%d %s modes, eigenvalues %.4g to %.4g; %s", modes->count,
@@ -478,13 +478,13 @@ static int system_times(lua_State *L) {
 
 static int system_unknown_count(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
-  lua_pushinteger(L, system->numbering->unknown_count);
+  lua_pushinteger(L, system->dof_map->unknown_count);
   return 1;
 }
 
 static int system_motion_count(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
-  lua_pushinteger(L, system->numbering->motion_count);
+  lua_pushinteger(L, system->dof_map->motion_count);
   return 1;
 }
 
@@ -492,8 +492,8 @@ static int system_tostring(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
   char text[160];
   snprintf(text, sizeof text,
-           "system of %d unknowns, %d free rigid motions, factor of %.3g entries",
-           (int)system->numbering->unknown_count, (int)system->numbering->motion_count,
+           "system of %d unknowns, %d unconstrained rigid-body modes, factor of %.3g entries",
+           (int)system->dof_map->unknown_count, (int)system->dof_map->motion_count,
            (double)system->times.factor_entries);
   lua_pushstring(L, text);
   return 1;
@@ -581,10 +581,10 @@ static int push_means(lua_State *L, const bw_mesh *mesh, double radius, int64_t 
     model = (const bw_model *)lbw_check(L, 4, &lbw_model_class);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, columns)->data;
   bw_context *context = lbw_enter(L);
-  bw_numbering *own = NULL;
-  bw_status status = model ? bw_numbering_create(context, model, &own) : BW_OK;
+  bw_dof_map *own = NULL;
+  bw_status status = model ? bw_dof_map_create(context, model, &own) : BW_OK;
   if (status == BW_OK)
-    status = bw_surface_mean(context, mesh, system ? system->numbering : own, radius, (int)columns,
+    status = bw_surface_mean(context, mesh, system ? system->dof_map : own, radius, (int)columns,
                              value, out);
   bw_release(own);
   return lbw_leave(L, status, 1);

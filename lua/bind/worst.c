@@ -87,7 +87,7 @@ static int patch_regions(lua_State *L) {
   lbw_argument_check(L, rows == count, 4, "stresses: a row of six for every node expected");
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
-  bw_status status = bw_weak_regions_patches(lbw_enter(L), system->mesh, system->numbering, radius,
+  bw_status status = bw_weak_regions_patches(lbw_enter(L), system->mesh, system->dof_map, radius,
                                              count, node, stress, &regions);
   lbw_box_fill(L, box, regions);
   return lbw_leave(L, status, 1);
@@ -311,7 +311,7 @@ static int basis_maximise(lua_State *L) {
   lbw_argument_check(L, rows == basis->count, 3,
                      "objective: one for every column of the basis expected");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
-  bw_status status = bw_worst_loads(lbw_enter(L), basis, system->numbering, &options, 1, objective,
+  bw_status status = bw_worst_loads(lbw_enter(L), basis, system->dof_map, &options, 1, objective,
                                     out, &value, NULL);
   lua_pushnumber(L, value);
   return lbw_leave(L, status, 2);

@@ -355,7 +355,7 @@ static int worst_bound(lua_State *L) {
 
 /* dual_bounds(system, basis, {force, pressure, at_most}, works, elements, directions, multipliers):
  * a bound for each element, and what the residuals of the linear solves may add to it. works: a row
- * for each free motion */
+ * for each rigid-body mode */
 static int dual_bounds(lua_State *L) {
   bw_dual_claims claims;
   static const lbw_option list[] = {{"pressure", LBW_REAL, offsetof(bw_dual_claims, pressure)},

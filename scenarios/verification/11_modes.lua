@@ -93,7 +93,7 @@ scenario("NAFEMS FV41, free cylinder, axisymmetric modes", function(t)
   part:slide(grid:face(2, 0), {0, 1, 0})
   part:slide(grid:face(2, 1), {-sin(wedge), cos(wedge), 0})
   compare(t:require(part:modes {count = 5}), 2, {243.53, 377.41, 394.11, 397.72, 405.28}, 0.005,
-    "NAFEMS FV41; mode 1 is the rigid motion along the axis")
+    "NAFEMS FV41; mode 1 is the rigid-body motion along the axis")
 end)
 
 scenario("NAFEMS FV42, thick hollow sphere, radial modes", function(t)

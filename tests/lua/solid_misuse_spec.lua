@@ -161,7 +161,7 @@ describe("a solid", function()
       assert.is_truthy(message:find("load factor", 1, true))
       assert.is_false(details.reached.complete)
     end
-    check.fails("free", "along", column():floor({point = {0, 0, 0}, normal = {0, 0, 1}}):gravity(
+    check.fails("unconstrained", "along", column():floor({point = {0, 0, 0}, normal = {0, 0, 1}}):gravity(
       {0, 0, -9.81}):solve())
     check.raises("density is not known", function()
       standing({bw.hyperelastic {young = 1, poisson = 0}}):gravity({0, 0, -1}):solve()

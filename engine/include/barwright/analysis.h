@@ -88,10 +88,10 @@ BW_API bw_status bw_surface_stress(bw_context *context, const bw_mesh *mesh,
 /* The mean of a field of facets' corners (facet_count x 3 x columns, linear between them) over the
  * boundary that connected facets reach within `radius` of each boundary node, weighted by area and
  * 1 - (distance / radius)^2: node_count x columns. Where the mesh is too coarse for the
- * radius, the mean by area over the facets around the node. Facets that the numbering (may be NULL)
+ * radius, the mean by area over the facets around the node. Facets that the DOF map (may be NULL)
  * constrains in all directions do not count; 0 at inner nodes and inside of such supports. */
 BW_API bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh,
-                                 const bw_numbering *numbering, double radius, int columns,
+                                 const bw_dof_map *dof_map, double radius, int columns,
                                  const double *value, double *mean);
 
 /* ---- how stresses change with the shape (agile, section 7) ------------------------------------
@@ -110,7 +110,7 @@ typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t cou
  * Straight elements only. BW_UNSUPPORTED: a slide along the surface's own normals, and a body held
  * in part that turns freely under its load. */
 BW_API bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
-                                       const bw_numbering *numbering, const double *displacement,
+                                       const bw_dof_map *dof_map, const double *displacement,
                                        bw_solve_function *solve, void *data, int64_t count,
                                        const int32_t *node, const uint8_t *wanted,
                                        double *von_mises, double *gradient);
@@ -120,11 +120,11 @@ BW_API bw_status bw_von_mises_gradient(bw_context *context, const bw_model *mode
  * load
  * (`by_force`), node_count x 3 both (docs/theory/strengthen.md). BW_INVALID for inner nodes. */
 BW_API bw_status bw_patch_functional(bw_context *context, const bw_mesh *mesh,
-                                     const bw_material *material, const bw_numbering *numbering,
+                                     const bw_material *material, const bw_dof_map *dof_map,
                                      double radius, int32_t node, const double slope[6],
                                      double *force, double *by_force);
 typedef struct bw_patch_state {
-  const bw_numbering *numbering;         /* supports; may be NULL */
+  const bw_dof_map *dof_map;             /* supports; may be NULL */
   int32_t node;                          /* in the middle of the patch */
   double radius, slope[6];               /* m; by the six components of the mean stress */
   const double *displacement;            /* u: node_count x 3 */
@@ -136,9 +136,9 @@ typedef struct bw_patch_state {
 /* The derivative, node_count x 3, of
  *     slope . m(u, G p) + lambda . (G p - K u) - price * integral of p
  * by the position of every node, middle ones too, with nodal values of u and lambda and all p
- * constant. With K u = G p, K lambda = bw_patch_functional less the rigid motion of the balance's
- * multipliers, it is the derivative of the largest value over admissible p. *value: slope . m.
- * Curved elements count as they are. BW_UNSUPPORTED for the B-bar formulation. */
+ * constant. With K u = G p, K lambda = bw_patch_functional less the rigid-body motion of the
+ * balance's multipliers, it is the derivative of the largest value over admissible p. *value: slope
+ * . m. Curved elements count as they are. BW_UNSUPPORTED for the B-bar formulation. */
 BW_API bw_status bw_patch_shape_gradient(bw_context *context, const bw_mesh *mesh,
                                          const bw_material *material, const bw_patch_state *state,
                                          double *value, double *gradient);
@@ -213,8 +213,8 @@ BW_API bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *me
  * is s n . m n, m the bw_surface_mean of bw_surface_stress, n and s of stress[6 i] as above. Their
  * elements are those behind the corners of facets. */
 BW_API bw_status bw_weak_regions_patches(bw_context *context, const bw_mesh *mesh,
-                                         const bw_numbering *numbering, double radius,
-                                         int64_t count, const int32_t *node, const double *stress,
+                                         const bw_dof_map *dof_map, double radius, int64_t count,
+                                         const int32_t *node, const double *stress,
                                          bw_weak_regions **regions);
 /* B^T D^T V w of one region (right-hand side of eq. 15): node_count x 3, overwritten. */
 BW_API bw_status bw_region_objective(bw_context *context, const bw_weak_regions *regions,
@@ -290,14 +290,14 @@ typedef struct bw_worst_load_options {
 enum { BW_MOST_HANDS = 16 };
 /* For `count` objectives f (basis->count each, one after the other): the pressures p (same layout)
  * that maximise f . p, and f . p. Objectives are worked on in parallel. Balance rows are those of
- * the numbering's free motions; the pressures of a node's columns add up to p_max at most.
+ * the DOF map's rigid-body modes; the pressures of a node's columns add up to p_max at most.
  * BW_INFEASIBLE says which bound is in the way; where the basis is
  * not complete, balance may be as well: then the message has the largest total force. Every answer
  * fulfils balance to 1e-9 of the force and its duality gap is below 1e-8. `dual` (may be NULL):
  * count x (motion_count + 1) multipliers y, so that with reduced costs d_j = f_j - sum_m y_m
  * <motion m, G e_j> - y_last A_j the optimum is y_last F_tot + p_max sum_j max(0, d_j). */
 BW_API bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
-                                const bw_numbering *numbering, const bw_worst_load_options *options,
+                                const bw_dof_map *dof_map, const bw_worst_load_options *options,
                                 int64_t count, const double *objective, double *pressure,
                                 double *value, double *dual);
 
@@ -354,10 +354,10 @@ typedef struct bw_worst_bound {
 /* What proves the bound: in every leaf a set of directions of an element with multipliers whose
  * dual value is at most `bound`. The leaves of an element cover all directions. Numbers of a leaf:
  * vectors of an exponent e and whole numbers k, which mean k 2^e. For all directions (cell 0) six
- * vectors of multipliers of the free motions, one for each component xx yy zz yz zx xy of stress,
- * and a vector of one, the multiplier of the total force. For a triangle the motions' vector and
- * the total's, for the positive and then the negative sign. Faces of the icosahedron have the cells
- * BW_FIRST_FACE + 0 to 9; the four parts of cell c are 4 c + 0 to 3. */
+ * vectors of multipliers of the rigid-body modes, one for each component xx yy zz yz zx xy of
+ * stress, and a vector of one, the multiplier of the total force. For a triangle the motions'
+ * vector and the total's, for the positive and then the negative sign. Faces of the icosahedron
+ * have the cells BW_FIRST_FACE + 0 to 9; the four parts of cell c are 4 c + 0 to 3. */
 enum { BW_FIRST_FACE = 10 };
 typedef struct bw_bound_leaf {
   int32_t element;

@@ -41,21 +41,21 @@ extern "C" {
 
 typedef enum bw_status {
   BW_OK = 0,
-  BW_INVALID,     /* an argument or option outside what its comment allows */
-  BW_MEMORY,      /* memory ran out */
-  BW_IO,          /* the operating system refused a file operation */
-  BW_FORMAT,      /* a file's content is not what its format says */
-  BW_GEOMETRY,    /* a shape that cannot be used: open, self-intersecting, inverted, empty */
-  BW_EMPTY,       /* a selection that holds nothing */
-  BW_FREE,        /* a body that is not held, or a load that is not balanced */
-  BW_SINGULAR,    /* a matrix that is not positive definite although the body is held */
-  BW_CONVERGENCE, /* an iteration that did not reach its tolerance */
-  BW_INFEASIBLE,  /* constraints that no load fulfils */
-  BW_LIMIT,       /* a limit on time, memory or size was reached */
-  BW_CANCELLED,   /* the caller asked to stop */
-  BW_UNSUPPORTED, /* a valid request that this build or format cannot serve */
-  BW_INTERNAL,    /* a check inside the engine failed: please report it */
-  BW_BROKEN = -1  /* the object that was being changed is fit only for release */
+  BW_INVALID,       /* an argument or option outside what its comment allows */
+  BW_MEMORY,        /* memory ran out */
+  BW_IO,            /* the operating system refused a file operation */
+  BW_FORMAT,        /* a file's content is not what its format says */
+  BW_GEOMETRY,      /* a shape that cannot be used: open, self-intersecting, inverted, empty */
+  BW_EMPTY,         /* a selection that holds nothing */
+  BW_UNCONSTRAINED, /* a body that is not held, or a load that is not balanced */
+  BW_SINGULAR,      /* a matrix that is not positive definite although the body is held */
+  BW_CONVERGENCE,   /* an iteration that did not reach its tolerance */
+  BW_INFEASIBLE,    /* constraints that no load fulfils */
+  BW_LIMIT,         /* a limit on time, memory or size was reached */
+  BW_CANCELLED,     /* the caller asked to stop */
+  BW_UNSUPPORTED,   /* a valid request that this build or format cannot serve */
+  BW_INTERNAL,      /* a check inside the engine failed: please report it */
+  BW_BROKEN = -1    /* the object that was being changed is fit only for release */
 } bw_status;
 
 /* The word for a status, e.g. "format": stable, used as details.status in Lua. */

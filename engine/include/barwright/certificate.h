@@ -17,7 +17,8 @@ typedef struct bw_dual_claims {
   double force, pressure; /* N, Pa */
   bool at_most;           /* the force may also be smaller */
   int32_t motions;
-  const double *work; /* motions x basis->count: of a unit of each pressure on each free motion */
+  const double
+      *work; /* motions x basis->count: of a unit of each pressure on each rigid-body mode */
   int64_t count;
   const int32_t *element;
   const double *direction; /* count x 3: unit vectors, or 0 */

@@ -1,4 +1,4 @@
-/* model: selections on a mesh, supports, loads, unknown numbering, free rigid motions. */
+/* model: selections on a mesh, supports, loads, DOF maps, rigid-body modes. */
 #ifndef BARWRIGHT_MODEL_H
 #define BARWRIGHT_MODEL_H
 
@@ -187,44 +187,46 @@ BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, c
 BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                                     int modes);
 
-/* ---- rigid motions and unknowns ------------------------------------------------------------ */
+/* ---- rigid-body motions and unknowns ------------------------------------------------------------
+ */
 
-/* A rigid motion u(x) = translation + rotation x (x - centre) of one body (component). For a
+/* A rigid-body motion u(x) = translation + rotation x (x - centre) of one body (component). For a
  * rotation the centre is the point of its axis nearest to the body's centre of volume, and the
  * translation is the part along the axis (zero, unless the supports leave a screw motion). */
-typedef struct bw_rigid_motion {
+typedef struct bw_rigid_mode {
   int32_t component;
   double centre[3];
   double translation[3], rotation[3];
   char text[256]; /* "translation along (0, 0, 1)", "rotation about the axis through (...) along
                      (...)" */
-} bw_rigid_motion;
+} bw_rigid_mode;
 
 /* Which unknowns there are. At every node the three displacement components are taken in a frame
  * (the global one, unless an oblique slide needs another); each is an unknown, held (prescribed,
- * often to zero), or pinned. A body whose supports leave rigid motions free is pinned at as many
- * well-chosen components as there are free motions, which adds no stress when the load is balanced.
+ * often to zero), or pinned. A body whose supports leave rigid-body motions free is pinned at as
+ * many well-chosen components as there are rigid-body modes, which adds no stress when the load is
+ * balanced.
  *
- * The free motions are orthonormal in the inner product of their body
+ * The rigid-body modes are orthonormal in the inner product of their body
  *     <r, s> = 1/V integral of r . s over the body = r^T W s,
  * where V is the body's volume and W = M/V its consistent mass matrix at unit total mass. So a
  * translation moves by 1 m, and a rotation turns by 1/radius of gyration. With R the motions as
  * columns, R^T W R = 1: f - W R (R^T f) is f balanced by inertia, u - R (R^T W u) is u free of
- * rigid motion. */
-typedef enum bw_unknown_state { BW_UNKNOWN, BW_HELD, BW_PINNED } bw_unknown_state;
-typedef struct bw_numbering {
+ * rigid-body motion. */
+typedef enum bw_dof_state { BW_DOF_UNKNOWN, BW_DOF_PRESCRIBED, BW_DOF_ISOSTATIC } bw_dof_state;
+typedef struct bw_dof_map {
   bw_object object;
   const bw_mesh *mesh; /* retained */
   int32_t unknown_count;
   int32_t *unknown;  /* node_count x 3: the unknown's number, or -1 */
-  uint8_t *state;    /* node_count x 3: bw_unknown_state */
+  uint8_t *state;    /* node_count x 3: bw_dof_state */
   int32_t *frame_of; /* node_count: row of `frame`, or -1 for the global frame */
   int32_t frame_count;
   double *frame;        /* frame_count x 9: rows are the frame's directions */
   double *value;        /* node_count x 3: prescribed value in the frame; 0 elsewhere */
   bool prescribed;      /* some value is not zero */
-  int32_t motion_count; /* free rigid motions of all bodies, body by body */
-  bw_rigid_motion *motion;
+  int32_t motion_count; /* unconstrained rigid-body modes of all bodies, body by body */
+  bw_rigid_mode *motion;
   int32_t *motion_start; /* component_count + 1: the motions of each body */
   int32_t *body_start;   /* component_count + 1: the nodes of each body in body_node, ascending */
   int32_t *body_node;    /* node_count */
@@ -232,49 +234,50 @@ typedef struct bw_numbering {
   double *body_centre;   /* component_count x 3: centres of volume */
   double *weight;        /* node_count x 4: integral of the shape function over V, and of the shape
                             function times (x - body centre) over V: all that W R needs */
-} bw_numbering;
+} bw_dof_map;
 /* From a model's supports. Contradicting prescriptions are BW_INVALID. */
-BW_API bw_status bw_numbering_create(bw_context *context, const bw_model *model,
-                                     bw_numbering **numbering);
+BW_API bw_status bw_dof_map_create(bw_context *context, const bw_model *model,
+                                   bw_dof_map **dof_map);
 /* Without any support: every body free. */
-BW_API bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh,
-                                   bw_numbering **numbering);
-/* The numbering of an edited model, with the unknowns of `previous` (its pins too, unless they have
+BW_API bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh,
+                                          bw_dof_map **dof_map);
+/* The DOF map of an edited model, with the unknowns of `previous` (its pins too, unless they have
  * become poor on the new shape), and the unknowns of nodes that no support holds, or that are held
  * wholly, taken in the frame of their domain: node_domain (node_count; -1: none), frame
  * (domain_count x 9, rows are directions). Pins turn with these. Nodes held in some directions keep
  * the frame of their support. The frames of the domains are the last domain_count rows of the
- * numbering's. previous may be NULL. *same says whether state and unknown are those of `previous`.
+ * DOF map's. previous may be NULL. *same says whether state and unknown are those of `previous`.
  */
-BW_API bw_status bw_numbering_follow(bw_context *context, const bw_model *model,
-                                     const bw_numbering *previous, int32_t domain_count,
-                                     const int32_t *node_domain, const double *frame, bool *same,
-                                     bw_numbering **numbering);
+BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
+                                   const bw_dof_map *previous, int32_t domain_count,
+                                   const int32_t *node_domain, const double *frame, bool *same,
+                                   bw_dof_map **dof_map);
 /* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
  * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on
  * supports only. A load of which a part of the area lies on supports is a remark with the share;
  * so is any where some prescribed displacement is not zero. */
 BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
-                                         const bw_numbering *numbering);
-/* The free motions as text, for messages: "3 rigid motions are free: ...". Release with bw_free. */
-BW_API bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
-                                            char **text);
+                                         const bw_dof_map *dof_map);
+/* The rigid-body modes as text, for messages: "3 rigid-body modes are unconstrained: ...". Release
+ * with bw_free. */
+BW_API bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map *dof_map,
+                                                 char **text);
 
 /* Force and displacement are node_count x 3 in global directions; a has motion_count numbers. These
  * allocate nothing and may run from any thread. */
 /* a = R^T f (plain sum over the nodes) */
-BW_API void bw_motions_dot(const bw_numbering *numbering, const double *force, double *a);
+BW_API void bw_rigid_modes_dot(const bw_dof_map *dof_map, const double *force, double *a);
 /* a = R^T W u */
-BW_API void bw_motions_measure(const bw_numbering *numbering, const double *displacement,
-                               double *a);
+BW_API void bw_rigid_modes_measure(const bw_dof_map *dof_map, const double *displacement,
+                                   double *a);
 /* u += R a */
-BW_API void bw_motions_add(const bw_numbering *numbering, const double *a, double *displacement);
+BW_API void bw_rigid_modes_add(const bw_dof_map *dof_map, const double *a, double *displacement);
 /* f = W R a (overwritten) */
-BW_API void bw_motions_weighted(const bw_numbering *numbering, const double *a, double *force);
+BW_API void bw_rigid_modes_weighted(const bw_dof_map *dof_map, const double *a, double *force);
 /* f -= W R (R^T f): balanced by inertia */
-BW_API void bw_motions_balance(const bw_numbering *numbering, double *force);
-/* u -= R (R^T W u): no rigid motion left */
-BW_API void bw_motions_remove(const bw_numbering *numbering, double *displacement);
+BW_API void bw_rigid_modes_balance(const bw_dof_map *dof_map, double *force);
+/* u -= R (R^T W u): no rigid-body motion left */
+BW_API void bw_rigid_modes_remove(const bw_dof_map *dof_map, double *displacement);
 
 #ifdef __cplusplus
 }

@@ -311,10 +311,11 @@ typedef struct bw_solid_static {
 } bw_solid_static;
 /* The stable equilibrium that the load path from rest leads to: Newton's method on the total
  * potential with line search, where the tangent is not positive definite on one that is made so; an
- * equilibrium that is not stable is left. BW_FREE for a solid that can move as a whole, or that
- * floors alone do not hold. BW_CONVERGENCE, and BW_GEOMETRY for inverted elements, name load
+ * equilibrium that is not stable is left. BW_UNCONSTRAINED for a solid that can move as a whole, or
+ * that floors alone do not hold. BW_CONVERGENCE, and BW_GEOMETRY for inverted elements, name load
  * factor, residual, worst element and its place, and still give the last converged state in *result
- * (complete = false), as BW_FREE does where that shows on the way. `newton` may be NULL. */
+ * (complete = false), as BW_UNCONSTRAINED does where that shows on the way. `newton` may be NULL.
+ */
 BW_API bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
                                   const bw_solid_case *the, bw_newton *newton,
                                   const bw_newton_options *options, bw_solid_static **result);

@@ -176,7 +176,7 @@ BW_API const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
 BW_API bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
 /* Whether its parts belong together: see bw_plane_mesh_check. */
 BW_API bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
-/* (e) Linear statics. BW_FREE when rigid motions are free. */
+/* (e) Linear statics. BW_UNCONSTRAINED when rigid-body modes are unconstrained. */
 BW_API bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
                                  const bw_stale_options *options, bw_kept *kept);
 /* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2): beta, gamma (defaults 1/4, 1/2),
@@ -223,7 +223,8 @@ BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, 
  * --------------------------------------------------------- */
 
 /* The outline extruded to a plate, as Reissner-Mindlin triangles that do not lock: deflection and
- * two rotations at each node. Mutable; holds factor, modes and rigid motions from frame to frame.
+ * two rotations at each node. Mutable; holds factor, modes and rigid-body motions from frame to
+ * frame.
  */
 typedef struct bw_plate {
   bw_object object;
@@ -255,9 +256,9 @@ typedef struct bw_plate_options {
   bool scratch;     /* random start, fresh factor: for checks and baselines */
 } bw_plate_options;
 BW_API void bw_plate_options_default(bw_plate_options *options);
-/* Rayleigh-Ritz iteration with the rigid motions projected out, from the last frame's modes on the
- * last frame's factor; with a fresh factor at least as fast as inverse iteration. BW_CONVERGENCE
- * leaves the plate as it was. */
+/* Rayleigh-Ritz iteration with the rigid-body motions projected out, from the last frame's modes on
+ * the last frame's factor; with a fresh factor at least as fast as inverse iteration.
+ * BW_CONVERGENCE leaves the plate as it was. */
 BW_API bw_status bw_plate_solve(bw_context *context, bw_plate *plate,
                                 const bw_plate_options *options, bw_kept *kept);
 /* d frequency[mode] / d node positions (node_count x 2), Hz/m. */

@@ -14,7 +14,7 @@ typedef struct bw_solve_times {
   double factor_flops;
 } bw_solve_times;
 
-/* The equations of a body: stiffness, mass, numbering and the factor of the reduced stiffness. One
+/* The equations of a body: stiffness, mass, DOF map and the factor of the reduced stiffness. One
  * factor serves statics, modes, objectives and stresses. Solves may not run on one system from two
  * threads at once (the context is busy); a solve itself uses all threads. The equations never
  * change; only how they are solved may: those that bw_statics made to be solved over levels of
@@ -25,11 +25,11 @@ struct bwi_factor;
 struct bwi_levels;
 struct bw_system {
   bw_object object;
-  const bw_mesh *mesh;           /* retained */
-  const bw_material *material;   /* retained */
-  const bw_numbering *numbering; /* retained */
-  bw_graph *graph;               /* retained */
-  double *stiffness;             /* 9 per pair */
+  const bw_mesh *mesh;         /* retained */
+  const bw_material *material; /* retained */
+  const bw_dof_map *dof_map;   /* retained */
+  bw_graph *graph;             /* retained */
+  double *stiffness;           /* 9 per pair */
   double *mass; /* 1 per pair, times density (density 1 when the material has none) */
   double density;
   struct bwi_factor *factor; /* or NULL */
@@ -39,16 +39,17 @@ struct bw_system {
 /* `previous` (may be NULL): a system of the same topology whose graph, ordering and analysis are
  * reused where they fit. BW_SINGULAR when a held body's matrix is not positive definite. */
 BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
-                                  const bw_material *material, const bw_numbering *numbering,
+                                  const bw_material *material, const bw_dof_map *dof_map,
                                   const bw_system *previous, bw_system **system);
 /* Mass and factor, where the system has none yet: then it is one as bw_system_create makes it. On
  * failure it is as it was. BW_MEMORY, before any is taken, where the factor is larger than what is
  * free (bw_free_memory): so says bw_system_create too. */
 BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once (node_count x 3 each, one
- * after the other; force and displacement may be the same block). Where rigid motions are free, the
- * force is first balanced by inertia (f - M r <r, f>; no change for a balanced force) and the
- * displacement made free of rigid motion (eq. 5 of worst-case): u = P K^+ P^T f, symmetric. */
+ * after the other; force and displacement may be the same block). Where rigid-body modes are
+ * unconstrained, the force is first balanced by inertia (f - M r <r, f>; no change for a balanced
+ * force) and the displacement made free of rigid-body motion (eq. 5 of worst-case): u = P K^+ P^T
+ * f, symmetric. */
 BW_API bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                                  const double *force, double *displacement);
 
@@ -88,16 +89,16 @@ typedef struct bw_static {
 typedef struct bw_statics_options {
   bool
       inertia_relief; /* balance a load on a free body by inertia instead of refusing; default no */
-  double tolerance;   /* a load is balanced when its part along free motions is below this fraction
-                         of its size; default 1e-6 */
+  double tolerance;   /* a load is balanced when its part along rigid-body modes is below this
+                         fraction   of its size; default 1e-6 */
   /* Of bw_statics alone. */
   bw_statics_method method;
   int iterations; /* over levels, at most; default 2000 */
   double memory;  /* bytes that a factor may take; default: what is free (bw_free_memory) */
 } bw_statics_options;
-/* BW_FREE names the free rigid motions when the load is not balanced against them. `system` may be
- * NULL or the system of an earlier solve (reused when mesh, material and supports are the same; it
- * may gain a factor, or lose what it has to solve over levels).
+/* BW_UNCONSTRAINED names the unconstrained rigid-body modes when the load is not balanced against
+ * them. `system` may be NULL or the system of an earlier solve (reused when mesh, material and
+ * supports are the same; it may gain a factor, or lose what it has to solve over levels).
  *
  * Left to itself, a static solution is by a factor where there is one already, where that counts as
  * cheap (less than five seconds of the model's machine), where levels do not apply and where they
@@ -174,7 +175,7 @@ BW_API void bw_local_options_default(bw_local_options *options);
 
 /* The equations of a body cut into domains, kept up to date through edits of its shape. Mutable:
  * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
- * numbering and stiffness are of the shape last synchronised; factor and mass are so only
+ * dof_map and stiffness are of the shape last synchronised; factor and mass are so only
  * after bw_local_system_refactor (NULL, or of no use, otherwise), the factor in double precision;
  * none outlives the next update. */
 typedef struct bw_local_system {
@@ -250,7 +251,7 @@ typedef struct bw_modes {
   const bw_material *material; /* retained; NULL for Laplacian modes */
   int count;
   int components;     /* 3: elastic modes; 1: Laplacian modes */
-  int rigid_count;    /* rigid motions recognised and left out */
+  int rigid_count;    /* rigid-body motions recognised and left out */
   double *eigenvalue; /* (rad/s)^2, ascending; for the Laplacian 1/m2 */
   double *frequency;  /* Hz; NULL for Laplacian modes and where the density is not known */
   double *shape;      /* count x node_count x components, mass-normalised (M-norm 1); sign fixed:
@@ -263,8 +264,8 @@ typedef struct bw_modes {
   struct bw_outside_report *outside; /* how a solver outside of the engine did it, or NULL */
 } bw_modes;
 /* The lowest elastic modes K u = lambda M u (consistent mass) by block Lanczos on the inverse, with
- * the system's own factor; free rigid motions are projected out exactly. Fewer than asked for where
- * the body has fewer. */
+ * the system's own factor; unconstrained rigid-body modes are projected out exactly. Fewer than
+ * asked for where the body has fewer. */
 BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
                                   const bw_modes_options *options, bw_modes **modes);
 /* The lowest nonconstant modes of the scalar Laplacian on the mesh (free boundary), section 4 of
@@ -280,7 +281,7 @@ BW_API bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, co
  * comes back are the engine's. */
 typedef enum bw_outside_method {
   BW_OUTSIDE_AUTO,    /* statics: CG; modes: CHOLESKY */
-  BW_OUTSIDE_CG,      /* conjugate gradients with algebraic multigrid over the rigid motions */
+  BW_OUTSIDE_CG,      /* conjugate gradients with algebraic multigrid over the rigid-body motions */
   BW_OUTSIDE_CHOLESKY /* a factor, spread over the processes */
 } bw_outside_method;
 typedef struct bw_outside_options {
@@ -300,9 +301,9 @@ typedef struct bw_outside_report {
 } bw_outside_report;
 
 /* The equations at hand. K and M have the pattern of the graph; which components are unknowns, held
- * or pinned, and in which frames, is the numbering's. */
+ * or pinned, and in which frames, is the DOF map's. */
 typedef struct bw_outside_matrix {
-  const bw_numbering *numbering;
+  const bw_dof_map *dof_map;
   const bw_graph *graph;
   const double *stiffness; /* 9 per pair */
   const double *mass;      /* 1 per pair, or NULL: no modes wanted */
@@ -311,8 +312,9 @@ typedef struct bw_outside_matrix {
 /* What it finds; the lists are allocated with bw_alloc for the caller. */
 typedef struct bw_outside_modes {
   int count;
-  double *value;  /* ascending */
-  double *vector; /* count x node_count x 3, global directions, M-norm 1, without rigid motion */
+  double *value; /* ascending */
+  double
+      *vector; /* count x node_count x 3, global directions, M-norm 1, without rigid-body motion */
   int solves, recovered;
   bool counted;
 } bw_outside_modes;

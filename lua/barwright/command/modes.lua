@@ -40,7 +40,7 @@ local function tell(modes, held, errors, accuracy, wish, out)
   if #wish.hold > 0 then
     out:say("Constrained at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
   else
-    out:say("Free, as if hung on threads, it rings at (its %d rigid motions are left out):", modes.rigid_count)
+    out:say("Free, as if hung on threads, it rings at (its %d rigid-body motions are left out):", modes.rigid_count)
   end
   local list, cents_of = bw.json.list {}, bw.json.list(errors)
   for i, frequency in ipairs(modes.frequencies:totable()) do

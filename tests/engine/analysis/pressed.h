@@ -11,7 +11,7 @@ typedef struct pressed_body {
   bw_mesh *mesh; /* the caller's */
   bw_material *material;
   bw_model *model;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   bw_pressure_basis *basis;
   size_t n, nodes;
 } pressed_body;
@@ -30,7 +30,7 @@ static inline void pressed_open(bw_context *context, pressed_body *s, bw_mesh *m
     check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
     check_ok(context, bw_model_fix(context, s->model, foot));
   }
-  check_ok(context, bw_numbering_create(context, s->model, &s->numbering));
+  check_ok(context, bw_dof_map_create(context, s->model, &s->dof_map));
   check_ok(context, bw_pressure_basis_create(context, mesh, &options, &s->basis));
   s->n = (size_t)s->basis->count;
   s->nodes = s->n / (size_t)s->basis->directions;
@@ -39,7 +39,7 @@ static inline void pressed_open(bw_context *context, pressed_body *s, bw_mesh *m
 
 static inline void pressed_close(pressed_body *s) {
   bw_release(s->basis);
-  bw_release(s->numbering);
+  bw_release(s->dof_map);
   bw_release(s->model);
   bw_release(s->material);
 }

@@ -6,13 +6,13 @@
 static bw_system *free_system(bw_context *context, bw_mesh *mesh, double density, double strength) {
   bw_isotropic constants = {"test", 2e9, 0.3, density, strength, 0};
   bw_material *material = NULL;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
   check_ok(context, bw_material_isotropic(context, &constants, &material));
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
-  check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &system));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
   bw_release(material);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(mesh);
   return system;
 }

@@ -7,7 +7,7 @@ static double worst_of(bw_context *context, const pressed_body *s,
                        const bw_worst_load_options *options, const double *f, double *pressure) {
   double value = 0;
   check_ok(context,
-           bw_worst_loads(context, s->basis, s->numbering, options, 1, f, pressure, &value, NULL));
+           bw_worst_loads(context, s->basis, s->dof_map, options, 1, f, pressure, &value, NULL));
   return value;
 }
 
@@ -94,8 +94,7 @@ static void own_method_agrees_with_glpk(void **state) {
       bwi_linear_program *program = NULL;
       bwi_simplex *simplex = NULL;
       bwi_glpk *glpk = NULL;
-      check_ok(context,
-               bwi_linear_program_create(context, s.basis, s.numbering, &options, &program));
+      check_ok(context, bwi_linear_program_create(context, s.basis, s.dof_map, &options, &program));
       check_ok(context, bwi_simplex_create(context, program, &simplex));
       check_ok(context, bwi_glpk_create(context, program, &glpk));
       assert_int_equal(program->groups, s.nodes + options.at_most);
@@ -238,10 +237,10 @@ static void bad_options_are_refused(void **state) {
 static void allocation_failures(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 3, 3, 3, 1);
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_selection *top = NULL;
   const double up[3] = {0, 0, 1};
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
   check_ok(context, bw_select_normal_cone(context, mesh, up, 0.1, &top));
   check_ok(context, bw_set_threads(context, 1));
   for (int solver = 0; solver < 2; solver++) {
@@ -257,7 +256,7 @@ static void allocation_failures(void **state) {
       bw_fail_allocation(fail, true);
       bw_status status = bw_pressure_basis_create(context, mesh, &options, &basis);
       if (status == BW_OK)
-        status = bw_worst_loads(context, basis, numbering, &limits, 1, f, p, &value, NULL);
+        status = bw_worst_loads(context, basis, dof_map, &limits, 1, f, p, &value, NULL);
       bw_fail_allocation(0, false);
       bw_release(basis);
       assert_int_equal(bw_live_blocks(), blocks);
@@ -269,7 +268,7 @@ static void allocation_failures(void **state) {
     }
   }
   bw_release(top);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(mesh);
 }
 

@@ -60,17 +60,17 @@ static void loads_are_admissible(void **state) {
         double all, few, dual[7], total = 0, value = 0;
         options.hands = 0;
         check_ok(context,
-                 bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, q, &all, dual));
+                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, q, &all, dual));
         options.hands = hands;
         options.hand_area = 0.06;
         check_ok(context,
-                 bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &few, NULL));
+                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &few, NULL));
         assert_true(few <= all + 1e-8 * fabs(all));
         assert_true(within(&s, p, hands, sqrt(0.06 / 3.14159265358979), 0));
         double *force = BW_NEW(context, double, 3 * (size_t)s.mesh->node_count), motions[6];
         bw_pressure_force(s.basis, p, force);
-        bw_motions_dot(s.numbering, force, motions);
-        for (int m = 0; m < s.numbering->motion_count; m++)
+        bw_rigid_modes_dot(s.dof_map, force, motions);
+        for (int m = 0; m < s.dof_map->motion_count; m++)
           check_near(motions[m], 0, 1e-8);
         for (size_t j = 0; j < s.n; j++) {
           assert_true(p[j] >= 0 && p[j] <= 1);
@@ -144,7 +144,7 @@ static double best_of_all(bw_context *context, const pressed_body *s,
           start[++part.count] = at + size;
         }
         bw_status status =
-            bw_worst_loads(context, &part, s->numbering, options, 1, given, p, &value, NULL);
+            bw_worst_loads(context, &part, s->dof_map, options, 1, given, p, &value, NULL);
         if (status == BW_OK)
           best = fmax(best, value);
         else
@@ -174,7 +174,7 @@ static void reaches_the_best_of_all_sets(void **state) {
         options.hands = hands;
         options.hand_area = 0.15;
         check_ok(context,
-                 bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL));
+                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL));
         assert_true(value <= best * (1 + 1e-7));
         if (full)
           printf("  held %d, %d hands, objective %d: %.4f of the best\n", kind, hands, which,
@@ -199,20 +199,20 @@ static void impossible_hands_are_refused(void **state) {
   double *f = pressed_objective(context, &s, 0), *p = BW_NEW(context, double, s.n), value;
   bw_worst_load_options options = {.pressure = 1, .force = 0.06, .hands = 1, .hand_area = 0.1};
   /* One hand pushes a free body away. */
-  assert_int_equal(bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL),
+  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INFEASIBLE);
   options.at_most = true;
-  check_ok(context, bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL));
+  check_ok(context, bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL));
   check_near(value, 0, 1e-9);
   options = (bw_worst_load_options){.pressure = 1, .force = 1, .hands = 2, .hand_area = 0.01};
-  assert_int_equal(bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL),
+  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INFEASIBLE);
   options.hands = BW_MOST_HANDS + 1;
-  assert_int_equal(bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL),
+  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INVALID);
   options.hands = 2;
   options.hand_area = 0;
-  assert_int_equal(bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL),
+  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INVALID);
   bw_free(f);
   bw_free(p);
@@ -232,8 +232,7 @@ static void allocation_failures(void **state) {
       f[j] = j % 3;
     int64_t blocks = bw_live_blocks();
     bw_fail_allocation(fail, true);
-    bw_status status =
-        bw_worst_loads(context, s.basis, s.numbering, &options, 1, f, p, &value, NULL);
+    bw_status status = bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL);
     bw_fail_allocation(0, false);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK) {

@@ -6,16 +6,16 @@
 
 #include "analysis/linear_program.h"
 
-/* A numbering with nothing but six rigid motions about the middle of each body. */
+/* A DOF map with nothing but six rigid-body motions about the middle of each body. */
 typedef struct free_body {
-  bw_numbering numbering;
-  bw_rigid_motion motion[12];
+  bw_dof_map dof_map;
+  bw_rigid_mode motion[12];
 } free_body;
 
 static void free_all(free_body *body, const bw_mesh *mesh) {
   memset(body, 0, sizeof *body);
-  body->numbering.mesh = mesh;
-  body->numbering.motion = body->motion;
+  body->dof_map.mesh = mesh;
+  body->dof_map.motion = body->motion;
   for (int32_t c = 0; c < mesh->component_count; c++) {
     double centre[3] = {0, 0, 0}, count = 0;
     for (int32_t i = 0; i < mesh->node_count; i++)
@@ -25,7 +25,7 @@ static void free_all(free_body *body, const bw_mesh *mesh) {
         count++;
       }
     for (int m = 0; m < 6; m++) {
-      bw_rigid_motion *motion = &body->motion[body->numbering.motion_count++];
+      bw_rigid_mode *motion = &body->motion[body->dof_map.motion_count++];
       motion->component = c;
       for (int k = 0; k < 3; k++)
         motion->centre[k] = centre[k] / count;
@@ -34,7 +34,7 @@ static void free_all(free_body *body, const bw_mesh *mesh) {
   }
 }
 
-static double motion_dot(const bw_rigid_motion *motion, const bw_mesh *mesh, const double *force) {
+static double motion_dot(const bw_rigid_mode *motion, const bw_mesh *mesh, const double *force) {
   double sum = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     if (mesh->component[i] != motion->component)
@@ -55,7 +55,7 @@ static double imbalance(bw_context *context, const free_body *body, const bw_pre
   const bw_mesh *mesh = basis->mesh;
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), worst = 0;
   bw_pressure_force(basis, pressure, force);
-  for (int32_t m = 0; m < body->numbering.motion_count; m++)
+  for (int32_t m = 0; m < body->dof_map.motion_count; m++)
     worst = fmax(worst, fabs(motion_dot(&body->motion[m], mesh, force)));
   bw_free(force);
   return worst;
@@ -209,7 +209,7 @@ static void agrees_with_a_sorted_fill(void **state) {
   bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
   bw_pressure_basis *basis = NULL;
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
-  bw_numbering held = {.mesh = mesh};
+  bw_dof_map held = {.mesh = mesh};
   bw_random random;
   bw_random_seed(&random, 7);
   double f[26], p[26], value, dual;
@@ -251,7 +251,7 @@ static void agrees_with_enumeration(void **state) {
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
-  body.numbering.motion_count = 2; /* forces along x and y only */
+  body.dof_map.motion_count = 2; /* forces along x and y only */
   bw_random random;
   bw_random_seed(&random, 3);
   double area = 0;
@@ -263,7 +263,7 @@ static void agrees_with_enumeration(void **state) {
     for (int j = 0; j < 5; j++)
       f[j] = bw_random_normal(&random);
     check_ok(context,
-             bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, dual));
+             bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, dual));
     /* Rows: force x, force y, total. Three basic columns out of five, two at either bound. */
     double row[3][5];
     for (int j = 0; j < 5; j++) {
@@ -342,10 +342,10 @@ static void own_method_agrees_with_glpk(void **state) {
       double share[3] = {0.002, 0.1, 0.97};
       bw_worst_load_options options = {.pressure = 1e5, .force = 1e5 * area * share[tight]};
       options.at_most = kind == 2 && tight == 1;
-      check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, p,
+      check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, p,
                                        value, dual));
       options.solver = BW_LP_GLPK;
-      check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, g,
+      check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, g,
                                        other, NULL));
       for (int i = 0; i < OBJECTIVES; i++) {
         double total = 0, bound = dual[7 * i + 6] * options.force;
@@ -399,7 +399,7 @@ static void each_solver_alone(void **state) {
   free_all(&body, mesh);
   bw_worst_load_options options = {.pressure = 1, .force = 0.2};
   bwi_linear_program *program = NULL;
-  check_ok(context, bwi_linear_program_create(context, basis, &body.numbering, &options, &program));
+  check_ok(context, bwi_linear_program_create(context, basis, &body.dof_map, &options, &program));
   assert_int_equal(program->rows, 7);
   assert_true(program->levels > 1);
   bwi_simplex *simplex = NULL;
@@ -472,7 +472,7 @@ static void no_feasible_pressure_beats_the_optimum(void **state) {
       for (size_t j = 0; j < n; j++)
         f[j] = basis->area[j] * bw_random_normal(&random);
       check_ok(context,
-               bw_worst_loads(context, basis, &body.numbering, &options, 1, f, best, &value, NULL));
+               bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, best, &value, NULL));
     }
     /* Half of them near the optimum, where beating it would be easiest. */
     for (size_t j = 0; j < n; j++) {
@@ -550,12 +550,10 @@ static void two_bodies_are_balanced_apart(void **state) {
     f[j] = basis->area[j] * (fabs(at[0] - 2) + 0.1 * at[1] * at[2]);
   }
   bw_worst_load_options options = {.pressure = 1, .force = 2};
-  check_ok(context,
-           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   check_near(imbalance(context, &body, basis, p), 0, 1e-9 * options.force);
   options.solver = BW_LP_GLPK;
-  check_ok(context,
-           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &other, NULL));
+  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &other, NULL));
   check_near(value, other, 1e-9 * other);
   bw_free(f);
   bw_free(p);
@@ -576,27 +574,25 @@ static void bad_options_are_refused(void **state) {
   double f[26] = {0}, p[26], value;
   bw_worst_load_options options = {.pressure = 1, .force = 7};
   check_fails(context, BW_INFEASIBLE, "7 N",
-              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   check_fails(context, BW_INFEASIBLE, "gives 6 N",
-              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   options.at_most = true;
-  check_ok(context,
-           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   options = (bw_worst_load_options){.pressure = 1, .force = 6};
-  check_ok(context,
-           bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   for (int j = 0; j < 26; j++)
     check_near(p[j], 1, 1e-9);
   options.force = -1;
   check_fails(context, BW_INVALID, "force",
-              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   options = (bw_worst_load_options){.pressure = NAN, .force = 1};
   check_fails(context, BW_INVALID, "pressure",
-              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   options.pressure = 1;
   f[3] = NAN;
   check_fails(context, BW_INVALID, "objective 0",
-              bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   bw_release(basis);
   bw_release(mesh);
 }
@@ -621,7 +617,7 @@ static void same_bits_for_any_number_of_threads(void **state) {
     for (int threads = 1; threads <= 3; threads++) {
       check_ok(context, bw_set_threads(context, threads));
       double *to = p[threads - 1] = BW_NEW(context, double, n *OBJECTIVES);
-      check_ok(context, bw_worst_loads(context, basis, &body.numbering, &options, OBJECTIVES, f, to,
+      check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, to,
                                        value, NULL));
       assert_memory_equal(to, p[0], n * OBJECTIVES * sizeof *to);
     }
@@ -651,7 +647,7 @@ static void allocation_failures(void **state) {
       bw_fail_allocation(fail, true);
       bw_status status = bw_pressure_basis_create(context, mesh, NULL, &basis);
       if (status == BW_OK)
-        status = bw_worst_loads(context, basis, &body.numbering, &options, 1, f, p, &value, NULL);
+        status = bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL);
       bw_fail_allocation(0, false);
       bw_release(basis);
       assert_int_equal(bw_live_blocks(), blocks);

@@ -56,7 +56,7 @@ static double lagrangian(bw_context *context, const bw_mesh *mesh, const bw_mate
   bw_pressure_force(basis, s->pressure, force);
   value += dot(force, s->adjoint, size);
   check_ok(context, bw_surface_stress(context, mesh, material, s->displacement, force, stress));
-  check_ok(context, bw_surface_mean(context, mesh, s->numbering, s->radius, 6, stress, mean));
+  check_ok(context, bw_surface_mean(context, mesh, s->dof_map, s->radius, 6, stress, mean));
   value += dot(s->slope, mean + 6 * (size_t)s->node, 6);
   bw_release(basis);
   free(stress), free(mean), free(force);
@@ -185,13 +185,13 @@ static void test_support_border(void **state) {
   bw_material *material = make_material(context);
   bw_model *model = NULL;
   bw_selection *root = NULL;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_pressure_basis *basis = NULL;
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context,
            bw_select_half_space(context, mesh, mesh->node, (double[3]){1, 0, 0}, 1e-9, &root));
   check_ok(context, bw_model_fix(context, model, root));
-  check_ok(context, bw_numbering_create(context, model, &numbering));
+  check_ok(context, bw_dof_map_create(context, model, &dof_map));
   check_ok(context, bw_pressure_basis_create(context, mesh, &options, &basis));
   double *u = numbers(mesh, 3), *gradient = numbers(mesh, 3), *zero = numbers(mesh, 3);
   double *pressure = (double *)calloc((size_t)basis->count, sizeof *pressure), value;
@@ -200,7 +200,7 @@ static void test_support_border(void **state) {
   int outside = 0;
   for (int32_t k = 0; k < root->node_count; k++) {
     bw_patch_state patch = {.node = root->node[k],
-                            .numbering = numbering,
+                            .dof_map = dof_map,
                             .radius = 1e-4,
                             .displacement = u,
                             .adjoint = zero,
@@ -215,7 +215,7 @@ static void test_support_border(void **state) {
   }
   assert_true(outside > 0 && outside < root->node_count);
   free(u), free(gradient), free(zero), free(pressure);
-  bw_release(basis), bw_release(numbering), bw_release(root), bw_release(model);
+  bw_release(basis), bw_release(dof_map), bw_release(root), bw_release(model);
   bw_release(material);
   bw_release(mesh);
 }

@@ -22,7 +22,7 @@ static void residual_bounds_error(void **state) {
     bw_modes *modes;
     bw_modes_options options;
     pressed_open(context, &s, mesh, kind % 2 == 1, 0, 3);
-    check_ok(context, bw_system_create(context, mesh, s.material, s.numbering, NULL, &system));
+    check_ok(context, bw_system_create(context, mesh, s.material, s.dof_map, NULL, &system));
     check_ok(context, bwi_solve_error_open(context, system, &error));
     bw_modes_options_default(&options);
     options.count = 3;

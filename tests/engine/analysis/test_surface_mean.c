@@ -148,23 +148,23 @@ static void test_supports(void **state) {
   bw_material *material = NULL;
   bw_model *model = NULL;
   bw_selection *fixed = NULL;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   const bw_isotropic constants = {.name = "test", .young = 1, .poisson = 0.3};
   check_ok(context, bw_material_isotropic(context, &constants, &material));
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_select_half_space(context, mesh, (double[3]){0, 0, 0}, (double[3]){1, 0, 0},
                                          1e-9, &fixed));
   check_ok(context, bw_model_fix(context, model, fixed));
-  check_ok(context, bw_numbering_create(context, model, &numbering));
+  check_ok(context, bw_dof_map_create(context, model, &dof_map));
   double *value = values_of(mesh, slope);
   double *mean = (double *)malloc(sizeof *mean * (size_t)mesh->node_count);
-  check_ok(context, bw_surface_mean(context, mesh, numbering, 0.5, 1, value, mean));
+  check_ok(context, bw_surface_mean(context, mesh, dof_map, 0.5, 1, value, mean));
   /* At the border 3 + x over half a disc: x has the mean r 16 / (15 pi) by the weight. */
   check_near(mean[node_near(mesh, 0, 0, 0.4)], 3 + 0.5 * 16 / (15 * acos(-1)), 0.02);
   assert_true(mean[node_near(mesh, -0.5, 0, 0.4)] == 0);
   check_near(mean[node_near(mesh, 0.5, 0, 0.4)], 3.5, 1e-12);
   free(value), free(mean);
-  bw_release(numbering), bw_release(fixed), bw_release(model), bw_release(material);
+  bw_release(dof_map), bw_release(fixed), bw_release(model), bw_release(material);
   bw_release(mesh);
 }
 

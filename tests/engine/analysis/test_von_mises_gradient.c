@@ -205,8 +205,8 @@ static bw_status solve(void *data, bw_context *context, int64_t count, const dou
 /* Stresses of `count` nodes of a solved model, and their gradients. */
 static bw_status gradient_of(bw_context *context, const bw_model *model, const bw_static *result,
                              int32_t count, const int32_t *node, double *stress, double *gradient) {
-  return bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
-                               solve, result->system, count, node, NULL, stress, gradient);
+  return bw_von_mises_gradient(context, model, result->system->dof_map, result->displacement, solve,
+                               result->system, count, node, NULL, stress, gradient);
 }
 
 /* Corners on the boundary and inside, and middles. */
@@ -225,7 +225,7 @@ static void compare_part(bw_context *context, const bw_model *model, const bw_st
   for (int32_t i = nodes / 3; i < nodes / 2; i++)
     wanted[i] = 1;
   check_ok(context,
-           bw_von_mises_gradient(context, model, result->system->numbering, result->displacement,
+           bw_von_mises_gradient(context, model, result->system->dof_map, result->displacement,
                                  solve, result->system, NODES, node, wanted, j, part));
   for (int64_t i = 0; i < NODES * (int64_t)nodes; i++)
     if (wanted[i % nodes])
@@ -447,7 +447,7 @@ static void refusals(void **state) {
   check_fails(context, BW_INVALID, "the mesh has",
               gradient_of(context, model, result, 1, &node, &j, gradient));
   check_fails(context, BW_INVALID, "displacement",
-              bw_von_mises_gradient(context, model, result->system->numbering, NULL, solve,
+              bw_von_mises_gradient(context, model, result->system->dof_map, NULL, solve,
                                     result->system, 1, &node, NULL, &j, gradient));
   node = 5;
   /* curved */

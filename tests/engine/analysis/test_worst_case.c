@@ -8,7 +8,7 @@
 typedef struct part {
   bw_mesh *mesh;
   bw_material *material;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   bw_system *system;
   bw_pressure_basis *basis;
 } part;
@@ -18,15 +18,15 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, double young)
   memset(p, 0, sizeof *p);
   p->mesh = mesh;
   check_ok(context, bw_material_isotropic(context, &constants, &p->material));
-  check_ok(context, bw_numbering_free(context, mesh, &p->numbering));
-  check_ok(context, bw_system_create(context, mesh, p->material, p->numbering, NULL, &p->system));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &p->dof_map));
+  check_ok(context, bw_system_create(context, mesh, p->material, p->dof_map, NULL, &p->system));
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &p->basis));
 }
 
 static void part_close(part *p) {
   bw_release(p->basis);
   bw_release(p->system);
-  bw_release(p->numbering);
+  bw_release(p->dof_map);
   bw_release(p->material);
   bw_release(p->mesh);
 }
@@ -386,11 +386,11 @@ static void held_body(void **state) {
   check_ok(context, bw_model_create(context, p.mesh, p.material, &model));
   check_ok(context, bw_select_plane(context, p.mesh, origin, normal, 1e-9, &foot));
   check_ok(context, bw_model_fix(context, model, foot));
-  bw_release(p.numbering);
+  bw_release(p.dof_map);
   bw_release(p.system);
-  check_ok(context, bw_numbering_create(context, model, &p.numbering));
-  assert_int_equal(p.numbering->motion_count, 0);
-  check_ok(context, bw_system_create(context, p.mesh, p.material, p.numbering, NULL, &p.system));
+  check_ok(context, bw_dof_map_create(context, model, &p.dof_map));
+  assert_int_equal(p.dof_map->motion_count, 0);
+  check_ok(context, bw_system_create(context, p.mesh, p.material, p.dof_map, NULL, &p.system));
   bw_weak_regions *regions = modal_regions(context, &p, 4, NULL, false);
   bw_worst_load_options options = {.pressure = 1e4, .force = 40};
   answers a;

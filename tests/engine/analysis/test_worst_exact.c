@@ -24,7 +24,7 @@ static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool held, 
   pressed_body *s = &x->body;
   pressed_open(context, s, mesh, held, friction, 3);
   x->problem = NULL;
-  check_ok(context, bw_system_create(context, mesh, s->material, s->numbering, NULL, &x->system));
+  check_ok(context, bw_system_create(context, mesh, s->material, s->dof_map, NULL, &x->system));
   assert_true(s->n <= MOST);
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), unit[MOST] = {0};
   x->response = BW_NEW(context, double, 6 * s->n * (size_t)mesh->element_count);
@@ -50,7 +50,7 @@ static void exact_close(exact *x) {
 /* Unknowns: pressures over p_max. Rows: forces, moments (a free body), the total, each node. */
 static void pose(exact *x, const bw_worst_load_options *options) {
   const bw_pressure_basis *b = x->body.basis;
-  int n = b->count, nodes = n / b->directions, balance = x->body.numbering->motion_count;
+  int n = b->count, nodes = n / b->directions, balance = x->body.dof_map->motion_count;
   int row[10], last = balance + 1; /* GLPK counts from 1 */
   double value[10];
   assert_true(balance == 0 || balance == 6);
@@ -219,15 +219,15 @@ static void read_multipliers(const bw_bound_leaves *leaves, const bw_bound_leaf 
 static void check_dual_bounds(bw_context *context, const exact *x,
                               const bw_worst_load_options *options, const bw_bound_leaves *leaves) {
   const bw_pressure_basis *basis = x->body.basis;
-  const bw_numbering *numbering = x->body.numbering;
-  int m = numbering->motion_count;
+  const bw_dof_map *dof_map = x->body.dof_map;
+  int m = dof_map->motion_count;
   size_t numbers = 6 * (size_t)m + 2, count = leaves->count;
   double *work = BW_NEW0(context, double, (size_t)m * x->body.n + 1);
   double *multiplier = BW_NEW0(context, double, count *numbers);
   double *direction = BW_NEW0(context, double, 3 * count), *share = BW_NEW(context, double, count);
   double *bound = BW_NEW(context, double, count), *solve_error = BW_NEW(context, double, count);
   int32_t *element = BW_NEW(context, int32_t, count);
-  bwi_column_motions(basis, numbering, work);
+  bwi_column_motions(basis, dof_map, work);
   for (size_t i = 0; i < count; i++) {
     const bw_bound_leaf *leaf = &leaves->leaf[i];
     element[i] = leaf->element;

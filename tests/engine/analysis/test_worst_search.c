@@ -10,7 +10,7 @@ typedef struct part {
   bw_mesh *mesh;
   bw_material *material;
   bw_model *model;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   bw_system *system;
   bw_pressure_basis *basis;
 } part;
@@ -28,8 +28,8 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool held) {
     check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
     check_ok(context, bw_model_fix(context, p->model, foot));
   }
-  check_ok(context, bw_numbering_create(context, p->model, &p->numbering));
-  check_ok(context, bw_system_create(context, mesh, p->material, p->numbering, NULL, &p->system));
+  check_ok(context, bw_dof_map_create(context, p->model, &p->dof_map));
+  check_ok(context, bw_system_create(context, mesh, p->material, p->dof_map, NULL, &p->system));
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &p->basis));
   bw_release(foot);
 }
@@ -37,7 +37,7 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool held) {
 static void part_close(part *p) {
   bw_release(p->basis);
   bw_release(p->system);
-  bw_release(p->numbering);
+  bw_release(p->dof_map);
   bw_release(p->model);
   bw_release(p->material);
   bw_release(p->mesh);

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Stiffness: closed forms against quadrature, rigid motions, spectrum, rotations, threads. */
+/* Stiffness: closed forms against quadrature, rigid-body motions, spectrum, rotations, threads. */
 #include "assemble/dense.h"
 
 static const double corner[4][3] = {
@@ -60,7 +60,7 @@ static void assembly_is_the_sum_of_elements(void **state) {
     bw_release(material[m]);
 }
 
-/* Positive semidefinite with exactly six zero eigenvalues, the rigid motions. */
+/* Positive semidefinite with exactly six zero eigenvalues, the rigid-body motions. */
 static void six_zero_energy_motions(void **state) {
   bw_context *context = check_context(state);
   bw_material *material[4];

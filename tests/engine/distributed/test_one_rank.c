@@ -125,11 +125,11 @@ static void test_small(void **state) {
   bw_material *material = body_material(context);
   bw_model *model = NULL;
   bw_modes *own = NULL, *other = NULL;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_numbering_create(context, model, &numbering));
-  check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &system));
+  check_ok(context, bw_dof_map_create(context, model, &dof_map));
+  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
   const bw_modes_options wish = {.count = 100, .tolerance = 1e-8, .sturm = true, .seed = 1};
   check_ok(context, bw_modes_elastic(context, system, &wish, &own));
   check_ok(context, bw_modes_outside(context, model, &wish, NULL, &other));
@@ -139,7 +139,7 @@ static void test_small(void **state) {
   bw_release(own);
   bw_release(other);
   bw_release(system);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(model);
   bw_release(mesh);
   bw_release(material);

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Grids: numbering, edits, boundary, what is embedded, coarse counterparts. */
+/* Grids: dof_map, edits, boundary, what is embedded, coarse counterparts. */
 #include "check.h"
 
 #include "grid/internal.h"
@@ -55,7 +55,7 @@ static void check_grid(const bw_grid *grid) {
   free(used);
 }
 
-static void numbering(void **state) {
+static void dof_map(void **state) {
   bw_context *context = check_context(state);
   bw_grid *grid = swiss(context, (int32_t[3]){4, 5, 3}, 1, true);
   check_grid(grid);
@@ -397,7 +397,7 @@ static void failing_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(numbering), check_test(edits),      check_test(boundary),
+      check_test(dof_map),   check_test(edits),      check_test(boundary),
       check_test(embedding), check_test(coarsening), check_test(failing_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Blocks condensed to their corners: rigid motions are free, bounds hold, pairs and symmetries. */
+/* Blocks condensed to their corners: rigid-body modes are unconstrained, bounds hold, pairs and
+ * symmetries. */
 #include "check.h"
 #include "metamaterial/block.h"
 #include "metamaterial/keys.h"

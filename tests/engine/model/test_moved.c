@@ -89,8 +89,8 @@ static void supports_go_with_the_surface(void **state) {
   bw_mesh *other = turned_mesh(context, mesh, angle, 1);
   check_ok(context, bw_model_moved(context, model, other, &moved));
   assert_int_equal(moved->support_count, 3);
-  bw_numbering *numbering = NULL;
-  check_ok(context, bw_numbering_create(context, moved, &numbering));
+  bw_dof_map *dof_map = NULL;
+  check_ok(context, bw_dof_map_create(context, moved, &dof_map));
   /* a node of the side off the root is held along the turned normal and along z */
   int32_t node = -1;
   for (int32_t i = 0; i < side->node_count; i++)
@@ -99,18 +99,17 @@ static void supports_go_with_the_surface(void **state) {
   assert_true(node >= 0);
   double sum[3][3] = {{0}}, normal[3] = {0, -1, 0}, n[3], z[3] = {0, 0, 1};
   turn_vector(angle, normal, n);
-  int32_t row = numbering->frame_of[node];
+  int32_t row = dof_map->frame_of[node];
   assert_true(row >= 0);
   for (int k = 0; k < 3; k++)
-    if (numbering->state[3 * node + k] == BW_HELD)
+    if (dof_map->state[3 * node + k] == BW_DOF_PRESCRIBED)
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-          sum[i][j] +=
-              numbering->frame[9 * row + 3 * k + i] * numbering->frame[9 * row + 3 * k + j];
+          sum[i][j] += dof_map->frame[9 * row + 3 * k + i] * dof_map->frame[9 * row + 3 * k + j];
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
       check_near(sum[i][j], n[i] * n[j] + z[i] * z[j], 1e-12);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(moved);
   bw_release(other);
   bw_release(root);
@@ -156,12 +155,12 @@ static void transferred_to_a_refilled_mesh(void **state) {
       check_near(moved->load[l].resultant[k], model->load[l].resultant[k], 1e-6);
       check_near(moved->load[l].moment[k], model->load[l].moment[k], 1e-6);
     }
-  bw_numbering *a = NULL, *b = NULL;
-  check_ok(context, bw_numbering_create(context, model, &a));
-  check_ok(context, bw_numbering_create(context, moved, &b));
+  bw_dof_map *a = NULL, *b = NULL;
+  check_ok(context, bw_dof_map_create(context, model, &a));
+  check_ok(context, bw_dof_map_create(context, moved, &b));
   for (int32_t i = 0; i < refilled->node_count; i++)
     for (int k = 0; k < 3; k++) {
-      int state_before = node_from[i] < 0 ? BW_UNKNOWN : a->state[3 * node_from[i] + k];
+      int state_before = node_from[i] < 0 ? BW_DOF_UNKNOWN : a->state[3 * node_from[i] + k];
       assert_int_equal(b->state[3 * i + k], state_before);
       check_near(b->value[3 * i + k], node_from[i] < 0 ? 0 : a->value[3 * node_from[i] + k], 0);
     }
@@ -203,9 +202,9 @@ static void transferred_to_a_refilled_mesh(void **state) {
   bw_release(mesh);
 }
 
-/* A numbering in the frames of two domains: which nodes take them, what they make of prescribed
+/* A DOF map in the frames of two domains: which nodes take them, what they make of prescribed
  * values, what makes the unknowns others. */
-static void numbering_in_frames(void **state) {
+static void dof_map_in_frames(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = box_mesh(context, 4, 1, 1, 4, 2, 2, 1);
   bw_model *model = some_model(context, mesh);
@@ -219,9 +218,9 @@ static void numbering_in_frames(void **state) {
     domain[i] = mesh->node[3 * i] > 2 ? 1 : mesh->node[3 * i] > 1.5 ? -1 : 0;
   double c = cos(0.3), s = sin(0.3);
   const double frame[18] = {c, s, 0, -s, c, 0, 0, 0, 1, 1, 0, 0, 0, c, s, 0, -s, c};
-  bw_numbering *first = NULL, *next = NULL;
+  bw_dof_map *first = NULL, *next = NULL;
   bool same = true;
-  check_ok(context, bw_numbering_follow(context, model, NULL, 2, domain, frame, &same, &first));
+  check_ok(context, bw_dof_map_follow(context, model, NULL, 2, domain, frame, &same, &first));
   assert_false(same);
   int32_t supports = first->frame_count - 2;
   for (int32_t i = 0; i < mesh->node_count; i++) {
@@ -229,8 +228,8 @@ static void numbering_in_frames(void **state) {
     bool slides = x[1] == 0 && x[0] > 0;
     if (slides) {
       assert_true(first->frame_of[i] >= 0 && first->frame_of[i] < supports);
-      assert_int_equal(first->state[3 * i], BW_HELD);
-      assert_int_equal(first->state[3 * i + 1], BW_UNKNOWN);
+      assert_int_equal(first->state[3 * i], BW_DOF_PRESCRIBED);
+      assert_int_equal(first->state[3 * i + 1], BW_DOF_UNKNOWN);
     } else
       assert_int_equal(first->frame_of[i], domain[i] < 0 ? -1 : supports + domain[i]);
     for (int k = 0; x[0] == 0 && k < 3; k++) { /* the value back in global directions */
@@ -245,21 +244,21 @@ static void numbering_in_frames(void **state) {
   bw_mesh *turned = turned_mesh(context, mesh, 0.5, 1.2);
   bw_model *moved = NULL;
   check_ok(context, bw_model_moved(context, model, turned, &moved));
-  check_ok(context, bw_numbering_follow(context, moved, first, 2, domain, frame, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
   assert_true(same);
   assert_memory_equal(next->unknown, first->unknown,
                       3 * sizeof(int32_t) * (size_t)mesh->node_count);
   bw_release(next);
   domain[0] = 2;
   check_fails(context, BW_INVALID, "domain 3 of 2",
-              bw_numbering_follow(context, moved, first, 2, domain, frame, &same, &next));
+              bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
   domain[0] = 0;
   /* held in other directions: other unknowns */
   check_ok(context, bw_model_fix(context, moved, moved->support[1].on));
   check_fails(context, BW_INVALID, "earlier supports",
-              bw_numbering_follow(context, moved, first, 2, domain, frame, &same, &next));
+              bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
   bw_model_clear_supports(moved);
-  check_ok(context, bw_numbering_follow(context, moved, first, 2, domain, frame, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
   assert_false(same);
   bw_release(next);
   bw_release(moved);
@@ -279,28 +278,28 @@ static void pins_stay(void **state) {
   bw_model *model = some_model(context, mesh), *moved = NULL;
   int32_t *domain = (int32_t *)calloc((size_t)mesh->node_count, sizeof *domain);
   const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  bw_numbering *first = NULL, *next = NULL;
+  bw_dof_map *first = NULL, *next = NULL;
   bool same;
-  check_ok(context, bw_numbering_follow(context, model, NULL, 1, domain, rest, &same, &first));
+  check_ok(context, bw_dof_map_follow(context, model, NULL, 1, domain, rest, &same, &first));
   assert_int_equal(first->motion_count, 6);
   double c = cos(2.), s = sin(2.);
   const double frame[9] = {c, s, 0, -s, c, 0, 0, 0, 1};
   bw_mesh *turned = turned_mesh(context, mesh, 2., 1.3);
   check_ok(context, bw_model_moved(context, model, turned, &moved));
-  check_ok(context, bw_numbering_follow(context, moved, first, 1, domain, frame, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, moved, first, 1, domain, frame, &same, &next));
   assert_true(same);
   assert_int_equal(next->motion_count, 6);
   bw_release(next);
   bw_release(moved);
   bw_release(turned);
   /* pinned near one end, by hand: far too weak on what is seen as a longer body */
-  memset(first->state, BW_UNKNOWN, 3 * (size_t)mesh->node_count);
+  memset(first->state, BW_DOF_UNKNOWN, 3 * (size_t)mesh->node_count);
   int pinned = 0;
   for (int32_t i = 0; i < mesh->node_count && pinned < 6; i++)
     if (mesh->node[3 * i] < 0.1)
       for (int k = 0; k < 3 && pinned < 6; k++, pinned++)
-        first->state[3 * i + k] = BW_PINNED;
-  check_ok(context, bw_numbering_follow(context, model, first, 1, domain, rest, &same, &next));
+        first->state[3 * i + k] = BW_DOF_ISOSTATIC;
+  check_ok(context, bw_dof_map_follow(context, model, first, 1, domain, rest, &same, &next));
   assert_false(same);
   bw_release(next);
   bw_release(first);
@@ -322,14 +321,14 @@ static void no_memory(void **state) {
   const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   for (int64_t n = 1;; n++) {
     bw_model *moved = NULL;
-    bw_numbering *numbering = NULL;
+    bw_dof_map *dof_map = NULL;
     bool same;
     bw_fail_allocation(n, true);
     bw_status status = bw_model_moved(context, model, mesh, &moved);
     if (status == BW_OK)
-      status = bw_numbering_follow(context, moved, NULL, 1, domain, rest, &same, &numbering);
+      status = bw_dof_map_follow(context, moved, NULL, 1, domain, rest, &same, &dof_map);
     bw_fail_allocation(0, false);
-    bw_release(numbering);
+    bw_release(dof_map);
     bw_release(moved);
     if (status == BW_OK)
       break;
@@ -346,7 +345,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {check_test(loads_go_with_the_surface),
                                      check_test(supports_go_with_the_surface),
                                      check_test(transferred_to_a_refilled_mesh),
-                                     check_test(numbering_in_frames),
+                                     check_test(dof_map_in_frames),
                                      check_test(pins_stay),
                                      check_test(no_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -297,7 +297,7 @@ static void test_contradictions(void **state) {
 
 static void check_free(bw_context *context, box *b, const char *text) {
   bw_solid_static *result;
-  check_fails(context, BW_FREE, text,
+  check_fails(context, BW_UNCONSTRAINED, text,
               bw_solid_statics(context, b->solid, b->the, NULL, NULL, &result));
 }
 

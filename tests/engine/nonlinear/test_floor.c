@@ -134,7 +134,7 @@ static void test_lifted(void **state) {
     box_hold(context, &b, 1, 0, false, true, false, 0);
     box_force(context, &b, 2, 1, 0, 0, 100);
     check_ok(context, bw_solid_case_floor(context, b.the, point, normal, NULL, NULL, NULL));
-    check_fails(context, BW_FREE, "without any force",
+    check_fails(context, BW_UNCONSTRAINED, "without any force",
                 bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
     assert_false(result->complete);
     bw_release(result);

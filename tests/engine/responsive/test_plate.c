@@ -111,12 +111,12 @@ static void test_solid(void **state) {
     int cells[3] = {k ? 12 : 28, k ? 10 : 6, k ? 3 : 2};
     check_ok(context, bw_mesh_box_grid(context, (double[3]){0}, s, cells, 2, &solid));
     bw_model *model;
-    bw_numbering *numbering;
+    bw_dof_map *dof_map;
     bw_system *system;
     bw_modes *modes;
     check_ok(context, bw_model_create(context, solid, material, &model));
-    check_ok(context, bw_numbering_create(context, model, &numbering));
-    check_ok(context, bw_system_create(context, solid, material, numbering, NULL, &system));
+    check_ok(context, bw_dof_map_create(context, model, &dof_map));
+    check_ok(context, bw_system_create(context, solid, material, dof_map, NULL, &system));
     bw_modes_options options;
     bw_modes_options_default(&options);
     options.count = 8;
@@ -132,7 +132,7 @@ static void test_solid(void **state) {
     check_near(plate[0] / modes->frequency[0], 1, 0.005);
     bw_release(modes);
     bw_release(system);
-    bw_release(numbering);
+    bw_release(dof_map);
     bw_release(model);
     bw_release(solid);
     bw_release(mesh);

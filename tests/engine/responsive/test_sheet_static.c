@@ -226,14 +226,15 @@ static void test_not_held(void **state) {
                           {.tag = LEFT, .kind = BW_PRESSURE, .value = 5},
                           {.tag = LEFT, .component = 0}};
   bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 2, hold);
-  check_fails(context, BW_FREE, "move along x", bw_sheet_static(context, sheet, NULL, NULL));
+  check_fails(context, BW_UNCONSTRAINED, "move along x",
+              bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
   hold[0].component = 0;
   sheet = sheet_on(context, mesh, material, 1, false, 1, hold);
-  check_fails(context, BW_FREE, "free to", bw_sheet_static(context, sheet, NULL, NULL));
+  check_fails(context, BW_UNCONSTRAINED, "free to", bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
   sheet = sheet_on(context, mesh, material, 1, false, 0, NULL);
-  check_fails(context, BW_FREE, "free to", bw_sheet_static(context, sheet, NULL, NULL));
+  check_fails(context, BW_UNCONSTRAINED, "free to", bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
   /* uniform pressure on a square held at two sides: uniform stress */
   hold[0].component = 1;

@@ -6,14 +6,14 @@
 
 /* A field that is linear in every element, random at the corners, and 0 wherever a support holds
  * anything nearby. */
-static double *linear_field(bw_context *context, const bw_numbering *numbering, bw_random *random) {
-  const bw_mesh *mesh = numbering->mesh;
+static double *linear_field(bw_context *context, const bw_dof_map *dof_map, bw_random *random) {
+  const bw_mesh *mesh = dof_map->mesh;
   double *u = BW_NEW0(context, double, 3 * (size_t)mesh->node_count);
   uint8_t *held = BW_NEW0(context, uint8_t, mesh->node_count);
   assert_non_null(u);
   assert_non_null(held);
   for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
-    if (numbering->state[i] != BW_UNKNOWN)
+    if (dof_map->state[i] != BW_DOF_UNKNOWN)
       held[i / 3] = 1;
   for (int64_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < 6; a++) {
@@ -51,23 +51,22 @@ static void linear_fields_are_solved(void **state) {
     turn_domain(&b, 1, 0.2);
     b.now.scale[0][1] *= 1.2;
     edit_and_compare(context, &b, local, BW_LOCAL_REFACTOR);
-    const bw_numbering *numbering = local->system->numbering;
+    const bw_dof_map *dof_map = local->system->dof_map;
     const bw_mesh *mesh = local->system->mesh;
     size_t size = 3 * (size_t)mesh->node_count;
-    assert_int_equal(bwi_coarse_fits(mesh, numbering), numbering->motion_count == 0);
-    if (numbering->motion_count == 0) {
+    assert_int_equal(bwi_coarse_fits(mesh, dof_map), dof_map->motion_count == 0);
+    if (dof_map->motion_count == 0) {
       bwi_coarse *coarse = NULL;
       bool usable = false;
-      double *u = linear_field(context, numbering, &random);
+      double *u = linear_field(context, dof_map, &random);
       double *f = BW_NEW(context, double, size), *v = BW_NEW0(context, double, size);
       assert_true(f && v);
       check_ok(context, bwi_coarse_create(context, mesh, &coarse));
-      check_ok(context,
-               bwi_coarse_follow(context, coarse, local->inner->model, numbering, &usable));
+      check_ok(context, bwi_coarse_follow(context, coarse, local->inner->model, dof_map, &usable));
       assert_true(usable);
       check_ok(context, bw_graph_multiply(context, local->system->graph, local->system->stiffness,
                                           9, 3, 1, u, f));
-      bwi_keep_states(numbering, 1u << BW_UNKNOWN, f);
+      bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN, f);
       const int32_t *parent = bwi_coarse_parents(coarse);
       int64_t corners = bwi_coarse_corners(coarse);
       for (int64_t i = 0; i < mesh->node_count; i++)
@@ -101,8 +100,8 @@ static void no_memory(void **state) {
     bw_fail_allocation(n, true);
     bw_status status = bwi_coarse_create(context, local->system->mesh, &coarse);
     if (status == BW_OK)
-      status = bwi_coarse_follow(context, coarse, local->inner->model, local->system->numbering,
-                                 &usable);
+      status =
+          bwi_coarse_follow(context, coarse, local->inner->model, local->system->dof_map, &usable);
     bw_fail_allocation(0, false);
     bw_release(coarse);
     if (status == BW_OK)

@@ -78,7 +78,7 @@ static void given_up_early(void **state) {
   const bw_system *system = local->system;
   bwi_conjugate problem = {.graph = system->graph,
                            .stiffness = system->stiffness,
-                           .numbering = system->numbering,
+                           .dof_map = system->dof_map,
                            .factor = local->inner->factor,
                            .tolerance = 1e-10,
                            .limit = 2000};

@@ -24,7 +24,7 @@ static void many_sides(void **state) {
     options.precision = run < 2 ? 64 : 32;
     check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, NULL));
     check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
-    check_ok(context, bw_system_create(context, model->mesh, b.material, local->system->numbering,
+    check_ok(context, bw_system_create(context, model->mesh, b.material, local->system->dof_map,
                                        NULL, &fresh));
     check_ok(context, bw_system_solve(context, fresh, SIDES, force, v));
     for (int method = BW_LOCAL_ITERATE; method >= BW_LOCAL_REFACTOR; method--) {

@@ -287,7 +287,7 @@ static double bending_frequency(bw_context *context, const int count[3], int ord
                                 bw_formulation formulation) {
   const double low[3] = {0, 0, 0}, high[3] = {1, 0.05, 0.05};
   bw_mesh *mesh;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   bw_system *system;
   bw_modes *modes;
   bw_modes_options options;
@@ -295,13 +295,13 @@ static double bending_frequency(bw_context *context, const int count[3], int ord
   options.count = 1;
   check_ok(context, bw_mesh_box_grid(context, low, high, count, order, &mesh));
   bw_model *model = model_of(context, mesh, 1e6, 0.4999, formulation);
-  check_ok(context, bw_numbering_create(context, model, &numbering));
-  check_ok(context, bw_system_create(context, mesh, model->material, numbering, NULL, &system));
+  check_ok(context, bw_dof_map_create(context, model, &dof_map));
+  check_ok(context, bw_system_create(context, mesh, model->material, dof_map, NULL, &system));
   check_ok(context, bw_modes_elastic(context, system, &options, &modes));
   double frequency = modes->frequency[0];
   bw_release(modes);
   bw_release(system);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(model);
   bw_release(mesh);
   return frequency;

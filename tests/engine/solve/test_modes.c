@@ -13,11 +13,11 @@ static void free_box_against_dense(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 4, 3, 2, 1);
   bw_material *material = body_material(context);
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
   bw_modes *modes = NULL;
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
-  check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &system));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
   bw_modes_options options;
   bw_modes_options_default(&options);
   check_ok(context, bw_modes_elastic(context, system, &options, &modes));
@@ -50,25 +50,25 @@ static void free_box_against_dense(void **state) {
   free(work);
   bw_release(modes);
   bw_release(system);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(material);
   bw_release(mesh);
 }
 
 typedef struct setup {
   bw_material *material;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   bw_system *system;
 } setup;
 
 static void open_free(bw_context *context, const bw_mesh *mesh, setup *s) {
   *s = (setup){.material = body_material(context)};
-  check_ok(context, bw_numbering_free(context, mesh, &s->numbering));
-  check_ok(context, bw_system_create(context, mesh, s->material, s->numbering, NULL, &s->system));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &s->dof_map));
+  check_ok(context, bw_system_create(context, mesh, s->material, s->dof_map, NULL, &s->system));
 }
 static void close_setup(setup *s) {
   bw_release(s->system);
-  bw_release(s->numbering);
+  bw_release(s->dof_map);
   bw_release(s->material);
 }
 
@@ -147,7 +147,7 @@ static bw_mesh *copies(bw_context *context, const bw_mesh *one, int count, doubl
   return mesh;
 }
 
-/* Ten equal free bodies: every eigenvalue tenfold, 60 rigid motions, none of them a mode. */
+/* Ten equal free bodies: every eigenvalue tenfold, 60 rigid-body motions, none of them a mode. */
 static void equal_bodies(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *one = body_box(context, 0.5, 0.1, 0.08, 5, 1, 1, 1);
@@ -223,21 +223,21 @@ static void oblique_slide(void **state) {
     bw_material *material = body_material(context);
     bw_model *model = NULL;
     bw_selection *face = NULL;
-    bw_numbering *numbering = NULL;
+    bw_dof_map *dof_map = NULL;
     bw_system *system = NULL;
     check_ok(context, bw_model_create(context, mesh[k], material, &model));
     check_ok(context, bw_select_plane(context, mesh[k], origin, normal, 1e-9, &face));
     check_ok(context, bw_model_slide(context, model, face, normal));
-    check_ok(context, bw_numbering_create(context, model, &numbering));
-    assert_int_equal(numbering->motion_count, 3);
-    check_ok(context, bw_system_create(context, mesh[k], material, numbering, NULL, &system));
+    check_ok(context, bw_dof_map_create(context, model, &dof_map));
+    assert_int_equal(dof_map->motion_count, 3);
+    check_ok(context, bw_system_create(context, mesh[k], material, dof_map, NULL, &system));
     check_ok(context, bw_modes_elastic(context, system, NULL, &modes[k]));
     assert_int_equal(modes[k]->rigid_count, 3);
     assert_true(modes[k]->counted);
     for (int i = 0; i < modes[k]->count; i++)
       assert_true(modes[k]->residual[i] < 1e-8);
     bw_release(system);
-    bw_release(numbering);
+    bw_release(dof_map);
     bw_release(face);
     bw_release(model);
     bw_release(material);

@@ -12,7 +12,7 @@ static void as_a_factor(void **state) {
     bar_make(context, 2, 2, &b);
     load_bar(context, &b, scene);
     bw_local_system *local = local_of(context, &b);
-    if (local->system->numbering->motion_count > 0) {
+    if (local->system->dof_map->motion_count > 0) {
       bw_static *result = NULL;
       const bw_local_options options = {.method = BW_LOCAL_LEVELS};
       check_fails(context, BW_INVALID, "free to move",
@@ -245,7 +245,7 @@ static void followed_once(void **state) {
     load_bar(context, &b, scene);
     bw_local_system *local = local_of(context, &b);
     const bwi_local *inner = local->inner;
-    for (int edit = 0; edit < 4 && local->system->numbering->motion_count == 0; edit++) {
+    for (int edit = 0; edit < 4 && local->system->dof_map->motion_count == 0; edit++) {
       if (edit == 1)
         b.now.scale[1][1] *= 1.1;
       if (edit == 3)

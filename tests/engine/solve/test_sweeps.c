@@ -8,7 +8,7 @@
 typedef struct scene {
   bar b;
   bw_graph *graph;
-  bw_numbering *numbering;
+  bw_dof_map *dof_map;
   double *stiffness;
   int64_t size;
 } scene;
@@ -17,7 +17,7 @@ static void scene_make(bw_context *context, int across, int supports, scene *s) 
   bar_make(context, across, 2, &s->b);
   load_bar(context, &s->b, supports);
   check_ok(context, bw_graph_create(context, s->b.mesh, &s->graph));
-  check_ok(context, bw_numbering_create(context, s->b.model, &s->numbering));
+  check_ok(context, bw_dof_map_create(context, s->b.model, &s->dof_map));
   s->stiffness = numbers(9 * s->graph->pair_count);
   s->size = 3 * (int64_t)s->b.mesh->node_count;
   check_ok(context, bw_stiffness(context, s->graph, s->b.mesh, s->b.material, s->stiffness));
@@ -25,7 +25,7 @@ static void scene_make(bw_context *context, int across, int supports, scene *s) 
 
 static void scene_clear(scene *s) {
   free(s->stiffness);
-  bw_release(s->numbering);
+  bw_release(s->dof_map);
   bw_release(s->graph);
   bar_clear(&s->b);
 }
@@ -34,7 +34,7 @@ static bwi_sweeps *sweeps_of(bw_context *context, const scene *s, bool even) {
   bwi_sweeps *sweeps = NULL;
   bool usable = false;
   check_ok(context, bwi_sweeps_create(context, s->b.mesh, s->graph, even, &sweeps));
-  check_ok(context, bwi_sweeps_follow(context, sweeps, s->stiffness, s->numbering, &usable));
+  check_ok(context, bwi_sweeps_follow(context, sweeps, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   return sweeps;
 }
@@ -129,15 +129,15 @@ static void relax(const scene *s, int32_t i, const double *r, double *z) {
       rest[d] -= bw_dot(block + 3 * d, z + 3 * (int64_t)j);
   }
   static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  int32_t row = s->numbering->frame_of[i];
-  const double *frame = row < 0 ? global : s->numbering->frame + 9 * (int64_t)row;
+  int32_t row = s->dof_map->frame_of[i];
+  const double *frame = row < 0 ? global : s->dof_map->frame + 9 * (int64_t)row;
   block_of(s, i, i, block);
   for (int p = 0; p < 3; p++) {
-    bool unknown = s->numbering->state[3 * i + p] == BW_UNKNOWN;
+    bool unknown = s->dof_map->state[3 * i + p] == BW_DOF_UNKNOWN;
     b[p] = unknown ? bw_dot(frame + 3 * p, rest) : 0;
     for (int q = 0; q < 3; q++) {
       a[3 * p + q] = p == q;
-      if (unknown && s->numbering->state[3 * i + q] == BW_UNKNOWN) {
+      if (unknown && s->dof_map->state[3 * i + q] == BW_DOF_UNKNOWN) {
         a[3 * p + q] = 0;
         for (int d = 0; d < 3; d++)
           a[3 * p + q] += frame[3 * p + d] * bw_dot(block + 3 * d, frame + 3 * q);
@@ -168,7 +168,7 @@ static void sweeps(void **state) {
       double *p = numbers((int64_t)room);
       int f = width - 1;
       random_field(3, s.size, r);
-      bwi_keep_states(s.numbering, 1u << BW_UNKNOWN, r);
+      bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, r);
       packed(w, width, f, p, r);
       for (size_t i = 0; i < room; i++)
         pr[i] = (float)p[i];
@@ -179,7 +179,7 @@ static void sweeps(void **state) {
       check_ok(context, bw_graph_multiply(context, s.graph, s.stiffness, 9, 3, 1, z, left));
       for (int64_t i = 0; i < s.size; i++)
         left[i] = r[i] - left[i];
-      bwi_keep_states(s.numbering, 1u << BW_UNKNOWN, left);
+      bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, left);
       for (int pass = 0; pass < 2; pass++) {
         double most = 0, off = 0, off_rest = 0;
         for (int64_t i = 0; i < w->count; i++)
@@ -189,7 +189,7 @@ static void sweeps(void **state) {
             off = fmax(off, fabs((double)pz[at] * w->unit - z[3 * node + d]));
             again[3 * node + d] = (double)rest[at];
           }
-        bwi_keep_states(s.numbering, 1u << BW_UNKNOWN, again);
+        bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, again);
         for (int64_t i = 0; pass == 0 && i < s.size; i++)
           off_rest = fmax(off_rest, fabs(again[i] - left[i]));
         check_near(off / most, 0, 2e-5);
@@ -223,7 +223,7 @@ static void singular_nodes_are_told(void **state) {
   int64_t own = s.graph->start[s.b.mesh->node_count] - 1; /* the last node, at the free end */
   for (int c = 0; c < 9; c++)
     s.stiffness[9 * own + c] = 0;
-  check_ok(context, bwi_sweeps_follow(context, w, s.stiffness, s.numbering, &usable));
+  check_ok(context, bwi_sweeps_follow(context, w, s.stiffness, s.dof_map, &usable));
   assert_false(usable);
   bw_release(w);
   scene_clear(&s);

@@ -10,11 +10,11 @@ static void free_body_against_bordered(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
   bw_material *material = body_material(context);
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
-  assert_int_equal(numbering->motion_count, 6);
-  check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &system));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+  assert_int_equal(dof_map->motion_count, 6);
+  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
   int size = 3 * mesh->node_count, whole = size + 6, one = 1, info;
   double *dense = numbers((int64_t)whole * whole), *column = numbers(size), *out = numbers(size),
          *right = numbers(whole), *force = numbers(size);
@@ -30,14 +30,14 @@ static void free_body_against_bordered(void **state) {
   for (int m = 0; m < 6; m++) {
     double a[6] = {0};
     a[m] = 1;
-    bw_motions_weighted(numbering, a, out);
+    bw_rigid_modes_weighted(dof_map, a, out);
     for (int i = 0; i < size; i++)
       dense[(size_t)(size + m) * (size_t)whole + (size_t)i] =
           dense[(size_t)i * (size_t)whole + (size_t)(size + m)] = out[i] * scale;
   }
   random_field(3, size, force);
   memcpy(right, force, (size_t)size * sizeof(double));
-  bw_motions_balance(numbering, right);
+  bw_rigid_modes_balance(dof_map, right);
   dgesv_(&whole, &one, dense, &whole, pivot, right, &whole, &info);
   assert_int_equal(info, 0);
   check_ok(context, bw_system_solve(context, system, 1, force, out));
@@ -54,7 +54,7 @@ static void free_body_against_bordered(void **state) {
   free(force);
   free(pivot);
   bw_release(system);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(material);
   bw_release(mesh);
 }
@@ -65,8 +65,8 @@ static void residual_and_threads(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 0.8, 0.7, 9, 8, 7, 2);
   bw_material *material = body_material(context);
-  bw_numbering *numbering = NULL;
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  bw_dof_map *dof_map = NULL;
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
   enum { COUNT = 21 };
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *force = numbers(COUNT * size), *ku = numbers(COUNT * size), *u[3] = {NULL};
@@ -75,7 +75,7 @@ static void residual_and_threads(void **state) {
     u[threads - 1] = numbers(COUNT * size);
     random_field(5, COUNT * size, force);
     check_ok(context, bw_set_threads(context, threads));
-    check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &system));
+    check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
     check_ok(context, bw_system_solve(context, system, COUNT, force, u[threads - 1]));
     assert_memory_equal(u[0], u[threads - 1], (size_t)(COUNT * size) * sizeof(double));
     if (threads == 1) {
@@ -83,7 +83,7 @@ static void residual_and_threads(void **state) {
                bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, COUNT, u[0], ku));
       for (int k = 0; k < COUNT; k++) {
         double *f = force + k * size, worst = 0;
-        bw_motions_balance(numbering, f);
+        bw_rigid_modes_balance(dof_map, f);
         for (int64_t i = 0; i < size; i++)
           worst = fmax(worst, fabs(ku[k * size + i] - f[i]));
         assert_true(worst < 1e-9);
@@ -95,7 +95,7 @@ static void residual_and_threads(void **state) {
     free(u[k]);
   free(force);
   free(ku);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(material);
   bw_release(mesh);
 }
@@ -105,16 +105,16 @@ static void reuse(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 1, 1, 4, 4, 4, 1), *moved = NULL;
   bw_material *material = body_material(context);
-  bw_numbering *numbering = NULL, *again = NULL;
+  bw_dof_map *dof_map = NULL, *again = NULL;
   bw_system *first = NULL, *second = NULL, *fresh = NULL;
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *x = numbers(size), *u = numbers(size), *v = numbers(size);
   for (int64_t i = 0; i < size; i++)
     x[i] = mesh->node[i] * (i % 3 == 0 ? 1.5 : 1);
   check_ok(context, bw_mesh_moved(context, mesh, x, &moved));
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
-  check_ok(context, bw_numbering_free(context, moved, &again));
-  check_ok(context, bw_system_create(context, mesh, material, numbering, NULL, &first));
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
+  check_ok(context, bw_dof_map_unconstrained(context, moved, &again));
+  check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &first));
   check_ok(context, bw_system_create(context, moved, material, again, first, &second));
   check_ok(context, bw_system_create(context, moved, material, again, NULL, &fresh));
   assert_ptr_equal(second->graph, first->graph);
@@ -129,7 +129,7 @@ static void reuse(void **state) {
   bw_release(first);
   bw_release(second);
   bw_release(fresh);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(again);
   bw_release(material);
   bw_release(mesh);
@@ -140,8 +140,8 @@ static void failing_allocations(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 1, 1, 3, 3, 3, 1);
   bw_material *material = body_material(context);
-  bw_numbering *numbering = NULL;
-  check_ok(context, bw_numbering_free(context, mesh, &numbering));
+  bw_dof_map *dof_map = NULL;
+  check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
   int64_t size = 3 * (int64_t)mesh->node_count;
   double *u = numbers(3 * size);
   check_ok(context, bw_set_threads(context, 1));
@@ -150,7 +150,7 @@ static void failing_allocations(void **state) {
   for (int64_t n = 1; !passed && n < 2000; n++) {
     bw_system *system = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bw_system_create(context, mesh, material, numbering, NULL, &system);
+    bw_status status = bw_system_create(context, mesh, material, dof_map, NULL, &system);
     random_field(1, 3 * size, u);
     if (status == BW_OK)
       status = bw_system_solve(context, system, 3, u, u);
@@ -164,7 +164,7 @@ static void failing_allocations(void **state) {
   }
   assert_true(passed);
   free(u);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(material);
   bw_release(mesh);
 }

@@ -101,7 +101,7 @@ static bw_status follow_and_solve(bw_context *context, const bw_model *model,
     goto done;
   }
   const int32_t nodes[SLOPES] = {0, mesh->node_count / 2};
-  BW_TRY(bw_von_mises_gradient(context, moved, local->system->numbering, result->displacement,
+  BW_TRY(bw_von_mises_gradient(context, moved, local->system->dof_map, result->displacement,
                                solve_local, local, SLOPES, nodes, NULL, von_mises, gradient));
   *most = von_mises[0];
 done:

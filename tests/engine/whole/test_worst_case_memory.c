@@ -26,7 +26,7 @@ static bw_status whole_run(bw_context *context, const files *file, double *most)
   bw_mesh *mesh = NULL;
   bw_material *material = NULL;
   bw_model *model = NULL;
-  bw_numbering *numbering = NULL;
+  bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
   bw_modes *modes = NULL;
   bw_weak_regions *regions = NULL;
@@ -42,8 +42,8 @@ static bw_status whole_run(bw_context *context, const files *file, double *most)
   BW_TRY(bw_mesh_box_grid(context, low, high, cells, 1, &mesh));
   BW_TRY(bw_material_named(context, "zp150", &material));
   BW_TRY(bw_model_create(context, mesh, material, &model));
-  BW_TRY(bw_numbering_create(context, model, &numbering));
-  BW_TRY(bw_system_create(context, mesh, material, numbering, NULL, &system));
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  BW_TRY(bw_system_create(context, mesh, material, dof_map, NULL, &system));
   bw_modes_options modes_options;
   bw_modes_options_default(&modes_options);
   modes_options.count = 3;
@@ -75,7 +75,7 @@ done:
   bw_release(regions);
   bw_release(modes);
   bw_release(system);
-  bw_release(numbering);
+  bw_release(dof_map);
   bw_release(model);
   bw_release(material);
   bw_release(mesh);

@@ -77,7 +77,7 @@ end
 -- ---- what is wrong ------------------------------------------------------------------------------
 
 local statuses = {}
-for word in ([[io format geometry free singular convergence infeasible limit memory cancelled unsupported
+for word in ([[io format geometry unconstrained singular convergence infeasible limit memory cancelled unsupported
   empty busy damaged failed different foreign rejected]]):gmatch "%S+" do
   statuses[word] = true
 end

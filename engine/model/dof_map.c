@@ -1,39 +1,39 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Which displacement components are unknowns, held, or pinned: states, values and frames from what
- * the supports hold; the free motions of every body; the pins are chosen in pins.c. */
+ * the supports hold; the rigid-body modes of every body; the pins are chosen in isostatic.c. */
 #include <math.h>
 #include <string.h>
 
 #include "model/internal.h"
 
-static void numbering_destroy(void *object) {
-  bw_numbering *numbering = (bw_numbering *)object;
-  bw_release(numbering->mesh);
-  bw_free(numbering->unknown);
-  bw_free(numbering->state);
-  bw_free(numbering->frame_of);
-  bw_free(numbering->frame);
-  bw_free(numbering->value);
-  bw_free(numbering->motion);
-  bw_free(numbering->motion_start);
-  bw_free(numbering->body_start);
-  bw_free(numbering->body_node);
-  bw_free(numbering->body_volume);
-  bw_free(numbering->body_centre);
-  bw_free(numbering->weight);
-  bw_free(numbering);
+static void dof_map_destroy(void *object) {
+  bw_dof_map *dof_map = (bw_dof_map *)object;
+  bw_release(dof_map->mesh);
+  bw_free(dof_map->unknown);
+  bw_free(dof_map->state);
+  bw_free(dof_map->frame_of);
+  bw_free(dof_map->frame);
+  bw_free(dof_map->value);
+  bw_free(dof_map->motion);
+  bw_free(dof_map->motion_start);
+  bw_free(dof_map->body_start);
+  bw_free(dof_map->body_node);
+  bw_free(dof_map->body_volume);
+  bw_free(dof_map->body_centre);
+  bw_free(dof_map->weight);
+  bw_free(dof_map);
 }
 
-static size_t numbering_bytes(const void *object) {
-  const bw_numbering *numbering = (const bw_numbering *)object;
-  size_t nodes = (size_t)numbering->mesh->node_count;
-  size_t bodies = (size_t)numbering->mesh->component_count;
-  return sizeof *numbering + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + 4 * 8) +
-         (size_t)numbering->frame_count * 72 + bodies * 40 +
-         (size_t)numbering->motion_count * sizeof *numbering->motion;
+static size_t dof_map_bytes(const void *object) {
+  const bw_dof_map *dof_map = (const bw_dof_map *)object;
+  size_t nodes = (size_t)dof_map->mesh->node_count;
+  size_t bodies = (size_t)dof_map->mesh->component_count;
+  return sizeof *dof_map + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + 4 * 8) +
+         (size_t)dof_map->frame_count * 72 + bodies * 40 +
+         (size_t)dof_map->motion_count * sizeof *dof_map->motion;
 }
 
-static const bw_kind numbering_kind = {"numbering", numbering_destroy, numbering_bytes};
+static const bw_kind dof_map_kind = {"DOF map", dof_map_destroy, dof_map_bytes};
 
 /* A unit vector orthogonal to `count` orthonormal ones, as near to a global axis as can be. */
 static void complete(int count, double (*row)[3]) {
@@ -77,16 +77,16 @@ static void support_frame(const bwi_hold *at, const bwi_follow *follow, double r
 /* Turn what is held at nodes into states, values and frames. Following an edit, every node that is
  * held in part has a frame of its own, along the global axes or not: so its state does not depend
  * on how the surface lies just now. */
-static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32_t count,
+static bw_status apply_holds(bw_context *context, bw_dof_map *dof_map, int32_t count,
                              const bwi_hold *hold, const bwi_follow *follow) {
   int32_t frames = 0;
   for (int pass = 0; pass < 2; pass++) {
     if (pass == 1 && frames > 0) {
-      numbering->frame = BW_NEW(context, double, 9 * (size_t)frames);
-      if (!numbering->frame)
+      dof_map->frame = BW_NEW(context, double, 9 * (size_t)frames);
+      if (!dof_map->frame)
         return BW_MEMORY;
     }
-    numbering->frame_count = frames;
+    dof_map->frame_count = frames;
     frames = 0;
     for (int32_t h = 0; h < count; h++) {
       const bwi_hold *at = &hold[h];
@@ -107,35 +107,35 @@ static bw_status apply_holds(bw_context *context, bw_numbering *numbering, int32
       if (global || at->count == 3) {
         for (int k = 0; pass == 1 && k < 3; k++)
           if (held[k]) {
-            numbering->state[base + (size_t)k] = BW_HELD;
-            numbering->value[base + (size_t)k] = value[k];
+            dof_map->state[base + (size_t)k] = BW_DOF_PRESCRIBED;
+            dof_map->value[base + (size_t)k] = value[k];
           }
         continue;
       }
       if (pass == 1) {
         double row[3][3];
         support_frame(at, follow, row);
-        memcpy(numbering->frame + 9 * (size_t)frames, row, sizeof row);
-        numbering->frame_of[at->node] = frames;
+        memcpy(dof_map->frame + 9 * (size_t)frames, row, sizeof row);
+        dof_map->frame_of[at->node] = frames;
         for (int i = 0; i < at->count; i++) {
-          numbering->state[base + (size_t)i] = BW_HELD;
-          numbering->value[base + (size_t)i] = at->value[i];
+          dof_map->state[base + (size_t)i] = BW_DOF_PRESCRIBED;
+          dof_map->value[base + (size_t)i] = at->value[i];
         }
       }
       frames++;
     }
   }
-  for (size_t i = 0; i < 3 * (size_t)numbering->mesh->node_count; i++)
-    if (numbering->value[i] != 0)
-      numbering->prescribed = true;
+  for (size_t i = 0; i < 3 * (size_t)dof_map->mesh->node_count; i++)
+    if (dof_map->value[i] != 0)
+      dof_map->prescribed = true;
   return BW_OK;
 }
 
-/* The free motions of every body, and their pins. */
-static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32_t hold_count,
+/* The rigid-body modes of every body, and their pins. */
+static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t hold_count,
                              const bwi_hold *hold, const double *inertia,
-                             const bw_numbering *previous) {
-  const bw_mesh *mesh = numbering->mesh;
+                             const bw_dof_map *previous) {
+  const bw_mesh *mesh = dof_map->mesh;
   bw_status status = BW_OK;
   size_t capacity = 0, bodies = (size_t)mesh->component_count;
   double(*row)[6] = NULL;
@@ -164,7 +164,7 @@ static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32
     goto done;
   }
   for (int32_t body = 0; body < mesh->component_count; body++) {
-    const double *centre = numbering->body_centre + 3 * (size_t)body;
+    const double *centre = dof_map->body_centre + 3 * (size_t)body;
     const double *j = inertia + 9 * (size_t)body;
     double length = sqrt((j[0] + j[4] + j[8]) / 2); /* radius of gyration */
     int64_t rows = 0;
@@ -180,16 +180,16 @@ static bw_status free_bodies(bw_context *context, bw_numbering *numbering, int32
       }
     }
     BW_TRY(bw_check_cancel(context));
-    if (!bw_grow(context, (void **)&numbering->motion, &capacity, (size_t)numbering->motion_count,
-                 6, sizeof *numbering->motion)) {
+    if (!bw_grow(context, (void **)&dof_map->motion, &capacity, (size_t)dof_map->motion_count, 6,
+                 sizeof *dof_map->motion)) {
       status = BW_MEMORY;
       goto done;
     }
-    bw_rigid_motion *motion = numbering->motion + numbering->motion_count;
-    int count = bwi_free_motions(numbering, body, j, length, rows, (const double(*)[6])row, motion);
-    BW_TRY(bwi_pin(context, numbering, body, count, motion, length, previous));
-    numbering->motion_count += count;
-    numbering->motion_start[body + 1] = numbering->motion_count;
+    bw_rigid_mode *motion = dof_map->motion + dof_map->motion_count;
+    int count = bwi_rigid_modes(dof_map, body, j, length, rows, (const double(*)[6])row, motion);
+    BW_TRY(bwi_pin(context, dof_map, body, count, motion, length, previous));
+    dof_map->motion_count += count;
+    dof_map->motion_start[body + 1] = dof_map->motion_count;
   }
 done:
   bw_free(row);
@@ -199,74 +199,73 @@ done:
 }
 
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                     const bwi_hold *hold, const bwi_follow *follow, bw_numbering **out) {
+                     const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **out) {
   size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
   double *inertia = NULL;
   bw_status status = BW_OK;
   if (mesh->node_count > INT32_MAX / 3)
     return bw_fail(context, BW_LIMIT, "%d nodes have more than 2^31 - 1 displacement components",
                    mesh->node_count);
-  bw_numbering *numbering = BW_NEW0(context, bw_numbering, 1);
-  if (!numbering)
+  bw_dof_map *dof_map = BW_NEW0(context, bw_dof_map, 1);
+  if (!dof_map)
     return BW_MEMORY;
-  bw_object_init(numbering, &numbering_kind);
-  numbering->mesh = (const bw_mesh *)bw_retain(mesh);
-  numbering->unknown = BW_NEW(context, int32_t, 3 * nodes);
-  numbering->state = BW_NEW0(context, uint8_t, 3 * nodes);
-  numbering->frame_of = BW_NEW(context, int32_t, nodes);
-  numbering->value = BW_NEW0(context, double, 3 * nodes);
-  numbering->motion_start = BW_NEW0(context, int32_t, bodies + 1);
-  numbering->body_start = BW_NEW0(context, int32_t, bodies + 1);
-  numbering->body_node = BW_NEW(context, int32_t, nodes);
-  numbering->body_volume = BW_NEW(context, double, bodies);
-  numbering->body_centre = BW_NEW(context, double, 3 * bodies);
-  numbering->weight = BW_NEW(context, double, 4 * nodes);
+  bw_object_init(dof_map, &dof_map_kind);
+  dof_map->mesh = (const bw_mesh *)bw_retain(mesh);
+  dof_map->unknown = BW_NEW(context, int32_t, 3 * nodes);
+  dof_map->state = BW_NEW0(context, uint8_t, 3 * nodes);
+  dof_map->frame_of = BW_NEW(context, int32_t, nodes);
+  dof_map->value = BW_NEW0(context, double, 3 * nodes);
+  dof_map->motion_start = BW_NEW0(context, int32_t, bodies + 1);
+  dof_map->body_start = BW_NEW0(context, int32_t, bodies + 1);
+  dof_map->body_node = BW_NEW(context, int32_t, nodes);
+  dof_map->body_volume = BW_NEW(context, double, bodies);
+  dof_map->body_centre = BW_NEW(context, double, 3 * bodies);
+  dof_map->weight = BW_NEW(context, double, 4 * nodes);
   inertia = BW_NEW(context, double, 9 * bodies);
-  if (!numbering->unknown || !numbering->state || !numbering->frame_of || !numbering->value ||
-      !numbering->motion_start || !numbering->body_start || !numbering->body_node ||
-      !numbering->body_volume || !numbering->body_centre || !numbering->weight || !inertia) {
+  if (!dof_map->unknown || !dof_map->state || !dof_map->frame_of || !dof_map->value ||
+      !dof_map->motion_start || !dof_map->body_start || !dof_map->body_node ||
+      !dof_map->body_volume || !dof_map->body_centre || !dof_map->weight || !inertia) {
     status = BW_MEMORY;
     goto done;
   }
   for (size_t i = 0; i < nodes; i++) {
-    numbering->frame_of[i] = -1;
-    numbering->body_start[mesh->component[i] + 1]++;
+    dof_map->frame_of[i] = -1;
+    dof_map->body_start[mesh->component[i] + 1]++;
   }
   for (size_t body = 0; body < bodies; body++)
-    numbering->body_start[body + 1] += numbering->body_start[body];
+    dof_map->body_start[body + 1] += dof_map->body_start[body];
   for (int32_t i = mesh->node_count - 1; i >= 0; i--) /* ends as cursors: they become the starts */
-    numbering->body_node[--numbering->body_start[mesh->component[i] + 1]] = i;
+    dof_map->body_node[--dof_map->body_start[mesh->component[i] + 1]] = i;
   for (size_t body = 0; body < bodies; body++)
-    numbering->body_start[body] = numbering->body_start[body + 1];
-  numbering->body_start[bodies] = mesh->node_count;
+    dof_map->body_start[body] = dof_map->body_start[body + 1];
+  dof_map->body_start[bodies] = mesh->node_count;
 
-  BW_TRY(bwi_moments(context, numbering, inertia));
-  BW_TRY(apply_holds(context, numbering, hold_count, hold, follow));
+  BW_TRY(bwi_moments(context, dof_map, inertia));
+  BW_TRY(apply_holds(context, dof_map, hold_count, hold, follow));
   if (follow)
-    BW_TRY(bwi_take_frames(context, numbering, follow));
+    BW_TRY(bwi_take_frames(context, dof_map, follow));
   BW_TRY(
-      free_bodies(context, numbering, hold_count, hold, inertia, follow ? follow->previous : NULL));
+      free_bodies(context, dof_map, hold_count, hold, inertia, follow ? follow->previous : NULL));
   for (size_t i = 0; i < 3 * nodes; i++)
-    numbering->unknown[i] = numbering->state[i] == BW_UNKNOWN ? numbering->unknown_count++ : -1;
-  *out = numbering;
+    dof_map->unknown[i] = dof_map->state[i] == BW_DOF_UNKNOWN ? dof_map->unknown_count++ : -1;
+  *out = dof_map;
 done:
   bw_free(inertia);
   if (status != BW_OK)
-    bw_release(numbering);
+    bw_release(dof_map);
   return status;
 }
 
-bw_status bw_numbering_free(bw_context *context, const bw_mesh *mesh, bw_numbering **numbering) {
-  return bwi_number(context, mesh, 0, NULL, NULL, numbering);
+bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh, bw_dof_map **dof_map) {
+  return bwi_number(context, mesh, 0, NULL, NULL, dof_map);
 }
 
-bw_status bw_numbering_create(bw_context *context, const bw_model *model,
-                              bw_numbering **numbering) {
+bw_status bw_dof_map_create(bw_context *context, const bw_model *model, bw_dof_map **dof_map) {
   int32_t count = 0;
   bwi_hold *hold = NULL;
   bw_status status;
   BW_TRY(bwi_holds_of(context, model, &count, &hold));
-  BW_TRY(bwi_number(context, model->mesh, count, hold, NULL, numbering));
+  BW_TRY(bwi_number(context, model->mesh, count, hold, NULL, dof_map));
 done:
   bw_free(hold);
   return status;
@@ -277,14 +276,14 @@ done:
 /* Bodies listed in a message; the rest are counted. */
 enum { BODIES_NAMED = 4 };
 
-bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *numbering,
-                                     char **text) {
+bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map *dof_map,
+                                          char **text) {
   bwi_text out = {.context = context};
-  int32_t bodies = numbering->mesh->component_count, named = 0, more = 0;
-  if (numbering->motion_count == 0)
-    bwi_text_add(&out, "no rigid motion is free");
+  int32_t bodies = dof_map->mesh->component_count, named = 0, more = 0;
+  if (dof_map->motion_count == 0)
+    bwi_text_add(&out, "no rigid-body mode is unconstrained");
   for (int32_t body = 0; body < bodies; body++) {
-    int32_t first = numbering->motion_start[body], next = numbering->motion_start[body + 1];
+    int32_t first = dof_map->motion_start[body], next = dof_map->motion_start[body + 1];
     if (first == next)
       continue;
     if (named == BODIES_NAMED) {
@@ -299,17 +298,18 @@ bw_status bw_numbering_describe_free(bw_context *context, const bw_numbering *nu
       bwi_text_add(&out, " of ");
       bwi_text_integer(&out, bodies);
       bwi_text_add(&out, " (around ");
-      bwi_text_vector(&out, numbering->body_centre + 3 * (size_t)body, 4, 0);
+      bwi_text_vector(&out, dof_map->body_centre + 3 * (size_t)body, 4, 0);
       bwi_text_add(&out, " m, ");
-      bwi_text_number(&out, numbering->body_volume[body], 4, 0);
+      bwi_text_number(&out, dof_map->body_volume[body], 4, 0);
       bwi_text_add(&out, " m3): ");
     }
     bwi_text_integer(&out, next - first);
-    bwi_text_add(&out, next - first == 1 ? " rigid motion is free: " : " rigid motions are free: ");
+    bwi_text_add(&out, next - first == 1 ? " rigid-body mode is unconstrained: "
+                                         : " rigid-body modes are unconstrained: ");
     for (int32_t m = first; m < next; m++) {
       if (m > first)
         bwi_text_add(&out, ", ");
-      bwi_text_add(&out, numbering->motion[m].text);
+      bwi_text_add(&out, dof_map->motion[m].text);
     }
   }
   if (more > 0) {

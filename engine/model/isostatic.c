@@ -1,10 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Where a body with free motions is pinned.
+/* Where a body with rigid-body modes is pinned.
  *
- * A body with free motions has a singular stiffness matrix. Pinning as many components as there are
- * free motions, such that no free motion vanishes at all of them, makes it regular without making
- * it stiffer: the pins are statically determinate, so their reactions are zero when the load is
- * balanced. They are picked by pivoting: each one where the motions not yet pinned move most. */
+ * A body with rigid-body modes has a singular stiffness matrix. Pinning as many components as there
+ * are rigid-body modes, such that no rigid-body mode vanishes at all of them, makes it regular
+ * without making it stiffer: the pins are statically determinate, so their reactions are zero when
+ * the load is balanced. They are picked by pivoting: each one where the motions not yet pinned move
+ * most. */
 #include <math.h>
 #include <string.h>
 
@@ -24,26 +25,25 @@ enum { PIN_CANDIDATES = 4096 };
 #define PIN_STAYS 3.0
 
 /* The displacement direction of component k at a node. */
-static void direction_of(const bw_numbering *numbering, int32_t node, int k, double d[3]) {
-  int32_t frame = numbering->frame_of[node];
+static void direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]) {
+  int32_t frame = dof_map->frame_of[node];
   for (int l = 0; l < 3; l++)
-    d[l] = frame < 0 ? k == l : numbering->frame[9 * (size_t)frame + (size_t)(3 * k + l)];
+    d[l] = frame < 0 ? k == l : dof_map->frame[9 * (size_t)frame + (size_t)(3 * k + l)];
 }
 
-/* Pin `count` components of a body whose first motion is `motion`; false when the free motions
+/* Pin `count` components of a body whose first motion is `motion`; false when the rigid-body modes
  * cannot be told apart at the candidates: every stride-th node within `reach` of the centre, and of
- * those (with `among`) only the pins of that numbering. */
-static bool pick_pins(const bw_numbering *numbering, int32_t body, int count,
-                      const bw_rigid_motion *motion, double reach, int32_t stride, double weakest,
-                      const bw_numbering *among, int32_t *pin_node, int *pin_direction) {
-  const bw_mesh *mesh = numbering->mesh;
-  const double *centre = numbering->body_centre + 3 * (size_t)body;
+ * those (with `among`) only the pins of that DOF map. */
+static bool pick_pins(const bw_dof_map *dof_map, int32_t body, int count,
+                      const bw_rigid_mode *motion, double reach, int32_t stride, double weakest,
+                      const bw_dof_map *among, int32_t *pin_node, int *pin_direction) {
+  const bw_mesh *mesh = dof_map->mesh;
+  const double *centre = dof_map->body_centre + 3 * (size_t)body;
   double done[6][6], first = 0;
   for (int pin = 0; pin < count; pin++) {
     double best = 0, best_row[6] = {0};
-    for (int64_t j = numbering->body_start[body]; j < numbering->body_start[body + 1];
-         j += stride) {
-      int32_t i = numbering->body_node[j];
+    for (int64_t j = dof_map->body_start[body]; j < dof_map->body_start[body + 1]; j += stride) {
+      int32_t i = dof_map->body_node[j];
       const double *x = mesh->node + 3 * (size_t)i;
       double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, u[6][3];
       if (bw_dot(y, y) > reach * reach)
@@ -53,10 +53,10 @@ static bool pick_pins(const bw_numbering *numbering, int32_t body, int count,
       for (int k = 0; k < 3; k++) {
         double d[3], row[6] = {0}, size = 0;
         size_t component = 3 * (size_t)i + (size_t)k;
-        if (numbering->state[component] != BW_UNKNOWN ||
-            (among && among->state[component] != BW_PINNED))
+        if (dof_map->state[component] != BW_DOF_UNKNOWN ||
+            (among && among->state[component] != BW_DOF_ISOSTATIC))
           continue;
-        direction_of(numbering, i, k, d);
+        direction_of(dof_map, i, k, d);
         for (int m = 0; m < count; m++)
           row[m] = bw_dot(d, u[m]);
         for (int pass = 0; pass < 2; pass++)
@@ -88,22 +88,22 @@ static bool pick_pins(const bw_numbering *numbering, int32_t body, int count,
   return true;
 }
 
-bw_status bwi_pin(bw_context *context, bw_numbering *numbering, int32_t body, int count,
-                  const bw_rigid_motion *motion, double length, const bw_numbering *previous) {
+bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
+                  const bw_rigid_mode *motion, double length, const bw_dof_map *previous) {
   int32_t pin_node[6];
   int pin_direction[6];
-  int32_t nodes = numbering->body_start[body + 1] - numbering->body_start[body];
+  int32_t nodes = dof_map->body_start[body + 1] - dof_map->body_start[body];
   if (previous && previous->motion_start[body + 1] - previous->motion_start[body] != count)
     previous = NULL;
-  if (!(previous && pick_pins(numbering, body, count, motion, PIN_STAYS * length, 1, PIN_POOR,
+  if (!(previous && pick_pins(dof_map, body, count, motion, PIN_STAYS * length, 1, PIN_POOR,
                               previous, pin_node, pin_direction)) &&
-      !pick_pins(numbering, body, count, motion, PIN_REACH * length, nodes / PIN_CANDIDATES + 1,
+      !pick_pins(dof_map, body, count, motion, PIN_REACH * length, nodes / PIN_CANDIDATES + 1,
                  PIN_WEAK, NULL, pin_node, pin_direction) &&
-      !pick_pins(numbering, body, count, motion, HUGE_VAL, 1, 1e-9, NULL, pin_node, pin_direction))
+      !pick_pins(dof_map, body, count, motion, HUGE_VAL, 1, 1e-9, NULL, pin_node, pin_direction))
     return bw_fail(context, BW_INTERNAL,
-                   "body %d has %d free rigid motions that its nodes cannot tell apart", body + 1,
-                   count);
+                   "body %d has %d unconstrained rigid-body modes that its nodes cannot tell apart",
+                   body + 1, count);
   for (int p = 0; p < count; p++)
-    numbering->state[3 * (size_t)pin_node[p] + (size_t)pin_direction[p]] = BW_PINNED;
+    dof_map->state[3 * (size_t)pin_node[p] + (size_t)pin_direction[p]] = BW_DOF_ISOSTATIC;
   return BW_OK;
 }
